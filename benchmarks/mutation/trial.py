@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from codewheel.commands.outputs import targets_named, tell_unfit
+from codewheel.commands.outputs import report_unfit_parts, targets_named
 from codewheel.language.document import Document
 from codewheel.language.files import packaged_masters, packaged_specs
 from codewheel.language.problems import Report
@@ -129,7 +129,7 @@ class Trial:
             compare_readings(families, sound, report, self._second)
             check_sheets(families, sound, report, self._sheet)
         if not report:
-            tell_unfit(families, self._targets, report)
+            report_unfit_parts(families, self._targets, report)
         if report:
             return _refused(report)
         devices = {family.device.name: family.device for family in families}

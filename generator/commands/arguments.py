@@ -44,6 +44,7 @@ class Parser(argparse.ArgumentParser):
         return f"{help_text}\n{self.more_help()}\n" if self.more_help is not None else help_text
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
+        """Reject a value that is not among the choices, with the nearest of them."""
         if action.choices is not None and value not in action.choices:
             from ..language.problems import suggestion
 
@@ -64,22 +65,24 @@ class ShowVersion(argparse.Action):
         parser.exit()
 
 
-def parse(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) -> argparse.Namespace:
-    """Parse the arguments. An extra one is an error that shows the usage of its command."""
-    chosen, extra = parser.parse_known_args(arguments)
-    if extra:
-        chosen.parser.error(_unexpected(chosen.parser, extra[0]))
-    return chosen
+def parse(parser: argparse.ArgumentParser, words: Sequence[str]) -> argparse.Namespace:
+    """Parse the words of a command line. One too many is an error that shows the usage of its command."""
+    arguments, extra_words = parser.parse_known_args(words)
+    if extra_words:
+        arguments.parser.error(_unexpected_message(arguments.parser, extra_words[0]))
+    return arguments
 
 
-def _unexpected(parser: argparse.ArgumentParser, argument: str) -> str:
+def _unexpected_message(parser: argparse.ArgumentParser, argument: str) -> str:
     """Return the message about an argument that the command does not have."""
     from ..language.problems import suggestion
 
     options = sorted(name for action in parser._actions for name in action.option_strings)
     if argument.startswith("-"):
-        return f"there is no option '{argument}'{suggestion(argument.partition('=')[0], options)}"
-    if "--specs" in options and (Path(argument).suffix in (".yaml", ".yml") or Path(argument).exists()):
+        option_name, _, _ = argument.partition("=")
+        return f"there is no option '{argument}'{suggestion(option_name, options)}"
+    is_spec = Path(argument).suffix in (".yaml", ".yml") or Path(argument).exists()
+    if "--specs" in options and is_spec:
         return f"unexpected argument '{argument}'; give a spec as --specs {argument}"
     return f"unexpected argument '{argument}'"
 
@@ -133,11 +136,12 @@ def add_cache_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--no-cache", action="store_true", help="neither use nor store results of earlier runs")
 
 
-def cache_for(chosen: argparse.Namespace) -> Cache:
+def cache_for(arguments: argparse.Namespace) -> Cache:
     """Return the cache of a run. With ``--no-cache``, it keeps nothing."""
     from ..cache import Cache, default_folder
 
-    return Cache(None if getattr(chosen, "no_cache", False) else default_folder())
+    has_no_cache = getattr(arguments, "no_cache", False)
+    return Cache(None if has_no_cache else default_folder())
 
 
 def add_register_option(parser: argparse.ArgumentParser) -> None:
@@ -157,15 +161,17 @@ def bytes_by_address(pairs: Sequence[str]) -> dict[int, int]:
     Raises:
         Stop: A pair is malformed. The exit code is 2.
     """
-    register_bytes = {}
+    register_bytes: dict[int, int] = {}
     for pair in pairs:
-        address, equals, byte = pair.partition("=")
+        malformed = Stop(f"'{pair}' is not a register and a byte; write it like 0x56=0x10", 2)
+        address_text, _, byte_text = pair.partition("=")
         try:
-            register_bytes[int(address, 0)] = int(byte, 0)
+            address, byte = int(address_text, 0), int(byte_text, 0)
         except ValueError:
-            raise Stop(f"'{pair}' is not a register and a byte; write it like 0x56=0x10", 2) from None
-        if not equals or not 0 <= int(byte, 0) <= 255:
-            raise Stop(f"'{pair}' is not a register and a byte; write it like 0x56=0x10", 2)
+            raise malformed from None
+        if not 0 <= byte <= 255:
+            raise malformed
+        register_bytes[address] = byte
     return register_bytes
 
 

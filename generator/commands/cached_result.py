@@ -85,27 +85,31 @@ class _NotStorable(Exception):
 def _hash_of_inputs(paths: Sequence[Path], options: Sequence[str]) -> str:
     """Return a hash of the options and of all files that a run reads, or an empty string if they are not known."""
     try:
-        return key_of("inputs", chain([os.getcwd(), *options, ""], _inputs(paths)))
+        options_and_files = chain([os.getcwd(), *options, ""], _names_and_contents(paths))
+        return key_of("inputs", options_and_files)
     except (OSError, ValueError, _NotStorable):
         return ""
 
 
-def _inputs(paths: Sequence[Path]) -> Iterator[bytes | str]:
+def _names_and_contents(paths: Sequence[Path]) -> Iterator[bytes | str]:
     """Yield the names and the content of all files that a run with these paths reads.
 
     Raises:
         OSError: A folder cannot be read.
         _NotStorable: A spec cannot be read, or is an overlay.
     """
-    names_in = functools.cache(os.listdir)
+    names_in_folder = functools.cache(os.listdir)
     for path in paths:
-        search_result = find_files(path) if is_folder(path) else None
-        specs = (path,) if search_result is None else search_result.specs
-        skipped = () if search_result is None else search_result.passed_over
+        specs: Sequence[Path] = (path,)
+        skipped: Sequence[Path] = ()
+        if is_folder(path):
+            search_result = find_files(path)
+            specs, skipped = search_result.specs, search_result.passed_over
+        # The words between the lists ensure that no name can move from one to the next.
         yield from (str(path), "specs", *map(str, specs), "skipped", *map(str, skipped), "content")
         for spec in specs:
             keys = top_keys(spec)
             if keys is None or not keys.isdisjoint(_OVERLAY_KEYS):
                 raise _NotStorable
-            yield from content_of(family_files(spec, names_in))
+            yield from content_of(family_files(spec, names_in_folder))
     yield from content_of(sorted(packaged_masters().iterdir()))

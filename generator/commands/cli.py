@@ -52,7 +52,7 @@ class Command(Protocol):
 
     def add_arguments(self, parser: Parser) -> None: ...
 
-    def run(self, chosen: argparse.Namespace) -> int: ...
+    def run(self, arguments: argparse.Namespace) -> int: ...
 
 
 def command_named(name: str) -> Command:
@@ -113,10 +113,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(arguments: Sequence[str] | None) -> int:
+    """Parse the arguments, run the command, and return its exit code."""
     try:
-        chosen = parse(parser_for(sys.argv[1:] if arguments is None else arguments), arguments)
-        prepare_streams(as_json=getattr(chosen, "json", False))
-        return command_named(chosen.command).run(chosen)
+        words = sys.argv[1:] if arguments is None else arguments
+        parsed = parse(parser_for(words), words)
+        prepare_streams(as_json=getattr(parsed, "json", False))
+        return command_named(parsed.command).run(parsed)
     except Stop as stop:
         print(f"codewheel: {stop}", file=sys.stderr)
         return stop.code

@@ -25,7 +25,7 @@ def add_arguments(parser: Parser) -> None:
     add_specs_option(parser, "")
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Write the sheet of a family, and print the number of gaps to fill.
 
     Raises:
@@ -38,7 +38,7 @@ def run(chosen: argparse.Namespace) -> int:
     from .read_specs import specs_to_judge
     from .terminal import problems
 
-    loaded_family = family_named(chosen.family, specs_to_judge(chosen.specs, "cloze FAMILY").paths)
+    loaded_family = family_named(arguments.family, specs_to_judge(arguments.specs, "cloze FAMILY").paths)
     family, report = loaded_family.plain or loaded_family, Report()
     filled_sheet = read_sheet(family, report)
     if report:

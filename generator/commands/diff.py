@@ -76,6 +76,7 @@ def add_arguments(parser: Parser) -> None:
 
 
 def _add_record_options(parser: Parser) -> None:
+    """Add the options that save the changes and the next version."""
     parser.add_argument(
         "--record",
         action="store_true",
@@ -101,48 +102,50 @@ class _Side:
     excluded_names: frozenset[str] = frozenset()
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Compare, print, and return the exit code.
 
     Raises:
         Stop: Something cannot be read, or families that must not be released would be recorded.
     """
-    if chosen.record and not Path(chosen.new).is_dir():
+    if arguments.record and not Path(arguments.new).is_dir():
         raise Stop("--record needs a folder of specs: all families of a manufacturer share a version", 2)
-    cache = cache_for(chosen)
-    before, after, comparison = _compare_sides(chosen, cache)
-    if chosen.record:
-        if not chosen.unchecked:
-            _refuse_unproved(after.families, cache)
-        comparison = _record(comparison, after)
-    relevant_changes, notices = _without_accepted(comparison.changes, chosen)
-    comparison = replace(comparison, notices=(*comparison.notices, *notices))
-    if chosen.format in ("github", "sarif"):
+    cache = cache_for(arguments)
+    old, new, comparison = _compare_sides(arguments, cache)
+    if arguments.record:
+        if not arguments.unchecked:
+            _refuse_unproved(new.families, cache)
+        comparison = _record(comparison, new)
+    relevant_changes, notices_about_accepted = _without_accepted(comparison.changes, arguments)
+    comparison = replace(comparison, notices=(*comparison.notices, *notices_about_accepted))
+    if arguments.format in ("github", "sarif"):
         from .review_formats import as_review
 
-        print(as_review(_findings(relevant_changes, after), chosen.format))
+        print(as_review(_findings(relevant_changes, new), arguments.format))
     else:
-        _print_comparison(comparison, before, after, chosen)
-    threshold = Impact[chosen.fail_on.upper()] if chosen.fail_on else Impact.DOCUMENTATION
-    return int(any(change.impact >= threshold for change in relevant_changes))
+        _print_comparison(comparison, old, new, arguments)
+    lowest_impact = Impact[arguments.fail_on.upper()] if arguments.fail_on else Impact.DOCUMENTATION
+    has_failed = any(change.impact >= lowest_impact for change in relevant_changes)
+    return 1 if has_failed else 0
 
 
-def _compare_sides(chosen: argparse.Namespace, cache: Cache) -> tuple[_Side, _Side, DiffResult]:
+def _compare_sides(arguments: argparse.Namespace, cache: Cache) -> tuple[_Side, _Side, DiffResult]:
     """Read and compare both sides, with a line on a terminal about what takes time."""
-    with Progress(f"codewheel: reading {chosen.old}") as progress:
-        before = _load_side(chosen.old, cache, chosen.lenient)
-        progress.text = f"codewheel: reading {chosen.new}"
-        after = _load_side(chosen.new, cache, chosen.lenient, before)
+    with Progress(f"codewheel: reading {arguments.old}") as progress:
+        old = _load_side(arguments.old, cache, lenient=arguments.lenient, old_side=None)
+        progress.text = f"codewheel: reading {arguments.new}"
+        new = _load_side(arguments.new, cache, lenient=arguments.lenient, old_side=old)
         progress.text = "codewheel: comparing the specs and what they generate"
-        return before, after, _compare(before, after, cache)
+        return old, new, _compare(old, new, cache)
 
 
-def _print_comparison(comparison: DiffResult, before: _Side, after: _Side, chosen: argparse.Namespace) -> None:
-    if chosen.json or chosen.format == "json":
+def _print_comparison(comparison: DiffResult, old: _Side, new: _Side, arguments: argparse.Namespace) -> None:
+    """Print the changes as JSON, Markdown or text."""
+    if arguments.json or arguments.format == "json":
         from ..changes.report import as_data
 
         print_json(as_data(comparison))
-    elif chosen.markdown:
+    elif arguments.markdown:
         from ..changes.report import as_markdown
 
         print(as_markdown(comparison))
@@ -151,10 +154,10 @@ def _print_comparison(comparison: DiffResult, before: _Side, after: _Side, chose
         from .colours import with_coloured_impacts
 
         print(with_coloured_impacts(as_text(comparison)))
-        if chosen.editions:
+        if arguments.editions:
             from .edition_entry import edition_entries
 
-            for entry in edition_entries(before.families, after.families, comparison.changes):
+            for entry in edition_entries(old.families, new.families, comparison.changes):
                 print(f"\n{entry}")
 
 
@@ -172,7 +175,9 @@ def _refuse_unproved(families: Sequence[Family], cache: Cache) -> None:
     import_module(f"{__package__}.check.specs").refuse_unproved(families, "recorded", cache)
 
 
-def _without_accepted(changes: Sequence[Change], chosen: argparse.Namespace) -> tuple[Sequence[Change], Sequence[str]]:
+def _without_accepted(
+    changes: Sequence[Change], arguments: argparse.Namespace
+) -> tuple[Sequence[Change], Sequence[str]]:
     """Return the changes that count, and the notices about accepted ones.
 
     Raises:
@@ -180,39 +185,44 @@ def _without_accepted(changes: Sequence[Change], chosen: argparse.Namespace) -> 
     """
     from ..changes.report import NAME, NotAccepted, read_accepted, still_open
 
-    new = Path(chosen.new)
-    place = chosen.accepted or (new if new.is_dir() else new.parent) / NAME
-    if chosen.accepted is None and not place.is_file():
-        return changes, ()
+    accepted_file = arguments.accepted
+    if accepted_file is None:
+        new = Path(arguments.new)
+        folder_of_specs = new if new.is_dir() else new.parent
+        accepted_file = folder_of_specs / NAME
+        if not accepted_file.is_file():
+            return changes, ()
+    today = datetime.now().astimezone().date()
     try:
-        return still_open(changes, read_accepted(place), datetime.now().astimezone().date())
+        return still_open(changes, read_accepted(accepted_file), today)
     except NotAccepted as error:
         raise Stop(str(error), 2) from None
 
 
-def _compare(before: _Side, after: _Side, cache: Cache) -> DiffResult:
+def _compare(old: _Side, new: _Side, cache: Cache) -> DiffResult:
     """Return the changes in the families that could be read on both sides."""
     from ..changes.families import compare
     from ..changes.report import DiffResult
     from ..changes.rules import packages
 
-    olds, news = _devices(before, after), _devices(after, before)
-    changes = compare(olds, news)
-    files = _changed_files(olds, news, cache) if changes else None
+    old_devices, new_devices = _comparable_devices(old, new), _comparable_devices(new, old)
+    changes = compare(old_devices, new_devices)
+    files = _changed_files(old_devices, new_devices, cache) if changes else None
     return DiffResult(
         changes=changes,
-        packages=packages(olds, news, changes),
+        packages=packages(old_devices, new_devices, changes),
         files=files,
-        notices=(*before.notices, *after.notices),
+        notices=(*old.notices, *new.notices),
     )
 
 
-def _devices(side: _Side, other_side: _Side) -> tuple[Device, ...]:
+def _comparable_devices(side: _Side, other_side: _Side) -> tuple[Device, ...]:
+    """Return the devices of one side, except those that could not be read on either side."""
     excluded_names = side.excluded_names | other_side.excluded_names
     return tuple(family.device for family in side.families if family.device.name not in excluded_names)
 
 
-def _record(comparison: DiffResult, after: _Side) -> DiffResult:
+def _record(comparison: DiffResult, new: _Side) -> DiffResult:
     """Write the records, and return ``comparison`` with notices about them and with the version that was written.
 
     Raises:
@@ -224,20 +234,20 @@ def _record(comparison: DiffResult, after: _Side) -> DiffResult:
         raise Stop(f"nothing is recorded: {comparison.notices[0]}", 1)
     try:
         # Compose all texts before touching the first file.
-        record_texts = list(records(comparison, after.families))
-        for place, text in record_texts:
-            place.write_text(text, encoding="utf-8")
+        paths_and_texts = list(records(comparison, new.families))
+        for path, text in paths_and_texts:
+            path.write_text(text, encoding="utf-8")
     except NotRecorded as error:
         raise Stop(str(error), 1) from None
-    notices = tuple(f"recorded in {place.as_posix()}" for place, _ in record_texts)
+    notices = tuple(f"recorded in {path.as_posix()}" for path, _ in paths_and_texts)
     packages = [replace(package, stated=package.new) for package in comparison.packages]
     return replace(comparison, packages=packages, notices=notices)
 
 
-def _load_side(text: str, cache: Cache, lenient: bool, before: _Side | None = None) -> _Side:
-    """Return the families of one side. For the old side, those that the current language can still read.
+def _load_side(text: str, cache: Cache, *, lenient: bool, old_side: _Side | None) -> _Side:
+    """Return the families of one side, given by its argument. Of the old side, those that can still be read.
 
-    ``before`` is the old side, and None while that is loaded.
+    ``old_side`` is None while the old side itself is loaded.
 
     Raises:
         Stop: The specs do not exist, or have problems that prevent a comparison.
@@ -245,29 +255,32 @@ def _load_side(text: str, cache: Cache, lenient: bool, before: _Side | None = No
     from ..loading.library import sound_families
     from ..say.plain_text import counted
 
-    is_old = before is None
-    families, report, file_names = _read_side(text, cache, before)
+    is_old = old_side is None
+    families, report, file_names = _read_side(text, cache, old_side)
     problems = [replace(problem, file=file_names.get(problem.file, problem.file)) for problem in report.problems]
     if not problems:
         return _Side(tuple(families), file_names)
     count = counted(len(problems), "problem")
     if lenient and families:
-        _print_first(problems)
+        _print_first_problems(problems)
         omission = "The faulty parts are omitted and may be listed as new"
         notice = f"the current spec language finds {count} in {text}. {omission}"
         return _Side(tuple(families), file_names, notices=(notice,))
-    sound = sound_families(families, report)
-    if not is_old or not sound:
-        raise _not_comparable(text, problems, is_old)
-    excluded_names = [family.device.name for family in families if family not in sound]
+    valid_families = sound_families(families, report)
+    if not is_old or not valid_families:
+        raise _not_comparable_error(text, problems, is_old=is_old)
+    excluded_names = [family.device.name for family in families if family not in valid_families]
     reason = f"because of {count} in the current spec language"
     notice = f"not compared {reason}: {', '.join(excluded_names)} of {text}"
-    _print_first(problems)
-    return _Side(tuple(sound), file_names, notices=(notice,), excluded_names=frozenset(excluded_names))
+    _print_first_problems(problems)
+    return _Side(tuple(valid_families), file_names, notices=(notice,), excluded_names=frozenset(excluded_names))
 
 
-def _read_side(text: str, cache: Cache, before: _Side | None) -> tuple[Sequence[Family], Report, Mapping[str, str]]:
+def _read_side(text: str, cache: Cache, old_side: _Side | None) -> tuple[Sequence[Family], Report, Mapping[str, str]]:
     """Read specs from the disk or from a git revision, with the original names of files from the latter.
+
+    Specs of the old side are first migrated to the current language. Families that the new side shares with the old
+    one are not built again.
 
     Raises:
         Stop: There is no such file, folder or revision. The exit code is 2.
@@ -287,26 +300,30 @@ def _read_side(text: str, cache: Cache, before: _Side | None) -> tuple[Sequence[
         else:
             folder = stack.enter_context(TemporaryDirectory(prefix="codewheel-"))
             try:
-                laid_out = write_revision(place_in_revision, Path(folder))
+                written_files = write_revision(place_in_revision, Path(folder))
             except RevisionError as error:
                 raise Stop(str(error), 2) from None
-            path, file_names = laid_out.place, laid_out.names
-        prepare, others = (migrate, ()) if before is None else (None, before.families)
-        families, report = load_families([path], cache, prepare, others)
+            path, file_names = written_files.place, written_files.names
+        if old_side is None:
+            # The empty sequence keeps the content of each family, for the comparison with those of the new side.
+            families, report = load_families([path], cache, migrate, ())
+        else:
+            families, report = load_families([path], cache, None, old_side.families)
     return families, report, file_names
 
 
-def _print_first(problems: Sequence[Problem]) -> None:
+def _print_first_problems(problems: Sequence[Problem]) -> None:
     for problem in problems[:_MOST_PROBLEMS]:
         print(problem.format(), file=sys.stderr)
     if len(problems) > _MOST_PROBLEMS:
         print(f"and {len(problems) - _MOST_PROBLEMS} more", file=sys.stderr)
 
 
-def _not_comparable(text: str, problems: Sequence[Problem], is_old: bool) -> Stop:
+def _not_comparable_error(text: str, problems: Sequence[Problem], *, is_old: bool) -> Stop:
+    """Print the first problems of a side, and return the ``Stop`` to raise."""
     from ..say.plain_text import counted
 
-    _print_first(problems)
+    _print_first_problems(problems)
     count = counted(len(problems), "problem")
     if not is_old:
         return Stop(f"{text} has {count} and is not compared", 1)
@@ -330,11 +347,12 @@ def _findings(changes: Sequence[Change], side: _Side) -> list[Finding]:
     for change in changes:
         document = documents.get(change.family, first_document)
         path = _place_in_spec(document, change.path) if change.family in documents else ()
-        findings.append(_finding(change, document, path, side.file_names))
+        findings.append(_finding_at(change, document, path, side.file_names))
     return findings
 
 
-def _finding(change: Change, document: Document, path: SpecPath, file_names: Mapping[str, str]) -> Finding:
+def _finding_at(change: Change, document: Document, path: SpecPath, file_names: Mapping[str, str]) -> Finding:
+    """Return a change in the form for review tools, at its place in the new spec."""
     from ..changes.report import about
     from .review_formats import Finding
 
@@ -356,10 +374,10 @@ def _place_in_spec(document: Document, text: str) -> SpecPath:
 
     path: SpecPath = ()
     for step in _STEPS.findall(text):
-        relative_path = next(_paths_to(step, value_at(document.data, path)), None)
-        if relative_path is None:
+        paths_to_step = list(_paths_to(step, value_at(document.data, path)))
+        if not paths_to_step:
             break
-        path = (*path, *relative_path)
+        path = (*path, *paths_to_step[0])
     return path
 
 
@@ -372,6 +390,7 @@ def _paths_to(step: str, node: Any) -> Iterator[SpecPath]:
 
 
 def _children_named(step: str, node: Any) -> Iterator[SpecPath]:
+    """Yield the paths to a key of a map, or to the items of a list with this name."""
     from ..language.document import label_of
 
     if isinstance(node, list):

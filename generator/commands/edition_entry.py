@@ -32,9 +32,11 @@ class _Dumper(yaml.SafeDumper):
     """A writer of YAML that spells such numbers with 0x."""
 
 
-_Dumper.add_representer(
-    _Hexadecimal, lambda dumper, number: dumper.represent_scalar("tag:yaml.org,2002:int", f"{number:#04x}")
-)
+def _represent_hexadecimal(dumper: _Dumper, number: _Hexadecimal) -> yaml.ScalarNode:
+    return dumper.represent_scalar("tag:yaml.org,2002:int", f"{number:#04x}")
+
+
+_Dumper.add_representer(_Hexadecimal, _represent_hexadecimal)
 
 
 def edition_entries(olds: Sequence[Family], news: Sequence[Family], changes: Sequence[Change]) -> Iterator[str]:
@@ -48,13 +50,14 @@ def edition_entries(olds: Sequence[Family], news: Sequence[Family], changes: Seq
         old = old_families.get(new.device.name)
         if old is None or old.device.manual.revision == new.device.manual.revision:
             continue
-        renamed = {str(change.old) for change in renamings if change.family == new.device.name}
-        edition_changes = list(_edition_changes(old, new, renamed))
+        renamed_names = {str(change.old) for change in renamings if change.family == new.device.name}
+        edition_changes = list(_edition_changes(old, new, renamed_names))
         if edition_changes:
-            yield "\n".join([*_missing_history(old, new), *_entry(old, new, edition_changes)])
+            lines = [*_lines_of_missing_history(old, new), *_lines_of_entry(new, edition_changes)]
+            yield "\n".join(lines)
 
 
-def _missing_history(old: Family, new: Family) -> Iterator[str]:
+def _lines_of_missing_history(old: Family, new: Family) -> Iterator[str]:
     """Yield the rows that the history of the new manual lacks, with an introduction."""
     name, revision = new.device.name, new.device.manual.revision
     listed_revisions = [row["revision"] for row in new.document.data["manual"].get("history", ())]
@@ -77,7 +80,7 @@ def _missing_history(old: Family, new: Family) -> Iterator[str]:
     yield ""
 
 
-def _entry(old: Family, new: Family, edition_changes: Iterable[Mapping[str, Any]]) -> Iterator[str]:
+def _lines_of_entry(new: Family, edition_changes: Iterable[Mapping[str, Any]]) -> Iterator[str]:
     """Yield the lines of the entry for the old edition, with an introduction."""
     name, revision = new.device.name, new.device.manual.revision
     has_editions = "editions" in new.document.data
@@ -87,22 +90,24 @@ def _entry(old: Family, new: Family, edition_changes: Iterable[Mapping[str, Any]
     yield ""
     if not has_editions:
         yield "editions:"
-    yield f"  - revision: {_in_one_line([revision])[1:-1]}"
+    yield f"  - revision: {_in_one_line([revision]).removeprefix('[').removesuffix(']')}"
     yield "    before:"
     for edition_change in edition_changes:
         yield f"      - {_in_one_line(edition_change)}"
 
 
-def _edition_changes(old: Family, new: Family, renamed: Container[str]) -> Iterator[Mapping[str, Any]]:
-    """Yield the changes that lead from the new edition to the old one."""
+def _edition_changes(old: Family, new: Family, renamed_names: Container[str]) -> Iterator[Mapping[str, Any]]:
+    """Yield the changes that lead from the new edition to the old one, each as a map of an overlay."""
     old_data, new_data = old.document.data, new.document.data
     reason = f"Edition {old.device.manual.revision} has it, edition {new.device.manual.revision} does not"
     first_option_source = ""
     removed_options: list[tuple[str, Any]] = []
     for place, removed_node in _removed_nodes(old_data, new_data, ""):
-        if (label_of(removed_node) or place.rpartition(".")[2]) in renamed:
+        _, _, last_step = place.rpartition(".")
+        name = label_of(removed_node) or last_step
+        if name in renamed_names:
             continue
-        source = _source(old_data, place, removed_node)
+        source = _source_of_removed(old_data, place, removed_node)
         yield {"add": place, "value": removed_node, "why": reason, "source": source}
         if _OPTION.fullmatch(place):
             first_option_source = first_option_source or source
@@ -132,7 +137,7 @@ def _order_code_changes(
         yield {"set": place, "to": value, "why": f"Order codes of edition {old_revision}", "source": source}
 
 
-def _source(data: Any, place: str, removed_node: Any) -> str:
+def _source_of_removed(data: Any, place: str, removed_node: Any) -> str:
     """Return the source of a removed node if that is a document other than the manual, else the table of revisions."""
     nodes_on_path = []
     node = data
@@ -156,12 +161,12 @@ def _new_labels(place: str, removed_option: Any, old_data: Any, new_data: Any) -
     old_options = value_at(old_data, resolve(old_data, options_place))
     new_options = value_at(new_data, resolve(new_data, options_place))
     for label, new_option in new_options.items():
-        if label not in old_options and _selection(new_option) == _selection(removed_option):
+        if label not in old_options and _selected_by(new_option) == _selected_by(removed_option):
             yield f"{options_place}.{label}"
             return
 
 
-def _selection(option: Mapping[str, Any]) -> Mapping[str, Any]:
+def _selected_by(option: Mapping[str, Any]) -> Mapping[str, Any]:
     """Return what an option selects, or its meaning if it selects nothing."""
     selects = {key: option[key] for key in ("interface", "sets", "supply") if key in option}
     return selects or {"meaning": option.get("meaning")}
@@ -223,6 +228,7 @@ def _removed_nodes(old: Any, new: Any, place: str) -> Iterator[tuple[str, Any]]:
 
 
 def _in_one_line(node: Any) -> str:
+    """Return a node as YAML in one line, such as ``{revision: '1.0', changes: Not listed}``."""
     text: str = yaml.dump(
         _with_hexadecimal(node),
         Dumper=_Dumper,
@@ -240,4 +246,5 @@ def _with_hexadecimal(node: Any, key: str = "") -> Any:
         return {name: _with_hexadecimal(value, name) for name, value in node.items()}
     if isinstance(node, list):
         return [_with_hexadecimal(value) for value in node]
-    return _Hexadecimal(node) if key in HEXADECIMAL and type(node) is int else node
+    is_hexadecimal = key in HEXADECIMAL and type(node) is int
+    return _Hexadecimal(node) if is_hexadecimal else node

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from pathlib import Path
 
 from ..language.problems import Report, quoted, visible
@@ -30,17 +30,19 @@ def answers_of(device: Device, variant: Variant, pairs: Sequence[str]) -> dict[s
     alternatives = {alternative.name: alternative for alternative in reduced_device.alternatives}
     answers: dict[str, str] = {}
     for pair in pairs:
-        name, _, answer = pair.partition("=")
+        name, _, answer_name = pair.partition("=")
         if not alternatives:
             raise Stop(f"{variant.code} has nothing to choose", 2)
         if name not in alternatives:
-            choices = " or ".join(option for alternative in alternatives.values() for option in _options(alternative))
-            raise Stop(f"{variant.code} has no choice {quoted(visible(name))}; write {choices}", 2)
-        if answer not in (answer.name for answer in alternatives[name].answers):
+            options: list[str] = []
+            for alternative in alternatives.values():
+                options += _options(alternative)
+            raise Stop(f"{variant.code} has no choice {quoted(visible(name))}; write {' or '.join(options)}", 2)
+        if answer_name not in (answer.name for answer in alternatives[name].answers):
             choices = " or ".join(_options(alternatives[name]))
-            raise Stop(f"{quoted(name)} has no answer {quoted(visible(answer))}; write {choices}", 2)
-        if answers.setdefault(name, answer) != answer:
-            raise Stop(f"{quoted(name)} is chosen twice, as {quoted(answers[name])} and as {quoted(answer)}", 2)
+            raise Stop(f"{quoted(name)} has no answer {quoted(visible(answer_name))}; write {choices}", 2)
+        if answers.setdefault(name, answer_name) != answer_name:
+            raise Stop(f"{quoted(name)} is chosen twice, as {quoted(answers[name])} and as {quoted(answer_name)}", 2)
     return answers
 
 
@@ -65,21 +67,20 @@ def open_questions(
     unanswered = [alternative for alternative in device.alternatives_of(layout) if alternative.name not in answers]
     if not unanswered:
         return ""
-    questions = " ".join(_question(alternative) for alternative in unanswered)
+    questions = " ".join(_question_with_options(alternative) for alternative in unanswered)
     return f"{quoted(layout.name)} {predicate} until you decide. {questions}".removesuffix(".")
 
 
-def _question(alternative: Alternative) -> str:
-    return f"{alternative.meaning}: add {' or '.join(_explained_options(alternative))}."
+def _question_with_options(alternative: Alternative) -> str:
+    """Return a question, and the option for each answer with its meaning."""
+    options = zip(_options(alternative), alternative.answers, strict=True)
+    explained_options = [f"{option} ({answer.meaning})" for option, answer in options]
+    return f"{alternative.meaning}: add {' or '.join(explained_options)}."
 
 
-def _options(alternative: Alternative) -> Iterator[str]:
-    return (f"--choose {alternative.name}={answer.name}" for answer in alternative.answers)
-
-
-def _explained_options(alternative: Alternative) -> Iterator[str]:
-    for option, answer in zip(_options(alternative), alternative.answers, strict=True):
-        yield f"{option} ({answer.meaning})"
+def _options(alternative: Alternative) -> list[str]:
+    """Return the option for each answer, such as ``--choose eeprom_address=as_printed``."""
+    return [f"--choose {alternative.name}={answer.name}" for answer in alternative.answers]
 
 
 #: Words that ask to infer the edition instead of naming it.
@@ -111,8 +112,8 @@ def in_requested_edition(
     """
     remaining_bytes = dict(register_bytes)
     try:
-        revision = _revision(device, match, wanted_edition, register_bytes)
-        device_in_edition = _in_edition(specs, device, revision)
+        revision = _find_revision(device, match, wanted_edition, register_bytes)
+        device_in_edition = _load_in_edition(specs, device, revision)
         if wanted_edition == BY_REGISTERS:
             remaining_bytes = without_tests(device, register_bytes)
         match_in_edition = find(device_in_edition, text) if match is not None else None
@@ -123,7 +124,13 @@ def in_requested_edition(
         raise Stop(str(error), 2) from None
 
 
-def _revision(device: Device, match: Match | None, wanted_edition: str, register_bytes: Mapping[int, int]) -> str:
+def _find_revision(device: Device, match: Match | None, wanted_edition: str, register_bytes: Mapping[int, int]) -> str:
+    """Return the revision of the requested edition, which the label or the registers may tell.
+
+    Raises:
+        UnknownEdition: There is no such edition, or it cannot be inferred.
+        ValueError: ``register_bytes`` lacks the registers that identify the edition.
+    """
     if device.base:
         raise UnknownEdition(f"{device.name} is derived from {device.base} and has no editions of its own")
     if wanted_edition == BY_REGISTERS and match is not None:
@@ -132,47 +139,53 @@ def _revision(device: Device, match: Match | None, wanted_edition: str, register
         return revision_for(device, wanted_edition)
     revision = edition_by_label(device, match) if match is not None else ""
     if not revision:
-        raise UnknownEdition(
-            f"cannot infer the edition from this label; give its revision, such as {device.manual.revision}"
-        )
+        example = device.manual.revision
+        raise UnknownEdition(f"cannot infer the edition from this label; give its revision, such as {example}")
     return revision
 
 
-def _in_edition(specs: Sequence[Path], device: Device, revision: str) -> Device:
+def _load_in_edition(specs: Sequence[Path], device: Device, revision: str) -> Device:
+    """Return the device as this edition of its manual describes it.
+
+    Raises:
+        Stop: The edition has problems, which are printed. The exit code is 1.
+    """
     if revision == device.manual.revision:
         return device
     families, _ = load_families(specs)
-    family = next(family for family in families if family.device.name == device.name)
+    families_by_name = {family.device.name: family for family in families}
     report = Report()
-    edition_family = in_edition(family, revision, report)
+    edition_family = in_edition(families_by_name[device.name], revision, report)
     if report or edition_family is None:
         raise problems(report)
     return edition_family.device
 
 
-def edition_devices(families: Iterable[Family], wanted: Iterable[str], report: Report) -> list[Device]:
+def edition_devices(families: Iterable[Family], wanted_editions: Iterable[str], report: Report) -> list[Device]:
     """Return the devices of families in the editions given by arguments such as ``FAMILY=1.6``.
 
     Raises:
         Stop: An argument is malformed, or there is no such family or edition. The exit code is 2.
     """
-    by_name = {family.device.name: family for family in families if not family.device.base}
+    families_by_name = {family.device.name: family for family in families if not family.device.base}
     devices: dict[str, Device] = {}
-    for text in wanted:
-        name, equals, revision = text.partition("=")
-        if not equals or name not in by_name:
-            example = f"{next(iter(by_name), 'FAMILY')}=1.0"
-            names = ", ".join(by_name)
-            raise Stop(f"'{text}' is not a family and an edition; write it like {example} ({names})", 2)
-        family = by_name[name]
+    for wanted_edition in wanted_editions:
+        name, equals, revision_or_date = wanted_edition.partition("=")
+        if not equals or name not in families_by_name:
+            example = f"{next(iter(families_by_name), 'FAMILY')}=1.0"
+            names = ", ".join(families_by_name)
+            raise Stop(f"'{wanted_edition}' is not a family and an edition; write it like {example} ({names})", 2)
+        family = families_by_name[name]
         try:
-            chosen_revision = revision_for(family.device, revision)
+            revision = revision_for(family.device, revision_or_date)
         except UnknownEdition as error:
             raise Stop(str(error), 2) from None
-        if chosen_revision == family.device.manual.revision:
-            raise Stop(f"the spec of {name} is already edition {chosen_revision}", 2)
+        if revision == family.device.manual.revision:
+            raise Stop(f"the spec of {name} is already edition {revision}", 2)
         # An edition is merged into the spec as read, so the spec must conform to the schema.
-        edition_family = in_edition(family, chosen_revision, report) if not report.faults(family.document) else None
+        if report.faults(family.document):
+            continue
+        edition_family = in_edition(family, revision, report)
         if edition_family is not None:
             devices[edition_family.device.name] = edition_family.device
     return list(devices.values())

@@ -42,13 +42,13 @@ def add_arguments(parser: Parser) -> None:
     parser.add_argument("rule", nargs="?", metavar="RULE", help="name of the rule (default: list all rules)")
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Print the description of the rule, or the list of all rules.
 
     Raises:
         Stop: There is no such rule. The exit code is 2.
     """
-    print(explain(chosen.rule))
+    print(explain(arguments.rule))
     return 0
 
 
@@ -75,38 +75,42 @@ def rules_of_check() -> dict[str, Example]:
     """Read the rules of ``check``, each with an example."""
     from importlib.resources import files
 
-    examples: dict[str, Example] = json.loads(
-        files("codewheel.language").joinpath("rules.json").read_text(encoding="utf-8")
-    )
+    rules_file = files("codewheel.language").joinpath("rules.json")
+    examples: dict[str, Example] = json.loads(rules_file.read_text(encoding="utf-8"))
     return examples
 
 
 def _list_rules(examples: dict[str, Example]) -> str:
+    """Return all rules: those of diff with their impacts, and the names of those of check."""
     from ..changes.rules import RULES
     from ..say.plain_text import WIDTH, wrapped
 
-    rule_lines = []
+    lines = ["Rules of diff:", ""]
     for rule in RULES.values():
-        columns = f"{rule.name:<22} {rule.impact.word:<14} "
-        rule_lines.append(wrapped(rule.when, WIDTH, " " * 38, columns))
-    names = textwrap.fill(", ".join(sorted([*examples, *_SEVERAL_FILES])), WIDTH, break_on_hyphens=False)
-    return "\n".join(["Rules of diff:", "", *rule_lines, "", "Rules of check:", "", names])
+        name_and_impact = f"{rule.name:<22} {rule.impact.word:<14} "
+        indent = " " * len(name_and_impact)
+        lines.append(wrapped(rule.when, WIDTH, prefix=indent, first=name_and_impact))
+    names_of_check_rules = ", ".join(sorted([*examples, *_SEVERAL_FILES]))
+    lines += ["", "Rules of check:", "", textwrap.fill(names_of_check_rules, WIDTH, break_on_hyphens=False)]
+    return "\n".join(lines)
 
 
 def _describe_rule_of_check(name: str, examples: dict[str, Example]) -> list[str]:
+    """Return the description of a rule of check, or nothing if there is no such rule."""
     from ..say.plain_text import WIDTH, wrapped
 
     if name in _SEVERAL_FILES:
-        return [wrapped(_SEVERAL_FILES[name], WIDTH, "  ", f"{name}, a rule of check: ")]
+        return [wrapped(_SEVERAL_FILES[name], WIDTH, prefix="  ", first=f"{name}, a rule of check: ")]
     if name not in examples:
         return []
     example = examples[name]
-    message = wrapped(f"{example['message']}.", WIDTH, "  ")
+    message = wrapped(f"{example['message']}.", WIDTH, prefix="  ")
     heading = f"{name}, a rule of check. Example message:"
     return ["\n".join([heading, message, "", "for these lines:", "", *example["lines"]])]
 
 
 def _describe_rule_of_diff(name: str) -> list[str]:
+    """Return the description of a rule of diff with its impact on each output, or nothing if there is no such rule."""
     from ..changes.rules import OUTPUTS, RULES, TITLES
     from ..say.plain_text import WIDTH, wrapped
 
@@ -114,5 +118,5 @@ def _describe_rule_of_diff(name: str) -> list[str]:
     if rule is None:
         return []
     impacts = [f"  {TITLES[output]:<7} {impact.word}" for output, impact in zip(OUTPUTS, rule.impacts, strict=True)]
-    heading = wrapped(f"{rule.when}.", WIDTH, "  ", f"{rule.name}: ")
-    return ["\n".join([heading, *impacts, wrapped(rule.why, WIDTH, "  ")])]
+    heading = wrapped(f"{rule.when}.", WIDTH, prefix="  ", first=f"{rule.name}: ")
+    return ["\n".join([heading, *impacts, wrapped(rule.why, WIDTH, prefix="  ")])]

@@ -29,7 +29,7 @@ def add_arguments(parser: Parser) -> None:
     add_specs_option(parser, "")
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """List the facts that cite a page or a section. The exit code is 1 if there are none.
 
     Raises:
@@ -38,21 +38,21 @@ def run(chosen: argparse.Namespace) -> int:
     from ..reread.facts import citing
     from .read_specs import specs_to_judge
 
-    paths = specs_to_judge(chosen.specs, "facts FAMILY").paths
-    page, section = chosen.page, chosen.section
+    paths = specs_to_judge(arguments.specs, "facts FAMILY").paths
+    page, section = arguments.page, arguments.section
     if page is None and section is None:
         raise Stop("give --page NUMBER or --section NUMBER, or both", 2)
-    facts = citing(family_named(chosen.family, paths).document)
+    facts = citing(family_named(arguments.family, paths).document)
     if page is not None:
         facts = [fact for fact in facts if page in fact.pages]
     if section is not None:
         facts = [fact for fact in facts if section in fact.sections]
-    if chosen.json:
+    if arguments.json:
         print_json({"version": JSON_VERSION, "facts": facts_data(facts)})
     else:
-        print(
-            "\n".join([*(fact.shown for fact in facts), f"{counted(len(facts), 'fact')} from {_place(section, page)}"])
-        )
+        for fact in facts:
+            print(fact.shown)
+        print(f"{counted(len(facts), 'fact')} from {_section_and_page(section, page)}")
     return 0 if facts else 1
 
 
@@ -73,10 +73,12 @@ def family_named(name: str, paths: Sequence[Path]) -> Family:
     return families_by_name[name.lower()]
 
 
-def _place(section: str | None, page: int | None) -> str:
+def _section_and_page(section: str | None, page: int | None) -> str:
     if section is None:
         return f"page {page}"
-    return f"section {section}" if page is None else f"section {section} page {page}"
+    if page is None:
+        return f"section {section}"
+    return f"section {section} page {page}"
 
 
 def facts_data(facts: Iterable[Citing]) -> list[Mapping[str, Any]]:

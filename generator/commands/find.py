@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..say.plain_text import counted
 from .arguments import Parser
@@ -50,7 +50,7 @@ def add_arguments(parser: Parser) -> None:
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Print the proposals, the most likely first.
 
     Raises:
@@ -60,20 +60,21 @@ def run(chosen: argparse.Namespace) -> int:
     from ..layout_search.frames import NoLayout
     from ..layout_search.search import find_layouts
 
-    recording = _recording(chosen)
+    recording = _read_recording(arguments)
     try:
         layouts = find_layouts(recording)
     except NoLayout as error:
         raise Stop(str(error), 1) from None
-    answers = [answer(recording, layout) for layout in layouts]
-    if chosen.json:
-        print_json(_data(recording, answers))
+    proposals = [answer(recording, layout) for layout in layouts]
+    if arguments.json:
+        print_json(_json_data(recording, proposals))
     else:
-        print(*_text(recording, answers, _frame_texts(chosen.frame)[0]), sep="\n")
+        first_frame = _frame_texts(arguments.frame)[0]
+        print(*_text_lines(recording, proposals, first_frame), sep="\n")
     return 0
 
 
-def _recording(chosen: argparse.Namespace) -> Recording:
+def _read_recording(arguments: argparse.Namespace) -> Recording:
     """Return the frames of the arguments.
 
     Raises:
@@ -81,32 +82,49 @@ def _recording(chosen: argparse.Namespace) -> Recording:
     """
     from ..layout_search.frames import FEWEST, Recording
 
-    texts = _frame_texts(chosen.frame)
+    texts = _frame_texts(arguments.frame)
     if len(texts) < FEWEST:
         raise Stop("one frame does not show a layout; give at least 2, and turn the shaft between them", 2)
-    numbers = [_number(chosen.interface, text, chosen.bits) for text in texts]
-    lengths = sorted({bits for _, bits in numbers})
+    frames = [_read_frame(arguments.interface, text, arguments.bits) for text in texts]
+    lengths = sorted({frame.bits for frame in frames})
     if len(lengths) > 1:
         reason = f"the frames have {lengths[0]} to {lengths[-1]} bits; give frames of one length"
         raise Stop(f"{reason}, with all leading zeros, or --bits", 2)
-    longest = _LONGEST.get(chosen.interface, _LONGEST_IN_BITS)
+    longest = _LONGEST.get(arguments.interface, _LONGEST_IN_BITS)
     if not 0 < lengths[0] <= longest:
         raise Stop(f"the frames have {lengths[0]} bits; a line has at most {longest}", 2)
-    positions = _positions(chosen.positions, len(texts)) if chosen.positions is not None else ()
-    return Recording(chosen.interface, lengths[0], tuple(number for number, _ in numbers), positions)
+    positions: tuple[float, ...] = ()
+    if arguments.positions is not None:
+        positions = _read_positions(arguments.positions, len(texts))
+    return Recording(
+        interface=arguments.interface,
+        bits=lengths[0],
+        frames=tuple(frame.number for frame in frames),
+        positions=positions,
+    )
 
 
-def _frame_texts(arguments: Sequence[str]) -> list[str]:
+def _frame_texts(frame_arguments: Sequence[str]) -> list[str]:
     """Return the text of each frame: an argument, a line of one, or for ``-`` a line of standard input."""
     from .decode.decoding import argument_lines
 
-    if list(arguments) == ["-"]:
-        return [line.text for line in argument_lines(arguments)]
-    return [line.text for argument in arguments for line in argument_lines([argument])]
+    if list(frame_arguments) == ["-"]:
+        return [line.text for line in argument_lines(frame_arguments)]
+    texts: list[str] = []
+    for frame_argument in frame_arguments:
+        texts += [line.text for line in argument_lines([frame_argument])]
+    return texts
 
 
-def _number(interface: str, text: str, bits: int | None) -> tuple[int, int]:
-    """Return a frame as a number, and its length in bits.
+class _Frame(NamedTuple):
+    """A frame as a number whose highest bit is the first one sent, and its length."""
+
+    number: int
+    bits: int
+
+
+def _read_frame(interface: str, text: str, bits: int | None) -> _Frame:
+    """Return the frame that a text is. ``bits`` is its length if the user gave that.
 
     Raises:
         Stop: The text is not a frame. The exit code is 2.
@@ -117,29 +135,36 @@ def _number(interface: str, text: str, bits: int | None) -> tuple[int, int]:
 
     try:
         plain_text = undecorated(text)
-        compact_text = re.sub(r"[\s_]", "", plain_text)
-        if interface != "rs485" and re.fullmatch(r"0[bB][01]+", compact_text):
-            return _fitted(int(compact_text, 2), len(compact_text) - 2, None, text)
-        if interface != "rs485" and re.fullmatch(r"0[xX][0-9A-Fa-f]+", compact_text):
-            return _fitted(int(compact_text, 16), 4 * (len(compact_text) - 2), bits, text)
-        if interface != "rs485" and len(plain_text.split()) == 1:
-            raise Stop(f"'{plain_text[:40]}' is not a frame; write 0b... with every bit, 0x..., or hex bytes", 2)
+        if interface != "rs485":
+            # A line that carries bits has a frame that is one number.
+            compact_text = re.sub(r"[\s_]", "", plain_text)
+            digits = len(compact_text) - len("0b")
+            if re.fullmatch(r"0[bB][01]+", compact_text):
+                return _Frame(int(compact_text, 2), digits)
+            if re.fullmatch(r"0[xX][0-9A-Fa-f]+", compact_text):
+                return _with_stated_length(_Frame(int(compact_text, 16), 4 * digits), bits, text)
+            if len(plain_text.split()) == 1:
+                raise Stop(f"'{plain_text[:40]}' is not a frame; write 0b... with every bit, 0x..., or hex bytes", 2)
         data = frame_bytes(plain_text)
     except FrameTextError as error:
         raise Stop(str(error), 2) from None
-    return _fitted(int.from_bytes(data, "big"), 8 * len(data), bits, text)
+    return _with_stated_length(_Frame(int.from_bytes(data, "big"), 8 * len(data)), bits, text)
 
 
-def _fitted(number: int, written_bits: int, bits: int | None, text: str) -> tuple[int, int]:
-    """Return a number with the length that the user gives, or as written."""
+def _with_stated_length(frame: _Frame, bits: int | None, text: str) -> _Frame:
+    """Return a frame with the length that the user gives, or as written without one.
+
+    Raises:
+        Stop: The frame is longer. The exit code is 2.
+    """
     if bits is None:
-        return number, written_bits
-    if number.bit_length() > bits:
+        return frame
+    if frame.number.bit_length() > bits:
         raise Stop(f"'{text[:40]}' has more than {bits} bits", 2)
-    return number, bits
+    return _Frame(frame.number, bits)
 
 
-def _positions(text: str, count: int) -> tuple[float, ...]:
+def _read_positions(text: str, count: int) -> tuple[float, ...]:
     """Return the positions in a text, one for each frame.
 
     Raises:
@@ -158,35 +183,36 @@ def _positions(text: str, count: int) -> tuple[float, ...]:
     return positions
 
 
-def _data(recording: Recording, answers: Sequence[Answer]) -> dict[str, Any]:
+def _json_data(recording: Recording, proposals: Sequence[Answer]) -> dict[str, Any]:
+    """Return the proposals in the form that ``--json`` prints."""
     return {
         "version": JSON_VERSION,
         "frames": len(recording.frames),
         "bits": recording.bits,
-        "layouts": [_answer_data(found_answer) for found_answer in answers],
+        "layouts": [_proposal_data(proposal) for proposal in proposals],
     }
 
 
-def _answer_data(found_answer: Answer) -> dict[str, Any]:
+def _proposal_data(proposal: Answer) -> dict[str, Any]:
     return {
-        "line": found_answer.line,
-        "equal": [{"line": equal.line, "reason": equal.reason} for equal in found_answer.equal_lines],
-        "notes": list(found_answer.notes),
+        "line": proposal.line,
+        "equal": [{"line": equal_line.line, "reason": equal_line.reason} for equal_line in proposal.equal_lines],
+        "notes": list(proposal.notes),
     }
 
 
-def _text(recording: Recording, answers: Sequence[Answer], frame_text: str) -> Iterator[str]:
-    """Yield the lines of the answer, and the commands to go on with."""
+def _text_lines(recording: Recording, proposals: Sequence[Answer], first_frame: str) -> Iterator[str]:
+    """Yield the proposals as lines of text, and the commands to go on with."""
     yield f"{counted(len(recording.frames), 'frame')} of {counted(recording.bits, 'bit')}, most likely layout first"
-    for rank, found_answer in enumerate(answers, 1):
+    for rank, proposal in enumerate(proposals, 1):
         yield ""
-        yield f"{rank}. {found_answer.line}"
-        yield from (f"   {note}" for note in found_answer.notes)
-        for equal in found_answer.equal_lines:
-            yield f"   or {equal.line}"
-            yield f"      {equal.reason}"
-    line = answers[0].line
+        yield f"{rank}. {proposal.line}"
+        yield from (f"   {note}" for note in proposal.notes)
+        for equal_line in proposal.equal_lines:
+            yield f"   or {equal_line.line}"
+            yield f"      {equal_line.reason}"
+    most_likely_line = proposals[0].line
     yield ""
     yield "To go on with the first one:"
-    yield f"  codewheel decode {shlex.quote(line)} {shlex.quote(frame_text)}"
-    yield f"  {command_for_spec(line)}"
+    yield f"  codewheel decode {shlex.quote(most_likely_line)} {shlex.quote(first_frame)}"
+    yield f"  {command_for_spec(most_likely_line)}"

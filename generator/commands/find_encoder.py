@@ -49,7 +49,7 @@ _DEVICE, _MANUFACTURER, _MASTER = "device", "manufacturer", "master"
 
 
 class _NotSelectable(Exception):
-    """All specs must be read."""
+    """The text of the specs does not show which of them are needed, so all must be read."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,9 +89,10 @@ def families_for(paths: Sequence[Path], text: str, cache: Cache) -> tuple[Device
             return (_load(named_files[0].path, cache)[0],)
         devices: list[Device] = []
         for device_file in device_files:
-            if device_file.can_have(label):
-                # If the text shows the beginnings, they have been compared already.
-                devices += _load(device_file.path, cache, "" if all(device_file.beginnings) else label)
+            if not device_file.can_have(label):
+                continue
+            shows_beginnings = all(device_file.beginnings)  # They have been compared with the label just now.
+            devices += _load(device_file.path, cache, label="" if shows_beginnings else label)
         return tuple(devices)
     except (OSError, ValueError, _NotSelectable):
         return None
@@ -113,17 +114,23 @@ def _device_files(paths: Sequence[Path]) -> list[_SpecFile]:
         _NotSelectable: There is a file of another kind that can affect a family, other than its manufacturer's.
     """
     device_files = []
-    has_manufacturer = functools.cache(lambda folder: (folder / MANUFACTURER).is_file())
+
+    @functools.cache
+    def has_manufacturer(folder: Path) -> bool:
+        return (folder / MANUFACTURER).is_file()
+
     for path in dict.fromkeys(spec_files(paths)):
-        spec_file = _spec_file(path)
-        if spec_file.kind == _DEVICE and not is_second(path) and has_manufacturer(path.parent):
+        spec_file = _read_spec_file(path)
+        is_device_of_manufacturer = spec_file.kind == _DEVICE and not is_second(path) and has_manufacturer(path.parent)
+        is_manufacturer = spec_file.kind == _MANUFACTURER and path.name == MANUFACTURER
+        if is_device_of_manufacturer:
             device_files.append(spec_file)
-        elif spec_file.kind != _MASTER and (spec_file.kind != _MANUFACTURER or path.name != MANUFACTURER):
+        elif spec_file.kind != _MASTER and not is_manufacturer:
             raise _NotSelectable
     return device_files
 
 
-def _spec_file(path: Path) -> _SpecFile:
+def _read_spec_file(path: Path) -> _SpecFile:
     """Return the kind of a spec, and the name and the beginnings of order codes of a device.
 
     Raises:
@@ -133,25 +140,33 @@ def _spec_file(path: Path) -> _SpecFile:
         raise OSError
     text = b"\n" + path.read_bytes()
     keys = set(_KEY.findall(text))
-    names = _NAME.findall(text)
+    device_names = _NAME.findall(text)
     if not keys.isdisjoint(_OTHER_KINDS):
         return _SpecFile(path)
     if not keys.isdisjoint(_MASTER_KEYS):
-        return _SpecFile(path, "" if b"device" in keys else _MASTER)
-    if len(names) == 1:
-        return _SpecFile(path, _DEVICE, names[0].decode(), _beginnings(text))
-    return _SpecFile(path, "" if b"device" in keys else _MANUFACTURER)
+        return _SpecFile(path, kind="" if b"device" in keys else _MASTER)
+    if len(device_names) == 1:
+        name = device_names[0].decode()
+        return _SpecFile(path, kind=_DEVICE, name=name, beginnings=_beginnings_in_text(text))
+    return _SpecFile(path, kind="" if b"device" in keys else _MANUFACTURER)
 
 
-def _beginnings(text: bytes) -> tuple[str, ...]:
-    """Return the beginnings of order codes, in capitals and without spaces, or an empty one if there are none."""
-    patterns = _PATTERN.findall(text)
-    if not patterns or len(patterns) != len(_PATTERN_KEY.findall(text)):
+def _beginnings_in_text(text: bytes) -> tuple[str, ...]:
+    """Return the text in front of the first part of each pattern, in capitals and without spaces.
+
+    If the text of the spec does not show it for all patterns, the result is an empty beginning, which fits any label.
+    """
+    texts_before_part = _PATTERN.findall(text)
+    if not texts_before_part or len(texts_before_part) != len(_PATTERN_KEY.findall(text)):
         return ("",)
-    return tuple("".join(pattern.decode("ascii", "replace").split()).upper() for pattern in patterns)
+    beginnings = []
+    for text_before_part in texts_before_part:
+        without_spaces = "".join(text_before_part.decode("ascii", "replace").split())
+        beginnings.append(without_spaces.upper())
+    return tuple(beginnings)
 
 
-def _beginnings_of_parts(spec: Path) -> tuple[str, ...]:
+def _read_beginnings(spec: Path) -> tuple[str, ...]:
     """Return the beginnings of order codes that begin with a part, from the data under ``order_code`` alone.
 
     If these data have problems or refer to other data, the result matches any label.
@@ -160,14 +175,16 @@ def _beginnings_of_parts(spec: Path) -> tuple[str, ...]:
     from ..loading.device import code_grammar
     from ..order_codes.labels import beginnings
 
-    section = _ORDER_CODE.search("\n" + spec.read_text(encoding="utf-8"))
+    order_code_section = _ORDER_CODE.search("\n" + spec.read_text(encoding="utf-8"))
+    section_text = order_code_section[0] if order_code_section else ""
     problems: list[object] = []
     try:
-        data, _ = parse(section[0] if section else "", problems.append, problems.append)
+        data, _ = parse(section_text, problems.append, problems.append)
         prefixes = beginnings(code_grammar(data["order_code"]))
     except (Unreadable, LookupError, TypeError, ValueError, AttributeError):
         return ("",)
-    return ("",) if problems or "{" in "".join(prefixes) else prefixes
+    has_unknown_part = any("{" in prefix for prefix in prefixes)
+    return ("",) if problems or has_unknown_part else prefixes
 
 
 def _load(spec: Path, cache: Cache, label: str = "") -> Sequence[Device]:
@@ -176,7 +193,6 @@ def _load(spec: Path, cache: Cache, label: str = "") -> Sequence[Device]:
     Raises:
         _NotSelectable: The spec has problems or overlays.
     """
-
     files = family_files(spec)
     if any(".overlay." in path.name for path in files):
         raise _NotSelectable
@@ -202,7 +218,7 @@ def _cached_beginnings(spec: Path, content: Sequence[bytes | str], cache: Cache)
     stored = cache.get(_BEGINNINGS, content)
     if stored is not None:
         return tuple(stored)
-    beginnings = _beginnings_of_parts(spec)
+    beginnings = _read_beginnings(spec)
     if content_of(family_files(spec)) == content:
         cache.put(_BEGINNINGS, content, beginnings)
     return beginnings
@@ -223,13 +239,13 @@ def find_order_code(specs: Specs, text: str, cache: Cache) -> tuple[Device, Matc
     Raises:
         Stop: There is no such code (exit code 2), or no valid spec has it and others have problems (exit code 1).
     """
-    device, match, paths = _find(specs, text, cache, is_name=False)
+    device, match, paths = _find(specs, text, cache, accepts_family=False)
     if match is None:  # Only a name has no match.
-        raise _unknown([device], text)
+        raise _unknown_code_error([device], text)
     return device, match, paths
 
 
-def find_requested(chosen: argparse.Namespace, specs: Specs, cache: Cache) -> tuple[Device, Match, dict[int, int]]:
+def find_requested(arguments: argparse.Namespace, specs: Specs, cache: Cache) -> tuple[Device, Match, dict[int, int]]:
     """Return the family and variant of ``ORDER-CODE`` in the edition of ``--edition``, and the bytes of ``--register``.
 
     Registers that served to infer the edition are omitted.
@@ -237,15 +253,15 @@ def find_requested(chosen: argparse.Namespace, specs: Specs, cache: Cache) -> tu
     Raises:
         Stop: As for ``find_order_code``, a byte is malformed, or the edition is not known. The exit code is then 2.
     """
-    device, match, paths = find_order_code(specs, chosen.order_code, cache)
-    register_bytes = bytes_by_address(chosen.register)
-    if chosen.edition is None:
+    device, match, paths = find_order_code(specs, arguments.order_code, cache)
+    register_bytes = bytes_by_address(arguments.register)
+    if arguments.edition is None:
         return device, match, register_bytes
-    refuse_line(chosen.order_code, "has no editions")
+    refuse_line(arguments.order_code, "has no editions")
     from .encoder_options import in_requested_edition
 
     device, match_in_edition, register_bytes = in_requested_edition(
-        paths, device, match, chosen.edition, chosen.order_code, register_bytes
+        paths, device, match, arguments.edition, arguments.order_code, register_bytes
     )
     return device, match_in_edition or match, register_bytes
 
@@ -256,56 +272,65 @@ def find_family_or_code(specs: Specs, text: str, cache: Cache) -> Located:
     Raises:
         Stop: As for ``find_order_code``.
     """
-    return _find(specs, text, cache, is_name=True)
+    return _find(specs, text, cache, accepts_family=True)
 
 
-def _find(specs: Specs, text: str, cache: Cache, is_name: bool) -> Located:
-    """Return the family or order code of the first group that has it, and report that a later group also has it."""
+def _find(specs: Specs, text: str, cache: Cache, *, accepts_family: bool) -> Located:
+    """Return the family or order code of the first group that has it, and report that a later group also has it.
+
+    Without ``accepts_family``, the text can only be an order code.
+    """
     if is_line(text):
-        return *encoder_in_line(text), ()
-    skipped: list[Report] = []
+        device, match_of_line = encoder_in_line(text)
+        return device, match_of_line, ()
+    reports_with_problems: list[Report] = []
     for index, paths in enumerate(specs.groups):
-        family_and_code = _find_in_group(paths, text, cache, is_name, skipped)
+        family_and_code, report = _find_in_group(paths, text, cache, accepts_family=accepts_family)
+        if report is not None:
+            reports_with_problems.append(report)
         if family_and_code is None:
             continue
         device, match = family_and_code
-        _refuse_hidden(device, skipped)
-        for report in skipped:
-            _report_skipped(report)
+        _refuse_hidden(device, reports_with_problems)
+        for report in reports_with_problems:
+            _print_skipped_files(report)
         later_groups = specs.groups[index + 1 :]
-        if any(_group_has(group, device.name, text, cache, is_name) for group in later_groups):
+        if any(_group_has(group, device.name, text, cache, accepts_family=accepts_family) for group in later_groups):
             print(f"codewheel: {text} is in your specs and in the packaged ones; yours are used", file=sys.stderr)
         return device, match, paths
-    raise _no_such_encoder(specs, text, cache, is_name)
+    raise _no_such_encoder(specs, text, cache, accepts_family=accepts_family)
 
 
-def _group_has(paths: Sequence[Path], family: str, text: str, cache: Cache, is_name: bool) -> bool:
+def _group_has(paths: Sequence[Path], family: str, text: str, cache: Cache, *, accepts_family: bool) -> bool:
     """Return True if a group also has the family, or the order code or name."""
-
-    return has_family(paths, family) or _find_in_group(paths, text, cache, is_name, []) is not None
+    if has_family(paths, family):
+        return True
+    family_and_code, _ = _find_in_group(paths, text, cache, accepts_family=accepts_family)
+    return family_and_code is not None
 
 
 def _find_in_group(
-    paths: Sequence[Path], text: str, cache: Cache, is_name: bool, skipped: list[Report]
-) -> tuple[Device, Match | None] | None:
-    """Return the family or order code in a group of specs, or None. Reports of specs with problems are added."""
-
-    selected = families_for(paths, text, cache)
-    matches = _all_matches(selected, text, is_name) if selected is not None else None
-    # Several may share an order code by mistake, which only the check of all specs finds.
-    if matches is not None and len(matches) < 2:
-        return matches[0] if matches else None
+    paths: Sequence[Path], text: str, cache: Cache, *, accepts_family: bool
+) -> tuple[tuple[Device, Match | None] | None, Report | None]:
+    """Return the family or order code in a group of specs, or None, and the report if specs have problems."""
+    possible_families = families_for(paths, text, cache)
+    if possible_families is not None:
+        # Several may share an order code by mistake, which only the check of all specs finds.
+        matches = _all_matches(possible_families, text, accepts_family=accepts_family)
+        if not matches:
+            return None, None
+        if len(matches) == 1:
+            return matches[0], None
     from ..loading.library import load_sound
 
     devices, report = load_sound(paths)
-    if report:
-        skipped.append(report)
-    return _best_match(devices, text, is_name)
+    return _best_match(devices, text, accepts_family=accepts_family), report or None
 
 
-def _best_match(devices: Sequence[Device], text: str, is_name: bool) -> tuple[Device, Match | None] | None:
+def _best_match(devices: Sequence[Device], text: str, *, accepts_family: bool) -> tuple[Device, Match | None] | None:
     """Return the family with this name, or the order code with the shortest tail after it, or None."""
-    return min(_all_matches(devices, text, is_name), key=_tail_length, default=None)
+    matches = _all_matches(devices, text, accepts_family=accepts_family)
+    return min(matches, key=_tail_length, default=None)
 
 
 def _tail_length(family_and_code: tuple[Device, Match | None]) -> int:
@@ -313,14 +338,15 @@ def _tail_length(family_and_code: tuple[Device, Match | None]) -> int:
     return len(match.tail) if match is not None else 0
 
 
-def _all_matches(devices: Sequence[Device], text: str, is_name: bool) -> list[tuple[Device, Match | None]]:
-    """Return the family with this name, or all families with the order code."""
+def _all_matches(devices: Sequence[Device], text: str, *, accepts_family: bool) -> list[tuple[Device, Match | None]]:
+    """Return the family with this name, if ``accepts_family`` is true, or all families with the order code."""
     from ..order_codes.labels import UnknownOrderCode
     from ..order_codes.labels import find as match_of
 
-    family = _family(devices, text) if is_name else None
-    if family is not None:
-        return [(family, None)]
+    if accepts_family:
+        family = _family_named(devices, text)
+        if family is not None:
+            return [(family, None)]
     matches: list[tuple[Device, Match | None]] = []
     for device in _candidates(devices, text):
         with suppress(UnknownOrderCode):
@@ -328,24 +354,24 @@ def _all_matches(devices: Sequence[Device], text: str, is_name: bool) -> list[tu
     return matches
 
 
-def _refuse_hidden(device: Device, skipped: Iterable[Report]) -> None:
+def _refuse_hidden(device: Device, reports_with_problems: Iterable[Report]) -> None:
     """Refuse a packaged family if the user has a spec of that name, but with problems.
 
     Raises:
         Stop: The exit code is 1.
     """
-    for report in skipped:
+    for report in reports_with_problems:
         if device.name in {Path(file).stem for file in report.faulty_files}:
             raise problems(report)
 
 
-def _report_skipped(report: Report) -> None:
+def _print_skipped_files(report: Report) -> None:
     files = list(dict.fromkeys(problem.file for problem in report.problems))
     notice = f"skipped, with {counted(len(report), 'problem')}: {first_of(files, _MOST_FILES)}; run codewheel check"
     print(f"codewheel: {notice}", file=sys.stderr)
 
 
-def _no_such_encoder(specs: Specs, text: str, cache: Cache, is_name: bool) -> Stop:
+def _no_such_encoder(specs: Specs, text: str, cache: Cache, *, accepts_family: bool) -> Stop:
     """Return the reason why no group has the text: problems in a spec, or the nearest codes of all families."""
     from ..language.files import packaged_families
     from ..loading.library import load_sound
@@ -356,10 +382,13 @@ def _no_such_encoder(specs: Specs, text: str, cache: Cache, is_name: bool) -> St
         if report:
             return problems(report)
         devices += group_devices
-    reason = _unknown(devices, text)
-    if not specs.packaged and _find_in_group(packaged_families(), text, cache, is_name, []):
-        return Stop(f"{reason}; the packaged specs have it, so leave out the names of specs", reason.code)
-    return reason
+    reason = _unknown_code_error(devices, text)
+    if specs.packaged:
+        return reason
+    packaged_match, _ = _find_in_group(packaged_families(), text, cache, accepts_family=accepts_family)
+    if packaged_match is None:
+        return reason
+    return Stop(f"{reason}; the packaged specs have it, so leave out the names of specs", reason.code)
 
 
 def find_among(devices: Sequence[Device], text: str) -> tuple[Device, Match]:
@@ -368,9 +397,9 @@ def find_among(devices: Sequence[Device], text: str) -> tuple[Device, Match]:
     Raises:
         Stop: There is no such code. The exit code is 2.
     """
-    device, match = _best_match(devices, text, is_name=False) or (None, None)
+    device, match = _best_match(devices, text, accepts_family=False) or (None, None)
     if device is None or match is None:
-        raise _unknown(devices, text)
+        raise _unknown_code_error(devices, text)
     return device, match
 
 
@@ -389,7 +418,7 @@ def _is_special_model(device: Device, code: str) -> bool:
     return any(overlay.special and code.endswith(f"/{overlay.special}") for overlay in device.overlays)
 
 
-def _unknown(devices: Sequence[Device], text: str) -> Stop:
+def _unknown_code_error(devices: Sequence[Device], text: str) -> Stop:
     """Return the reason why text is not an order code of any of these families."""
     from ..language.files import SUFFIXES
     from ..order_codes import labels
@@ -398,16 +427,24 @@ def _unknown(devices: Sequence[Device], text: str) -> Stop:
     reason = closest_reason(_candidates(devices, text), text)
     if reason is not None:
         return Stop(reason, 2)
-    device = _family(devices, text)
+    device = _family_named(devices, text)
     if device is not None:
-        code = device.variants[0].code
-        return Stop(f"{labels.family_instead_of_code(text, code)} (codewheel show {device.name} explains them)", 2)
+        example = device.variants[0].code
+        message = labels.family_instead_of_code(text, example)
+        return Stop(f"{message} (codewheel show {device.name} explains them)", 2)
     if Path(text).suffix in SUFFIXES:
         return Stop(f"'{text}' is not an order code; give a spec as --specs {text}", 2)
-    near = ", ".join(nearest_codes(devices, text, NEAR))
-    remedy = labels.nearest_codes_hint(near) if near else "; codewheel list shows the known patterns"
+    similar_codes = nearest_codes(devices, text, NEAR)
+    remedy = "; codewheel list shows the known patterns"
+    if similar_codes:
+        remedy = labels.nearest_codes_hint(", ".join(similar_codes))
     return Stop(labels.unknown_code(text) + remedy, 2)
 
 
-def _family(devices: Sequence[Device], text: str) -> Device | None:
-    return next((device for device in devices if device.name == text.strip().lower()), None)
+def _family_named(devices: Sequence[Device], text: str) -> Device | None:
+    """Return the family of this name, or None."""
+    name = text.strip().lower()
+    for device in devices:
+        if device.name == name:
+            return device
+    return None

@@ -48,7 +48,7 @@ def add_arguments(parser: Parser) -> None:
     add_cache_option(parser)
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Print the families.
 
     Raises:
@@ -56,17 +56,18 @@ def run(chosen: argparse.Namespace) -> int:
     """
     from .read_specs import specs_to_read
 
-    cache = cache_for(chosen)
-    specs = specs_to_read([*chosen.specs, *chosen.more_specs])
-    families = without_repeated(*(_rows_of(paths, cache) for paths in specs.groups))
-    if chosen.json:
+    cache = cache_for(arguments)
+    specs = specs_to_read([*arguments.specs, *arguments.more_specs])
+    rows_of_groups = [_rows_of_specs(paths, cache) for paths in specs.groups]
+    families = without_repeated(*rows_of_groups)
+    if arguments.json:
         print_json(as_data(families))
     else:
         print(as_text(families))
     return 0
 
 
-def _rows_of(paths: Sequence[Path], cache: Cache) -> list[Row]:
+def _rows_of_specs(paths: Sequence[Path], cache: Cache) -> list[Row]:
     """Return the facts about the families of specs, from an earlier run if they have not changed."""
     from .cached_result import cached_result
 
@@ -99,6 +100,7 @@ def rows(devices: Sequence[Device]) -> list[Row]:
 
 
 def _row(device: Device) -> Row:
+    """Return the facts about a family."""
     manual = device.manual
     return {
         "family": device.name,
@@ -117,13 +119,19 @@ def without_repeated(own_rows: Sequence[Row] = (), packaged: Sequence[Row] = ())
 
     Report these on standard error.
     """
-    names = {row["family"] for row in own_rows}
-    codes = {code for row in own_rows for code in row["order_codes"]}
-    repeated = [row for row in packaged if row["family"] in names or not codes.isdisjoint(row["order_codes"])]
-    if repeated:
-        repeated_names = ", ".join(row["family"] for row in repeated)
-        print(f"codewheel: in your specs and in the packaged ones: {repeated_names}; yours are used", file=sys.stderr)
-    return [*own_rows, *(row for row in packaged if row not in repeated)]
+    user_names = {row["family"] for row in own_rows}
+    user_codes = {code for row in own_rows for code in row["order_codes"]}
+    repeated_names: list[str] = []
+    other_rows: list[Row] = []
+    for row in packaged:
+        if row["family"] in user_names or not user_codes.isdisjoint(row["order_codes"]):
+            repeated_names.append(row["family"])
+        else:
+            other_rows.append(row)
+    if repeated_names:
+        names = ", ".join(repeated_names)
+        print(f"codewheel: in your specs and in the packaged ones: {names}; yours are used", file=sys.stderr)
+    return [*own_rows, *other_rows]
 
 
 def as_data(families: Sequence[Row]) -> dict[str, Any]:
@@ -135,10 +143,11 @@ def _with_interface_names(family: Row) -> dict[str, Any]:
     return {**family, "interfaces": [name for name, _ in family["interfaces"]]}
 
 
-def _pattern(family: Row) -> str:
-    """Return the pattern of the order codes, or the codes themselves if the pattern shows none of their letters."""
-    shows_letters = not family["pattern"].startswith("{") or family["pattern"].count("{") > 1
-    return family["pattern"] if shows_letters else ", ".join(family["order_codes"])
+def _pattern_or_codes(family: Row) -> str:
+    """Return the pattern of the order codes, or the codes themselves if it is one part, such as ``{model}``."""
+    pattern = family["pattern"]
+    has_text_or_parts = not pattern.startswith("{") or pattern.count("{") > 1
+    return pattern if has_text_or_parts else ", ".join(family["order_codes"])
 
 
 def as_text(families: Sequence[Row]) -> str:
@@ -152,9 +161,10 @@ def as_text(families: Sequence[Row]) -> str:
         date = f" of {manual['date']}" if manual["date"] else ""
         facts = [
             ("interfaces", ", ".join(title for _, title in family["interfaces"])),
-            ("order codes", f"{len(family['order_codes'])}, {_pattern(family)}"),
+            ("order codes", f"{len(family['order_codes'])}, {_pattern_or_codes(family)}"),
             ("manual", f"{manual['title']}, revision {manual['revision']}{date}"),
             ("evidence", family["evidence"]),
         ]
-        lines += [wrapped(heading, WIDTH, " " * 10, f"{family['family']:<8}  "), *pairs(facts, 10), ""]
+        lines.append(wrapped(heading, WIDTH, prefix=" " * 10, first=f"{family['family']:<8}  "))
+        lines += [*pairs(facts, indent=10), ""]
     return "\n".join(lines).rstrip()

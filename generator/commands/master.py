@@ -68,7 +68,7 @@ def metres(text: str) -> int:
     return length
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Print the masters or, with an order code, its settings or a file with them.
 
     Raises:
@@ -76,46 +76,46 @@ def run(chosen: argparse.Namespace) -> int:
     """
     from ..masters import sheet, text
 
-    refuse_missing(chosen.masters)
-    masters, report = sheet.load_masters(chosen.masters)
+    refuse_missing(arguments.masters)
+    masters, report = sheet.load_masters(arguments.masters)
     if report:
         raise problems(report)
-    _refuse_incomplete(chosen)
-    if chosen.order_code is None:
-        if chosen.json:
+    _refuse_incomplete_options(arguments)
+    if arguments.order_code is None:
+        if arguments.json:
             print_json(text.masters_data(masters))
         else:
             print(text.masters_text(masters))
         return 0
-    _refuse_unknown(chosen.master, masters)
-    device, match, encoder_record = _requested_record(chosen)
-    if chosen.format is not None or chosen.device is not None:
-        print(_file(chosen, device, masters, encoder_record))
+    _refuse_unknown_master(arguments.master, masters)
+    device, match, encoder_record = _requested_record(arguments)
+    if arguments.format is not None or arguments.device is not None:
+        print(_file_for_master(arguments, device, masters, encoder_record))
         return 0
-    sheets = [sheet.sheet(master, encoder_record) for master in masters if chosen.master in (None, master.name)]
-    if chosen.json:
+    sheets = [sheet.sheet(master, encoder_record) for master in masters if arguments.master in (None, master.name)]
+    if arguments.json:
         print_json(text.sheet_data(match, encoder_record, sheets))
     else:
         print(text.sheet_text(device, match, encoder_record, sheets))
-    is_refused = chosen.master is not None and sheets[0].refusals
+    is_refused = arguments.master is not None and sheets[0].refusals
     return 1 if is_refused or encoder_record.obstacle else 0
 
 
-def _refuse_incomplete(chosen: argparse.Namespace) -> None:
-    """Check that options have what they need.
+def _refuse_incomplete_options(arguments: argparse.Namespace) -> None:
+    """Check that the order code and the master are given if an option needs them.
 
     Raises:
         Stop: They do not. The exit code is 2.
     """
-    has_format_option = chosen.format or chosen.device is not None
-    if has_format_option and (chosen.master is None or chosen.order_code is None):
-        option = "--format" if chosen.format is not None else "--device"
+    has_format_option = arguments.format or arguments.device is not None
+    if has_format_option and (arguments.master is None or arguments.order_code is None):
+        option = "--format" if arguments.format is not None else "--device"
         raise Stop(f"{option} needs an order code and --master", 2)
-    if chosen.order_code is None and chosen.edition is not None:
+    if arguments.order_code is None and arguments.edition is not None:
         raise Stop("--edition needs an order code", 2)
 
 
-def _refuse_unknown(name: str | None, masters: Sequence[Master]) -> None:
+def _refuse_unknown_master(name: str | None, masters: Sequence[Master]) -> None:
     """Check that there is a master of this name, if the user named one.
 
     Raises:
@@ -129,7 +129,7 @@ def _refuse_unknown(name: str | None, masters: Sequence[Master]) -> None:
         raise Stop(f"there is no master '{name}'{hint}", 2)
 
 
-def _requested_record(chosen: argparse.Namespace) -> tuple[Device, Match, Record]:
+def _requested_record(arguments: argparse.Namespace) -> tuple[Device, Match, Record]:
     """Return the order code with its settings for any master.
 
     Raises:
@@ -142,12 +142,13 @@ def _requested_record(chosen: argparse.Namespace) -> tuple[Device, Match, Record
     from .find_encoder import find_requested
     from .read_specs import specs_to_read
 
-    cache = cache_for(chosen)
-    device, match, register_bytes = find_requested(chosen, specs_to_read(chosen.specs), cache)
+    cache = cache_for(arguments)
+    device, match, register_bytes = find_requested(arguments, specs_to_read(arguments.specs), cache)
     try:
         variant = with_registers(device, match.variant, register_bytes)
-        answers = answers_of(device, match.variant, chosen.choose)
-        return device, match, record(device, variant, not register_bytes, chosen.cable, answers)
+        answers = answers_of(device, match.variant, arguments.choose)
+        has_factory_defaults = not register_bytes
+        return device, match, record(device, variant, has_factory_defaults, arguments.cable, answers)
     except RegisterError as error:
         raise Stop(str(error), 2) from None
     except Undecided as error:
@@ -156,29 +157,33 @@ def _requested_record(chosen: argparse.Namespace) -> tuple[Device, Match, Record
         raise Stop(str(error), 1) from None
 
 
-def _file(chosen: argparse.Namespace, device: Device, masters: Sequence[Master], encoder_record: Record) -> str:
-    """Return the file of the master in the format that the user chose.
+def _file_for_master(
+    arguments: argparse.Namespace, device: Device, masters: Sequence[Master], encoder_record: Record
+) -> str:
+    """Return the text of a file for the master in the format that the user chose.
 
     Raises:
         Stop: There is no such format or device, or the master cannot use the encoder. The exit code is 2.
     """
     from ..language.problems import listed
     from ..masters.sheet import sheet
+    from ..model import member_named
     from ..targets.masters.files import file_text
 
-    master = next(candidate for candidate in masters if candidate.name == chosen.master)
-    file_format = _chosen_format(chosen, master, masters)
+    master = member_named(masters, arguments.master, "master")
+    file_format = _chosen_format(arguments, master, masters)
     master_sheet = sheet(master, encoder_record)
     if master_sheet.refusals:
-        raise Stop(_cannot_use(master_sheet, masters, encoder_record), 2)
-    devices = master_sheet.devices_with(file_format)
-    master_device = devices[0] if chosen.device is None else chosen.device
-    if master_device not in devices:
-        raise Stop(f"'{master_device}' is not a device with this format; use --device {listed(devices, 'or')}", 2)
+        raise Stop(_cannot_use_message(master_sheet, masters, encoder_record), 2)
+    devices_with_format = master_sheet.devices_with(file_format)
+    master_device = devices_with_format[0] if arguments.device is None else arguments.device
+    if master_device not in devices_with_format:
+        known_devices = listed(devices_with_format, "or")
+        raise Stop(f"'{master_device}' is not a device with this format; use --device {known_devices}", 2)
     return file_text(device, [encoder_record.code], master_sheet, file_format, master_device).rstrip("\n")
 
 
-def _chosen_format(chosen: argparse.Namespace, master: Master, masters: Sequence[Master]) -> Any:
+def _chosen_format(arguments: argparse.Namespace, master: Master, masters: Sequence[Master]) -> Any:
     """Return the file format of the master that the user chose.
 
     Raises:
@@ -190,21 +195,21 @@ def _chosen_format(chosen: argparse.Namespace, master: Master, masters: Sequence
     if not formats:
         masters_with_files = listed(other_master.name for other_master in masters if other_master.files)
         raise Stop(f"no file format is known for {master.name}; there are formats for {masters_with_files}", 2)
-    if chosen.format not in formats:
-        problem = f"{master.name} has no format '{chosen.format}'" if chosen.format else "--device needs --format"
+    if arguments.format not in formats:
+        problem = f"{master.name} has no format '{arguments.format}'" if arguments.format else "--device needs --format"
         raise Stop(f"{problem}; the formats of {master.name} are {listed(formats)}", 2)
-    if chosen.json:
+    if arguments.json:
         raise Stop("--format prints a file; leave out --json", 2)
-    return formats[chosen.format]
+    return formats[arguments.format]
 
 
-def _cannot_use(master_sheet: Sheet, masters: Sequence[Master], encoder_record: Record) -> str:
+def _cannot_use_message(master_sheet: Sheet, masters: Sequence[Master], encoder_record: Record) -> str:
     """Return the reason why a master cannot use the encoder, and the masters with files that can."""
     from ..language.problems import listed
     from ..masters.sheet import sheet
 
-    with_files = [master for master in masters if master.files]
-    able_names = [master.name for master in with_files if not sheet(master, encoder_record).refusals]
-    hint = f"; there are files for {listed(able_names)}" if able_names else ""
+    masters_with_files = [master for master in masters if master.files]
+    usable_names = [master.name for master in masters_with_files if not sheet(master, encoder_record).refusals]
+    hint = f"; there are files for {listed(usable_names)}" if usable_names else ""
     reason = master_sheet.refusals[0].reason.rstrip(".")
     return f"{master_sheet.master.name} cannot use {encoder_record.code}: {reason}{hint}"

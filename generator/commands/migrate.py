@@ -29,7 +29,7 @@ def add_arguments(parser: Parser) -> None:
     parser.add_argument("--check", action="store_true", help="list what would change, and write nothing")
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Migrate specs with their second readings, print each change and each decision, and return the exit code.
 
     Raises:
@@ -37,9 +37,11 @@ def run(chosen: argparse.Namespace) -> int:
     """
     from .read_specs import specs_to_judge
 
-    paths = specs_to_judge(chosen.specs, "migrate").paths
-    changes = sum(_migrate(path, chosen.check) for path in _files(paths))
-    if chosen.check:
+    paths = specs_to_judge(arguments.specs, "migrate").paths
+    changes = 0
+    for path in _specs_and_second_readings(paths):
+        changes += _migrate_file(path, only_check=arguments.check)
+    if arguments.check:
         print(f"{counted(changes, 'change')} to apply")
         return 1 if changes else 0
     return _print_decisions(paths, changes)
@@ -58,20 +60,21 @@ def _print_decisions(paths: Sequence[Path], changes: int) -> int:
     return 1 if problems else 0
 
 
-def _files(paths: Iterable[Path]) -> Iterator[Path]:
+def _specs_and_second_readings(paths: Iterable[Path]) -> Iterator[Path]:
     """Yield the specs, each followed by its second reading if it has one."""
     from ..language.files import find_files, is_folder
     from ..language.schema_files import second_reading_path
 
     for path in paths:
-        for spec in find_files(path).specs if is_folder(path) else (path,):
+        specs = find_files(path).specs if is_folder(path) else (path,)
+        for spec in specs:
             yield spec
-            second = second_reading_path(spec)
-            if second.is_file():
-                yield second
+            second_path = second_reading_path(spec)
+            if second_path.is_file():
+                yield second_path
 
 
-def _migrate(path: Path, only_check: bool) -> int:
+def _migrate_file(path: Path, *, only_check: bool) -> int:
     """Print and apply the changes to one file, and return their number."""
     from ..language.migrate import migrate
     from ..language.problems import Report
@@ -82,11 +85,11 @@ def _migrate(path: Path, only_check: bool) -> int:
     for edit in edits:
         print(f"{path}:{edit.line}:{edit.column}: {edit.old} is now {edit.new}")
     if edits and not only_check:
-        _apply(edits, path)
+        _apply_edits(edits, path)
     return len(edits)
 
 
-def _apply(edits: Sequence[Edit], path: Path) -> None:
+def _apply_edits(edits: Sequence[Edit], path: Path) -> None:
     """Replace the file at once by one with the changes.
 
     Raises:

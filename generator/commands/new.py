@@ -59,21 +59,24 @@ def add_arguments(parser: Parser) -> None:
     )
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Write the spec, and print the names of the files.
 
     Raises:
         Stop: The name is not valid (exit code 2), or a file exists or cannot be written (exit code 1).
     """
-    if chosen.line is not None and chosen.like:
+    if arguments.line is not None and arguments.like:
         raise Stop("--line and --like describe two encoders; leave one of them out", 2)
-    text_of = partial(device_text, like=chosen.like) if chosen.line is None else _text_of_line(chosen.line)
+    if arguments.line is None:
+        text_of: DeviceText = partial(device_text, like=arguments.like)
+    else:
+        text_of = _text_writer_for_line(arguments.line)
     try:
-        if chosen.output == Path("-"):
-            _refuse_name(chosen.name)
-            print(text_of(chosen.name, _MANUFACTURER, "device.schema.json"), end="")
+        if arguments.output == Path("-"):
+            _refuse_invalid_name(arguments.name)
+            print(text_of(arguments.name, _MANUFACTURER, "device.schema.json"), end="")
             return 0
-        for path in write_spec(chosen.name, chosen.output, text_of=text_of):
+        for path in write_spec(arguments.name, arguments.output, text_of=text_of):
             print(f"written    {path.as_posix()}")
     except NameRefused as error:
         raise Stop(str(error), 2) from None
@@ -82,7 +85,7 @@ def run(chosen: argparse.Namespace) -> int:
     return 0
 
 
-def _text_of_line(line_text: str) -> DeviceText:
+def _text_writer_for_line(line_text: str) -> DeviceText:
     """Return the function that writes the encoder in a line as a spec.
 
     Raises:
@@ -118,36 +121,45 @@ def write_spec(name: str, output: Path | None, like: str = "", text_of: DeviceTe
         NameRefused: The name is not valid for a family, or the file has another one.
         NotWritten: A file already exists or cannot be written.
     """
-    _refuse_name(name)
-    path = output or Path(f"{name}.yaml")
-    path = path / f"{name}.yaml" if path.is_dir() else path
-    if path.name != f"{name}.yaml":
-        raise NameRefused(f"the file of a spec has its family's name: {path.with_name(name + '.yaml')}, not {path}")
-    manufacturer = path.with_name("manufacturer.yaml")
+    _refuse_invalid_name(name)
+    file_name = f"{name}.yaml"
+    path = output or Path(file_name)
+    if path.is_dir():
+        path = path / file_name
+    if path.name != file_name:
+        raise NameRefused(f"the file of a spec has its family's name: {path.with_name(file_name)}, not {path}")
+    manufacturer_file = path.with_name("manufacturer.yaml")
     text_of = text_of or partial(device_text, like=like)
-    files = {path: text_of(name, _manufacturer(manufacturer), _schema_path(path.parent, "device"))}
-    if not manufacturer.exists():
-        files[manufacturer] = manufacturer_text(_schema_path(path.parent, "manufacturer"))
+    manufacturer = _manufacturer_name(manufacturer_file)
+    text_by_path = {path: text_of(name, manufacturer, _schema_reference(path.parent, "device"))}
+    if not manufacturer_file.exists():
+        text_by_path[manufacturer_file] = manufacturer_text(_schema_reference(path.parent, "manufacturer"))
     for kind in ("device", "manufacturer"):
-        copy = path.with_name(f"{kind}.schema.json")
-        if not _in_one_checkout(path.parent, kind) and not copy.exists():
-            files[copy] = _schema(kind).read_text(encoding="utf-8")
-    return list(_write_new(files))
+        schema_copy = path.with_name(f"{kind}.schema.json")
+        if not _in_one_checkout(path.parent, kind) and not schema_copy.exists():
+            text_by_path[schema_copy] = _schema_of_tool(kind).read_text(encoding="utf-8")
+    return list(_write_new_files(text_by_path))
 
 
-def _refuse_name(name: str) -> None:
+def _refuse_invalid_name(name: str) -> None:
+    """Check the name of a family.
+
+    Raises:
+        NameRefused: The name is not valid, or has another meaning.
+    """
     from ..language.rules.names import TAKEN
 
-    if not _NAME.fullmatch(name) or len(name) > _LONGEST_NAME or iskeyword(name) or name == "manufacturer":
+    is_reserved = iskeyword(name) or name == "manufacturer"
+    if not _NAME.fullmatch(name) or len(name) > _LONGEST_NAME or is_reserved:
         rule = "use lowercase letters, digits and underscores"
         raise NameRefused(f"'{name[:60]}' is not a valid family name; {rule}, such as {_suggested_name(name)}")
     if name in TAKEN:
         raise NameRefused(f"'{name}' is the name of {TAKEN[name]}; choose another name for the family")
 
 
-def _write_new(files: dict[Path, str]) -> Iterator[Path]:
+def _write_new_files(text_by_path: dict[Path, str]) -> Iterator[Path]:
     """Write files that must not exist, and yield the path of each."""
-    for path, text in files.items():
+    for path, text in text_by_path.items():
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             with path.open("x", encoding="utf-8", newline="\n") as file:
@@ -160,11 +172,14 @@ def _write_new(files: dict[Path, str]) -> Iterator[Path]:
 
 
 def _suggested_name(name: str) -> str:
-    suggestion = re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")[:_LONGEST_NAME]
-    return suggestion if _NAME.fullmatch(suggestion) and suggestion != name else "encoder_1"
+    """Return the name with underscores in place of other characters, or an example if that is not valid either."""
+    with_underscores = re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
+    suggestion = with_underscores[:_LONGEST_NAME]
+    is_valid = _NAME.fullmatch(suggestion) is not None
+    return suggestion if is_valid and suggestion != name else "encoder_1"
 
 
-def _manufacturer(path: Path) -> str:
+def _manufacturer_name(path: Path) -> str:
     """Return the name in a manufacturer file, or that of the templates."""
     from ..language.problems import Report
     from ..language.read import read_document
@@ -177,39 +192,46 @@ def _manufacturer(path: Path) -> str:
     return str(name) if is_name else _MANUFACTURER
 
 
-def _schema(kind: str) -> Path:
+def _schema_of_tool(kind: str) -> Path:
+    """Return the path of the JSON Schema of a spec (``device``) or a manufacturer file (``manufacturer``)."""
     return Path(str(resources.files("codewheel.language") / f"{kind}.schema.json"))
 
 
 def _in_one_checkout(folder: Path, kind: str) -> bool:
     """Return whether a clone with the spec also has the tool's schema: both are in one checkout, outside a venv."""
+    schema = _schema_of_tool(kind).resolve()
+    if "site-packages" in schema.parts:
+        return False
     real_folder = folder.resolve()
-    checkouts = (parent for parent in (real_folder, *real_folder.parents) if (parent / ".git").exists())
-    checkout = next(checkouts, None)
-    schema = _schema(kind).resolve()
-    return checkout is not None and schema.is_relative_to(checkout) and "site-packages" not in schema.parts
+    for parent in (real_folder, *real_folder.parents):
+        is_checkout = (parent / ".git").exists()
+        if is_checkout:
+            return schema.is_relative_to(parent)
+    return False
 
 
-def _schema_path(folder: Path, kind: str) -> str:
+def _schema_reference(folder: Path, kind: str) -> str:
     """Return the schema's path relative to the spec: the tool's own, or the copy next to the spec."""
     if not _in_one_checkout(folder, kind):
         return f"{kind}.schema.json"
-    return Path(os.path.relpath(_schema(kind), folder)).as_posix()
+    return Path(os.path.relpath(_schema_of_tool(kind), folder)).as_posix()
 
 
 def manufacturer_text(schema: str) -> str:
     """Return the text of a manufacturer file."""
-    return _template("manufacturer").replace(_SCHEMA_IN_TEMPLATES.format("manufacturer"), schema)
+    return _template_text("manufacturer").replace(_SCHEMA_IN_TEMPLATES.format("manufacturer"), schema)
 
 
 def device_text(name: str, manufacturer: str, schema: str, like: str = "") -> str:
     """Return the text of a spec of the family ``name``, with an example of one of ``LIKE``."""
-    text = _template(like or "biss-singleturn").replace(_SCHEMA_IN_TEMPLATES.format("device"), schema)
+    text = _template_text(like or "biss-singleturn")
+    text = text.replace(_SCHEMA_IN_TEMPLATES.format("device"), schema)
     text = text.replace(f"manufacturer: {_MANUFACTURER}\n", f"manufacturer: {manufacturer}\n")
-    return text.replace("MY-ENCODER", name.replace("_", "-").upper()).replace("my_encoder", name)
+    order_code = name.replace("_", "-").upper()
+    return text.replace("MY-ENCODER", order_code).replace("my_encoder", name)
 
 
-def _template(name: str) -> str:
+def _template_text(name: str) -> str:
     """Return a template. Each is a whole valid spec of ``my_encoder``, so that editors check it with the schema."""
     from ..render import our_templates
 

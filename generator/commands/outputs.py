@@ -54,18 +54,18 @@ def devices_by_target(
 _WIDTH = 79
 
 
-def targets_named(names: Iterable[str] | None = None, otherwise: Iterable[str] = BUILT_IN) -> list[Target]:
-    """Return the named targets, each once. Without names, return those of ``otherwise`` that can be loaded.
+def targets_named(names: Iterable[str] | None = None, default_names: Iterable[str] = BUILT_IN) -> list[Target]:
+    """Return the named targets, each once. Without names, return those of ``default_names`` that can be loaded.
 
     Raises:
         Stop: There is no such target (exit code 2), or it cannot be loaded (exit code 1).
     """
     loaded_targets = []
-    for name in dict.fromkeys(names or otherwise):
+    for name in dict.fromkeys(names or default_names):
         try:
             loaded_targets.append(load_target(name))
         except LookupError:
-            raise Stop(_no_target(name), 2) from None
+            raise Stop(_unknown_target_message(name), 2) from None
         except PackageMissing as error:
             if names:
                 raise Stop(str(error), 1) from None
@@ -78,10 +78,11 @@ def targets_named(names: Iterable[str] | None = None, otherwise: Iterable[str] =
 def are_built_in(targets: Iterable[Target], names: Iterable[str] | None) -> bool:
     """Return whether these are exactly the built-in targets ``names``, none of which lacks its packages."""
     wanted_names = list(dict.fromkeys(names or BUILT_IN))
-    return [target.name for target in targets] == wanted_names and set(wanted_names) <= set(BUILT_IN)
+    all_are_loaded = [target.name for target in targets] == wanted_names
+    return all_are_loaded and set(wanted_names) <= set(BUILT_IN)
 
 
-def _no_target(name: str) -> str:
+def _unknown_target_message(name: str) -> str:
     return f"there is no target '{name}'{suggestion(name, target_names(), 'there are')}"
 
 
@@ -104,7 +105,7 @@ def options_named(settings: Iterable[str], targets: Sequence[Target]) -> dict[st
             raise Stop(f"'{setting}' is not a setting; write it like TARGET.OPTION=VALUE", 2)
         if target_name not in targets_by_name:
             if target_name not in target_names():
-                raise Stop(_no_target(target_name), 2)
+                raise Stop(_unknown_target_message(target_name), 2)
             raise Stop(f"'{path}' is for a target that does not run; add --target {target_name}", 2)
         _refuse_setting(targets_by_name[target_name], option, value)
         options[target_name][option] = value
@@ -141,17 +142,17 @@ def complete(
 ) -> tuple[Device, ...]:
     """Return the devices of families, and report the parts that these targets cannot express.
 
-    ``editions`` are additional ones, such as ``FAMILY=1.6``. ``filters`` are as for ``tell_unfit``.
+    ``editions`` are additional ones, such as ``FAMILY=1.6``. ``filters`` are as for ``report_unfit_parts``.
 
     Raises:
         Stop: A target fails. The exit code is 1.
     """
-    tell_unfit(families, targets, report, filters)
+    report_unfit_parts(families, targets, report, filters)
     devices = [*(family.device for family in families), *edition_devices(families, editions, report)]
     return tuple(sorted(devices, key=lambda device: device.name))
 
 
-def tell_unfit(
+def report_unfit_parts(
     families: Sequence[Family], targets: Iterable[Target], report: Report, filters: FamilyFilters = NO_FILTERS
 ) -> None:
     """Report the parts that these targets cannot express of families whose specs have no other problems.
@@ -161,8 +162,8 @@ def tell_unfit(
     Raises:
         Stop: A target fails. The exit code is 1.
     """
-    sound = {family.device.name: family for family in sound_families(families, report)}
-    devices = [family.device for family in sound.values()]
+    valid_families = {family.device.name: family for family in sound_families(families, report)}
+    devices = [family.device for family in valid_families.values()]
     for target in targets:
         library = Library(accepted_devices(target.name, devices, filters))
         try:
@@ -170,9 +171,11 @@ def tell_unfit(
         except TargetError as error:
             raise Stop(str(error), 1) from None
         for problem in target_problems:
-            document = sound[problem.device.name].document
-            line, _ = document.position(problem.other)
-            message = problem.message.replace("{line}", str(line)) if problem.other else problem.message
+            document = valid_families[problem.device.name].document
+            message = problem.message
+            if problem.other:  # Another place of the spec, whose line is in the message.
+                line, _ = document.position(problem.other)
+                message = message.replace("{line}", str(line))
             report.add(problem.rule, document, problem.place, message)
 
 
@@ -195,8 +198,10 @@ def rendered(
     """
     try:
         files = {target.name: files_of(target, library, options[target.name]) for target in targets}
+    except OptionError as error:
+        raise Stop(str(error), 2) from None
     except (TargetError, TemplateFault) as error:
-        raise Stop(str(error), 2 if isinstance(error, OptionError) else 1) from None
+        raise Stop(str(error), 1) from None
     if library.own_templates is not None:
         templates_by_target = {target.name: target.templates for target in targets}
         unused = list(unused_templates(library.own_templates, templates_by_target, target_names()))
@@ -207,29 +212,24 @@ def rendered(
 
 def listing() -> str:
     """Return the text about all targets and their options for ``--help``."""
-    targets = {name: _or_fault(name) for name in target_names()}
-    indent = " " * (max(map(len, targets)) + 4)
+    names = target_names()
+    indent = " " * (max(map(len, names)) + 4)
     lines = [f"targets ({listed(BUILT_IN)} run by default):"]
-    for name, target in targets.items():
-        lead = f"  {name}".ljust(len(indent))
-        if isinstance(target, str):
-            lines += _filled(target, lead, indent)
+    for name in names:
+        name_column = f"  {name}".ljust(len(indent))
+        try:
+            target = load_target(name)
+        except TargetError as error:
+            lines += _wrapped(str(error), first=name_column, indent=indent)
             continue
-        lines += _filled(target.summary, lead, indent)
+        lines += _wrapped(target.summary, first=name_column, indent=indent)
         for option in target.options:
             values = "|".join(option.values) or "VALUE"
             text = f"--option {name}.{option.name}={values}: {option.summary} (default: {option.default})"
-            lines += _filled(text, indent, indent + "  ")
+            lines += _wrapped(text, first=indent, indent=indent + "  ")
     return "\n".join(lines)
 
 
-def _or_fault(name: str) -> Target | str:
-    """Return a target, or the reason why it cannot be loaded."""
-    try:
-        return load_target(name)
-    except TargetError as error:
-        return str(error)
-
-
-def _filled(text: str, first: str, indent: str) -> list[str]:
+def _wrapped(text: str, first: str, indent: str) -> list[str]:
+    """Return the lines of a paragraph, of which the first begins with ``first`` and the others with ``indent``."""
     return textwrap.wrap(text, _WIDTH, initial_indent=first, subsequent_indent=indent, break_on_hyphens=False)

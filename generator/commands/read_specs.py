@@ -11,9 +11,9 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ..language.files import (
     CONFIGURATION,
@@ -63,12 +63,14 @@ def configuration_above() -> Configuration | None:
 def _folders_above() -> Iterator[Path]:
     """Yield the current folder and those above it, relative to it, so that messages have short paths."""
     try:
-        above = len(Path.cwd().parents)
+        number_above = len(Path.cwd().parents)
     except OSError:  # The current folder has been removed.
         return
-    yield Path()
-    for count in range(1, above + 1):
-        yield Path(*[os.pardir] * count)
+    folder = Path()
+    yield folder
+    for _ in range(number_above):
+        folder /= os.pardir
+        yield folder
 
 
 def _has_settings(file: Path) -> bool:
@@ -129,14 +131,15 @@ def find_specs(named: Sequence[Path]) -> Specs:
     refuse_missing(named)
     settings = find_settings()
     if named:
-        return Specs(tuple(named), (), settings)
+        return Specs(paths=tuple(named), settings=settings)
     if settings is None:
-        found = _below(Path(), ())
+        user_specs = _search_folder(Path(), outputs=())
     elif settings.specs:
-        found = Specs(tuple(_without_output(settings)))
+        user_specs = Specs(paths=tuple(_specs_without_output(settings)))
     else:
-        found = _below(settings.folder, _outputs(settings))
-    return replace(found, packaged=tuple(_packaged_beside(found.paths)), settings=settings)
+        user_specs = _search_folder(settings.folder, _output_paths(settings))
+    packaged = _packaged_except(user_specs.paths)
+    return replace(user_specs, packaged=tuple(packaged), settings=settings)
 
 
 def find_settings() -> Configuration | None:
@@ -164,16 +167,19 @@ def find_specs_to_judge(named: Sequence[Path], command: str) -> Specs:
     option = " --specs" if command in ("reread OLD NEW", "facts FAMILY") else ""
     if not specs.is_complete:
         raise Stop(
-            f"{_place(folder)} has more than {MOST_NAMES:,} files and folders, so not all of its specs were found; "
-            f"name the folder of the specs: codewheel {command}{option} FOLDER, or list it under [tool.codewheel]",
+            f"{_folder_text(folder)} has more than {MOST_NAMES:,} files and folders, so not all of its specs were "
+            f"found; name the folder of the specs: codewheel {command}{option} FOLDER, or list it under "
+            "[tool.codewheel]",
             2,
         )
     if not specs.paths:
-        packaged = f"; outputs for a packaged encoder: codewheel generate --packaged {_packaged_family()} -o out"
-        others = packaged if command == "generate" else ""
+        hint = ""
+        if command == "generate":
+            example = _example_of_packaged_family()
+            hint = f"; outputs for a packaged encoder: codewheel generate --packaged {example} -o out"
         raise Stop(
-            f"there are no specs in {_place(folder)} or below it{_output_with_specs(specs)}; name them: "
-            f"codewheel {command}{option} FOLDER, or list them under [tool.codewheel] in pyproject.toml{others}",
+            f"there are no specs in {_folder_text(folder)} or below it{_output_with_specs(specs)}; name them: "
+            f"codewheel {command}{option} FOLDER, or list them under [tool.codewheel] in pyproject.toml{hint}",
             2,
         )
     _report_not_entered(specs, folder)
@@ -188,10 +194,13 @@ def _output_with_specs(specs: Specs) -> str:
     return f", apart from those in {output.as_posix()}, which is the output folder and is not searched"
 
 
-def _packaged_family() -> str:
-    """Return the name of a packaged family, for an example."""
-    files = (path for folder in packaged_families() for path in find_files(folder).specs)
-    return next(path.stem for path in files if describes_encoders(path))
+def _example_of_packaged_family() -> str:
+    """Return the name of the first packaged family."""
+    for folder in packaged_families():
+        for path in find_files(folder).specs:
+            if describes_encoders(path):
+                return path.stem
+    raise LookupError("there are no packaged families")
 
 
 def _real_folder(path: Path) -> str:
@@ -202,18 +211,18 @@ def _real_folder(path: Path) -> str:
 def _report_not_entered(specs: Specs, folder: Path) -> None:
     """Report the folders that may contain specs but are not searched, so that a user does not take them for checked."""
     folders = [path for path in specs.paths if is_folder(path)]
-    searched = tuple(_real_folder(path) for path in folders or [folder])
+    searched_folders = tuple(_real_folder(path) for path in folders or [folder])
     not_entered = list(specs.not_entered)
-    for path in folders:
-        found_files = find_files(path, lambda _: False)
-        not_entered += [(path, reason) for path, reason in found_files.not_entered if reason != UNREADABLE]
-    shown = []
+    for searched_folder in folders:
+        search_result = find_files(searched_folder, lambda _: False)
+        not_entered += [(path, reason) for path, reason in search_result.not_entered if reason != UNREADABLE]
+    paths_with_reasons = []
     for path, reason in not_entered:
-        is_searched_anyway = reason == LINK and _real_folder(path).startswith(searched)
+        is_searched_anyway = reason == LINK and _real_folder(path).startswith(searched_folders)
         if not is_searched_anyway:
-            shown.append(f"{path.as_posix()} ({reason})")
-    if shown:
-        print(f"codewheel: not searched for specs: {first_of(shown, _MOST_SHOWN)}", file=sys.stderr)
+            paths_with_reasons.append(f"{path.as_posix()} ({reason})")
+    if paths_with_reasons:
+        print(f"codewheel: not searched for specs: {first_of(paths_with_reasons, _MOST_SHOWN)}", file=sys.stderr)
 
 
 def find_specs_to_read(named: Sequence[Path]) -> Specs:
@@ -232,36 +241,40 @@ def find_specs_to_read(named: Sequence[Path]) -> Specs:
     return specs
 
 
-def _place(folder: Path) -> str:
+def _folder_text(folder: Path) -> str:
     return "this folder" if folder == Path() else folder.as_posix()
 
 
-def _outputs(settings: Configuration) -> list[str]:
-    """Return the real path of the output folder in the settings."""
+def _output_paths(settings: Configuration) -> list[str]:
+    """Return the real path of the output folder in the settings, if they have one."""
     return [os.path.realpath(settings.output)] if settings.output is not None else []
 
 
-def _without_output(settings: Configuration) -> Iterator[Path]:
+def _specs_without_output(settings: Configuration) -> Iterator[Path]:
     """Yield the specs in the settings. A folder that contains the output folder is replaced by its specs."""
-    outputs = _outputs(settings)
+    output_paths = _output_paths(settings)
     for path in settings.specs:
-        inside = os.path.join(os.path.realpath(path), "")
-        if any(output.startswith(inside) for output in outputs):
-            yield from find_files(path, outputs=outputs).specs
+        contains_output = any(output.startswith(_real_folder(path)) for output in output_paths)
+        if contains_output:
+            yield from find_files(path, outputs=output_paths).specs
         else:
             yield path
 
 
-def _below(folder: Path, outputs: Sequence[str]) -> Specs:
+def _search_folder(folder: Path, outputs: Sequence[str]) -> Specs:
     """Return the specs in a folder and below it, if at least one of them is about an encoder."""
-    found = find_files(folder, outputs=outputs, most_names=MOST_NAMES)
-    unreadable = {path for path, reason in found.not_entered if reason == UNREADABLE}
-    specs = tuple(path for path in found.specs if path not in unreadable)
-    has_encoders = any(map(describes_encoders, specs))
-    return Specs(specs if has_encoders else (), is_complete=found.is_complete, not_entered=found.not_entered)
+    search_result = find_files(folder, outputs=outputs, most_names=MOST_NAMES)
+    unreadable_paths = {path for path, reason in search_result.not_entered if reason == UNREADABLE}
+    specs = tuple(path for path in search_result.specs if path not in unreadable_paths)
+    has_encoders = any(describes_encoders(spec) for spec in specs)
+    return Specs(
+        paths=specs if has_encoders else (),
+        is_complete=search_result.is_complete,
+        not_entered=search_result.not_entered,
+    )
 
 
-def _packaged_beside(paths: Sequence[Path]) -> Iterator[Path]:
+def _packaged_except(paths: Sequence[Path]) -> Iterator[Path]:
     """Yield the packaged specs without those among ``paths``, which may be the same files."""
     user_paths = [os.path.realpath(path) for path in paths]
     for folder in packaged_families():
@@ -270,10 +283,12 @@ def _packaged_beside(paths: Sequence[Path]) -> Iterator[Path]:
         has_user_files = any(path.startswith(packaged_folder) for path in user_paths)
         if is_inside_user_folder:
             continue
-        if has_user_files:
-            yield from (path for path in find_files(folder).specs if os.path.realpath(path) not in user_paths)
-        else:
+        if not has_user_files:
             yield folder
+            continue
+        for spec in find_files(folder).specs:
+            if os.path.realpath(spec) not in user_paths:
+                yield spec
 
 
 def refuse_unknown_targets(settings: Configuration | None) -> None:
@@ -284,25 +299,33 @@ def refuse_unknown_targets(settings: Configuration | None) -> None:
     """
     if settings is None or not (settings.targets or settings.only):
         return
-    places: list[tuple[str, Place]] = [(name, ("targets", index)) for index, name in enumerate(settings.targets)]
-    places += [(name, ("only", name)) for name in settings.only]
-    registered_places = [(name, place) for name, place in places if name not in BUILT_IN]
-    if not registered_places:
+    # Each target that is not built in, with its place in the settings.
+    registered_targets: list[tuple[str, Place]] = []
+    for index, name in enumerate(settings.targets):
+        if name not in BUILT_IN:
+            registered_targets.append((name, ("targets", index)))
+    for name in settings.only:
+        if name not in BUILT_IN:
+            registered_targets.append((name, ("only", name)))
+    if not registered_targets:
         return
     from ..targets.registry import target_names
 
     known_names = target_names()
-    unknown_places = [(name, place) for name, place in registered_places if name not in known_names]
-    if unknown_places:
-        raise problems(_unknown_targets(settings.file, unknown_places, known_names))
+    unknown_targets = [(name, place) for name, place in registered_targets if name not in known_names]
+    if unknown_targets:
+        raise problems(_report_unknown_targets(settings.file, unknown_targets, known_names))
 
 
-def _unknown_targets(file: Path, places: Iterable[tuple[str, Place]], known_names: Iterable[str]) -> Report:
+def _report_unknown_targets(
+    file: Path, unknown_targets: Iterable[tuple[str, Place]], known_names: Iterable[str]
+) -> Report:
+    """Return a report with an error for each target, at its place in the settings."""
     from ..language.problems import Report, suggestion
     from ..loading.configuration_file import add_error
 
     report = Report()
-    for name, place in places:
+    for name, place in unknown_targets:
         message = f"there is no target '{name}'{suggestion(name, known_names, 'there are')}"
         add_error(report, file, place, "undefined-reference", message, at_key=place[0] == "only")
     return report
@@ -368,11 +391,7 @@ def read_line(
     skipped_text = f"; skipped: {first_of(skipped_files, _MOST_FILES)}" if skipped_files else ""
     if packaged:
         return f"{_packaged_text(families, report, packaged, packaged_files)}{skipped_text}"
-    return f"read {_files_text(report.files, 'spec')}{skipped_text}"
-
-
-def _files_text(files: Sequence[str], noun: str, of_whom: str = "") -> str:
-    return f"{counted(len(files), noun)}{of_whom}: {first_of(files, _MOST_FILES)}"
+    return f"read {counted(len(report.files), 'spec')}: {first_of(report.files, _MOST_FILES)}{skipped_text}"
 
 
 def _packaged_text(
@@ -384,66 +403,6 @@ def _packaged_text(
     text = f"read the packaged specs of {', '.join(packaged)}: {families_read}"
     packaged_folders = {os.path.realpath(path.parent) for path in packaged_files}
     user_files = [file for file in report.files if os.path.dirname(os.path.realpath(file)) not in packaged_folders]
-    return f"{text}, and {_files_text(user_files, 'spec', ' of yours')}" if user_files else text
-
-
-# -- values that are still those of the template of ``new``
-
-
-@dataclass(frozen=True, slots=True)
-class Placeholder:
-    """A value that is still the template's. ``name`` is that of the fact in its spec."""
-
-    file: str
-    line: int
-    column: int
-    name: str
-
-
-def placeholders_in(files: Iterable[str]) -> Iterator[Placeholder]:
-    """Yield the placeholders in these specs, in the order of their lines."""
-    for file in dict.fromkeys(files):
-        path = Path(file)
-        if path.is_file() and b"TODO" in path.read_bytes():
-            yield from _placeholders_of(path)
-
-
-def _placeholders_of(path: Path) -> Iterator[Placeholder]:
-    from ..language.document import placeholder_name, placeholder_paths
-    from ..language.problems import Report
-    from ..language.read import read_document
-
-    document = read_document(path, Report())
-    if document is None:
-        return
-    paths = placeholder_paths(document.data)
-    for line, column, place in sorted((*document.position(place), place) for place in paths):
-        name = placeholder_name(document.data, place)
-        yield Placeholder(file=document.file, line=line, column=column, name=name)
-
-
-def placeholders_data(files: Iterable[str]) -> list[dict[str, Any]]:
-    """Return the placeholders in these specs in the form that ``check --json`` prints."""
-    return [asdict(placeholder) for placeholder in placeholders_in(files)]
-
-
-def placeholder_lines(files: Iterable[str]) -> list[str]:
-    """Return a line with the number of placeholders, and one for each. Empty if there are none."""
-    lines = [f"  {placeholder.file}:{placeholder.line}: {placeholder.name}" for placeholder in placeholders_in(files)]
-    if not lines:
-        return []
-    return [f"{_counted_placeholders(len(lines))} (each has the word TODO):", *lines]
-
-
-def placeholder_line(files: Iterable[str]) -> str:
-    """Return one line with the number of placeholders and the first one, or an empty text if there are none."""
-    placeholders = list(placeholders_in(files))
-    if not placeholders:
-        return ""
-    first = placeholders[0]
-    number = _counted_placeholders(len(placeholders))
-    return f"{number}, the first at {first.file}:{first.line}; codewheel check lists them"
-
-
-def _counted_placeholders(number: int) -> str:
-    return "1 value is still the template's" if number == 1 else f"{number} values are still the template's"
+    if not user_files:
+        return text
+    return f"{text}, and {counted(len(user_files), 'spec')} of yours: {first_of(user_files, _MOST_FILES)}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 from ..language.problems import joined_lines
@@ -55,7 +56,7 @@ class _ChangedPassage:
     facts_of_section: int
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Compare two texts. The exit code is 1 if they differ.
 
     Raises:
@@ -67,23 +68,24 @@ def run(chosen: argparse.Namespace) -> int:
     from ..reread.sections import NoText, read
     from .read_specs import specs_to_judge
 
-    paths = specs_to_judge(chosen.specs, "reread OLD NEW").paths
+    paths = specs_to_judge(arguments.specs, "reread OLD NEW").paths
     try:
-        old, new = read(chosen.old), read(chosen.new)
+        old, new = read(arguments.old), read(arguments.new)
     except NoText as error:
         raise Stop(str(error), 2) from None
-    family = _family_of_manual(paths, chosen.family, old)
+    family = _family_of_manual(paths, arguments.family, old)
     facts = citing(family.document)
-    by_words = same_language(old, new)
-    passages = changed(old, new) if by_words else numbers_changed(old, new)
+    # In texts of different languages, only the numbers can be compared.
+    compares_words = same_language(old, new)
+    passages = changed(old, new) if compares_words else numbers_changed(old, new)
     titles_by_page = _unnumbered_sections(family)
     touched_facts = TouchedFacts(facts)
     with Progress("codewheel: comparing the texts"):
         changed_passages = [_with_facts(passage, touched_facts, old, titles_by_page) for passage in passages]
-    if chosen.json:
-        print_json(_as_data(family, changed_passages, by_words))
+    if arguments.json:
+        print_json(_as_data(family, changed_passages, compares_words=compares_words))
     else:
-        print("\n".join(_as_text(family, changed_passages, facts, by_words)))
+        print("\n".join(_text_lines(family, changed_passages, facts, compares_words=compares_words)))
     return 1 if changed_passages else 0
 
 
@@ -130,17 +132,19 @@ def _unnumbered_sections(family: Family) -> Mapping[int, str]:
 def _with_facts(
     passage: Passage, touched_facts: TouchedFacts, old: Manual, titles_by_page: Mapping[int, str]
 ) -> _ChangedPassage:
+    """Return a changed passage with the facts that cite its section, under any name that facts use for the section."""
     section = passage.section
-    sections = {section.number} | old.without_heading_after(section.number)
-    sections.add(titles_by_page.get(section.page or 0, section.number))
-    facts, facts_of_section = touched_facts.of(passage, sections)
-    return _ChangedPassage(passage, facts, facts_of_section)
+    section_names = {section.number} | old.without_heading_after(section.number)
+    section_names.add(titles_by_page.get(section.page or 0, section.number))
+    facts, number_of_facts = touched_facts.of(passage, section_names)
+    return _ChangedPassage(passage=passage, facts=facts, facts_of_section=number_of_facts)
 
 
-def _as_text(
-    family: Family, changed_passages: Sequence[_ChangedPassage], facts: Sequence[Citing], by_words: bool
+def _text_lines(
+    family: Family, changed_passages: Sequence[_ChangedPassage], facts: Sequence[Citing], *, compares_words: bool
 ) -> Iterator[str]:
-    note = "" if by_words else "; the texts have few words in common, so only numbers are compared"
+    """Yield the changed passages by section, each with its facts, and how many facts they concern."""
+    note = "" if compares_words else "; the texts have few words in common, so only numbers are compared"
     yield f"facts of {family.document.file}{note}"
     if not changed_passages:
         yield "no difference"
@@ -170,7 +174,7 @@ def _passage_lines(changed_passage: _ChangedPassage) -> Iterator[str]:
     if not changed_passage.facts_of_section:
         yield "  no fact in the spec cites this place"
         return
-    groups = _with_equal_ones(changed_passage.facts)[:_MOST_FACTS]
+    groups = _groups_of_equal_facts(changed_passage.facts)[:_MOST_FACTS]
     for first_fact, *other_facts in groups:
         other_lines = [str(line) for line in sorted({fact.line for fact in other_facts})]
         noun = "line" if len(other_lines) == 1 else "lines"
@@ -183,34 +187,32 @@ def _passage_lines(changed_passage: _ChangedPassage) -> Iterator[str]:
         yield f"  and {counted(unlisted, noun)} from this section"
 
 
-def _with_equal_ones(facts: Sequence[Citing]) -> list[list[Citing]]:
+def _groups_of_equal_facts(facts: Sequence[Citing]) -> list[list[Citing]]:
     """Return facts that follow each other with the same key and value as one group, such as a wait after each step."""
     from ..reread.ranking import key_of
 
-    groups: list[list[Citing]] = []
-    for fact in facts:
-        is_equal = bool(groups) and (key_of(groups[-1][0]), groups[-1][0].value) == (key_of(fact), fact.value)
-        if is_equal:
-            groups[-1].append(fact)
-        else:
-            groups.append([fact])
-    return groups
+    def key_and_value(fact: Citing) -> object:
+        return key_of(fact), fact.value
+
+    return [list(group) for _, group in groupby(facts, key_and_value)]
 
 
 def _shortened(text: str) -> str:
     return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
 
 
-def _as_data(family: Family, changed_passages: Sequence[_ChangedPassage], by_words: bool) -> Mapping[str, Any]:
+def _as_data(family: Family, changed_passages: Sequence[_ChangedPassage], *, compares_words: bool) -> Mapping[str, Any]:
+    """Return the changed passages in the form that ``--json`` prints."""
     return {
         "version": JSON_VERSION,
         "spec": family.document.file,
-        "compared": "words" if by_words else "numbers",
+        "compared": "words" if compares_words else "numbers",
         "passages": [_passage_data(changed_passage) for changed_passage in changed_passages],
     }
 
 
 def _passage_data(changed_passage: _ChangedPassage) -> Mapping[str, Any]:
+    """Return a changed passage with the facts that cite its section, for JSON."""
     passage = changed_passage.passage
     return {
         "section": passage.section.number,

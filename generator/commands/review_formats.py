@@ -56,6 +56,7 @@ def _sarif(findings: Sequence[Finding]) -> dict[str, object]:
 
 
 def _sarif_result(finding: Finding) -> dict[str, object]:
+    """Return a finding as a result of SARIF."""
     place = {
         "artifactLocation": {"uri": _uri(finding.file)},
         "region": {"startLine": finding.line, "startColumn": finding.column},

@@ -51,86 +51,95 @@ class Selection:
         if not self.is_narrowed:
             return self.options
         packaged_names = {path.stem for path in self.packaged}
-        own_names = [name for name in families if name not in packaged_names]
-        return (*self.options[:-1], ",".join([self.options[-1], *own_names]))
+        user_families = [name for name in families if name not in packaged_names]
+        *other_options, limit = self.options
+        return (*other_options, ",".join([limit, *user_families]))
 
-    def guard(self, chosen: argparse.Namespace, devices: Sequence[Device], files: Sequence[str]) -> Guard:
+    def guard(self, arguments: argparse.Namespace, devices: Sequence[Device], files: Sequence[str]) -> Guard:
         """Return the check that the run touches no output of other specs."""
         from ..removable_outputs import Guard
 
-        return Guard(chosen.output, devices, files, self.command_with, is_comparison=chosen.check)
+        return Guard(arguments.output, devices, files, self.command_with, is_comparison=arguments.check)
 
 
-def selected(chosen: argparse.Namespace, cache: Cache) -> Selection:
+def select_specs(arguments: argparse.Namespace, cache: Cache) -> Selection:
     """Return the specs and options of a run, and fill in its output folder and targets.
 
     Raises:
         Stop: There are no specs, a name is unknown (exit code 2), or there are errors in the settings (exit code 1).
     """
-    named = [*chosen.specs, *chosen.more_specs]
+    named_paths = [*arguments.specs, *arguments.more_specs]
     # A copy, because the output folder and the targets are filled in later.
-    given = argparse.Namespace(**vars(chosen))
-    chosen.again = f"{command_again(given)}{' --prune' if given.prune else ''}"
-    _refuse_missing(named, cache)
-    if chosen.packaged:
-        packaged, implied = _packaged(chosen, cache)
+    user_arguments = argparse.Namespace(**vars(arguments))
+    arguments.again = command_again(user_arguments)
+    if user_arguments.prune:
+        arguments.again += " --prune"
+    _refuse_missing(named_paths, cache)
+    packaged: tuple[Path, ...] = ()
+    implied_options: tuple[str, ...] = ()
+    if arguments.packaged:
+        packaged, implied_options = _find_packaged(arguments, cache)
         settings = find_settings()
-        paths = (*named, *packaged)
+        paths = (*named_paths, *packaged)
     else:
-        specs = find_specs_to_judge(named, "generate")
-        paths, packaged, implied, settings = specs.paths, (), (), specs.settings
+        specs = find_specs_to_judge(named_paths, "generate")
+        settings = specs.settings
+        paths = specs.paths
     refuse_unknown_targets(settings)
-    _fill_in(chosen, settings)
+    _fill_in_output_and_targets(arguments, settings)
 
     def command_with(families: Sequence[str]) -> str:
-        return _command_with(families, given, settings)
+        return _command_with(families, user_arguments, settings)
 
+    reads_all_specs = not named_paths and not arguments.packaged
     return Selection(
-        paths,
-        (*chosen.option, *implied),
-        packaged,
-        is_narrowed=bool(implied),
+        paths=paths,
+        options=(*arguments.option, *implied_options),
+        packaged=packaged,
+        is_narrowed=bool(implied_options),
         command_with=command_with,
-        settings=None if named or chosen.packaged else settings,
-        only=_filters_for(chosen.output, settings),
+        settings=settings if reads_all_specs else None,
+        only=_filters_for(arguments.output, settings),
     )
 
 
-def _command_with(families: Sequence[str], given: argparse.Namespace, settings: Configuration | None) -> str:
+def _command_with(families: Sequence[str], user_arguments: argparse.Namespace, settings: Configuration | None) -> str:
     """Return the command of the user that also reads these families.
 
     A packaged family is named with ``--packaged``. For others, ``FOLDER`` is a place that the user fills in.
     """
-    packaged = [name for name in families if _is_packaged(name)]
+    packaged = [family for family in families if _is_packaged(family)]
     needs_folder = not packaged or len(packaged) < len(families)
     folders = ["FOLDER"] if needs_folder else []
-    if given.specs or given.more_specs:
+    if user_arguments.specs or user_arguments.more_specs:
         # The user named some of the specs in the settings. Without names, all of them are read.
         if settings is not None and settings.specs and not packaged:
             return "codewheel generate"
-    elif not given.packaged:
+    elif not user_arguments.packaged:
         # Without names, the command reads the user's own specs, which a name would exclude.
         folders = [*_own_specs(settings), *folders]
     elif needs_folder:
         folders = _own_specs(settings) or folders
-    every = argparse.Namespace(**vars(given))
-    every.packaged = [*given.packaged, *(name.partition("/")[2] for name in packaged)]
-    return command_again(every, *folders)
+    arguments = argparse.Namespace(**vars(user_arguments))
+    for family in packaged:
+        _, _, name = family.partition("/")
+        arguments.packaged = [*arguments.packaged, name]
+    return command_again(arguments, *folders)
 
 
-def command_again(chosen: argparse.Namespace, *more: str) -> str:
-    """Return the command line that writes the outputs with the arguments that the user gave, and with ``more``."""
-    words = ["codewheel", "generate", *map(str, [*chosen.specs, *chosen.more_specs]), *more]
-    for name in chosen.packaged:
+def command_again(arguments: argparse.Namespace, *more_specs: str) -> str:
+    """Return the command line that writes the outputs with the arguments that the user gave, and with more specs."""
+    words = ["codewheel", "generate", *map(str, [*arguments.specs, *arguments.more_specs]), *more_specs]
+    for name in arguments.packaged:
         words += ["--packaged", name]
-    if chosen.output is not None:
-        words += ["-o", str(chosen.output)]
-    for name in chosen.target or ():
+    if arguments.output is not None:
+        words += ["-o", str(arguments.output)]
+    for name in arguments.target or ():
         words += ["--target", name]
-    for setting in chosen.option:
+    for setting in arguments.option:
         words += ["--option", setting]
-    if chosen.templates is not None:
-        words += ["--templates", str(chosen.templates)]
+    if arguments.templates is not None:
+        words += ["--templates", str(arguments.templates)]
     return shlex.join(words)
 
 
@@ -157,18 +166,18 @@ def _refuse_missing(named: Sequence[Path], cache: Cache) -> None:
     try:
         refuse_missing(named)
     except Stop as stop:
-        command_words = ["codewheel", "generate"]
-        missing = [path.as_posix() for path in named if not path.exists()]
-        packaged_names = [name for name in missing if _names_packaged(name, cache)]
+        missing_names = [path.as_posix() for path in named if not path.exists()]
+        packaged_names = [name for name in missing_names if _is_name_of_packaged(name, cache)]
         if not packaged_names:
             raise
+        command_words = ["codewheel", "generate"]
         for name in packaged_names:
             command_words += ["--packaged", name]
         message = f"{stop}; to generate a packaged encoder: {shlex.join(command_words)}"
         raise Stop(message, stop.code) from None
 
 
-def _names_packaged(name: str, cache: Cache) -> bool:
+def _is_name_of_packaged(name: str, cache: Cache) -> bool:
     """Return True if this is the order code, family or manufacturer of packaged specs."""
     try:
         _packaged_specs(name, cache)
@@ -177,32 +186,33 @@ def _names_packaged(name: str, cache: Cache) -> bool:
     return True
 
 
-def _fill_in(chosen: argparse.Namespace, settings: Configuration | None) -> None:
+def _fill_in_output_and_targets(arguments: argparse.Namespace, settings: Configuration | None) -> None:
     """Set the output folder and the targets that the user did not name."""
-    if chosen.output is None:
-        chosen.output = OUTPUT
+    if arguments.output is None:
+        arguments.output = OUTPUT
         if settings is not None and settings.output is not None:
-            chosen.output = settings.output
-    if not chosen.target and settings is not None and settings.targets:
-        chosen.target = list(settings.targets)
+            arguments.output = settings.output
+    if not arguments.target and settings is not None and settings.targets:
+        arguments.target = list(settings.targets)
 
 
 def _filters_for(output: Path, settings: Configuration | None) -> FamilyFilters:
     """Return the conditions of the settings for an output folder. There are none for a folder of another run."""
-    if settings is None or os.path.realpath(output) != os.path.realpath(settings.output or OUTPUT):
+    if settings is None:
         return NO_FILTERS
-    return settings.only
+    folder_of_settings = os.path.realpath(settings.output or OUTPUT)
+    return settings.only if os.path.realpath(output) == folder_of_settings else NO_FILTERS
 
 
-def _packaged(chosen: argparse.Namespace, cache: Cache) -> tuple[tuple[Path, ...], tuple[str, ...]]:
+def _find_packaged(arguments: argparse.Namespace, cache: Cache) -> tuple[tuple[Path, ...], tuple[str, ...]]:
     """Return the packaged specs with the names of ``--packaged``, and the option that limits the C headers to them."""
     paths: list[Path] = []
-    parts: list[str] = []
-    for name in chosen.packaged:
+    families_and_codes: list[str] = []
+    for name in arguments.packaged:
         specs, names = _packaged_specs(name, cache)
         paths += specs
-        parts += names
-    return tuple(dict.fromkeys(paths)), _narrowed(chosen, parts)
+        families_and_codes += names
+    return tuple(dict.fromkeys(paths)), _option_to_limit_c(arguments, families_and_codes)
 
 
 def _packaged_specs(name: str, cache: Cache) -> tuple[Sequence[Path], Sequence[str]]:
@@ -218,39 +228,46 @@ def _packaged_specs(name: str, cache: Cache) -> tuple[Sequence[Path], Sequence[s
     try:
         device, match, _ = find_family_or_code(Specs(tuple(folders.values())), name, cache)
     except Stop as stop:
-        raise _no_packaged(name, stop, folders) from None
-    part = match.variant.code if match is not None and not match.unlisted else device.name
-    return [folders[device.manufacturer.name] / f"{device.name}.yaml"], [part]
+        raise _no_packaged_error(name, stop, folders) from None
+    spec = folders[device.manufacturer.name] / f"{device.name}.yaml"
+    if match is None or match.unlisted:
+        return [spec], [device.name]
+    return [spec], [match.variant.code]
 
 
-def _no_packaged(name: str, stop: Stop, folders: Mapping[str, Path]) -> Stop:
-    """Return the error for an unknown name, with the nearest family or manufacturer if there is one."""
+def _no_packaged_error(name: str, stop: Stop, folders: Mapping[str, Path]) -> Stop:
+    """Return the error for an unknown name, with the nearest family or manufacturer if there is one.
+
+    ``stop`` is the error of the search for an order code, and ``folders`` are those of the manufacturers.
+    """
     from difflib import get_close_matches
 
     from ..language.problems import nearest_choice
     from ..order_codes import labels
 
-    unknown = labels.unknown_code(name)
-    if not str(stop).startswith(unknown):  # The name is close to an order code, and the message says how.
+    unknown_code = labels.unknown_code(name)
+    if not str(stop).startswith(unknown_code):  # The name is close to an order code, and the message says how.
         return stop
-    families: list[str] = []
+    known_names = list(folders)
     for folder in folders.values():
-        families += [path.stem for path in find_files(folder).specs if path.name != MANUFACTURER]
-    nearest = nearest_choice(name.lower(), [*folders, *families])
-    similar = get_close_matches(name.lower(), [*folders, *families])
-    remedy = str(stop).removeprefix(unknown)
-    if nearest:
-        remedy = f"; did you mean '{nearest}'?"
-    elif similar:
-        remedy = labels.nearest_codes_hint(", ".join(similar))
+        known_names += [path.stem for path in find_files(folder).specs if path.name != MANUFACTURER]
+    nearest_name = nearest_choice(name.lower(), known_names)
+    similar_names = get_close_matches(name.lower(), known_names)
+    if nearest_name:
+        remedy = f"; did you mean '{nearest_name}'?"
+    elif similar_names:
+        remedy = labels.nearest_codes_hint(", ".join(similar_names))
+    else:
+        remedy = str(stop).removeprefix(unknown_code)
     return Stop(f"'{name}' is not a packaged order code, family or manufacturer{remedy}", stop.code)
 
 
-def _narrowed(chosen: argparse.Namespace, parts: Sequence[str]) -> tuple[str, ...]:
+def _option_to_limit_c(arguments: argparse.Namespace, families_and_codes: Sequence[str]) -> tuple[str, ...]:
     """Return the option that limits the C headers to order codes, unless the user gave it."""
-    is_given = any(setting.startswith("c.only=") for setting in chosen.option)
-    has_target = not chosen.target or "c" in chosen.target
-    has_codes = any(part.upper() == part for part in parts)
-    if is_given or not has_target or not has_codes:
+    has_option = any(setting.startswith("c.only=") for setting in arguments.option)
+    writes_c = not arguments.target or "c" in arguments.target
+    # Order codes are in capitals, and names of families are not.
+    has_codes = any(name.upper() == name for name in families_and_codes)
+    if has_option or not writes_c or not has_codes:
         return ()
-    return (f"c.only={','.join(dict.fromkeys(parts))}",)
+    return (f"c.only={','.join(dict.fromkeys(families_and_codes))}",)

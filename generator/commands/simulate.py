@@ -75,14 +75,17 @@ def _more_help() -> str:
     from ..virtual import FAULTS, faults_of
 
     lines = [fill(_HOW_TO_USE, 79)]
-    interfaces = dict.fromkeys(interface for effects in FAULTS.values() for interface in effects)
+    # Each fault has an effect for each interface over which it can occur.
+    interfaces = dict.fromkeys(
+        interface for effect_by_interface in FAULTS.values() for interface in effect_by_interface
+    )
     for interface in interfaces:
         lines += ["", f"faults over {INTERFACES[interface].short}:"]
         lines += [f"  {name:<10}{effect}" for name, effect in faults_of(interface).items()]
     return "\n".join(lines)
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Serve a virtual encoder until the user ends it.
 
     Raises:
@@ -93,17 +96,17 @@ def run(chosen: argparse.Namespace) -> int:
     from .read_specs import specs_to_read
 
     paths: Sequence[Path] = ()
-    if is_line(chosen.order_code):
-        encoder_in_line(chosen.order_code)
+    if is_line(arguments.order_code):
+        encoder_in_line(arguments.order_code)
     else:
-        _, _, paths = find_order_code(specs_to_read(chosen.specs), chosen.order_code, cache_for(chosen))
+        _, _, paths = find_order_code(specs_to_read(arguments.specs), arguments.order_code, cache_for(arguments))
     try:
-        encoder = _encoder(chosen, paths)
+        encoder = _virtual_encoder(arguments, paths)
     except ValueError as error:
         raise Stop(str(error), 2) from None
     try:
-        uses_tcp = chosen.tcp is not None or not has_terminals()
-        port = listen_tcp(chosen.tcp or 0) if uses_tcp else terminal()
+        uses_tcp = arguments.tcp is not None or not has_terminals()
+        port = listen_tcp(arguments.tcp or 0) if uses_tcp else terminal()
     except (OSError, OverflowError) as error:
         raise Stop(f"cannot open a port: {getattr(error, 'strerror', None) or error}", 1) from None
     print(port.name, flush=True)
@@ -116,7 +119,7 @@ def run(chosen: argparse.Namespace) -> int:
     return 0
 
 
-def _encoder(chosen: argparse.Namespace, paths: Sequence[Path]) -> VirtualEncoder:
+def _virtual_encoder(arguments: argparse.Namespace, paths: Sequence[Path]) -> VirtualEncoder:
     """Return the encoder with its position, flags and registers.
 
     Raises:
@@ -124,16 +127,20 @@ def _encoder(chosen: argparse.Namespace, paths: Sequence[Path]) -> VirtualEncode
     """
     from ..virtual import VirtualEncoder, motion
 
+    answers: dict[str, str] = {}
+    for pair in arguments.choose:
+        name, _, answer = pair.partition("=")
+        answers[name] = answer
     encoder = VirtualEncoder(
-        chosen.order_code,
-        choose=dict(pair.partition("=")[::2] for pair in chosen.choose),
-        faults=chosen.fault,
-        seed=chosen.seed,
-        edition=chosen.edition or "",
+        arguments.order_code,
+        choose=answers,
+        faults=arguments.fault,
+        seed=arguments.seed,
+        edition=arguments.edition or "",
         specs=paths,
     )
-    encoder.position = motion(chosen.position, encoder.counts, encoder.lowest, encoder.counts_per_turn)
-    encoder.set_flag(*chosen.flag)
-    for address, byte in bytes_by_address(chosen.register).items():
+    encoder.position = motion(arguments.position, encoder.counts, encoder.lowest, encoder.counts_per_turn)
+    encoder.set_flag(*arguments.flag)
+    for address, byte in bytes_by_address(arguments.register).items():
         encoder.memory.hold(address, byte)
     return encoder

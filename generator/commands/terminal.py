@@ -125,11 +125,13 @@ def _replace_in_text(error: UnicodeError) -> tuple[str | bytes, int]:
 
 
 def _replace_in_json(error: UnicodeError) -> tuple[str, int]:
-    """Handle an encoding error in JSON, where all such characters are in strings."""
+    """Handle an encoding error in JSON by an escape. All such characters are in strings."""
     if not isinstance(error, UnicodeEncodeError):
         raise error
-    digits = error.object[error.start].encode("utf-16-be", "surrogatepass").hex()
-    escapes = [f"\\u{digits[start : start + 4]}" for start in range(0, len(digits), 4)]
+    character = error.object[error.start]
+    hex_digits = character.encode("utf-16-be", "surrogatepass").hex()
+    # A character beyond 16 bits has two escapes.
+    escapes = [f"\\u{hex_digits[start : start + 4]}" for start in range(0, len(hex_digits), 4)]
     return "".join(escapes), error.start + 1
 
 

@@ -77,14 +77,17 @@ def variant_dump(device: Device, match: Match) -> Item:
     parameters = tuple(parameter for parameter in reduced_device.parameters if parameter.interface in interfaces)
     measurement = reduced_device.measurement_of(variant.interface)
     reduced_device = replace(reduced_device, parameters=parameters, measurement=measurement)
-    own_variant = replace(variant, parameters=_own_parameters(device, variant))
-    return _Dump(reduced_device, variant).whole((own_variant,), own_variant.parameters, label)
+    reduced_variant = replace(variant, parameters=_parameters_of_interface(device, variant))
+    return _Dump(reduced_device, variant).whole((reduced_variant,), reduced_variant.parameters, label)
 
 
-def _own_parameters(device: Device, variant: Variant) -> dict[str, int]:
+def _parameters_of_interface(device: Device, variant: Variant) -> dict[str, int]:
     """Return the parameters of an order code, without those that belong to another interface."""
-    foreign = {parameter.name for parameter in device.parameters if parameter.interface not in ("", variant.interface)}
-    return {name: value for name, value in variant.parameters.items() if name not in foreign}
+    parameters = dict(variant.parameters)
+    for parameter in device.parameters:
+        if parameter.interface not in ("", variant.interface):
+            parameters.pop(parameter.name, None)
+    return parameters
 
 
 @dataclass(frozen=True)
@@ -95,9 +98,12 @@ class _Dump:
     variant: Variant | None
 
     def whole(self, variants: Iterable[Variant], parameters: Mapping[str, int], label: Item | None) -> Item:
-        return self._identity(label) | self._order_codes(variants, parameters) | self._talk() | self._surroundings()
+        """Return all data. ``label`` has those about the label of an order code."""
+        identity, order_codes = self._identity(label), self._order_codes(variants, parameters)
+        return identity | order_codes | self._communication() | self._surroundings()
 
     def _identity(self, label: Item | None) -> Item:
+        """Return the names of the family, its manufacturer, its manual and the evidence for it."""
         device = self.device
         return {
             "version": VERSION,
@@ -118,6 +124,7 @@ class _Dump:
         }
 
     def _order_codes(self, variants: Iterable[Variant], parameters: Mapping[str, int]) -> Item:
+        """Return the order codes, their grammar, their parameters, and the questions that the manual leaves open."""
         source = self.device.order_code.source
         return {
             "parameters": dict(parameters),
@@ -127,7 +134,7 @@ class _Dump:
             "order_codes": [self.plain(variant, source) | _cited(source) for variant in variants],
         }
 
-    def _talk(self) -> Item:
+    def _communication(self) -> Item:
         """Return the frames and registers with their meanings."""
         device = self.device
         return {
@@ -203,15 +210,20 @@ class _Dump:
         return expression.constant if expression.is_constant else expression.render()
 
     def _interface(self, interface: Interface) -> Item:
+        """Return an interface with the names of its layouts."""
         interface_data: Item = self.plain(interface, interface.source)
-        for name, word in (("alignment", "end"), ("output_code", "code")):
-            property_data = interface_data.pop(name, None)
-            if property_data is not None:
-                interface_data |= {name: property_data[word], f"{name}_source": property_data["source"]}
+        # In the data, these objects are a word, and their source is a member of the interface.
+        for name, word_member in (("alignment", "end"), ("output_code", "code")):
+            fact_data = interface_data.pop(name, None)
+            if fact_data is not None:
+                interface_data[name] = fact_data[word_member]
+                interface_data[f"{name}_source"] = fact_data["source"]
         interface_data["kind"] = interface.name
-        return filled(interface_data | {"layouts": [layout.name for layout in interface.layouts]}, "interface")
+        interface_data["layouts"] = [layout.name for layout in interface.layouts]
+        return filled(interface_data, "interface")
 
     def _layout(self, layout: Layout, interface: str, inherited: Sources) -> Item:
+        """Return a frame of an interface with its fields."""
         own_sources = layout.source or inherited
         layout_data: Item = self.plain(replace(layout, fields=()), own_sources)
         layout_data |= {"carried_as": layout.carried_as, "interface": interface}
@@ -221,18 +233,27 @@ class _Dump:
         return layout_data
 
     def _fields(self, layout: Layout, inherited: Sources) -> list[Item]:
+        """Return the fields. For an order code, fields that it lacks are left out."""
+        fields_data: list[Item] = []
         if self.variant is None:
-            return [self._field(field, field.low + field.width - Expression(1), inherited) for field in layout.fields]
-        placed = layout.place(self.variant.parameters)
-        return [self._field(field.field, Expression(field.high), inherited) for field in placed.fields]
+            for field in layout.fields:
+                high = field.low + field.width - Expression(1)
+                fields_data.append(self._field(field, high, inherited))
+        else:
+            for placed_field in layout.place(self.variant.parameters).fields:
+                fields_data.append(self._field(placed_field.field, Expression(placed_field.high), inherited))
+        return fields_data
 
     def _field(self, field: Field, high: Expression, inherited: Sources) -> Item:
+        """Return a field with the name and the members of its kind, which are members of the field in the data."""
         field_data: Item = self.plain(replace(field, kind=Number()), inherited)
-        word, of_kind = self._kind(field.kind, field.source or inherited)
-        place = {"kind": word, "high": self._number(high)}
-        field_data["equals"] = None if isinstance(field.equals, str) else field_data["equals"]
-        field_data["equals_text"] = field.equals if isinstance(field.equals, str) else ""
-        return filled(field_data | place | of_kind, "field")
+        field_data["high"] = self._number(high)
+        if isinstance(field.equals, str):
+            field_data["equals"], field_data["equals_text"] = None, field.equals
+        else:
+            field_data["equals_text"] = ""
+        field_data["kind"], members_of_kind = self._kind(field.kind, field.source or inherited)
+        return filled(field_data | members_of_kind, "field")
 
     def _kind(self, kind: Kind, inherited: Sources) -> tuple[str, Item]:
         """Return the name of a kind and its own members."""
@@ -240,17 +261,7 @@ class _Dump:
             case Number(signed, zero_means, power_of_two):
                 return "number", {"signed": signed, "zero_means": zero_means, "power_of_two": power_of_two}
             case Flag():
-                return "flag", {
-                    "when_active": kind.when_active,
-                    "when_inactive": kind.when_inactive,
-                    "makes_position": kind.makes_position.value if kind.makes_position is not None else "",
-                    "sums_up": list(kind.sums_up),
-                    "only": kind.only,
-                    "only_while": kind.only_while,
-                    "verdict_parameter": kind.verdict_parameter,
-                    "verdict_if_set": kind.verdict_if_set.value if kind.verdict_if_set is not None else "",
-                    "active": "low" if kind.active_low else "high",
-                }
+                return "flag", _flag_members(kind)
             case Choice(values):
                 return "choice", {"values": self.plain(values, inherited)}
             case Constant(value, padding_of):
@@ -276,6 +287,7 @@ class _Dump:
         return {"name": join.name, "fields": list(join.fields), "width": self._number(width)}
 
     def _register(self, register: Register) -> Item:
+        """Return a register with its fields and its default."""
         register_data: Item = self.plain(register, ())
         data = register.default_bytes()
         register_data["default_bytes"] = data.hex(" ").upper() if data is not None else ""
@@ -294,11 +306,28 @@ class _Dump:
         return filled({"from": "encoder"} | self.plain(example, ()), "example")
 
     def _timings(self) -> list[Item]:
+        """Return the times of the device, and those of each interface."""
         timings = [self.plain(timing, ()) | {"interface": ""} for timing in self.device.timings]
         for interface in self.device.interfaces:
-            owner = {"interface": interface.name}
-            timings += [self.plain(timing, interface.source) | owner for timing in interface.timings]
+            for timing in interface.timings:
+                timing_data = self.plain(timing, interface.source)
+                timings.append(timing_data | {"interface": interface.name})
         return timings
+
+
+def _flag_members(flag: Flag) -> Item:
+    """Return the members of a flag. A verdict that it does not have is an empty text."""
+    return {
+        "when_active": flag.when_active,
+        "when_inactive": flag.when_inactive,
+        "makes_position": flag.makes_position.value if flag.makes_position is not None else "",
+        "sums_up": list(flag.sums_up),
+        "only": flag.only,
+        "only_while": flag.only_while,
+        "verdict_parameter": flag.verdict_parameter,
+        "verdict_if_set": flag.verdict_if_set.value if flag.verdict_if_set is not None else "",
+        "active": "low" if flag.active_low else "high",
+    }
 
 
 def _opened_by(register: Register) -> Item:
@@ -307,11 +336,11 @@ def _opened_by(register: Register) -> Item:
 
 def _cited(sources: Sources) -> Item:
     """Return ``source`` with the first source, and ``sources`` with all if there are several."""
-    plain_sources = [_source(source) for source in sources]
-    if len(plain_sources) < 2:
-        return {"source": plain_sources[0] if plain_sources else None}
-    return {"source": plain_sources[0], "sources": plain_sources}
+    sources_data = [_source_data(source) for source in sources]
+    if len(sources_data) < 2:
+        return {"source": sources_data[0] if sources_data else None}
+    return {"source": sources_data[0], "sources": sources_data}
 
 
-def _source(source: Source) -> Item:
+def _source_data(source: Source) -> Item:
     return {"document": source.document, "section": source.section, "page": source.page}

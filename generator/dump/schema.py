@@ -55,52 +55,57 @@ def show_schema() -> JsonSchema:
         "$id": "urn:codewheel:show:1",
         "title": "Output of codewheel show --json, version 1",
     }
-    return head | _object(FAMILY) | {"$defs": _BASIC | {part.name: _object(part) for part in PARTS}}
+    definitions = _BASIC | {part.name: _object_schema(part) for part in PARTS}
+    return head | _object_schema(FAMILY) | {"$defs": definitions}
 
 
-def _object(part: Part) -> JsonSchema:
+def _object_schema(part: Part) -> JsonSchema:
     """Return the schema of an object with the members of a part."""
     members = [member for member in part.members if member.shape]
-    sources = [_SOURCE, _SOURCES] if part.is_sourced else []
+    required_members, optional_members = members, []
+    if part.is_sourced:
+        required_members, optional_members = [*members, _SOURCE], [_SOURCES]
     properties = {}
-    for member in (*members, *sources):
-        properties[member.name] = {"description": member.about} | _shape(member.shape)
+    for member in (*required_members, *optional_members):
+        properties[member.name] = {"description": member.about} | _schema_of(member.shape)
     return {
         "description": part.about,
         "type": "object",
         "additionalProperties": False,
-        "required": [member.name for member in (*members, *sources[:1])],
+        "required": [member.name for member in required_members],
         "properties": properties,
     }
 
 
-def _shape(notation: str) -> JsonSchema:
-    """Return the schema of a type, given in the notation of ``Member.shape``."""
+def _schema_of(notation: str) -> JsonSchema:
+    """Return the schema of a type in the notation of ``Member.shape``, such as ``=1``, ``integer?`` or ``hex=0``."""
     if notation.startswith("="):
         return {"const": int(notation[1:])}
-    notation, _, default = notation.partition("=")
-    shape = _without_default(notation)
-    return shape | {"default": json.loads(default)} if default else shape
+    type_notation, _, default = notation.partition("=")
+    schema = _schema_without_default(type_notation)
+    return schema | {"default": json.loads(default)} if default else schema
 
 
-def _without_default(notation: str) -> JsonSchema:
+def _schema_without_default(notation: str) -> JsonSchema:
+    """Return the schema of a list ``[x]``, a map ``{key:x}``, an optional ``x?``, words ``a|b``, or a named type."""
     if notation.startswith("["):
-        return {"type": "array", "items": _shape(notation[1:-1])}
+        return {"type": "array", "items": _schema_of(notation[1:-1])}
     if notation.startswith("{"):
-        key, colon, inner = notation[1:-1].rpartition(":")
+        key, colon, value_notation = notation[1:-1].rpartition(":")
         key_member = {"x-key": key} if colon else {}
-        return {"type": "object"} | key_member | {"additionalProperties": _shape(inner)}
+        return {"type": "object"} | key_member | {"additionalProperties": _schema_of(value_notation)}
     if notation.endswith("?"):
-        return _or_null(notation[:-1])
+        return _schema_or_null(notation.removesuffix("?"))
     if "|" in notation:
         return {"enum": notation.split("|")}
     return _SIMPLE.get(notation) or {"$ref": f"#/$defs/{notation}"}
 
 
-def _or_null(notation: str) -> JsonSchema:
+def _schema_or_null(notation: str) -> JsonSchema:
+    """Return the schema of an optional type, of which null is another value."""
     if notation == "expression":
         return {"type": ["integer", "string", "null"]}
-    shape = _without_default(notation)
+    shape = _schema_without_default(notation)
     if "type" not in shape:
         return {"anyOf": [shape, _NULL]}
     return shape | {"type": [shape["type"], "null"]}
@@ -113,17 +118,17 @@ def schema_text() -> str:
 
 def _lines(value: Any, indent: str) -> Iterator[str]:
     """Yield the text of a schema, in which only objects and maps of schemas take several lines."""
-    takes_several_lines = isinstance(value, dict) and (
-        "properties" in value or all(isinstance(member, dict) for member in value.values())
-    )
-    if not takes_several_lines:
+    is_object = isinstance(value, dict) and "properties" in value
+    is_map_of_schemas = isinstance(value, dict) and all(isinstance(member, dict) for member in value.values())
+    if not is_object and not is_map_of_schemas:
         yield json.dumps(value, ensure_ascii=False)
         return
     yield "{\n"
     for index, (key, member) in enumerate(value.items()):
+        is_last = index == len(value) - 1
         yield f"{indent}  {json.dumps(key)}: "
         yield from _lines(member, f"{indent}  ")
-        yield ",\n" if index < len(value) - 1 else "\n"
+        yield "\n" if is_last else ",\n"
     yield indent + "}"
 
 
@@ -180,7 +185,7 @@ def members(shape: Shape) -> Iterator[DataMember]:
     """Yield the members of an object in schema order, without its sources."""
     for name, inner in shape["properties"].items():
         if name not in ("source", "sources"):
-            yield _member(name, inner)
+            yield _data_member(name, inner)
 
 
 def resolved(shape: Shape) -> tuple[Shape, str]:
@@ -188,39 +193,42 @@ def resolved(shape: Shape) -> tuple[Shape, str]:
 
     The null alternative of an optional object is dropped.
     """
-    reference = shape.get("$ref") or next(
-        (alternative["$ref"] for alternative in shape.get("anyOf", ()) if "$ref" in alternative), ""
-    )
-    name = reference.rpartition("/")[2]
-    return (show_schema()["$defs"][name], name) if name else (shape, "")
+    for alternative in (shape, *shape.get("anyOf", ())):
+        if "$ref" in alternative:
+            name = alternative["$ref"].removeprefix("#/$defs/")
+            return show_schema()["$defs"][name], name
+    return shape, ""
 
 
-def _member(name: str, unresolved: Shape) -> DataMember:
+def _data_member(name: str, unresolved: Shape) -> DataMember:
+    """Return a member with its form in XML. The shape of a list or of a keyed map is that of its values."""
     shape, type_name = resolved(unresolved)
     if type_name == "text":
         return DataMember(name, Kind.TEXT, shape)
     if shape.get("type") == "array":
-        items, item_type = resolved(shape["items"])
-        return DataMember(name, _kind_of_list(items, item_type), items, item_type)
+        value_shape, value_type = resolved(shape["items"])
+        return DataMember(name, _kind_of_list(value_shape, value_type), value_shape, value_type)
     if "properties" in shape:
         return DataMember(name, Kind.OBJECT, shape, type_name)
     if "additionalProperties" in shape:
         if "x-key" in shape:
-            items, item_type = resolved(shape["additionalProperties"])
-            return DataMember(name, Kind.KEYED, {**items, "x-key": shape["x-key"]}, item_type)
+            value_shape, value_type = resolved(shape["additionalProperties"])
+            return DataMember(name, Kind.KEYED, {**value_shape, "x-key": shape["x-key"]}, value_type)
         return DataMember(name, Kind.MAP, shape["additionalProperties"])
     return DataMember(name, Kind.ATTRIBUTE, shape, type_name)
 
 
-def _kind_of_list(items: Shape, item_type: str) -> Kind:
-    if item_type == "text":
+def _kind_of_list(value_shape: Shape, value_type: str) -> Kind:
+    if value_type == "text":
         return Kind.TEXTS
-    return Kind.OBJECTS if "properties" in items else Kind.LIST
+    return Kind.OBJECTS if "properties" in value_shape else Kind.LIST
 
 
 def types_of(shape: Shape) -> tuple[str, ...]:
     """Return the JSON types of a value of this shape."""
-    json_types = shape.get("type", "integer" if isinstance(shape.get("const"), int) else "string")
+    if "type" not in shape:
+        return ("integer",) if isinstance(shape.get("const"), int) else ("string",)
+    json_types = shape["type"]
     return tuple(json_types) if isinstance(json_types, list) else (json_types,)
 
 

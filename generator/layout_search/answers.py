@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ..say.plain_text import counted
 from .checks import CrcForm, FoundCrc
@@ -42,18 +42,24 @@ class _Parts:
     crc: str
 
     def line(self, interface: str) -> str:
+        """Return the line, such as ``ssi,gray:position=13,parity=even``."""
+        head = ",".join([interface, *self.options])
         fields = [*self.front, self.position, *self.behind, self.crc]
-        return f"{','.join([interface, *self.options])}:{','.join(field for field in fields if field)}"
+        return f"{head}:{','.join(field for field in fields if field)}"
 
 
 def answer(recording: Recording, layout: FoundLayout) -> Answer:
     """Return the answer that a layout is."""
-    parts = _parts(recording, layout)
-    equal_lines = tuple(_equal_lines(recording, layout, parts))
-    return Answer(parts.line(recording.interface), equal_lines, tuple(_notes(recording, layout)))
+    parts = _parts_of_line(recording, layout)
+    return Answer(
+        line=parts.line(recording.interface),
+        equal_lines=tuple(_equal_lines(recording, layout, parts)),
+        notes=tuple(_notes(recording, layout)),
+    )
 
 
-def _parts(recording: Recording, layout: FoundLayout) -> _Parts:
+def _parts_of_line(recording: Recording, layout: FoundLayout) -> _Parts:
+    """Return the parts of the line for a layout, with the most usual form of its CRC."""
     split = layout.split
     options = ["gray"] if split.is_gray else []
     if split.byte_order:
@@ -62,32 +68,47 @@ def _parts(recording: Recording, layout: FoundLayout) -> _Parts:
     behind = [_field_text(field, "after") for field in split.behind]
     if layout.parity is not None:
         parity = "parity=odd" if layout.parity.is_odd else "parity=even"
-        front, behind = ([parity, *front], behind) if layout.parity.place == 0 else (front, [*behind, parity])
-    crc = _crc_text(recording.interface, layout.crc, layout.crc.forms[0]) if layout.crc is not None else ""
-    return _Parts(options, _numbered(front), f"position={split.width}", _numbered(behind), crc)
+        if layout.parity.place == 0:
+            front.insert(0, parity)
+        else:
+            behind.append(parity)
+    crc = ""
+    if layout.crc is not None:
+        crc = _crc_text(recording.interface, layout.crc, layout.crc.forms[0])
+    return _Parts(
+        options=options,
+        front=_with_distinct_names(front),
+        position=f"position={split.width}",
+        behind=_with_distinct_names(behind),
+        crc=crc,
+    )
 
 
 def _field_text(field: Field, name: str) -> str:
+    """Return a field as in a line, such as ``before=3``. Bits that never change are ``unused``."""
     return f"{name}={field.width}" if field.changes else f"unused={field.width}"
 
 
-def _numbered(fields: Sequence[str]) -> list[str]:
-    """Return fields whose names differ: ``before``, ``before_2`` and so on."""
-    numbered_fields: list[str] = []
-    counts: dict[str, int] = {}
+def _with_distinct_names(fields: Sequence[str]) -> list[str]:
+    """Return fields such as ``before=3`` with names that differ: ``before``, ``before_2`` and so on."""
+    distinct_fields: list[str] = []
+    fields_by_name: dict[str, int] = {}
     for field in fields:
         name, _, width = field.partition("=")
-        counts[name] = counts.get(name, 0) + 1
-        is_repeated = counts[name] > 1 and name != "unused"
-        numbered_fields.append(f"{name}_{counts[name]}={width}" if is_repeated else field)
-    return numbered_fields
+        number = fields_by_name.get(name, 0) + 1
+        fields_by_name[name] = number
+        may_repeat = name == "unused"
+        distinct_fields.append(field if number == 1 or may_repeat else f"{name}_{number}={width}")
+    return distinct_fields
 
 
 def _crc_text(interface: str, crc: FoundCrc, form: CrcForm) -> str:
+    """Return a CRC as in a line, such as ``crc=6:0x43``. By default it is inverted over BiSS, and plain elsewhere."""
     text = f"crc={crc.width}:{crc.polynomial:#x}"
     if form.start:
         text += f":{form.start:#x}"
-    if form.is_inverted == (interface == "biss"):
+    is_inverted_by_default = interface == "biss"
+    if form.is_inverted == is_inverted_by_default:
         return text
     return f"{text}:inverted" if form.is_inverted else f"{text}:plain"
 
@@ -99,92 +120,74 @@ def _equal_lines(recording: Recording, layout: FoundLayout, parts: _Parts) -> It
         reason = "start value and inversion of a CRC cannot be told apart with frames of one length"
         for form in layout.crc.forms[1:]:
             crc = _crc_text(interface, layout.crc, form)
-            yield EqualLine(_changed(parts, crc=crc).line(interface), reason)
+            yield EqualLine(replace(parts, crc=crc).line(interface), reason)
     if layout.other_code and layout.parity is None:
         options = [option for option in parts.options if option != "gray"]
-        options = options if layout.split.is_gray else ["gray", *options]
+        if not layout.split.is_gray:
+            options.insert(0, "gray")
         reason = "these positions fit Gray code and binary"
-        yield EqualLine(_changed(parts, options=options).line(interface), reason)
-    leading = _constant_bits_in_position(recording, layout)
-    if leading:
-        position = f"position={layout.split.width - leading}"
-        front = [*parts.front, f"unused={leading}"]
-        reason = f"the first {counted(leading, 'bit')} of the position did not change"
-        yield EqualLine(_changed(parts, front=front, position=position).line(interface), reason)
-    yield from _wider_position(recording, layout, parts)
-    yield from _with_flags(recording, layout, parts)
-
-
-def _changed(
-    parts: _Parts,
-    *,
-    options: Sequence[str] | None = None,
-    front: Sequence[str] | None = None,
-    position: str = "",
-    behind: Sequence[str] | None = None,
-    crc: str = "",
-) -> _Parts:
-    return _Parts(
-        parts.options if options is None else options,
-        parts.front if front is None else front,
-        position or parts.position,
-        parts.behind if behind is None else behind,
-        crc or parts.crc,
-    )
+        yield EqualLine(replace(parts, options=options).line(interface), reason)
+    constant_bits = _constant_bits_in_position(recording, layout)
+    if constant_bits:
+        position = f"position={layout.split.width - constant_bits}"
+        front = [*parts.front, f"unused={constant_bits}"]
+        reason = f"the first {counted(constant_bits, 'bit')} of the position did not change"
+        yield EqualLine(replace(parts, front=front, position=position).line(interface), reason)
+    yield from _line_with_wider_position(recording, layout, parts)
+    yield from _line_with_flags(recording, layout, parts)
 
 
 def _constant_bits_in_position(recording: Recording, layout: FoundLayout) -> int:
     """Return the number of bits at the beginning of the position that did not change. Over RS-485, whole bytes."""
     split = layout.split
     changes = recording.changing[split.start : split.end]
-    leading = changes.index(True)
-    return leading // 8 * 8 if recording.interface == "rs485" else leading
+    constant_bits = changes.index(True)
+    whole_bytes_of_bits = constant_bits // 8 * 8
+    return whole_bytes_of_bits if recording.interface == "rs485" else constant_bits
 
 
-def _wider_position(recording: Recording, layout: FoundLayout, parts: _Parts) -> Iterator[EqualLine]:
+def _line_with_wider_position(recording: Recording, layout: FoundLayout, parts: _Parts) -> Iterator[EqualLine]:
     """Yield the line in which constant bits in front of the position are its highest bits."""
     front = layout.split.front
     if front and not front[-1].changes:
         width = layout.split.width + front[-1].width
+        wider_parts = replace(parts, front=parts.front[:-1], position=f"position={width}")
         reason = "constant bits in front of the position may be its highest bits"
-        yield EqualLine(
-            _changed(parts, front=parts.front[:-1], position=f"position={width}").line(recording.interface), reason
-        )
+        yield EqualLine(wider_parts.line(recording.interface), reason)
 
 
-def _with_flags(recording: Recording, layout: FoundLayout, parts: _Parts) -> Iterator[EqualLine]:
+def _line_with_flags(recording: Recording, layout: FoundLayout, parts: _Parts) -> Iterator[EqualLine]:
     """Yield the line with the flags of BiSS in place of one or two ones behind the position."""
     last_field = layout.split.behind[-1] if layout.split.behind else None
     if recording.interface != "biss" or last_field is None or last_field.changes:
         return
     if last_field.width in _FLAG_NAMES and is_all_ones(recording, last_field) and layout.parity is None:
         behind = [*parts.behind[:-1], _FLAG_NAMES[last_field.width]]
-        yield EqualLine(
-            _changed(parts, behind=behind).line("biss"),
-            "BiSS usually sends its inactive flags as 1, but any constant fits",
-        )
+        reason = "BiSS usually sends its inactive flags as 1, but any constant fits"
+        yield EqualLine(replace(parts, behind=behind).line("biss"), reason)
 
 
 def _notes(recording: Recording, layout: FoundLayout) -> Iterator[str]:
+    """Yield how certain the CRC, the constant bits and the position are."""
     split, crc = layout.split, layout.crc
     if crc is None:
         yield "no known CRC fits all frames"
     else:
-        kind = "" if crc.is_known else ", which is not in the list of known ones"
-        yield f"the CRC 0x{crc.polynomial:x}{kind} fits all {len(recording.frames)} frames ({_chance(crc.evidence)})"
-    constants = [field for field in (*split.front, *split.behind) if not field.changes]
-    if constants:
-        places = " and ".join(_place_text(recording, field) for field in constants)
-        yield f"{places}. Constant bits cannot be named: they can be error, warning, zero or unused bits"
+        unlisted = "" if crc.is_known else ", which is not in the list of known ones"
+        chance = f"by coincidence, one of 2^{crc.evidence} recordings"
+        yield f"the CRC 0x{crc.polynomial:x}{unlisted} fits all {len(recording.frames)} frames ({chance})"
+    constant_fields = [field for field in (*split.front, *split.behind) if not field.changes]
+    if constant_fields:
+        constants = " and ".join(_constant_text(recording, field) for field in constant_fields)
+        yield f"{constants}. Constant bits cannot be named: they can be error, warning, zero or unused bits"
     if not split.is_smooth:
         yield "the positions do not move smoothly, so its width and code are only the simplest ones"
 
 
-def _chance(evidence: int) -> str:
-    return f"by coincidence, one of 2^{evidence} recordings"
-
-
-def _place_text(recording: Recording, field: Field) -> str:
+def _constant_text(recording: Recording, field: Field) -> str:
+    """Return the bits of a constant field with their values, such as ``bits 7:6 were always 10``."""
     levels = "".join(str(recording.level(place)) for place in range(field.start, field.end))
-    high, low = recording.bits - 1 - field.start, recording.bits - field.end
-    return f"bits {high}:{low} were always {levels}" if high > low else f"bit {low} was always {levels}"
+    high_bit, low_bit = recording.bits - 1 - field.start, recording.bits - field.end
+    if high_bit == low_bit:
+        return f"bit {low_bit} was always {levels}"
+    return f"bits {high_bit}:{low_bit} were always {levels}"

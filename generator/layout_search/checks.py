@@ -51,10 +51,12 @@ def crcs_of(recording: Recording) -> list[FoundCrc]:
     """Return the CRCs that all frames satisfy: those of the known ones, or else any other polynomial."""
     polynomials = dict.fromkeys(known.polynomial for known in KNOWN_CRCS)
     if recording.interface == "rs485":
+        # Only a CRC of 8 bits fills the last byte.
         polynomials = {polynomial: None for polynomial in polynomials if polynomial.bit_length() == 9}
-    found = [_crc(recording, polynomial) for polynomial in polynomials if _divides_all(recording, polynomial)]
-    fitting = [crc for crc in found if crc.evidence >= _LEAST_EVIDENCE]
-    return fitting or list(_unlisted_crcs(recording))
+    dividing_polynomials = [polynomial for polynomial in polynomials if _divides_all(recording, polynomial)]
+    known_crcs = [_crc_with_polynomial(recording, polynomial) for polynomial in dividing_polynomials]
+    proved_crcs = [crc for crc in known_crcs if crc.evidence >= _LEAST_EVIDENCE]
+    return proved_crcs or list(_unlisted_crcs(recording))
 
 
 def _divides_all(recording: Recording, polynomial: int) -> bool:
@@ -63,68 +65,86 @@ def _divides_all(recording: Recording, polynomial: int) -> bool:
     return has_room and not any(remainder(difference, polynomial) for difference in recording.differences)
 
 
-def _crc(recording: Recording, polynomial: int) -> FoundCrc:
+def _crc_with_polynomial(recording: Recording, polynomial: int) -> FoundCrc:
+    """Return the CRC with the forms, one of them inverted, in which it matches the frames."""
     width = polynomial.bit_length() - 1
     message_bits = recording.bits - width
-    ones = (1 << width) - 1
-    constant = remainder(recording.frames[0], polynomial)
-    plain = CrcForm(_start_value(constant, message_bits, polynomial), is_inverted=False)
-    inverted = CrcForm(_start_value(constant ^ ones, message_bits, polynomial), is_inverted=True)
+    all_ones = (1 << width) - 1
+    # A CRC with start value 0 that is not inverted would leave the remainder 0.
+    frame_remainder = remainder(recording.frames[0], polynomial)
+    plain = CrcForm(_start_value(frame_remainder, message_bits, polynomial), is_inverted=False)
+    inverted = CrcForm(_start_value(frame_remainder ^ all_ones, message_bits, polynomial), is_inverted=True)
     usual_starts = {known.init for known in KNOWN_CRCS if known.polynomial == polynomial} | {0}
-    forms = sorted((inverted, plain), key=lambda form: _form_cost(form, usual_starts, width, recording.interface))
+
+    def form_cost(form: CrcForm) -> float:
+        return _form_cost(form, usual_starts, width, recording.interface)
+
+    forms = sorted((inverted, plain), key=form_cost)
     evidence = width * recording.independent
     # The bits that the frames do not prove cost as much as bits without a CRC.
     sample_count = min(len(recording.frames), MOST_FRAMES)
     unproved_bits = max(width * sample_count - evidence, 0)
-    form_cost = _form_cost(forms[0], usual_starts, width, recording.interface)
-    return FoundCrc(polynomial, tuple(forms), unproved_bits - width + form_cost + log2(len(KNOWN_CRCS)), evidence)
+    cost = unproved_bits - width + form_cost(forms[0]) + log2(len(KNOWN_CRCS))
+    return FoundCrc(polynomial, forms=tuple(forms), cost=cost, evidence=evidence)
 
 
 def _form_cost(form: CrcForm, usual_starts: set[int], width: int, interface: str) -> float:
     """Return how unusual a form is, in bits."""
+    all_ones = (1 << width) - 1
     is_usual_inversion = form.is_inverted == (interface == "biss")
     inversion_cost = 1 if is_usual_inversion else 2
     if form.start in usual_starts:
-        return inversion_cost
-    return inversion_cost + (2 if form.start in (0, (1 << width) - 1) else width + 2)
+        start_cost = 0
+    elif form.start in (0, all_ones):
+        start_cost = 2
+    else:
+        start_cost = width + 2
+    return inversion_cost + start_cost
 
 
 def _start_value(constant: int, message_bits: int, polynomial: int) -> int:
     """Return the start value whose CRC of ``message_bits`` zeros is the constant: the constant divided by x^n."""
     start = constant
     for _ in range(message_bits):
-        start = (start ^ polynomial) >> 1 if start & 1 else start >> 1
+        if start & 1:
+            start ^= polynomial
+        start >>= 1
     return start
 
 
 def _unlisted_crcs(recording: Recording) -> Iterator[FoundCrc]:
     """Yield the CRC whose polynomial is the greatest common divisor of all differences."""
-    divisor = 0
+    polynomial = 0
     for difference in recording.differences:
-        divisor = _common_divisor(divisor, difference)
-    while divisor and not divisor & 1:
-        divisor >>= 1
-    width = divisor.bit_length() - 1
-    if not _NARROWEST <= width <= min(_WIDEST, recording.bits - 1) or recording.interface == "rs485":
+        polynomial = _common_divisor(polynomial, difference)
+    while polynomial and not polynomial & 1:
+        polynomial >>= 1
+    width = polynomial.bit_length() - 1
+    widest = min(_WIDEST, recording.bits - 1)
+    if recording.interface == "rs485" or not _NARROWEST <= width <= widest:
         return
-    crc = _crc(recording, divisor)
+    crc = _crc_with_polynomial(recording, polynomial)
     # The frames decide the polynomial first, and prove it only with the rest.
-    evidence = crc.evidence - width * width
+    deciding_bits = width * width
+    evidence = crc.evidence - deciding_bits
     if evidence >= _UNLISTED_EVIDENCE:
-        yield FoundCrc(divisor, crc.forms, crc.cost + width * width, evidence, is_known=False)
+        yield FoundCrc(polynomial, forms=crc.forms, cost=crc.cost + deciding_bits, evidence=evidence, is_known=False)
 
 
 def remainder(number: int, polynomial: int) -> int:
     """Return the remainder of a division of polynomials over GF(2)."""
-    while number.bit_length() >= polynomial.bit_length():
-        number ^= polynomial << (number.bit_length() - polynomial.bit_length())
+    excess_bits = number.bit_length() - polynomial.bit_length()
+    while excess_bits >= 0:
+        number ^= polynomial << excess_bits
+        excess_bits = number.bit_length() - polynomial.bit_length()
     return number
 
 
-def _common_divisor(one: int, other: int) -> int:
-    while other:
-        one, other = other, remainder(one, other)
-    return one
+def _common_divisor(dividend: int, divisor: int) -> int:
+    """Return the greatest common divisor of two polynomials over GF(2), by Euclid's algorithm."""
+    while divisor:
+        dividend, divisor = divisor, remainder(dividend, divisor)
+    return dividend
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,9 +157,10 @@ class FoundParity:
 
 def parities_of(recording: Recording, body_bits: int) -> list[FoundParity]:
     """Return the parity bits that all frames satisfy, in the first or the last bit before the CRC."""
-    bodies = [frame >> (recording.bits - body_bits) for frame in recording.frames]
-    parities = {body.bit_count() % 2 for body in bodies}
+    crc_bits = recording.bits - body_bits
+    parities = {(frame >> crc_bits).bit_count() % 2 for frame in recording.frames}
     if len(parities) > 1 or recording.interface == "rs485":
         return []
-    places = [place for place in (0, body_bits - 1) if recording.changing[place]]
-    return [FoundParity(place, bodies[0].bit_count() % 2 == 1) for place in places]
+    is_odd = parities == {1}
+    changing_places = [place for place in (0, body_bits - 1) if recording.changing[place]]
+    return [FoundParity(place, is_odd) for place in changing_places]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cache
 from itertools import groupby
 from math import log2
+from typing import NamedTuple
 
 from ..reference.bits import gray_to_binary
 from .frames import MOST_FRAMES, Recording
@@ -61,57 +62,75 @@ def splits_of(recording: Recording, first: int, end: int) -> Iterator[Split]:
     step = 8 if recording.interface == "rs485" else 1
 
     @cache
-    def fields_of(field_start: int, field_end: int) -> tuple[tuple[Field, ...], float]:
-        fields = tuple(_fields(recording, field_start, field_end, step))
-        return fields, sum(_cost(recording, field, is_in_front=field_start == first) for field in fields)
+    def fields_and_cost(fields_start: int, fields_end: int) -> tuple[tuple[Field, ...], float]:
+        is_in_front = fields_start == first
+        fields = tuple(_fields(recording, fields_start, fields_end, step))
+        return fields, sum(_field_cost(recording, field, is_in_front=is_in_front) for field in fields)
 
-    for start, position_end in _places(recording, first, end, step):
-        front, front_cost = fields_of(first, start)
-        behind, behind_cost = fields_of(position_end, end)
-        values = recording.values(start, position_end)
-        for is_gray, byte_order, read_values in _readings(recording, values, position_end - start):
-            constant_bits = _constant_bits(recording, start)
-            cost, is_smooth = _position_cost(recording, read_values, position_end - start, constant_bits)
-            gray_bits = _GRAY_BITS.get(recording.interface, 1.0) if is_gray else 0.0
+    for position_start, position_end in _places_of_position(recording, first, end, step):
+        width = position_end - position_start
+        front, front_cost = fields_and_cost(first, position_start)
+        behind, behind_cost = fields_and_cost(position_end, end)
+        sent_values = recording.values(position_start, position_end)
+        constant_bits = _constant_bits(recording, position_start)
+        for reading in _readings(recording, sent_values, width):
+            cost, is_smooth = _position_cost(recording, reading.values, width, constant_bits)
+            gray_cost = _GRAY_BITS.get(recording.interface, 1.0) if reading.is_gray else 0.0
             # Of several numbers, the widest one is the position.
-            preference = (position_end - start) / 8
+            preference = width / 8
             yield Split(
-                start=start,
+                start=position_start,
                 end=position_end,
-                is_gray=is_gray,
-                byte_order=byte_order,
+                is_gray=reading.is_gray,
+                byte_order=reading.byte_order,
                 front=front,
                 behind=behind,
-                cost=cost + gray_bits + front_cost + behind_cost - preference,
+                cost=cost + gray_cost + front_cost + behind_cost - preference,
                 is_smooth=is_smooth,
             )
 
 
-def _places(recording: Recording, first: int, end: int, step: int) -> Iterator[tuple[int, int]]:
-    """Yield the places of a position. Its last bit changes. Constant bits in front of it belong to it all, or not."""
+def _places_of_position(recording: Recording, first: int, end: int, step: int) -> Iterator[tuple[int, int]]:
+    """Yield the start and end of each place for a position, in steps of a bit or a byte.
+
+    The last step of a position changes. It begins with a step that changes, or with all constant steps before that.
+    """
     changing = recording.changing
     for start in range(first, end, step):
+        changes_at_start = any(changing[start : start + step])
         changes_before = start > first and any(changing[start - step : start])
-        if start != first and not changes_before and not any(changing[start : start + step]):
+        can_start = start == first or changes_before or changes_at_start
+        if not can_start:
             continue
-        for position_end in range(start + step, min(end, start + _MOST_POSITION_BITS) + 1, step):
+        furthest_end = min(end, start + _MOST_POSITION_BITS)
+        for position_end in range(start + step, furthest_end + 1, step):
             if any(changing[position_end - step : position_end]):
                 yield start, position_end
 
 
-def _readings(recording: Recording, values: Sequence[int], width: int) -> Iterator[tuple[bool, str, list[int]]]:
-    """Yield the values in each code or byte order: whether it is Gray code, the byte order, and the values."""
-    if recording.interface == "rs485":
-        yield False, "high_byte_first" if width > 8 else "", list(values)
-        if width > 8:
-            yield False, "low_byte_first", [_swapped(value, width // 8) for value in values]
-        return
-    yield False, "", list(values)
-    if width > 1:
-        yield True, "", [gray_to_binary(value) for value in values]
+class _Reading(NamedTuple):
+    """The values of a position if it is sent in this code and byte order."""
+
+    values: list[int]
+    is_gray: bool = False
+    byte_order: str = ""
 
 
-def _swapped(value: int, byte_count: int) -> int:
+def _readings(recording: Recording, sent_values: Sequence[int], width: int) -> Iterator[_Reading]:
+    """Yield the values as binary and Gray code or, over RS-485, in both byte orders."""
+    if recording.interface != "rs485":
+        yield _Reading(list(sent_values))
+        if width > 1:
+            yield _Reading([gray_to_binary(value) for value in sent_values], is_gray=True)
+    elif width == 8:
+        yield _Reading(list(sent_values))
+    else:
+        yield _Reading(list(sent_values), byte_order="high_byte_first")
+        swapped_values = [_with_bytes_swapped(value, width // 8) for value in sent_values]
+        yield _Reading(swapped_values, byte_order="low_byte_first")
+
+
+def _with_bytes_swapped(value: int, byte_count: int) -> int:
     return int.from_bytes(value.to_bytes(byte_count, "big"), "little")
 
 
@@ -135,17 +154,22 @@ def _position_cost(recording: Recording, values: Sequence[int], width: int, cons
 
 
 def _fields(recording: Recording, start: int, end: int, step: int) -> Iterator[Field]:
-    """Yield the runs of bits, or of bytes, that change or not."""
-    places = range(start, end, step)
-    for changes, group in groupby(places, lambda place: any(recording.changing[place : place + step])):
-        run = list(group)
-        yield Field(run[0], run[-1] + step, changes)
+    """Yield a field for each run of bits, or of bytes, that all change or that are all constant."""
+
+    def does_change(place: int) -> bool:
+        return any(recording.changing[place : place + step])
+
+    for changes, places in groupby(range(start, end, step), does_change):
+        first_place, *later_places = places
+        last_place = later_places[-1] if later_places else first_place
+        yield Field(start=first_place, end=last_place + step, changes=changes)
 
 
-def _cost(recording: Recording, field: Field, *, is_in_front: bool) -> float:
+def _field_cost(recording: Recording, field: Field, *, is_in_front: bool) -> float:
+    """Return the bits that describe a field other than the position, with its values."""
     if not field.changes:
-        are_flags = is_in_front and field.width <= _MOST_FLAGS and is_all_ones(recording, field)
-        return field.width - 1.0 if are_flags else field.width + _CONSTANT_BITS
+        are_inactive_flags = is_in_front and field.width <= _MOST_FLAGS and is_all_ones(recording, field)
+        return field.width - 1.0 if are_inactive_flags else field.width + _CONSTANT_BITS
     values = recording.values(field.start, field.end)
     if field.width == 1:
         return _NUMBER_BITS / 2 + _cost_of_flag(values)
@@ -160,8 +184,8 @@ def is_all_ones(recording: Recording, field: Field) -> bool:
 
 def _cost_of_flag(values: Sequence[int]) -> float:
     """Return the bits of a flag, which are few if it is seldom active."""
-    share = sum(values) / len(values)
-    if share in (0.0, 1.0):
+    share_of_ones = sum(values) / len(values)
+    if share_of_ones in (0.0, 1.0):
         return log2(len(values))
-    entropy = -share * log2(share) - (1 - share) * log2(1 - share)
+    entropy = -share_of_ones * log2(share_of_ones) - (1 - share_of_ones) * log2(1 - share_of_ones)
     return len(values) * entropy + log2(len(values))

@@ -30,8 +30,9 @@ class Recording:
 
     @cached_property
     def differences(self) -> tuple[int, ...]:
-        """The bits in which each frame differs from the first one, without those that do not differ."""
-        return tuple(frame ^ self.frames[0] for frame in self.frames if frame != self.frames[0])
+        """The bits in which each frame differs from the first one. Frames that are equal to it are left out."""
+        first_frame = self.frames[0]
+        return tuple(frame ^ first_frame for frame in self.frames if frame != first_frame)
 
     @cached_property
     def changing(self) -> tuple[bool, ...]:
@@ -58,11 +59,11 @@ class Recording:
 
 def rank(numbers: Sequence[int]) -> int:
     """Return the rank of numbers as vectors over GF(2)."""
-    pivots: dict[int, int] = {}
+    pivot_by_length: dict[int, int] = {}
     for number in numbers:
-        rest = number
-        while rest and rest.bit_length() in pivots:
-            rest ^= pivots[rest.bit_length()]
-        if rest:
-            pivots[rest.bit_length()] = rest
-    return len(pivots)
+        reduced = number
+        while reduced and reduced.bit_length() in pivot_by_length:
+            reduced ^= pivot_by_length[reduced.bit_length()]
+        if reduced:
+            pivot_by_length[reduced.bit_length()] = reduced
+    return len(pivot_by_length)

@@ -55,12 +55,13 @@ def _residuals_of_line(values: Sequence[int], width: int, positions: Sequence[fl
     middle_value = values[list(positions).index(middle_position)]
     heights = [signed(value - middle_value, width) for value in values]
     mean_position, mean_height = sum(positions) / len(positions), sum(heights) / len(heights)
-    variance = sum((position - mean_position) ** 2 for position in positions)
-    products = zip(positions, heights, strict=True)
-    covariance = sum((position - mean_position) * (height - mean_height) for position, height in products)
+    # The offsets from the mean, as x and y of the line.
+    x_offsets = [position - mean_position for position in positions]
+    y_offsets = [height - mean_height for height in heights]
+    variance = sum(x**2 for x in x_offsets)
+    covariance = sum(x * y for x, y in zip(x_offsets, y_offsets, strict=True))
     slope = covariance / variance if variance else 0.0
-    pairs = zip(positions, heights, strict=True)
-    return [height - mean_height - slope * (position - mean_position) for position, height in pairs]
+    return [y - slope * x for x, y in zip(x_offsets, y_offsets, strict=True)]
 
 
 def _residuals_of_factor(values: Sequence[int], width: int, positions: Sequence[float], factor: float) -> list[float]:

@@ -41,19 +41,20 @@ def find_layouts(recording: Recording) -> list[FoundLayout]:
     if len(set(recording.frames)) < FEWEST:
         raise NoLayout("all frames are equal; turn the shaft, and give at least 2 different frames")
     best_layouts: dict[object, FoundLayout] = {}
-    for layout in sorted(_layouts(recording), key=lambda layout: layout.cost):
-        best_layouts.setdefault(_group(recording, layout), layout)
-    layouts = _with_joined_codes(list(best_layouts.values()))
+    for layout in sorted(_possible_layouts(recording), key=lambda layout: layout.cost):
+        best_layouts.setdefault(_group_key(recording, layout), layout)
+    layouts = _with_undecided_codes_joined(list(best_layouts.values()))
     highest_cost = layouts[0].cost + _MOST_MORE_BITS
     return [layout for layout in layouts[:MOST_LAYOUTS] if layout.cost <= highest_cost]
 
 
-def _layouts(recording: Recording) -> Iterator[FoundLayout]:
+def _possible_layouts(recording: Recording) -> Iterator[FoundLayout]:
+    """Yield every combination of a CRC or none, a parity bit or none, and a split of the other bits."""
     crcs = crcs_of(recording)
-    candidates: list[FoundCrc | None] = list(crcs)
+    crc_candidates: list[FoundCrc | None] = list(crcs)
     if not any(crc.evidence > _CERTAIN for crc in crcs):
-        candidates.append(None)
-    for crc in candidates:
+        crc_candidates.append(None)
+    for crc in crc_candidates:
         body_bits = recording.bits - (crc.width if crc is not None else 0)
         crc_cost = crc.cost if crc is not None else 0.0
         for parity in (*parities_of(recording, body_bits), None):
@@ -63,7 +64,8 @@ def _layouts(recording: Recording) -> Iterator[FoundLayout]:
                 # A line has no parity over Gray code.
                 if parity is not None and split.is_gray:
                     continue
-                yield FoundLayout(crc, parity, split, crc_cost + parity_cost + split.cost)
+                total_cost = crc_cost + parity_cost + split.cost
+                yield FoundLayout(crc=crc, parity=parity, split=split, cost=total_cost)
 
 
 def _bits_without(parity: FoundParity | None, body_bits: int) -> tuple[int, int]:
@@ -75,35 +77,46 @@ def _bits_without(parity: FoundParity | None, body_bits: int) -> tuple[int, int]
 
 def _parity_cost(recording: Recording, parity: FoundParity, crc: FoundCrc | None) -> float:
     """Return the bits of a parity bit: all that the frames do not prove, and its place and kind."""
-    unproved_bits = max(min(len(recording.frames), MOST_FRAMES) - recording.independent, 0)
-    is_in_usual_place = (parity.place == 0) == (recording.interface == "spi")
-    place_bits = 0.0 if is_in_usual_place else _OTHER_PLACE_BITS
-    return unproved_bits + _PARITY_BITS + place_bits + (_WITH_CRC_BITS if crc is not None else 0.0)
+    sample_count = min(len(recording.frames), MOST_FRAMES)
+    cost = _PARITY_BITS + max(sample_count - recording.independent, 0)
+    usual_is_first_bit = recording.interface == "spi"
+    is_first_bit = parity.place == 0
+    if is_first_bit != usual_is_first_bit:
+        cost += _OTHER_PLACE_BITS
+    if crc is not None:
+        cost += _WITH_CRC_BITS
+    return cost
 
 
-def _group(recording: Recording, layout: FoundLayout) -> object:
-    """Return what tells layouts apart: all but the constant bits in front of the position."""
+def _group_key(recording: Recording, layout: FoundLayout) -> object:
+    """Return a key that is equal for layouts that differ only in the constant bits in front of the position."""
     split = layout.split
-    first_change = next(place for place in range(split.start, split.end) if recording.changing[place])
-    crc = layout.crc.polynomial if layout.crc is not None else 0
-    return crc, layout.parity, first_change, split.end, split.is_gray, split.byte_order
+    first_changing_bit = recording.changing.index(True, split.start, split.end)
+    polynomial = layout.crc.polynomial if layout.crc is not None else 0
+    return polynomial, layout.parity, first_changing_bit, split.end, split.is_gray, split.byte_order
 
 
-def _with_joined_codes(layouts: list[FoundLayout]) -> list[FoundLayout]:
-    """Return the layouts, sorted. Two that differ only in the code, and between which nothing decides, are one."""
+def _with_undecided_codes_joined(layouts: list[FoundLayout]) -> list[FoundLayout]:
+    """Return the layouts in their order. Two that differ only in the code, and have nearly equal costs, are one."""
     joined_layouts: list[FoundLayout] = []
     for layout in layouts:
-        twin = next((other for other in joined_layouts if _differ_in_code(other, layout)), None)
-        if twin is None:
-            joined_layouts.append(layout)
-        elif layout.cost - twin.cost < _UNDECIDED:
-            joined_layouts[joined_layouts.index(twin)] = replace(twin, other_code=True)
+        index = _index_of_other_code(joined_layouts, layout)
+        if index is not None and layout.cost - joined_layouts[index].cost < _UNDECIDED:
+            joined_layouts[index] = replace(joined_layouts[index], other_code=True)
         else:
             joined_layouts.append(layout)
     return joined_layouts
 
 
-def _differ_in_code(one: FoundLayout, other: FoundLayout) -> bool:
-    is_same_place = (one.split.start, one.split.end) == (other.split.start, other.split.end)
-    is_same_check = (one.crc, one.parity) == (other.crc, other.parity)
-    return is_same_place and is_same_check and one.split.is_gray != other.split.is_gray
+def _index_of_other_code(layouts: list[FoundLayout], layout: FoundLayout) -> int | None:
+    """Return the index of the first layout that differs from ``layout`` only in Gray code or binary, if any."""
+    for index, candidate in enumerate(layouts):
+        if _differ_only_in_code(candidate, layout):
+            return index
+    return None
+
+
+def _differ_only_in_code(first: FoundLayout, second: FoundLayout) -> bool:
+    has_same_place = (first.split.start, first.split.end) == (second.split.start, second.split.end)
+    has_same_checks = (first.crc, first.parity) == (second.crc, second.parity)
+    return has_same_place and has_same_checks and first.split.is_gray != second.split.is_gray

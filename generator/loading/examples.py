@@ -45,7 +45,7 @@ from ..model import (
 )
 from ..order_codes.labels import UnknownOrderCode, find
 from ..order_codes.parameters import with_answers
-from ..reference.bits import compute_bytes, covered, from_gray, in_order, join_value, start_for
+from ..reference.bits import bits_in_crc_order, compute_bytes, covered_bits, from_gray, init_for_result, join_value
 from ..reference.codec import Decoded, EncodeError, decode, decode_bits, decode_bytes, decode_placed, encode
 from ..reference.registers import register_writes
 from .from_mapping import Raw, record
@@ -225,7 +225,7 @@ def _start_values(device: Device, crc: Crc, example: Example) -> Iterator[int]:
     if crc.poly & 1 == 0:  # Without the last bit of the polynomial, a CRC does not determine its start value.
         return
     if isinstance(example, CrcExample) and example.crc == crc.name:
-        yield start_for(crc, *in_order(crc, example.bytes), example.check)
+        yield init_for_result(crc, *bits_in_crc_order(crc, example.bytes), example.check)
     elif isinstance(example, FrameExample) and not example.refused:
         if example.layout and example.layout not in {layout.name for _, layout in device.layouts()}:
             return  # The layout has an error.
@@ -235,7 +235,7 @@ def _start_values(device: Device, crc: Crc, example: Example) -> Iterator[int]:
             return
         decoded = decode_example(device, example, variant)
         if decoded.layout is not None and decoded.crc is not None and decoded.crc.name == crc.name:
-            yield start_for(crc, *covered(crc, decoded.layout, decoded.number), decoded.crc.received)
+            yield init_for_result(crc, *covered_bits(crc, decoded.layout, decoded.number), decoded.crc.received)
 
 
 def _data_path(example: Example) -> Path:

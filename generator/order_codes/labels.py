@@ -93,7 +93,8 @@ class Match:
 
 def combinations(order_code: OrderCode) -> Iterator[tuple[str, Mapping[str, str], str, Mapping[str, int]]]:
     """Yield every listed code: text, value of each part, interface, and the parameters that the parts set."""
-    for values in itertools.product(*(part.values for part in order_code.parts)):
+    values_of_parts = [part.values for part in order_code.parts]
+    for values in itertools.product(*values_of_parts):
         texts = {part.name: value.text for part, value in zip(order_code.parts, values, strict=True)}
         if not all(_can_be_combined(value, texts) for value in values):
             continue
@@ -123,17 +124,26 @@ def find(device: Device, text: str) -> Match:
     """
     if len(text) > LONGEST:
         raise UnknownOrderCode(too_long(text[:20], str(len(text)), str(LONGEST)), close=True)
-    code = without_blanks(text).upper()
+    label = without_blanks(text).upper()
     # A part of the code itself may look like /Sxxx, which is a special model only after the code.
     for spelling in (as_listed(device.order_code), *device.order_code.also_written):
-        match = re.fullmatch(regex(device.order_code, spelling) + AFTER, code, re.IGNORECASE)
-        if match is not None:
-            value_by_text = {(value.part, value.text.upper()): value.value for value in spelling.values}
-            part_texts = ((part.name, match[part.name]) for part in device.order_code.parts)
-            parts = {name: value_by_text.get((name, text), text) for name, text in part_texts}
-            variant, unlisted = _resolve(device, parts, code)
-            return Match(variant, unlisted, match["tail_"] or "", match["special_"] is not None, spelling.where)
-    raise _explain(device, code)
+        label_match = re.fullmatch(regex(device.order_code, spelling) + AFTER, label, re.IGNORECASE)
+        if label_match is None:
+            continue
+        value_by_spelling = {(value.part, value.text.upper()): value.value for value in spelling.values}
+        value_by_part: dict[str, str] = {}
+        for part in device.order_code.parts:
+            part_text = label_match[part.name]
+            value_by_part[part.name] = value_by_spelling.get((part.name, part_text), part_text)
+        variant, unlisted_parts = _variant_with_parts(device, value_by_part, label)
+        return Match(
+            variant=variant,
+            unlisted=unlisted_parts,
+            tail=label_match["tail_"] or "",
+            special=label_match["special_"] is not None,
+            written_as_in=spelling.where,
+        )
+    raise _unknown_code_error(device, label)
 
 
 def without_blanks(text: str) -> str:
@@ -143,28 +153,33 @@ def without_blanks(text: str) -> str:
 
 def spelled(part: CodePart, spelling: Spelling) -> Mapping[str, str]:
     """Return the listed values of ``part`` by their texts in this spelling."""
-    own_spellings = {value.text: value.value for value in spelling.values if value.part == part.name}
-    return own_spellings or {value.text: value.text for value in part.values}
+    spellings_of_part = {value.text: value.value for value in spelling.values if value.part == part.name}
+    return spellings_of_part or {value.text: value.text for value in part.values}
 
 
 def beginnings(code: OrderCode) -> tuple[str, ...]:
     """Return the possible prefixes of the family's labels, uppercase and without spaces. "" matches any label."""
     prefixes: set[str] = set()
     for spelling in (as_listed(code), *code.also_written):
-        literal, *names_and_literals = _BRACES.split(spelling.pattern)
-        texts = [literal]
-        if not literal.strip():  # The pattern begins with a part.
-            first_part = member_named(code.parts, names_and_literals[0], "part of the order code")
-            texts = list(spelled(first_part, spelling))
-            has_own_spelling = any(value.part == first_part.name for value in spelling.values)
-            if first_part.open and not has_own_spelling:
-                texts.append("")
-        prefixes |= {without_blanks(text).upper() for text in texts}
-    shortest: list[str] = []
+        prefixes |= {without_blanks(text).upper() for text in _first_texts(code, spelling)}
+    shortest_prefixes: list[str] = []
     for prefix in sorted(prefixes):  # A prefix of another one comes before it.
-        if not prefix.startswith(tuple(shortest)):
-            shortest.append(prefix)
-    return tuple(shortest)
+        if not prefix.startswith(tuple(shortest_prefixes)):
+            shortest_prefixes.append(prefix)
+    return tuple(shortest_prefixes)
+
+
+def _first_texts(code: OrderCode, spelling: Spelling) -> list[str]:
+    """Return the texts with which labels in this spelling begin: fixed text, or the values of the first part."""
+    text_before_parts, *names_and_texts = _BRACES.split(spelling.pattern)
+    if text_before_parts.strip():
+        return [text_before_parts]
+    first_part = member_named(code.parts, names_and_texts[0], "part of the order code")
+    first_texts = list(spelled(first_part, spelling))
+    has_own_spelling = any(value.part == first_part.name for value in spelling.values)
+    if first_part.open and not has_own_spelling:
+        first_texts.append("")
+    return first_texts
 
 
 def as_listed(order_code: OrderCode) -> Spelling:
@@ -172,18 +187,29 @@ def as_listed(order_code: OrderCode) -> Spelling:
     return Spelling(order_code.pattern, "", (), "", ())
 
 
-def _resolve(device: Device, parts: Mapping[str, str], code: str) -> tuple[Variant, tuple[str, ...]]:
-    """Return the order code with these parts, and the names of parts with unlisted values."""
-    listed_values = {part.name: _listed_value(part, parts[part.name]) for part in device.order_code.parts}
-    variant = _fitting_code(device, listed_values)
+def _variant_with_parts(
+    device: Device, value_by_part: Mapping[str, str], label: str
+) -> tuple[Variant, tuple[str, ...]]:
+    """Return the order code with these parts, and the names of parts with unlisted values.
+
+    Raises:
+        UnknownOrderCode: The parts cannot be combined.
+    """
+    # The value of each part as listed, or None if the manual does not list it.
+    listed_values = {part.name: _listed_value(part, value_by_part[part.name]) for part in device.order_code.parts}
+    variant = _fitting_variant(device, listed_values)
     if variant is None:
-        raise UnknownOrderCode(_clash_message(device, code, parts, listed_values), close=True)
-    unlisted = tuple(name for name, value in listed_values.items() if value is None)
-    if unlisted:
-        printed_values = {name: value or parts[name] for name, value in listed_values.items()}
-        printed = filled(device.order_code.pattern, printed_values)
-        variant = Variant(printed, MappingProxyType(printed_values), variant.interface, variant.parameters)
-    return variant, unlisted
+        raise UnknownOrderCode(_clash_message(device, label, value_by_part, listed_values), close=True)
+    unlisted_parts = tuple(name for name, value in listed_values.items() if value is None)
+    if unlisted_parts:
+        printed_values = {name: value or value_by_part[name] for name, value in listed_values.items()}
+        variant = Variant(
+            code=filled(device.order_code.pattern, printed_values),
+            parts=MappingProxyType(printed_values),
+            interface=variant.interface,
+            parameters=variant.parameters,
+        )
+    return variant, unlisted_parts
 
 
 def _listed_value(part: CodePart, text: str) -> str | None:
@@ -194,7 +220,7 @@ def _listed_value(part: CodePart, text: str) -> str | None:
     return None
 
 
-def _fitting_code(device: Device, listed_values: Mapping[str, str | None]) -> Variant | None:
+def _fitting_variant(device: Device, listed_values: Mapping[str, str | None]) -> Variant | None:
     """Return the first listed code with these parts, where None stands for an unlisted value."""
     for part in device.order_code.parts:
         if listed_values[part.name] is None and not _can_be_open(part, listed_values):
@@ -207,7 +233,10 @@ def _fitting_code(device: Device, listed_values: Mapping[str, str | None]) -> Va
 
 def _can_be_open(part: CodePart, listed_values: Mapping[str, str | None]) -> bool:
     """Return whether a part can have an unlisted value next to these values of the other parts."""
-    return all(listed_values[name] in (None, *allowed) for name, allowed in part.open_only_with.items())
+    for name, allowed_values in part.open_only_with.items():
+        if listed_values[name] is not None and listed_values[name] not in allowed_values:
+            return False
+    return True
 
 
 def regex(order_code: OrderCode, spelling: Spelling, anything: str = "") -> str:
@@ -221,32 +250,46 @@ def regex(order_code: OrderCode, spelling: Spelling, anything: str = "") -> str:
             pattern_by_part[part.name] = _any_of(spelled(part, spelling))
         else:
             pattern_by_part[part.name] = _value_pattern(part)
-    pieces = _BRACES.split(spelling.pattern)  # Text and names of parts in turn.
-    pieces[::2] = [re.escape(without_blanks(text)) for text in pieces[::2]]
-    pieces[1::2] = [f"(?P<{name}>{pattern_by_part[name]})" for name in pieces[1::2]]
-    end = f"(?:{spelling.then})" if spelling.then else ""
-    return "".join(pieces) + end
+    expression = ""
+    texts_and_names = _BRACES.split(spelling.pattern)  # Text and names of parts in turn.
+    for index, text_or_name in enumerate(texts_and_names):
+        is_name = index % 2 == 1
+        if is_name:
+            expression += f"(?P<{text_or_name}>{pattern_by_part[text_or_name]})"
+        else:
+            expression += re.escape(without_blanks(text_or_name))
+    if spelling.then:
+        expression += f"(?:{spelling.then})"
+    return expression
 
 
 def _value_pattern(part: CodePart) -> str:
-    listed = _any_of(value.text for value in part.values)
-    return f"{listed}|{part.open}" if part.open else listed
+    """Return a regular expression for the listed values of a part, and for unlisted ones if it can have any."""
+    listed_values = _any_of(value.text for value in part.values)
+    return f"{listed_values}|{part.open}" if part.open else listed_values
 
 
 def _any_of(texts: Iterable[str]) -> str:
-    return "|".join(re.escape(without_blanks(text)) for text in sorted(texts, key=len, reverse=True))
+    """Return a regular expression for one of the texts. The longest are tried first."""
+    longest_first = sorted(texts, key=len, reverse=True)
+    return "|".join(re.escape(without_blanks(text)) for text in longest_first)
 
 
-def _clash_message(device: Device, code: str, parts: Mapping[str, str], listed_values: Mapping[str, str | None]) -> str:
+def _clash_message(
+    device: Device, label: str, value_by_part: Mapping[str, str], listed_values: Mapping[str, str | None]
+) -> str:
     """Return the message about parts that are valid individually but not in combination, with the parts to change."""
-    names = [part.name for part in device.order_code.parts if _fits_if_changed(device, part, listed_values)]
-    listed_parts = " and ".join(f"{name} '{listed_values[name] or parts[name]}'" for name in names) or "its parts"
-    return cannot_be_combined(code, listed_parts, _nearest_hint(device, code))
+    clashing_parts: list[str] = []
+    for part in device.order_code.parts:
+        if _fits_if_changed(device, part, listed_values):
+            clashing_parts.append(f"{part.name} '{listed_values[part.name] or value_by_part[part.name]}'")
+    parts_text = " and ".join(clashing_parts) or "its parts"
+    return cannot_be_combined(label, parts_text, _nearest_codes_text(device, label))
 
 
 def _fits_if_changed(device: Device, part: CodePart, listed_values: Mapping[str, str | None]) -> bool:
     """Return whether there is a code with these parts if another value of ``part`` is chosen."""
-    return any(_fitting_code(device, {**listed_values, part.name: value.text}) for value in part.values)
+    return any(_fitting_variant(device, {**listed_values, part.name: value.text}) for value in part.values)
 
 
 class _WrongPart(NamedTuple):
@@ -258,36 +301,45 @@ class _WrongPart(NamedTuple):
     text: str
 
 
-def _explain(device: Device, code: str) -> UnknownOrderCode:
-    """Return the error about ``code``, with the missing or unlisted part, if that is clear, and the nearest codes."""
-    candidates = []
-    for position, part in enumerate(device.order_code.parts):
-        pattern = regex(device.order_code, as_listed(device.order_code), part.name) + AFTER
-        match = re.fullmatch(pattern, code, re.IGNORECASE)
-        if match is None or not _has_more_than(match, part, code):
-            continue
-        text = match[part.name]
-        other_parts = [other_part for other_part in device.order_code.parts if other_part is not part]
-        unlisted_others = [other for other in other_parts if _listed_value(other, match[other.name]) is None]
-        candidates.append(_WrongPart(len(unlisted_others), text != "", position, text))
+def _unknown_code_error(device: Device, label: str) -> UnknownOrderCode:
+    """Return the error about a label, with the missing or unlisted part, if that is clear, and the nearest codes."""
+    nearest = _nearest_codes_text(device, label)
+    candidates = list(_possible_wrong_parts(device, label))
     if not candidates:
-        problem = not_of_family(code, device.name.upper(), _nearest_hint(device, code))
-        return UnknownOrderCode(problem, close=False)
-    wrong = min(candidates)
-    part = device.order_code.parts[wrong.position]
+        return UnknownOrderCode(not_of_family(label, device.name.upper(), nearest), close=False)
+    likeliest = min(candidates)
+    part = device.order_code.parts[likeliest.position]
     valid_values = ", ".join(value.text for value in part.values)
-    problem = has_part(part.name, wrong.text) if wrong.is_present else has_no_part(part.name)
-    return UnknownOrderCode(wrong_part(code, problem, valid_values, _nearest_hint(device, code)), close=True)
+    problem = has_part(part.name, likeliest.text) if likeliest.is_present else has_no_part(part.name)
+    return UnknownOrderCode(wrong_part(label, problem, valid_values, nearest), close=True)
 
 
-def _has_more_than(match: re.Match[str], part: CodePart, code: str) -> bool:
+def _possible_wrong_parts(device: Device, label: str) -> Iterator[_WrongPart]:
+    """Yield each part of the order code with which the label would match the family if the part had any text."""
+    for position, part in enumerate(device.order_code.parts):
+        pattern = regex(device.order_code, as_listed(device.order_code), anything=part.name) + AFTER
+        label_match = re.fullmatch(pattern, label, re.IGNORECASE)
+        if label_match is None or not _has_more_than(label_match, part, label):
+            continue
+        unlisted_others = 0
+        for other_part in device.order_code.parts:
+            if other_part is not part and _listed_value(other_part, label_match[other_part.name]) is None:
+                unlisted_others += 1
+        text = label_match[part.name]
+        yield _WrongPart(unlisted_others=unlisted_others, is_present=text != "", position=position, text=text)
+
+
+def _has_more_than(label_match: re.Match[str], part: CodePart, label: str) -> bool:
     """Return True if a label has letters or digits of the family, apart from a wrong part and the tail.
 
     A family whose codes consist of one part, such as ``{model}``, would otherwise be close to every label.
     """
-    tail = len(match["tail_"] or "") + len(match["special_"] or "")
-    other_text = code[: match.start(part.name)] + code[match.end(part.name) : len(code) - tail]
-    return match[part.name] == "" or any(map(str.isalnum, other_text))
+    if label_match[part.name] == "":
+        return True
+    tail_length = len(label_match["tail_"] or "") + len(label_match["special_"] or "")
+    text_before = label[: label_match.start(part.name)]
+    text_after = label[label_match.end(part.name) : len(label) - tail_length]
+    return any(character.isalnum() for character in text_before + text_after)
 
 
 def closest_reason(devices: Iterable[Device], text: str) -> str | None:
@@ -301,8 +353,8 @@ def closest_reason(devices: Iterable[Device], text: str) -> str | None:
     return None
 
 
-def _nearest_hint(device: Device, code: str) -> str:
-    return ", ".join(nearest_codes([device], code))
+def _nearest_codes_text(device: Device, label: str) -> str:
+    return ", ".join(nearest_codes([device], label))
 
 
 def nearest_codes(devices: Sequence[Device], text: str, least: float = 0.0) -> list[str]:
@@ -320,11 +372,12 @@ def nearest_codes(devices: Sequence[Device], text: str, least: float = 0.0) -> l
     for device in devices:
         for variant in device.variants:
             # A text may go on after the code, with another hyphen.
-            text_without_tail = "-".join(pieces[: variant.code.count("-") + 1])
+            pieces_of_code = variant.code.count("-") + 1
+            text_without_tail = "-".join(pieces[:pieces_of_code])
             similarity = SequenceMatcher(None, variant.code, text_without_tail).ratio()
             similarities.append((similarity, variant.code))
-    most_similar = sorted(similarities, key=lambda similarity_and_code: similarity_and_code[0], reverse=True)[:3]
-    return [code for similarity, code in most_similar if similarity >= least]
+    similarities.sort(key=lambda similarity_and_code: similarity_and_code[0], reverse=True)
+    return [code for similarity, code in similarities[:3] if similarity >= least]
 
 
 def edition_before(device: Device, revision: str) -> str:

@@ -19,10 +19,10 @@ def parameters_of(device: Device, kind: str) -> tuple[Parameter, ...]:
     Parameters used only by other interfaces are omitted, unless they are calculated from the parameters kept.
     Parameters that no interface uses are kept, since they are for information.
     """
-    used_here = _used(device, kind)
+    used_by_interface = _used_parameters(device, kind)
     used_by_any: set[str] = set()
     for interface in device.interfaces:
-        used_by_any |= _used(device, interface.name)
+        used_by_any |= _used_parameters(device, interface.name)
     formulas: dict[str, Expression] = {}
     selected_names: set[str] = set()
     for parameter in device.parameters:
@@ -30,7 +30,8 @@ def parameters_of(device: Device, kind: str) -> tuple[Parameter, ...]:
             continue
         if parameter.equals is not None:
             formulas[parameter.name] = parameter.equals
-        if parameter.name in used_here or (parameter.equals is None and parameter.name not in used_by_any):
+        is_for_information = parameter.equals is None and parameter.name not in used_by_any
+        if parameter.name in used_by_interface or is_for_information:
             selected_names.add(parameter.name)
     # A formula may use the result of another one, so look until nothing is added.
     while True:
@@ -43,9 +44,12 @@ def parameters_of(device: Device, kind: str) -> tuple[Parameter, ...]:
 
 def run_time_names(device: Device) -> frozenset[str]:
     """Return the parameters that registers hold, and those calculated from them."""
-    held_names = {parameter.name for parameter in device.run_time_parameters}
-    names = (parameter.name for parameter in device.parameters)
-    return frozenset(name for name in names if not held_names.isdisjoint(device.needed_parameters([name])))
+    names_in_registers = {parameter.name for parameter in device.run_time_parameters}
+    run_time_names: set[str] = set()
+    for parameter in device.parameters:
+        if not names_in_registers.isdisjoint(device.needed_parameters([parameter.name])):
+            run_time_names.add(parameter.name)
+    return frozenset(run_time_names)
 
 
 def follows_registers(device: Device, layout: Layout) -> bool:
@@ -55,44 +59,45 @@ def follows_registers(device: Device, layout: Layout) -> bool:
 
 def deciding_parameters(layout: Layout) -> frozenset[str]:
     """Return the parameters that determine the positions, documented values or code of a layout's fields."""
-    names = (name for expression in _of_layout(layout) for name in expression.parameters)
-    return frozenset((layout.gray_when, *names)) - {""}
+    names = {name for expression in _expressions_of_layout(layout) for name in expression.parameters}
+    if layout.gray_when:
+        names.add(layout.gray_when)
+    return frozenset(names)
 
 
 def run_time_widths(device: Device, layout: Layout) -> tuple[str, ...]:
     """Return the register fields, as ``register.field``, that determine the length of a layout."""
-    names = device.needed_parameters(layout.bits.parameters)
-    return tuple(
-        dict.fromkeys(parameter.read_from for parameter in device.run_time_parameters if parameter.name in names)
-    )
+    length_parameters = device.needed_parameters(layout.bits.parameters)
+    deciding = [parameter for parameter in device.run_time_parameters if parameter.name in length_parameters]
+    return tuple(dict.fromkeys(parameter.read_from for parameter in deciding))
 
 
-def _used(device: Device, kind: str) -> frozenset[str]:
+def _used_parameters(device: Device, kind: str) -> frozenset[str]:
     """Return the parameters used in frames, registers and measurement of an interface, and their dependencies."""
-    used_names = {name for expression in _expressions(device, kind) for name in expression.parameters}
+    used_names = {name for expression in _expressions_over(device, kind) for name in expression.parameters}
     used_names |= {layout.gray_when for layout in device.interface(kind).layouts if layout.gray_when}
     return device.needed_parameters(used_names)
 
 
-def _expressions(device: Device, kind: str) -> Iterator[Expression]:
+def _expressions_over(device: Device, kind: str) -> Iterator[Expression]:
     """Yield the expressions in frames, registers and measurement of an interface."""
-    layouts = device.interface(kind).layouts
-    for layout in layouts:
-        yield from _of_layout(layout)
+    for layout in device.interface(kind).layouts:
+        yield from _expressions_of_layout(layout)
         if layout.position_range is not None:
             yield from layout.position_range.numbers
     for register in device.registers_over(kind):
-        yield from _of_layout(register.layout)
+        yield from _expressions_of_layout(register.layout)
         bounds = [register.min, register.max]
         for meaning in register.meanings:
             bounds += [meaning.min, meaning.max]
         yield from (bound for bound in bounds if bound is not None)
     measurement = device.measurement_of(kind)
     if measurement is not None:
-        yield from _of_measurement(measurement)
+        yield from _expressions_of_measurement(measurement)
 
 
-def _of_layout(layout: Layout) -> Iterator[Expression]:
+def _expressions_of_layout(layout: Layout) -> Iterator[Expression]:
+    """Yield the length, the positions and widths of all fields, and their documented values."""
     yield layout.bits
     for field in layout.fields:
         yield field.low
@@ -103,7 +108,8 @@ def _of_layout(layout: Layout) -> Iterator[Expression]:
         yield layout.gray_excess
 
 
-def _of_measurement(measurement: Measurement) -> Iterator[Expression]:
+def _expressions_of_measurement(measurement: Measurement) -> Iterator[Expression]:
+    """Yield the counts, turns, steps and limits of the position that the manual gives."""
     expressions = (
         measurement.counts_per_turn,
         measurement.turns,
@@ -154,19 +160,26 @@ def corners(states_by_field: Sequence[Sequence[State]]) -> Iterator[State]:
     Args:
         states_by_field: The states of each field, from the one with the lowest values to the one with the highest.
     """
-    changing_fields = [states for states in states_by_field if states]
-    if prod(map(len, changing_fields)) <= _MOST_CORNERS:
-        yield from _combined_states(changing_fields)
+    states_of_changing_fields = [states for states in states_by_field if states]
+    number_of_combinations = prod(len(states) for states in states_of_changing_fields)
+    if number_of_combinations <= _MOST_CORNERS:
+        yield from _combined_states(states_of_changing_fields)
         return
-    for pair in combinations(changing_fields, 2):
-        yield from _combined_states(pair)
-    for end in (0, -1):
-        yield ChainMap(*(dict(states[end]) for states in changing_fields))
+    for states_of_pair in combinations(states_of_changing_fields, 2):
+        yield from _combined_states(states_of_pair)
+    yield _joined_state([states[0] for states in states_of_changing_fields])
+    yield _joined_state([states[-1] for states in states_of_changing_fields])
 
 
 def _combined_states(states_by_field: Sequence[Sequence[State]]) -> Iterator[State]:
-    for states in product(*states_by_field):
-        yield ChainMap(*map(dict, states))
+    """Yield every combination of one state of each field."""
+    for one_state_per_field in product(*states_by_field):
+        yield _joined_state(one_state_per_field)
+
+
+def _joined_state(one_state_per_field: Iterable[State]) -> State:
+    """Return the parameters of all fields in one map."""
+    return ChainMap(*(dict(state) for state in one_state_per_field))
 
 
 def coded_states(codes: Mapping[str, Mapping[int, int]]) -> Sequence[State]:
@@ -176,40 +189,43 @@ def coded_states(codes: Mapping[str, Mapping[int, int]]) -> Sequence[State]:
         codes: The values by code of each parameter that is read from the field.
     """
 
-    def state_with(code: int) -> State:
-        return {name: values[code] for name, values in codes.items()}
-
     common_codes = set.intersection(*map(set, codes.values()))
-    return sorted(map(state_with, sorted(common_codes)), key=lambda state: sum(state.values()))
+    states: list[State] = []
+    for code in sorted(common_codes):
+        states.append({name: value_by_code[code] for name, value_by_code in codes.items()})
+    return sorted(states, key=lambda state: sum(state.values()))
 
 
 def extreme_states(device: Device) -> Sequence[Sequence[State]]:
     """Return the extreme states of each field that holds a parameter: the limits of its value, or each of its codes."""
-    return _states(device.run_time_parameters, lambda parameter: dict.fromkeys(_limits(parameter)))
+    return _states_of_fields(device.run_time_parameters, _limits)
 
 
 def possible_states(parameters: Sequence[Parameter]) -> Sequence[Sequence[State]]:
     """Return the states of each field that holds one of the parameters."""
-    return _states(parameters, lambda parameter: range(parameter.min or 0, (parameter.max or 0) + 1))
+    return _states_of_fields(parameters, lambda parameter: range(parameter.min or 0, (parameter.max or 0) + 1))
 
 
-def _limits(parameter: Parameter) -> Iterator[int]:
-    return (bound for bound in (parameter.min, parameter.max) if bound is not None)
+def _limits(parameter: Parameter) -> Iterable[int]:
+    """Return the minimum and the maximum of a parameter that it has, each once if they are equal."""
+    return dict.fromkeys(limit for limit in (parameter.min, parameter.max) if limit is not None)
 
 
-def _states(
+def _states_of_fields(
     parameters: Sequence[Parameter], values_of: Callable[[Parameter], Iterable[int]]
 ) -> Sequence[Sequence[State]]:
     """Return the states of each field. ``values_of`` lists the values of a parameter that is not read from a code."""
+    # The value by code of each parameter, by the field that holds the code.
     codes_by_field: dict[str, dict[str, Mapping[int, int]]] = {}
-    direct_states: list[Sequence[State]] = []
+    states_by_field: list[Sequence[State]] = []
     for parameter in parameters:
         if parameter.by_code:
             value_by_code = {coded.code: coded.value for coded in parameter.by_code}
             codes_by_field.setdefault(parameter.read_from, {})[parameter.name] = value_by_code
         else:
-            direct_states.append([{parameter.name: value} for value in values_of(parameter)])
-    return [*direct_states, *map(coded_states, codes_by_field.values())]
+            states_by_field.append([{parameter.name: value} for value in values_of(parameter)])
+    states_by_field += [coded_states(codes) for codes in codes_by_field.values()]
+    return states_by_field
 
 
 def parameters_at_run_time(device: Device, variant: Variant) -> Iterator[Mapping[str, int]]:
@@ -224,7 +240,7 @@ def with_registers(device: Device, variant: Variant, register_bytes: Mapping[int
     Args:
         device: The family.
         variant: One of its order codes.
-        held: Register bytes by address. Other registers are at their defaults.
+        register_bytes: Register bytes by address. Other registers are at their defaults.
 
     Raises:
         RegisterError: There is no parameter at an address, or a value is invalid.
@@ -234,19 +250,20 @@ def with_registers(device: Device, variant: Variant, register_bytes: Mapping[int
     for parameter in device.run_time_parameters:
         register = device.register(parameter.register)
         addresses = range(register.address, register.address + register.length)
-        if not used_addresses.union(addresses) & register_bytes.keys():
-            continue
-        used_addresses.update(addresses)
-        parameters[parameter.name] = _value(register, parameter, register_bytes)
+        is_given = any(address in register_bytes for address in addresses)
+        if is_given:
+            used_addresses.update(addresses)
+            parameters[parameter.name] = _value_from_bytes(register, parameter, register_bytes)
     unknown_addresses = sorted(register_bytes.keys() - used_addresses)
     if unknown_addresses:
-        registers = [device.register(parameter.register) for parameter in device.run_time_parameters]
-        valid_addresses = ", ".join(sorted({f"0x{register.address:02X}" for register in registers})) or "none"
-        raise RegisterError(
-            f"register 0x{unknown_addresses[0]:02X} does not change how a frame is read; "
-            f"those that do: {valid_addresses}"
-        )
+        raise RegisterError(_unknown_address_message(device, unknown_addresses[0]))
     return replace(variant, parameters=with_changed(device, variant, parameters))
+
+
+def _unknown_address_message(device: Device, address: int) -> str:
+    registers = [device.register(parameter.register) for parameter in device.run_time_parameters]
+    valid_addresses = ", ".join(sorted({f"0x{register.address:02X}" for register in registers})) or "none"
+    return f"register 0x{address:02X} does not change how a frame is read; those that do: {valid_addresses}"
 
 
 def with_answers(device: Device, variant: Variant, answers: Mapping[str, str]) -> Variant:
@@ -255,32 +272,39 @@ def with_answers(device: Device, variant: Variant, answers: Mapping[str, str]) -
     Raises:
         KeyError: There is no such alternative or answer.
     """
-    parameters: dict[str, int] = {}
+    answered_parameters: dict[str, int] = {}
     alternatives = {alternative.name: alternative for alternative in device.alternatives}
     for name, answer_name in answers.items():
-        sets_by_answer = {answer.name: answer.sets for answer in alternatives[name].answers}
-        parameters |= sets_by_answer[answer_name]
-    return replace(variant, parameters=with_changed(device, variant, parameters))
+        answers_by_name = {answer.name: answer for answer in alternatives[name].answers}
+        answered_parameters |= answers_by_name[answer_name].sets
+    return replace(variant, parameters=with_changed(device, variant, answered_parameters))
 
 
 def after_write(device: Device, variant: Variant, register: Register, number: int) -> Variant:
     """Return the variant after writing ``number`` to ``register``."""
-    held_parameters = [parameter for parameter in device.run_time_parameters if parameter.register == register.name]
-    if not held_parameters:
-        return variant
-    parameters: dict[str, int] = {}
-    for parameter in held_parameters:
+    changed_parameters: dict[str, int] = {}
+    for parameter in device.run_time_parameters:
+        if parameter.register != register.name:
+            continue
         value = _value_in_content(register, parameter, number)
         if value is not None:  # With an invalid code, the encoder keeps its frame format.
-            parameters[parameter.name] = value
-    return replace(variant, parameters=with_changed(device, variant, parameters))
+            changed_parameters[parameter.name] = value
+    if not changed_parameters:
+        return variant
+    return replace(variant, parameters=with_changed(device, variant, changed_parameters))
 
 
-def _value(register: Register, parameter: Parameter, register_bytes: Mapping[int, int]) -> int:
-    """Return the value of the parameter from the register's bytes in ``register_bytes`` or its default."""
-    default = register.default_bytes() or bytes(register.length)
-    data = bytes(register_bytes.get(register.address + index, byte) for index, byte in enumerate(default))
-    value = _value_in_content(register, parameter, number_from_bytes(register.layout, data))
+def _value_from_bytes(register: Register, parameter: Parameter, register_bytes: Mapping[int, int]) -> int:
+    """Return the value of a parameter in a register. Bytes that are not given have their defaults.
+
+    Raises:
+        RegisterError: The register does not hold a valid value or code.
+    """
+    default_bytes = register.default_bytes() or bytes(register.length)
+    content = bytearray()
+    for address, default_byte in enumerate(default_bytes, register.address):
+        content.append(register_bytes.get(address, default_byte))
+    value = _value_in_content(register, parameter, number_from_bytes(register.layout, bytes(content)))
     if value is None:
         codes = ", ".join(str(coded_value.code) for coded_value in parameter.by_code)
         raise RegisterError(f"{parameter.read_from} does not hold a code of {parameter.name}; the codes are {codes}")
@@ -292,10 +316,10 @@ def _value(register: Register, parameter: Parameter, register_bytes: Mapping[int
 
 
 def _value_in_content(register: Register, parameter: Parameter, number: int) -> int | None:
-    """Return the parameter that is in the content of a register, or None if it holds no valid code."""
+    """Return the parameter in a register that contains ``number``, or None if it holds no valid code."""
     field = register.layout.field(parameter.field)
     mask = (1 << field.widest) - 1
-    content = (number >> field.low.constant) & mask
-    if content == 0 and not parameter.by_code:
-        content = field.number.zero_means
-    return parameter.held_value(content)
+    field_value = (number >> field.low.constant) & mask
+    if field_value == 0 and not parameter.by_code:
+        field_value = field.number.zero_means
+    return parameter.held_value(field_value)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import fields, is_dataclass, replace
 from functools import cache
 from operator import is_
@@ -51,14 +51,15 @@ def reduced_to_codes(device: Device, codes: Collection[str]) -> Device:
     Facts that apply to none of these codes are omitted, and such flags are unexplained. Facts that apply to all of them
     lose their ``only``. Questions about unexplained flags are omitted.
     """
-    manual_steps = {step.name for step in device.characteristics if not _applies_to_others(step, codes)}
-    reduced = replace(device, **{name: _reduced_part(getattr(device, name), codes, manual_steps) for name in _PARTS})
+    manual_steps = {step.name for step in device.characteristics if not _applies_only_to_others(step, codes)}
+    reduced_parts = {name: _reduced_part(getattr(device, name), codes, manual_steps) for name in _PARTS}
+    reduced = replace(device, **reduced_parts)
     if not device.optional_alternatives:
         return reduced
-    layouts = [layout for _, layout in reduced.layouts()]
-    decisive = {alternative.name for layout in layouts for alternative in reduced.verdict_alternatives(layout)}
-    decisive |= {alternative.name for alternative in reduced.alternatives if not alternative.default}
-    remaining = tuple(alternative for alternative in reduced.alternatives if alternative.name in decisive)
+    remaining_names = {alternative.name for alternative in reduced.alternatives if not alternative.default}
+    for _, layout in reduced.layouts():
+        remaining_names |= _names(reduced.verdict_alternatives(layout))
+    remaining = tuple(alternative for alternative in reduced.alternatives if alternative.name in remaining_names)
     return replace(reduced, alternatives=remaining)
 
 
@@ -68,7 +69,7 @@ def _reduced_part(part: Any, codes: Collection[str], manual_steps: Collection[st
         return part
     if isinstance(part, tuple):
         return _reduced_values(part, codes, manual_steps)
-    if isinstance(part, Field) and isinstance(part.kind, Flag) and _applies_to_others(part.kind, codes):
+    if isinstance(part, Field) and isinstance(part.kind, Flag) and _applies_only_to_others(part.kind, codes):
         return part.unexplained
     if not names_of_members(part.__class__):
         return part
@@ -90,10 +91,10 @@ def _reduced_values(values: tuple[Any, ...], codes: Collection[str], manual_step
     """Return the values for these order codes. If nothing changes, the result is the same object."""
     if all(isinstance(value, _ALWAYS) for value in values):
         return values
-    applying = [value for value in values if not _applies_to_others(value, codes)]
-    reduced_values = tuple([_reduced_part(value, codes, manual_steps) for value in applying])
-    is_unchanged = len(reduced_values) == len(values) and all(map(is_, reduced_values, values))
-    return values if is_unchanged else reduced_values
+    applying_values = [value for value in values if not _applies_only_to_others(value, codes)]
+    reduced_values = tuple([_reduced_part(value, codes, manual_steps) for value in applying_values])
+    are_same_objects = len(reduced_values) == len(values) and all(map(is_, reduced_values, values))
+    return values if are_same_objects else reduced_values
 
 
 def parts_of(part: Any) -> Iterator[tuple[str, Any]]:
@@ -112,7 +113,8 @@ def names_of_members(kind: type) -> tuple[str, ...]:
     return tuple(field.name for field in fields(kind) if field.init)
 
 
-def _applies_to_others(part: Any, codes: Collection[str]) -> bool:
+def _applies_only_to_others(part: Any, codes: Collection[str]) -> bool:
+    """Return whether a part is only for some order codes, none of which is among ``codes``."""
     only = getattr(part, "only", "")
     return bool(only) and not any(fits(only, code) for code in codes)
 
@@ -124,17 +126,21 @@ def for_codes(device: Device, codes: Collection[str]) -> Device:
     has_all_interfaces = kinds == _names(device.interfaces)
     with_interfaces = device if has_all_interfaces else for_interfaces(device, kinds)
     reduced = reduced_to_codes(with_interfaces, [variant.code for variant in variants])
-    parameter_names = {parameter.name for kind in kinds for parameter in parameters_of(device, kind)}
+    parameter_names = _names_of_parameters(device, kinds)
+    code_parts = tuple(_with_used_values(part, variants) for part in device.order_code.parts)
     examples = tuple(example for example in reduced.examples if getattr(example, "order_code", "") in {"", *codes})
     return replace(
         reduced,
         variants=variants,
         examples=examples,
         parameters=tuple(parameter for parameter in reduced.parameters if parameter.name in parameter_names),
-        order_code=replace(
-            device.order_code, parts=tuple(_with_used_values(part, variants) for part in device.order_code.parts)
-        ),
+        order_code=replace(device.order_code, parts=code_parts),
     )
+
+
+def _names_of_parameters(device: Device, kinds: Collection[str]) -> set[str]:
+    """Return the names of the parameters that matter for one of the interfaces."""
+    return {parameter.name for kind in kinds for parameter in parameters_of(device, kind)}
 
 
 def _with_used_values(part: CodePart, variants: Collection[Variant]) -> CodePart:
@@ -150,7 +156,8 @@ def for_interface(device: Device, kind: str) -> Device:
 
 def for_interfaces(device: Device, kinds: Collection[str]) -> Device:
     """Return the device with only some of its interfaces, and without parts that belong only to the others."""
-    reduced = _with_used_parts(_with_interfaces(device, kinds), sent_crcs(device.interfaces))
+    with_interfaces = _with_interfaces(device, kinds)
+    reduced = _with_used_parts(with_interfaces, all_sent_crcs=sent_crcs(device.interfaces))
     remaining_names = {
         "interfaces": _names(reduced.interfaces),
         "registers": _names(reduced.registers),
@@ -159,18 +166,15 @@ def for_interfaces(device: Device, kinds: Collection[str]) -> Device:
         "field_groups": _names(reduced.field_groups),
         "alarms": _names(reduced.alarms),
         "connectors": _names(reduced.connectors),
-        "parameters": {parameter.name for kind in kinds for parameter in parameters_of(device, kind)},
+        "parameters": _names_of_parameters(device, kinds),
         "alternatives": _names(reduced.alternatives),
     }
-    layouts = {layout.name for interface in reduced.interfaces for layout in interface.layouts}
-    names_in_examples = remaining_names | {"layouts": layouts}
-    examples = [example for example in device.examples if _holds_for(example, kinds, device, names_in_examples)]
-    affects_remaining = _leads_to(remaining_names | {"examples": _names(examples)})
-
-    def concerns_remaining(erratum: Erratum) -> bool:
-        return not erratum.affects or any(map(affects_remaining, erratum.affects))
-
-    return replace(reduced, examples=tuple(examples), errata=tuple(filter(concerns_remaining, device.errata)))
+    layout_names = {layout.name for interface in reduced.interfaces for layout in interface.layouts}
+    names_in_examples = remaining_names | {"layouts": layout_names}
+    examples = tuple(example for example in device.examples if _holds_for(example, kinds, device, names_in_examples))
+    remaining_names["examples"] = _names(examples)
+    errata = tuple(erratum for erratum in device.errata if _concerns_remaining(erratum, remaining_names))
+    return replace(reduced, examples=examples, errata=errata)
 
 
 def _with_interfaces(device: Device, kinds: Collection[str]) -> Device:
@@ -198,13 +202,13 @@ def sent_crcs(interfaces: Collection[Interface]) -> set[str]:
     return crcs
 
 
-def _with_used_parts(device: Device, crcs_sent: Collection[str]) -> Device:
+def _with_used_parts(device: Device, all_sent_crcs: Collection[str]) -> Device:
     """Return the device with only the CRCs, groups, alarms and alternatives that its frames and registers use.
 
-    A CRC that is in no frame, such as that of a memory, belongs to all interfaces. ``crcs_sent`` are the others.
+    ``all_sent_crcs`` are those in frames of any interface of the family. Any other CRC, such as that of a memory,
+    belongs to all interfaces.
     """
-    used_crcs = sent_crcs(device.interfaces)
-    removed_crcs = set(crcs_sent) - used_crcs
+    removed_crcs = set(all_sent_crcs) - sent_crcs(device.interfaces)
     layouts: list[Layout] = []
     used_groups = {""}  # An alarm may have neither a group nor a register.
     for interface in device.interfaces:
@@ -232,11 +236,11 @@ def _with_registers(device_input: Input, registers: Collection[str]) -> Input:
     """Return the input without the effects of other interfaces' registers."""
 
     def path_if_present(path: str) -> str:
-        return path if path.partition(".")[0] in registers else ""
+        register, _, _ = path.partition(".")
+        return path if register in registers else ""
 
-    return replace(
-        device_input, inverts=path_if_present(device_input.inverts), needs=path_if_present(device_input.needs)
-    )
+    inverts, needs = path_if_present(device_input.inverts), path_if_present(device_input.needs)
+    return replace(device_input, inverts=inverts, needs=needs)
 
 
 class _Named(Protocol):
@@ -248,19 +252,22 @@ def _names(named_parts: Iterable[_Named]) -> set[str]:
     return {part.name for part in named_parts}
 
 
-def _leads_to(remaining_names: Mapping[str, set[str]]) -> Callable[[str], bool]:
-    """Return a function that tests whether a path of an erratum leads to a part of these interfaces.
+def _concerns_remaining(erratum: Erratum, remaining_names: Mapping[str, set[str]]) -> bool:
+    """Return whether one of the paths of an erratum leads to a remaining part, or to none that can be removed."""
+    if not erratum.affects:
+        return True
+    return any(_leads_to_remaining_part(path, remaining_names) for path in erratum.affects)
 
-    Paths that belong to no interface pass the test.
+
+def _leads_to_remaining_part(path: str, remaining_names: Mapping[str, set[str]]) -> bool:
+    """Return whether the part at a path, such as ``registers.preset.default``, remains.
+
+    ``remaining_names`` are the names of the remaining parts by the list that they are in. Other lists are complete.
     """
-
-    def leads_to_remaining_part(path: str) -> bool:
-        if "." not in path:
-            return True
-        list_name, part_name, *_ = path.split(".")
-        return list_name not in remaining_names or part_name in remaining_names[list_name]
-
-    return leads_to_remaining_part
+    if "." not in path:
+        return True
+    list_name, part_name, *_ = path.split(".")
+    return list_name not in remaining_names or part_name in remaining_names[list_name]
 
 
 def _holds_for(
@@ -295,41 +302,47 @@ def with_quantities(device: Device, variant: Variant) -> Device:
     """
     open_parameters = {parameter.name for parameter in device.parameters if parameter.alternative}
     known_parameters = {name: value for name, value in variant.parameters.items() if name not in open_parameters}
-    parts = {name: _with_numbers(getattr(device, name), known_parameters) for name in _NUMBERED_PARTS}
-    parts["interfaces"] = tuple(with_output_code(interface, variant) for interface in parts["interfaces"])
-    return replace(device, **parts)
+    parts_with_numbers = {name: _with_numbers(getattr(device, name), known_parameters) for name in _NUMBERED_PARTS}
+    interfaces = tuple(with_output_code(interface, variant) for interface in parts_with_numbers["interfaces"])
+    return replace(device, **parts_with_numbers | {"interfaces": interfaces})
 
 
 def with_output_code(interface: Interface, variant: Variant) -> Interface:
     """Return the interface with the code that an order code has, if the manual says that it depends on it."""
     if not isinstance(interface, Ssi) or interface.output_code is None or interface.name != variant.interface:
         return interface
-    sent_layouts = [layout for layout in interface.layouts if layout.sender == "encoder"]
-    gray_settings = {layout.place(variant.parameters).gray for layout in sent_layouts}
-    if interface.output_code.code != "by_order_code" or len(gray_settings) != 1:
+    if interface.output_code.code != "by_order_code":
         return interface
-    code = "gray" if True in gray_settings else "binary"
+    sent_layouts = [layout for layout in interface.layouts if layout.sender == "encoder"]
+    are_gray = {layout.place(variant.parameters).gray for layout in sent_layouts}
+    if are_gray == {True}:
+        code = "gray"
+    elif are_gray == {False}:
+        code = "binary"
+    else:  # The frames have different codes.
+        return interface
     return replace(interface, output_code=replace(interface.output_code, code=code))
 
 
 def _with_numbers(part: Any, known_parameters: Mapping[str, int]) -> Any:
     """Return the part with known parameters replaced by numbers. If nothing changes, it is the same object."""
     if isinstance(part, Expression):
-        return _number(part, known_parameters)
+        return _with_known_terms_added(part, known_parameters)
     if isinstance(part, tuple):
-        filled_values = tuple(_with_numbers(value, known_parameters) for value in part)
-        return part if all(map(is_, filled_values, part)) else filled_values
+        values_with_numbers = tuple(_with_numbers(value, known_parameters) for value in part)
+        return part if all(map(is_, values_with_numbers, part)) else values_with_numbers
     if not names_of_members(part.__class__):
         return part
     changed: dict[str, Any] = {}
     for member_name, member in parts_of(part):
-        filled_member = _with_numbers(member, known_parameters)
-        if filled_member is not member:
-            changed[member_name] = filled_member
-    filled_part = replace(part, **changed) if changed else part
-    if not isinstance(filled_part, Layout):
-        return filled_part
-    return _without_empty_fields(_with_fixed_code(filled_part, known_parameters))
+        member_with_numbers = _with_numbers(member, known_parameters)
+        if member_with_numbers is not member:
+            changed[member_name] = member_with_numbers
+    part_with_numbers = replace(part, **changed) if changed else part
+    if isinstance(part_with_numbers, Layout):
+        layout = _with_fixed_code(part_with_numbers, known_parameters)
+        return _without_empty_fields(layout)
+    return part_with_numbers
 
 
 def _with_fixed_code(layout: Layout, known_parameters: Mapping[str, int]) -> Layout:
@@ -343,40 +356,45 @@ def _with_fixed_code(layout: Layout, known_parameters: Mapping[str, int]) -> Lay
 
 def _without_empty_fields(layout: Layout) -> Layout:
     """Return the layout without zero-width fields, in the layout itself, in its joins and in its parity bits."""
-    empty_fields = {field.name for field in layout.fields if field.width == Expression(0)}
-    if not empty_fields:
+    empty_names = {field.name for field in layout.fields if field.width == Expression(0)}
+    if not empty_names:
         return layout
-    joins = [_without_fields(join, empty_fields) for join in layout.joins]
-    remaining_fields = [field for field in layout.fields if field.name not in empty_fields]
-    single_names = {join.name: join.fields[0] for join in joins if len(join.fields) == 1}
+    joins = [_without_fields(join, empty_names) for join in layout.joins]
+    remaining_fields = [field for field in layout.fields if field.name not in empty_names]
+    # A join of which one field remains is that field.
+    field_by_join = {join.name: join.fields[0] for join in joins if len(join.fields) == 1}
     reduced = replace(
         layout,
-        fields=tuple(_with_parity_of_others(field, empty_fields) for field in remaining_fields),
+        fields=tuple(_with_parity_of_others(field, empty_names) for field in remaining_fields),
         joins=tuple(join for join in joins if len(join.fields) > 1),
-        gray_of=single_names.get(layout.gray_of, layout.gray_of),
+        gray_of=field_by_join.get(layout.gray_of, layout.gray_of),
     )
-    return reduced if reduced.tells_validity == layout.tells_validity else reduced.with_unknown_verdicts()
+    has_lost_validity = reduced.tells_validity != layout.tells_validity
+    return reduced.with_unknown_verdicts() if has_lost_validity else reduced
 
 
-def _with_parity_of_others(field: Field, removed: set[str]) -> Field:
+def _with_parity_of_others(field: Field, removed_names: set[str]) -> Field:
     """Return a parity bit without the removed fields. If it covers no others, it is always the same."""
     parity = field.kind
-    if not isinstance(parity, Parity) or removed.isdisjoint(parity.of):
+    if not isinstance(parity, Parity) or removed_names.isdisjoint(parity.of):
         return field
-    covered_names = tuple(name for name in parity.of if name not in removed)
-    return replace(field, kind=replace(parity, of=covered_names) if covered_names else Constant(int(parity.odd)))
+    covered_names = tuple(name for name in parity.of if name not in removed_names)
+    if not covered_names:
+        return replace(field, kind=Constant(int(parity.odd)))
+    return replace(field, kind=replace(parity, of=covered_names))
 
 
-def _without_fields(join: Join, removed: Collection[str]) -> Join:
-    return replace(join, fields=tuple(name for name in join.fields if name not in removed))
+def _without_fields(join: Join, removed_names: Collection[str]) -> Join:
+    return replace(join, fields=tuple(name for name in join.fields if name not in removed_names))
 
 
-def _number(expression: Expression, known_parameters: Mapping[str, int]) -> Expression:
-    """Return the expression with known terms replaced by numbers."""
+def _with_known_terms_added(expression: Expression, known_parameters: Mapping[str, int]) -> Expression:
+    """Return the expression with the terms of known parameters added to its constant."""
     if expression.is_constant:
         return expression
+    known_terms = tuple(term for term in expression.terms if _is_known(term, known_parameters))
     open_terms = tuple(term for term in expression.terms if not _is_known(term, known_parameters))
-    known_sum = Expression(expression.constant, tuple(term for term in expression.terms if term not in open_terms))
+    known_sum = Expression(expression.constant, known_terms)
     return Expression(known_sum.value(known_parameters), open_terms)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..model import Device, ModifyStep, Register, Step, WriteStep, member_named
+from ..model import Device, ModifyStep, Register, Step, Value, WriteStep, member_named
 
 
 def closing_steps(device: Device, steps: Sequence[Step]) -> frozenset[int]:
@@ -13,31 +13,35 @@ def closing_steps(device: Device, steps: Sequence[Step]) -> frozenset[int]:
     An opening step writes the number that opens a register used in the procedure (``opened_by``). Its closing step is
     the next step that writes a different number to the same place.
     """
-    written = {step.register for step in steps if isinstance(step, WriteStep | ModifyStep)}
-    openers = [register for register in device.registers if register.opened_by and register.name in written]
-    opened: set[str] = set()
-    closing: set[int] = set()
+    written_names = {step.register for step in steps if isinstance(step, WriteStep | ModifyStep)}
+    used_registers = [register for register in device.registers if register.name in written_names]
+    locked_registers = [register for register in used_registers if register.opened_by]
+    holding_opening_value: set[str] = set()
+    closing_indices: set[int] = set()
     for index, step in enumerate(steps):
         if not isinstance(step, WriteStep | ModifyStep) or step.value is None:
             continue
-        opened_here = [register for register in openers if _writes_opening_place(step, register)]
-        if any(step.value == _opening_number(device, register) for register in opened_here):
-            opened.add(step.register)
-        elif opened_here and step.register in opened:
-            opened.discard(step.register)
-            closing.add(index)
-    return frozenset(closing)
+        controlled_registers = [register for register in locked_registers if _controls_access(step, register)]
+        if any(step.value == _opening_number(device, register) for register in controlled_registers):
+            holding_opening_value.add(step.register)
+        elif controlled_registers and step.register in holding_opening_value:
+            holding_opening_value.discard(step.register)
+            closing_indices.add(index)
+    return frozenset(closing_indices)
 
 
-def _writes_opening_place(step: WriteStep | ModifyStep, opened: Register) -> bool:
-    """Return whether the step writes to the place that opens the register."""
-    if step.register != opened.opened_by:
+def _controls_access(step: WriteStep | ModifyStep, locked_register: Register) -> bool:
+    """Return whether the step writes to the register or field that opens and closes the locked register."""
+    if step.register != locked_register.opened_by:
         return False
-    return isinstance(step, WriteStep) or step.field == opened.opened_by_field
+    return isinstance(step, WriteStep) or step.field == locked_register.opened_by_field
 
 
-def _opening_number(device: Device, opened: Register) -> int:
-    """Return the number that opens the register."""
-    fields = device.register(opened.opened_by).layout.fields
-    values = (value for field in fields if opened.opened_by_field in ("", field.name) for value in field.values)
-    return member_named(values, opened.opened_by_value, f"value of '{opened.opened_by}'").value
+def _opening_number(device: Device, locked_register: Register) -> int:
+    """Return the number of the named value that opens the locked register."""
+    opening_register = device.register(locked_register.opened_by)
+    named_values: list[Value] = []
+    for field in opening_register.layout.fields:
+        if locked_register.opened_by_field in ("", field.name):
+            named_values += field.values
+    return member_named(named_values, locked_register.opened_by_value, f"value of '{opening_register.name}'").value

@@ -82,13 +82,17 @@ class Codec:
     @cached_property
     def depends(self) -> bool:
         """True if any position or width, or the highest position, depends on the order code."""
+        if self.gray is not None and self.gray.when:
+            return True
+        expressions = [self.layout.bits]
+        for field in self.layout.fields:
+            expressions += [field.low, field.width]
+        expressions += [check.highest for check in self.checks if isinstance(check, (NotAbove, IsBetween))]
+        if self.gray is not None:
+            expressions.append(self.gray.excess)
+        # All answers to a question set the same parameters, which the caller passes.
         answered = {name for alternative in self.alternatives for name in alternative.answers[0].sets}
-        places = (place for field in self.layout.fields for place in (field.low, field.width))
-        highest = (check.highest for check in self.checks if isinstance(check, (NotAbove, IsBetween)))
-        can_be_gray = self.gray is not None and bool(self.gray.when)
-        excess = (self.gray.excess,) if self.gray is not None else ()
-        expressions = (self.layout.bits, *places, *highest, *excess)
-        return can_be_gray or any(not answered.issuperset(expression.parameters) for expression in expressions)
+        return any(not answered.issuperset(expression.parameters) for expression in expressions)
 
     @property
     def from_low(self) -> range:
@@ -108,31 +112,46 @@ class Codec:
 
 def codec_of(device: Device, layout: Layout) -> Codec:
     """Return the plan for a layout of a frame or of a register's bytes."""
-    have_places = all(field.pieces or field.padding_of for field in layout.fields)
-    by_word = not (layout.in_bytes and have_places) or bool(layout.gray_of)
-    selector = fixed_selector(layout)
-    shared_names = {name for join in layout.joins for name in join.fields}
-    shared_names |= {name for field in layout.fields if isinstance(field.kind, Parity) for name in field.kind.of}
-    data_fields = (field for field in layout.fields if field.carries_data and field is not selector)
+    # The bytes of a field are unknown if the order code moves its bits.
+    all_have_bytes = all(field.pieces or field.padding_of for field in layout.fields)
+    by_word = not layout.in_bytes or not all_have_bytes or bool(layout.gray_of)
     return Codec(
         layout=layout,
         by_word=by_word,
         length=layout.widest // 8,
-        selector=selector,
+        selector=fixed_selector(layout),
         crc=_crc(device, layout),
         gray=_gray(layout),
-        parts=tuple(Part(field, bits_of(layout, field), field.name in shared_names) for field in data_fields),
+        parts=tuple(_parts(layout)),
         wholes=tuple(_wholes(layout, by_word)),
         alternatives=device.alternatives_of(layout),
         reserved=tuple(_reserved(layout)),
-        checks=(*_constants(layout, by_word), *_ranges(layout), *_position_checks(device, layout)),
+        checks=(
+            *_checks_of_constants_and_parity(layout, by_word),
+            *_checks_of_values(layout),
+            *_checks_of_position(device, layout),
+        ),
         terms=tuple(_terms(layout)),
     )
 
 
+def _parts(layout: Layout) -> Iterator[Part]:
+    """Yield the fields with values. A part is shared if a join or a parity bit also uses its bits."""
+    shared_names = {name for join in layout.joins for name in join.fields}
+    for field in layout.fields:
+        if isinstance(field.kind, Parity):
+            shared_names.update(field.kind.of)
+    selector = fixed_selector(layout)
+    for field in layout.fields:
+        if field.carries_data and field is not selector:
+            yield Part(field, bits_of(layout, field), shared=field.name in shared_names)
+
+
 def _reserved(layout: Layout) -> Iterator[Reserved]:
+    """Yield the unused fields, each with its place in the number that all of them form."""
     for field, place in layout.unused:
-        yield Reserved(field, bits_of(layout, field), _unused_value(field), place)
+        documented_value = field.kind.value if isinstance(field.kind, Unused) else 0
+        yield Reserved(field, bits_of(layout, field), documented_value, place)
 
 
 def fixed_selector(layout: Layout) -> Field | None:
@@ -149,29 +168,31 @@ def only_value(layout: Layout, field: Field) -> int | None:
 
 def bits_of(layout: Layout, field: Field) -> Bits:
     """Return the bits of a field. For a padded field in bytes, include all bytes that it can occupy."""
-    reached = tuple(piece for piece in field.pieces if not field.container or piece.left < field.widest)
-    return _bits(layout, field.low, field.width, field.widest, reached)
+    occupied_pieces = tuple(piece for piece in field.pieces if not field.container or piece.left < field.widest)
+    return _bits(layout, field.low, field.width, field.widest, occupied_pieces)
 
 
 def _bits(layout: Layout, low: Expression, width: Expression, widest: int, pieces: tuple[Piece, ...] = ()) -> Bits:
-    on_top = not layout.in_bytes and layout.bits - low - width == Expression(0)
+    bits_above = layout.bits - low - width
+    on_top = not layout.in_bytes and bits_above == Expression(0)
     return Bits(low, width, widest, on_top, pieces)
 
 
 def _crc(device: Device, layout: Layout) -> FrameCrc | None:
+    """Return the check of the CRC, which covers some fields or all before it. Without a CRC, return None."""
     field = layout.crc_field
     if field is None or not isinstance(field.kind, CrcValue):
         return None
     crc = device.crc(field.kind.crc)
     bits = bits_of(layout, field)
     if field.kind.of:
-        first, last = layout.field(field.kind.of[0]), layout.field(field.kind.of[-1])
+        first_covered, last_covered = layout.field(field.kind.of[0]), layout.field(field.kind.of[-1])
         return FrameCrc(
             crc=crc,
             field=field,
             bits=bits,
-            covered=first.low + first.width - last.low,
-            low=last.low.constant,
+            covered=first_covered.low + first_covered.width - last_covered.low,
+            low=last_covered.low.constant,
             is_part=True,
             divides=False,
             steps=(),
@@ -190,6 +211,7 @@ def _crc(device: Device, layout: Layout) -> FrameCrc | None:
 
 
 def _gray(layout: Layout) -> Gray | None:
+    """Return the bits in Gray code, which are those of one field or of the adjacent fields of a join."""
     if not layout.gray_of:
         return None
     fields = [layout.field(name) for name in layout.names_in(layout.gray_of)]
@@ -212,44 +234,54 @@ def _wholes(layout: Layout, by_word: bool) -> Iterator[Whole]:
         yield Whole(join=join, fields=fields, width=total_width, widest=widest, bits=adjacent_bits)
 
 
-def _constants(layout: Layout, by_word: bool) -> Iterator[Check]:
+def _checks_of_constants_and_parity(layout: Layout, by_word: bool) -> Iterator[Check]:
     """Yield the checks of constants and parity bits in the order of the fields, and therefore of their errors."""
     for field in layout.fields:
-        bits = bits_of(layout, field)
         match field.kind:
-            case Constant(padding_of=name) if name and not by_word:
-                padded = layout.field(name)
-                bits = bits_of(layout, padded)
-                beyond = tuple(piece for piece in padded.pieces if piece not in bits.pieces)
-                yield ZerosAbove(padded, field, bits, beyond)
+            case Constant(padding_of=padded_name) if padded_name and not by_word:
+                yield _zeros_above(layout, layout.field(padded_name), padding=field)
             case Constant(value=number):
-                yield AlwaysIs(field, bits, number)
-            case Parity(of=names, odd=odd) as kind:
-                fields = tuple(map(layout.field, names))
-                of_bits = tuple(bits_of(layout, covered) for covered in fields)
-                yield ParityIs(
-                    field=field,
-                    bits=bits,
-                    of=fields,
-                    of_bits=of_bits,
-                    odd=odd,
-                    mask=_parity_mask(kind, fields),
-                    known_parity=_known_parity(layout, field, fields, kind),
-                )
+                yield AlwaysIs(field, bits_of(layout, field), number)
+            case Parity() as parity_kind:
+                yield _parity_check(layout, field, parity_kind)
 
 
-def _ranges(layout: Layout) -> Iterator[Check]:
+def _zeros_above(layout: Layout, padded_field: Field, padding: Field) -> ZerosAbove:
+    """Return the check that the bits above a field are 0, in its own bytes and in those that only the padding has."""
+    bits = bits_of(layout, padded_field)
+    bytes_of_padding = tuple(piece for piece in padded_field.pieces if piece not in bits.pieces)
+    return ZerosAbove(padded_field, padding, bits, bytes_of_padding)
+
+
+def _parity_check(layout: Layout, parity_bit: Field, kind: Parity) -> ParityIs:
+    """Return the check of a parity bit."""
+    covered_fields = tuple(layout.field(name) for name in kind.of)
+    return ParityIs(
+        field=parity_bit,
+        bits=bits_of(layout, parity_bit),
+        of=covered_fields,
+        of_bits=tuple(bits_of(layout, covered_field) for covered_field in covered_fields),
+        odd=kind.odd,
+        mask=_parity_mask(kind, covered_fields),
+        known_parity=_known_parity(layout, parity_bit, covered_fields, kind),
+    )
+
+
+def _checks_of_values(layout: Layout) -> Iterator[Check]:
+    """Yield the checks of choices, selectors and decimal digits."""
     for field in layout.fields:
         bits = bits_of(layout, field)
         values = allowed_values(layout, field)
         if values:
             yield IsOneOf(field, bits, values)
         if field.runs:
-            first = field.runs[0]
-            yield AtMost(field, bits, first.divisor * first.modulus - 1, field.runs)
+            most_significant_run = field.runs[0]
+            highest = most_significant_run.divisor * most_significant_run.modulus - 1
+            yield AtMost(field, bits, highest, field.runs)
 
 
-def _position_checks(device: Device, layout: Layout) -> Iterator[Check]:
+def _checks_of_position(device: Device, layout: Layout) -> Iterator[Check]:
+    """Yield the check that the position is one that the encoder has, if the manual gives a limit."""
     position = device.range_in(layout)
     if position is not None and position.field.number.signed:
         yield IsBetween(position.field, bits_of(layout, position.field), position.lowest, position.highest)
@@ -259,17 +291,21 @@ def _position_checks(device: Device, layout: Layout) -> Iterator[Check]:
 
 def allowed_values(layout: Layout, field: Field) -> tuple[int, ...]:
     """Return the valid values of a selector or a choice, without duplicates. Return none if every value is valid."""
-    named_numbers = (value.value for value in field.values)
-    values = dict.fromkeys(layout.selects if field.name == layout.selector else named_numbers)
+    if field.name == layout.selector:
+        values = dict.fromkeys(layout.selects)
+    else:
+        values = dict.fromkeys(named_value.value for named_value in field.values)
     # Each value fits in the bits, so this many values are all that are possible.
-    is_full = field.width.is_constant and len(values) == 1 << field.widest
-    return () if is_full else tuple(values)
+    has_all_values = field.width.is_constant and len(values) == 1 << field.widest
+    return () if has_all_values else tuple(values)
 
 
-def _known_parity(layout: Layout, bit: Field, fields: tuple[Field, ...], kind: Parity) -> int | None:
-    """Return the parity bit if all order codes have it and every field has a single value, otherwise None."""
-    value = only_value(layout, fields[0]) if len(fields) == 1 and bit.width.is_constant else None
-    return parity(value & kind.mask, kind.odd) if value is not None else None
+def _known_parity(layout: Layout, parity_bit: Field, covered_fields: tuple[Field, ...], kind: Parity) -> int | None:
+    """Return the parity bit if all order codes have it and it covers a single field that is constant, else None."""
+    if len(covered_fields) != 1 or not parity_bit.width.is_constant:
+        return None
+    covered_value = only_value(layout, covered_fields[0])
+    return parity(covered_value & kind.mask, kind.odd) if covered_value is not None else None
 
 
 def _parity_mask(kind: Parity, fields: tuple[Field, ...]) -> int:
@@ -277,15 +313,13 @@ def _parity_mask(kind: Parity, fields: tuple[Field, ...]) -> int:
     if not kind.over:
         return 0
     widest = max(field.widest for field in fields)
-    return kind.mask & (1 << widest) - 1
+    mask_of_widest = (1 << widest) - 1
+    return kind.mask & mask_of_widest
 
 
 def parity(number: int, odd: bool) -> int:
+    """Return the even or odd parity bit of a number."""
     return (number.bit_count() & 1) ^ odd
-
-
-def _unused_value(field: Field) -> int:
-    return field.kind.value if isinstance(field.kind, Unused) else 0
 
 
 def _terms(layout: Layout) -> Iterator[Term]:
@@ -321,10 +355,19 @@ def _sent_number(layout: Layout, field: Field) -> Fixed | ValueOfField:
 
 
 def characters(field: Field) -> tuple[tuple[int, int], ...]:
-    """Return the index and byte of each character in a text field, or nothing if they do not fill whole bytes."""
-    if not isinstance(field.kind, Text) or any(piece.right or piece.mask != 0xFF for piece in field.pieces):
+    """Return each character of a text field as its index in the text and the index of its byte in the frame.
+
+    If the characters do not fill whole bytes, return nothing.
+    """
+    fills_whole_bytes = all(piece.right == 0 and piece.mask == 0xFF for piece in field.pieces)
+    if not isinstance(field.kind, Text) or not fills_whole_bytes:
         return ()
-    return tuple((field.widest // 8 - 1 - piece.left // 8, piece.byte) for piece in reversed(field.pieces))
+    indices = []
+    last_index = field.widest // 8 - 1
+    for piece in reversed(field.pieces):
+        bytes_after = piece.left // 8
+        indices.append((last_index - bytes_after, piece.byte))
+    return tuple(indices)
 
 
 def is_plain_flag(part: Part) -> bool:
@@ -348,20 +391,28 @@ class ShiftedBits:
 def moved_bits(codec: Codec) -> tuple[ShiftedBits, ...]:
     """Return the unused bits whose position is the same for every order code. Those with the same shift are one."""
     bits_by_shift: dict[tuple[int | None, int], ShiftedBits] = {}
-    for op in codec.reserved:
-        for bits in _moved_bits_of_field(op, codec.by_word) if op.bits.are_fixed else ():
-            bits_so_far = bits_by_shift.get((bits.byte, bits.shift), replace(bits, mask=0, value=0))
-            mask, value = bits_so_far.mask | bits.mask, bits_so_far.value | bits.value
-            bits_by_shift[bits.byte, bits.shift] = replace(bits, mask=mask, value=value)
+    for reserved in codec.reserved:
+        if not reserved.bits.are_fixed:
+            continue
+        for bits in _shifted_bits(reserved, codec.by_word):
+            key = (bits.byte, bits.shift)
+            earlier_bits = bits_by_shift.get(key)
+            if earlier_bits is None:
+                bits_by_shift[key] = bits
+            else:
+                mask, value = earlier_bits.mask | bits.mask, earlier_bits.value | bits.value
+                bits_by_shift[key] = replace(bits, mask=mask, value=value)
     return tuple(bits_by_shift.values())
 
 
-def _moved_bits_of_field(op: Reserved, by_word: bool) -> Iterator[ShiftedBits]:
-    """Yield the bits of a field, in the word or byte by byte."""
+def _shifted_bits(reserved: Reserved, by_word: bool) -> Iterator[ShiftedBits]:
+    """Yield the bits of an unused field, in the word or byte by byte."""
+    value = reserved.value << reserved.place
     if by_word:
-        yield ShiftedBits(None, op.bits.low.constant - op.place, op.mask, op.value << op.place)
+        shift = reserved.bits.low.constant - reserved.place
+        yield ShiftedBits(byte=None, shift=shift, mask=reserved.mask, value=value)
         return
-    for piece in op.bits.pieces:
-        place = op.place + piece.left
+    for piece in reserved.bits.pieces:
+        place = reserved.place + piece.left
         mask = piece.mask << place
-        yield ShiftedBits(piece.byte, piece.right - place, mask, op.value << op.place & mask)
+        yield ShiftedBits(byte=piece.byte, shift=piece.right - place, mask=mask, value=value & mask)

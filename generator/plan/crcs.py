@@ -40,19 +40,24 @@ def residual(crc: Crc, bits: int) -> Residual:
     Start value, final XOR and order of the bits do not matter, since they are the same in the frame that was sent and
     in the one that was received.
     """
-    remainders, remainder = [], 1
+    remainders = []  # The remainder of an error in each single bit, lowest bit first.
+    remainder = 1
     for _ in range(bits):
         remainders.append(remainder)
         remainder <<= 1
         if remainder >> crc.width:
             remainder ^= crc.poly_with_top_bit
-    pairs = Counter(first ^ second for first, second in combinations(remainders, 2))
-    # Three pairs of bits cancel a third bit in each triple, and three pairs of pairs are equal in each four.
-    triples = sum(pairs[remainder] for remainder in remainders) // 3
-    fours = sum(count * (count - 1) // 2 for count in pairs.values()) // 3
-    missed = {2: pairs[0], 3: triples, 4: fours}
-    distance = next((error_bits for error_bits, count in missed.items() if count), 5)
-    return Residual(bits, distance, missed.get(distance, 0))
+    # An error is missed if the remainders of its bits cancel each other.
+    pairs_by_remainder = Counter(first ^ second for first, second in combinations(remainders, 2))
+    missed_pairs = pairs_by_remainder[0]
+    # In each missed triple, any of the three pairs cancels the third bit.
+    missed_triples = sum(pairs_by_remainder[remainder] for remainder in remainders) // 3
+    # Each missed four consists of two pairs with the same remainder in three ways.
+    missed_fours = sum(count * (count - 1) // 2 for count in pairs_by_remainder.values()) // 3
+    for distance, missed in ((2, missed_pairs), (3, missed_triples), (4, missed_fours)):
+        if missed:
+            return Residual(bits=bits, distance=distance, missed=missed)
+    return Residual(bits=bits, distance=5, missed=0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,21 +82,26 @@ def table(width: int, poly: int, reflected: bool = False) -> tuple[int, ...]:
 
     With ``reflected``, the CRC register has its bits in reverse order, as needed for reflected input.
     """
-    whole = poly | 1 << width
-    if reflected:
-        return tuple(reflect(remainder(reflect(byte, 8) << width, whole), width) for byte in range(256))
-    return tuple(remainder(byte << width, whole) for byte in range(256))
+    poly_with_top_bit = poly | 1 << width
+    if not reflected:
+        return tuple(remainder(byte << width, poly_with_top_bit) for byte in range(256))
+    remainders = (remainder(reflect(byte, 8) << width, poly_with_top_bit) for byte in range(256))
+    return tuple(reflect(byte_remainder, width) for byte_remainder in remainders)
 
 
 def word_table(width: int, poly: int) -> tuple[int, ...]:
     """Return the remainder of each byte above the lowest ``max(width, 8)`` bits, used to reduce a word byte by byte."""
-    return tuple(remainder(byte << max(width, 8), poly | 1 << width) for byte in range(256))
+    poly_with_top_bit = poly | 1 << width
+    bits_below = max(width, 8)
+    return tuple(remainder(byte << bits_below, poly_with_top_bit) for byte in range(256))
 
 
 def remainder(number: int, polynomial: int) -> int:
     """Return the remainder of long division by ``polynomial``, which includes its top bit."""
-    while number.bit_length() >= polynomial.bit_length():
-        number ^= polynomial << (number.bit_length() - polynomial.bit_length())
+    excess_bits = number.bit_length() - polynomial.bit_length()
+    while excess_bits >= 0:
+        number ^= polynomial << excess_bits
+        excess_bits = number.bit_length() - polynomial.bit_length()
     return number
 
 
@@ -104,23 +114,29 @@ def fold_plan(width: int, poly: int, bits: int) -> tuple[FoldStep, ...]:
     plans with the same number of steps, the function chooses the one that reaches 32 bits soonest, and then the one
     with the smallest powers, since a short mask is a cheaper constant.
     """
-    middle = (poly & ~1).bit_length() - 1 if poly & ~1 else 0
+    middle_exponent = (poly & ~1).bit_length() - 1 if poly & ~1 else 0
 
     @cache
-    def cheapest(bits_left: int) -> tuple[int, int, int, tuple[int, ...]]:
-        """Return the number of steps, of those with results above 32 bits, the exponents' sum, and the exponents."""
+    def cheapest_plan(bits_left: int) -> tuple[int, int, int, tuple[int, ...]]:
+        """Return the number of steps, of those with results above 32 bits, the sum of the k, and the k of each step."""
         if bits_left <= width:
             return 0, 0, 0, ()
         plans = []
-        for power in range((bits_left - 1).bit_length()):
-            shift, second_shift = width << power, middle << power
+        for k in range((bits_left - 1).bit_length()):
+            shift, second_shift = width << k, middle_exponent << k
             if shift < bits_left:
                 next_bits = max(shift, bits_left - shift + second_shift)
-                steps, wide, total, powers = cheapest(next_bits)
-                plans.append((steps + 1, wide + (next_bits > 32), total + power, (power, *powers)))
+                steps, wide_steps, sum_of_k, later_k = cheapest_plan(next_bits)
+                wide_steps += int(next_bits > 32)
+                plans.append((steps + 1, wide_steps, sum_of_k + k, (k, *later_k)))
         return min(plans)
 
-    return tuple(FoldStep(width << power, (1 << (width << power)) - 1, middle << power) for power in cheapest(bits)[-1])
+    *_, k_of_steps = cheapest_plan(bits)
+    fold_steps_of_plan = []
+    for k in k_of_steps:
+        shift = width << k
+        fold_steps_of_plan.append(FoldStep(shift=shift, mask=(1 << shift) - 1, back=middle_exponent << k))
+    return tuple(fold_steps_of_plan)
 
 
 #: Width in bits of the longest word, and of the widest CRC that is folded in such a word.
@@ -174,10 +190,11 @@ def carriers(device: Device, crc: Crc) -> tuple[Carrier, ...]:
     """
     layouts = [layout for _, layout in device.layouts()]
     layouts += (register.layout for register in device.registers)
-    used = {carrier_of(layout).value for layout in layouts if _ends_in(layout, crc)}
-    if not used:
-        return (Carrier.BYTES,) if crc.refin or crc.width % 8 == 0 else (Carrier.BITS,)
-    return tuple(carrier for carrier in (Carrier.BYTES, Carrier.BITS) if carrier.value in used)
+    used_carriers = [carrier_of(layout) for layout in layouts if _has_crc(layout, crc)]
+    if not used_carriers:
+        suggests_bytes = crc.refin or crc.width % 8 == 0
+        return (Carrier.BYTES,) if suggests_bytes else (Carrier.BITS,)
+    return tuple(carrier for carrier in (Carrier.BYTES, Carrier.BITS) if carrier in used_carriers)
 
 
 def carrier_of(layout: Layout) -> Carrier:
@@ -189,22 +206,26 @@ def crc_functions(device: Device) -> Iterator[CrcFunction]:
     """Yield the functions of a family in the order of its CRCs, those over bytes before those over bits."""
     for crc in device.crcs:
         crc_carriers = carriers(device, crc)
-        in_words = any(not layout.in_bytes and _ends_in(layout, crc) for _, layout in device.layouts())
+        in_words = any(not layout.in_bytes and _has_crc(layout, crc) for _, layout in device.layouts())
         for carrier in crc_carriers:
             form = Form.TABLE if covers_part(device, crc) else form_of(crc, carrier)
-            yield CrcFunction(crc, carrier, form, len(crc_carriers) == 1, in_words)
+            is_alone = len(crc_carriers) == 1
+            yield CrcFunction(crc=crc, carrier=carrier, form=form, alone=is_alone, in_words=in_words)
 
 
 def function_of(device: Device, layout: Layout) -> CrcFunction | None:
-    """Return the function for the CRC at the end of a layout, or None."""
-    functions = (function for function in crc_functions(device) if function.carrier is carrier_of(layout))
-    return next((function for function in functions if _ends_in(layout, function.crc)), None)
+    """Return the function for the CRC at the end of a layout, or None if the layout has no CRC."""
+    for function in crc_functions(device):
+        if function.carrier is carrier_of(layout) and _has_crc(layout, function.crc):
+            return function
+    return None
 
 
 def folds(crc: Crc) -> bool:
     """Return whether a word with this CRC can be reduced to its remainder without a table."""
-    has_few_terms = crc.poly & 1 and crc.poly.bit_count() <= 2
-    return bool(has_few_terms) and crc.init == 0 and not crc.refin and not crc.refout and not crc.is_xor
+    has_two_or_three_terms = bool(crc.poly & 1) and crc.poly.bit_count() <= 2
+    is_plain = crc.init == 0 and not crc.refin and not crc.refout
+    return has_two_or_three_terms and is_plain and not crc.is_xor
 
 
 def fold_steps(crc: Crc, bits: int) -> tuple[FoldStep, ...]:
@@ -214,8 +235,8 @@ def fold_steps(crc: Crc, bits: int) -> tuple[FoldStep, ...]:
 
 def divides(crc: Crc, layout: Layout) -> bool:
     """Return whether code checks a word, with its final XOR removed, by dividing it by the polynomial."""
-    whole = not layout.in_bytes and crc.init == 0 and not crc.refout
-    return whole and (folds(crc) or 8 <= crc.width <= 32)
+    is_remainder_of_word = not layout.in_bytes and crc.init == 0 and not crc.refout
+    return is_remainder_of_word and (folds(crc) or 8 <= crc.width <= 32)
 
 
 def form_of(crc: Crc, carrier: Carrier) -> Form:
@@ -225,7 +246,7 @@ def form_of(crc: Crc, carrier: Carrier) -> Form:
     return Form.XOR if crc.is_xor else Form.TABLE
 
 
-def _ends_in(layout: Layout, crc: Crc) -> bool:
+def _has_crc(layout: Layout, crc: Crc) -> bool:
     return any(isinstance(field.kind, CrcValue) and field.kind.crc == crc.name for field in layout.fields)
 
 
@@ -277,4 +298,5 @@ def vectors_of(crc: Crc) -> tuple[PublicVector, ...]:
     """Return the vectors for a CRC with these parameters if it is one of the two BiSS CRCs (6 or 4 bits, inverted)."""
     if crc.init or crc.xorout != crc.mask or crc.refin or crc.refout:
         return ()
-    return {(6, 0x03): _CRC_6, (4, 0x03): _CRC_4}.get((crc.width, crc.poly), ())
+    vectors_by_width_and_poly = {(6, 0x03): _CRC_6, (4, 0x03): _CRC_4}
+    return vectors_by_width_and_poly.get((crc.width, crc.poly), ())

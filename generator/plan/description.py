@@ -232,7 +232,7 @@ def _computed_parities(codec: Codec) -> Iterator[Check]:
     """Yield the parity bits that an encoder of frames computes. A parity bit that never changes is a constant."""
     for term in codec.terms:
         if isinstance(term.value, ParityOf):
-            yield _parity(Place(term.field.low, term.field.width), term.value)
+            yield _parity(term.field, term.value)
 
 
 def _constant_ones(codec: Codec) -> Iterator[tuple[Place, int]]:
@@ -243,38 +243,40 @@ def _constant_ones(codec: Codec) -> Iterator[tuple[Place, int]]:
 
 
 def _column(field: Field, is_power: bool) -> Column:
-    kind, zero, runs = "number", 0, tuple[tuple[Name, int, int], ...]()
+    """Return a field with the name of the operation that converts its bits."""
+    column = Column(Name(field.name), field.low, field.width, power_of_two=is_power, scale=field.scale)
     match meaning_of(field):
         case Raw():
-            pass
+            return column
         case TwosComplement():
-            kind = "signed"
+            return replace(column, kind="signed")
         case ZeroMeans(number):
-            zero = number
+            return replace(column, zero_means=number)
         case Active(low):
-            kind = "not_flag" if low else "flag"
+            return replace(column, kind="not_flag" if low else "flag")
         case Named():
-            kind = "choice"
+            return replace(column, kind="choice")
         case DigitRuns(digit_runs):
-            kind, runs = "digits", tuple((Name(run.name), run.divisor, run.modulus) for run in digit_runs)
+            runs = tuple((Name(run.name), run.divisor, run.modulus) for run in digit_runs)
+            return replace(column, kind="digits", runs=runs)
         case Characters():
-            kind = "text"
+            return replace(column, kind="text")
         case meaning:
             assert_never(meaning)
-    return Column(Name(field.name), field.low, field.width, kind, zero, runs, is_power, field.scale)
 
 
 def _check(check: PlannedCheck) -> Check:
+    """Return a check of the plan as data."""
     field, fault = check.field, check.fault
     match check:
         case AlwaysIs(value=value):
-            return Check(field.low, field.width, fault, (value,))
+            return Check(field.low, field.width, fault, values=(value,))
         case ZerosAbove(padding=padding):
-            return Check(padding.low, padding.width, fault, (0,))
+            return Check(padding.low, padding.width, fault, values=(0,))
         case ParityIs(of=covered_fields, odd=odd, mask=mask):
             return Check(field.low, field.width, fault, parity_of=_places(covered_fields), odd=odd, mask=mask)
         case IsOneOf(values=values):
-            return Check(field.low, field.width, fault, values)
+            return Check(field.low, field.width, fault, values=values)
         case AtMost(limit=limit):
             return Check(field.low, field.width, fault, limit=Expression(limit))
         case NotAbove(highest=highest):
@@ -286,11 +288,20 @@ def _check(check: PlannedCheck) -> Check:
 
 
 def _join(whole: Whole) -> Join:
-    return Join(Name(whole.join.name), tuple((Name(field.name), low) for field, low in whole.from_low))
+    fields_from_low = tuple((Name(field.name), low) for field, low in whole.from_low)
+    return Join(name=Name(whole.join.name), fields=fields_from_low)
 
 
-def _parity(place: Place, value: ParityOf) -> Check:
-    return Check(*place, Fault.CONSTANT, parity_of=_places(value.of), odd=value.odd, mask=value.mask)
+def _parity(parity_bit: Field, parity: ParityOf) -> Check:
+    """Return the parity that a parity bit must have."""
+    return Check(
+        low=parity_bit.low,
+        width=parity_bit.width,
+        fault=Fault.CONSTANT,
+        parity_of=_places(parity.of),
+        odd=parity.odd,
+        mask=parity.mask,
+    )
 
 
 def _places(fields: tuple[Field, ...]) -> tuple[Place, ...]:
@@ -298,6 +309,7 @@ def _places(fields: tuple[Field, ...]) -> tuple[Place, ...]:
 
 
 def _speaks(judgement: verdicts.Judgement) -> Iterator[Speaks]:
+    """Yield the causes of the verdict, those of the worst verdict first."""
     for verdict, verdict_causes in judgement.worst_first:
         for verdict_cause in verdict_causes:
             cause = verdict_cause.by
@@ -313,6 +325,7 @@ def _speaks(judgement: verdicts.Judgement) -> Iterator[Speaks]:
 
 
 def _tells(report_cause: reports.ReportCause) -> Tells:
+    """Return the cause of a report as data."""
     cause = report_cause.by
     return Tells(
         report=report_cause.report.name,
@@ -325,6 +338,7 @@ def _tells(report_cause: reports.ReportCause) -> Tells:
 
 
 def _verdict_by_answer(field: Field) -> Answered | None:
+    """Return the verdict of a flag that depends on an answer of the user, or None if it does not."""
     match field.kind:
         case Flag(verdict_parameter=parameter, verdict_if_set=verdict) if verdict is not None:
             return Answered(parameter, verdict)

@@ -98,19 +98,26 @@ def reply_to(device: Device, interface: str, data_id: str) -> Reply | None:
     rs485 = device.interface(interface)
     if not isinstance(rs485, Rs485):
         return None
-    layout = answer(rs485, member_named(rs485.data_ids, data_id, "data ID").id)
+    request = member_named(rs485.data_ids, data_id, "data ID")
+    layout = answer(rs485, request.id)
     if layout is None or not layout.bits.is_constant:
         return None
-    kind = layout.crc_field.kind if layout.crc_field is not None else None
-    is_xor = isinstance(kind, CrcValue) and any(crc.is_xor for crc in device.crcs if crc.name == kind.crc)
-    return Reply(layout.bits.constant // 8, is_xor)
+    is_xor = False
+    if layout.crc_field is not None and isinstance(layout.crc_field.kind, CrcValue):
+        crc_name = layout.crc_field.kind.crc
+        is_xor = any(crc.is_xor for crc in device.crcs if crc.name == crc_name)
+    return Reply(length=layout.bits.constant // 8, is_xor=is_xor)
 
 
-def answer(interface: Rs485, value: int) -> Layout | None:
+def answer(interface: Rs485, data_id: int) -> Layout | None:
     """Return the frame with which the encoder answers a data ID, or None if the spec has none."""
     for dispatch in dispatches(interface.layouts):
-        if dispatch.sender == "encoder":
-            return next((branch.layout for branch in dispatch.branches if value in branch.values), dispatch.fallback)
+        if dispatch.sender != "encoder":
+            continue
+        for branch in dispatch.branches:
+            if data_id in branch.values:
+                return branch.layout
+        return dispatch.fallback
     replies = [layout for layout in interface.layouts if layout.sender == "encoder"]
     return replies[0] if len(replies) == 1 else None
 
@@ -141,9 +148,10 @@ def exchanges(interface: Interface) -> tuple[Exchanged, ...]:
 
 
 def _with_reply(exchange: Exchange, request: Layout, reply: Layout | None) -> Exchanged:
-    first_byte = _contents_of_first_byte(request)
-    repeats_first = reply is not None and bool(first_byte) and first_byte == _contents_of_first_byte(reply)
-    return Exchanged(exchange, request, reply, repeats_first)
+    requested_byte = _contents_of_first_byte(request)
+    replied_byte = _contents_of_first_byte(reply) if reply is not None else frozenset()
+    repeats_first = bool(requested_byte) and requested_byte == replied_byte
+    return Exchanged(exchange=exchange, request=request, reply=reply, repeats_first=repeats_first)
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,8 +176,11 @@ def _contents_of_first_byte(layout: Layout) -> frozenset[_ContentOfBits]:
             continue
         for piece in field.pieces:
             if piece.byte == 0:
-                contents.append(_ContentOfBits(piece.right, piece.mask, piece.left, content))
-    known_bits = sum(part.mask.bit_count() for part in contents)
+                content_of_bits = _ContentOfBits(
+                    lowest_bit=piece.right, mask=piece.mask, bits_above=piece.left, content=content
+                )
+                contents.append(content_of_bits)
+    known_bits = sum(content_of_bits.mask.bit_count() for content_of_bits in contents)
     return frozenset(contents) if known_bits == 8 else frozenset()
 
 
@@ -204,19 +215,32 @@ def received(device: Device, interface: Interface) -> Iterator[FrameSize]:
 
     A frame whose length depends on a question that the manual leaves open is yielded once for each answer.
     """
+    bits_around = _bits_around(interface)
+    if bits_around is None:
+        return
     register_parameters = {parameter.name for parameter in device.set_parameters if parameter.register}
-    around = _bits_around(interface)
     for layout in interface.layouts:
-        needed_names = device.needed_parameters(layout.bits.parameters)
-        if layout.sender != "encoder" or around is None:
+        if layout.sender != "encoder":
             continue
-        deciding = [choice for choice in device.alternatives if not needed_names.isdisjoint(choice.answers[0].sets)]
-        moves = bool(needed_names & register_parameters)
-        for variant, (answers, sets) in product(device.variants_over(interface.name), choices(deciding)):
-            bits = layout.sent_bits.value({**variant.parameters, **sets})
-            size = (around + (layout.widest if moves else bits) + 7) // 8
+        length_parameters = device.needed_parameters(layout.bits.parameters)
+        depends_on_registers = not length_parameters.isdisjoint(register_parameters)
+        # All answers to a question set the same parameters.
+        questions = []
+        for question in device.alternatives:
+            if not length_parameters.isdisjoint(question.answers[0].sets):
+                questions.append(question)
+        for variant, (answers, answered_parameters) in product(
+            device.variants_over(interface.name), choices(questions)
+        ):
+            bits = layout.sent_bits.value({**variant.parameters, **answered_parameters})
+            highest_bits = layout.widest if depends_on_registers else bits
             yield FrameSize(
-                variant=variant, layout=layout, bits=bits, bytes=size, depends_on_registers=moves, answers=answers
+                variant=variant,
+                layout=layout,
+                bits=bits,
+                bytes=(bits_around + highest_bits + 7) // 8,
+                depends_on_registers=depends_on_registers,
+                answers=answers,
             )
 
 
@@ -252,12 +276,16 @@ class Identity:
 
 def identities(device: Device) -> Iterator[Identity]:
     """Yield the identifying registers of each interface, in the order of the registers."""
-    by_interface: dict[str, dict[str, list[Field]]] = {}
+    fields_by_interface: dict[str, dict[str, list[Field]]] = {}
     for register, field in device.identity:
-        by_interface.setdefault(register.interface, {}).setdefault(register.name, []).append(field)
-    for interface, registers in by_interface.items():
-        compared = (IdentityRegister(device.register(name), tuple(fields)) for name, fields in registers.items())
-        yield Identity(interface, tuple(compared), len(by_interface) == 1)
+        fields_by_register = fields_by_interface.setdefault(register.interface, {})
+        fields_by_register.setdefault(register.name, []).append(field)
+    for interface, fields_by_register in fields_by_interface.items():
+        compared_registers: list[IdentityRegister] = []
+        for register_name, fields in fields_by_register.items():
+            compared_registers.append(IdentityRegister(device.register(register_name), tuple(fields)))
+        is_alone = len(fields_by_interface) == 1
+        yield Identity(interface=interface, compared=tuple(compared_registers), alone=is_alone)
 
 
 @dataclass(frozen=True, slots=True)
@@ -288,15 +316,17 @@ class HoldingRegister:
 
 def held_parameters(device: Device) -> Iterator[HoldingRegister]:
     """Yield the registers that hold parameters, without duplicates."""
-    by_register: dict[str, list[Parameter]] = {}
+    parameters_by_register: dict[str, list[Parameter]] = {}
     for parameter in device.run_time_parameters:
-        by_register.setdefault(parameter.register, []).append(parameter)
-    for name, parameters in by_register.items():
-        register = device.register(name)
-        yield HoldingRegister(register, tuple(_held_parameter(register, parameter) for parameter in parameters))
+        parameters_by_register.setdefault(parameter.register, []).append(parameter)
+    for register_name, parameters in parameters_by_register.items():
+        register = device.register(register_name)
+        placed_parameters = tuple(_held_parameter(register, parameter) for parameter in parameters)
+        yield HoldingRegister(register=register, parameters=placed_parameters)
 
 
 def _held_parameter(register: Register, parameter: Parameter) -> HeldParameter:
+    """Return a parameter with the bits of the register that hold it, and those of its limits that bits can exceed."""
     field = register.layout.field(parameter.field)
     bits = bits_of(register.layout, field)
     if parameter.by_code:
@@ -307,13 +337,14 @@ def _held_parameter(register: Register, parameter: Parameter) -> HeldParameter:
             meaning=Raw(),
             low=None,
             high=None,
-            highest_value=max(row.value for row in parameter.by_code),
+            highest_value=max(coded.value for coded in parameter.by_code),
         )
-    meaning, lowest, highest = _unsigned_meaning(field), 0, (1 << field.widest) - 1
+    meaning = _unsigned_meaning(field)
+    lowest_of_bits, highest_of_bits = 0, (1 << field.widest) - 1
     if isinstance(meaning, ZeroMeans):
-        lowest, highest = 1, max(highest, meaning.number)
-    low = parameter.min if parameter.min is not None and parameter.min > lowest else None
-    high = parameter.max if parameter.max is not None and parameter.max < highest else None
+        lowest_of_bits, highest_of_bits = 1, max(highest_of_bits, meaning.number)
+    low = parameter.min if parameter.min is not None and parameter.min > lowest_of_bits else None
+    high = parameter.max if parameter.max is not None and parameter.max < highest_of_bits else None
     return HeldParameter(
         parameter=parameter,
         field=field,
@@ -321,11 +352,12 @@ def _held_parameter(register: Register, parameter: Parameter) -> HeldParameter:
         meaning=meaning,
         low=low,
         high=high,
-        highest_value=highest if high is None else high,
+        highest_value=highest_of_bits if high is None else high,
     )
 
 
 def _unsigned_meaning(field: Field) -> Raw | ZeroMeans:
+    """Return the meaning of bits that hold a parameter, which is never negative."""
     match meaning_of(field):
         case ZeroMeans() as meaning:
             return meaning

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import NamedTuple
 
-from ..model import Device, Digits, Field, Join, Layout, Register, RegisterMeaning
+from ..model import Device, Digits, Field, Layout, Register, RegisterMeaning
 from ..model.expressions import Expression
 from ..model.kinds import Choice, Constant, CrcValue, Decimal, Flag, Number, Parity, Text, Unused
 from ..model.lookup import assert_never
@@ -35,50 +36,80 @@ class Limits:
     @property
     def binding(self) -> tuple[tuple[str, Expression], ...]:
         """``min`` and ``max``, each only if a value that fits can be outside it."""
-        sides = (("min", self.low, self.binds_low), ("max", self.high, self.binds_high))
-        return tuple((side, limit) for side, limit, binds in sides if limit is not None and binds)
+        binding_limits = []
+        if self.low is not None and self.binds_low:
+            binding_limits.append(("min", self.low))
+        if self.high is not None and self.binds_high:
+            binding_limits.append(("max", self.high))
+        return tuple(binding_limits)
 
 
 def limits_of(device: Device, register: Register, meaning: RegisterMeaning | None = None) -> Limits:
     """Return the limits of a register, or of one of its meanings."""
     low, high = (register.min, register.max) if meaning is None else (meaning.min, meaning.max)
-    layout, member = register.layout, limited_member(register)
-    join = next((candidate for candidate in layout.joins if candidate.name == member), None)
-    fields = _limited_fields(layout, member, join)
-    signed = join is None and any(field.number.signed for field in fields)
-    width = layout.bits
+    member = limited_member(register)
+    fields = _limited_fields(register.layout, member)
+    is_join = any(join.name == member for join in register.layout.joins)
+    signed = not is_join and any(field.number.signed for field in fields)
+    width = register.layout.bits
     if fields:
         width = sum((field.width for field in fields), Expression(0))
-    parameter_sets = [variant.parameters for variant in device.variants_over(register.interface)]
-    ranges = [(parameters, *_representable_range(width, signed, parameters)) for parameters in parameter_sets]
-    # A limit that rules out no value with the factory defaults may do so with other register values.
-    run_time_names = {parameter.name for parameter in device.run_time_parameters}
-    binds_low = low is not None and (
-        not run_time_names.isdisjoint(low.parameters)
-        or any(low.value(parameters) > lowest for parameters, lowest, _ in ranges)
-    )
-    binds_high = high is not None and (
-        not run_time_names.isdisjoint(high.parameters)
-        or any(high.value(parameters) < highest for parameters, _, highest in ranges)
-    )
-    zero_means = fields[0].number.zero_means if join is None and fields else 0
-    is_above = all(zero_means > highest for _, _, highest in ranges)
+    representable_ranges = []
+    for variant in device.variants_over(register.interface):
+        representable_ranges.append(_representable_range(width, signed, variant.parameters))
+    zero_means = fields[0].number.zero_means if fields and not is_join else 0
+    is_above_range = all(zero_means > representable.highest for representable in representable_ranges)
     return Limits(
         member=member,
         signed=signed,
         width=width,
         low=low,
         high=high,
-        binds_low=binds_low,
-        binds_high=binds_high,
-        stands_for=zero_means if is_above else 0,
+        binds_low=low is not None and _binds_low(device, low, representable_ranges),
+        binds_high=high is not None and _binds_high(device, high, representable_ranges),
+        stands_for=zero_means if is_above_range else 0,
     )
 
 
-def _limited_fields(layout: Layout, member: str, join: Join | None) -> list[Field]:
+class _RepresentableRange(NamedTuple):
+    """Lowest and highest number that fits in the bits of an order code with these parameters."""
+
+    parameters: Mapping[str, int]
+    lowest: int
+    highest: int
+
+
+def _representable_range(width: Expression, signed: bool, parameters: Mapping[str, int]) -> _RepresentableRange:
+    bits = width.value(parameters)
+    if signed:
+        return _RepresentableRange(parameters, lowest=-(1 << (bits - 1)), highest=(1 << (bits - 1)) - 1)
+    return _RepresentableRange(parameters, lowest=0, highest=(1 << bits) - 1)
+
+
+def _binds_low(device: Device, low: Expression, representable_ranges: list[_RepresentableRange]) -> bool:
+    """Return whether a number that fits can be below the limit, for some order code or register content."""
+    if _depends_on_registers(device, low):
+        return True
+    return any(low.value(representable.parameters) > representable.lowest for representable in representable_ranges)
+
+
+def _binds_high(device: Device, high: Expression, representable_ranges: list[_RepresentableRange]) -> bool:
+    """Return whether a number that fits can be above the limit, for some order code or register content."""
+    if _depends_on_registers(device, high):
+        return True
+    return any(high.value(representable.parameters) < representable.highest for representable in representable_ranges)
+
+
+def _depends_on_registers(device: Device, limit: Expression) -> bool:
+    run_time_names = {parameter.name for parameter in device.run_time_parameters}
+    return not run_time_names.isdisjoint(limit.parameters)
+
+
+def _limited_fields(layout: Layout, member: str) -> list[Field]:
     """Return the fields of the limited join, or the limited field, or none if the limits apply to the register."""
-    if join is not None:
-        return [layout.field(name) for name in join.fields]
+    for join in layout.joins:
+        if join.name == member:
+            return [layout.field(name) for name in join.fields]
     return [layout.field(member)] if member else []
 
 
@@ -88,12 +119,6 @@ def limited_member(register: Register) -> str:
     if register.limits_of in layout.member_names:
         return register.limits_of
     return layout.fields[0].name if len(layout.fields) == 1 else ""
-
-
-def _representable_range(width: Expression, signed: bool, parameters: Mapping[str, int]) -> tuple[int, int]:
-    """Return the lowest and highest number of this width."""
-    bits = width.value(parameters)
-    return (-(1 << (bits - 1)), (1 << (bits - 1)) - 1) if signed else (0, (1 << bits) - 1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -199,15 +224,15 @@ Refusal = (
 
 def refusals(codec: Codec) -> Iterator[Refusal]:
     """Yield the checks before encoding this layout, in order, without the limits of a register."""
-    ranges = {check.field.name: check for check in codec.checks if isinstance(check, (NotAbove, IsBetween))}
+    range_checks = {check.field.name: check for check in codec.checks if isinstance(check, (NotAbove, IsBetween))}
     for part in codec.parts:
-        match ranges.get(part.field.name):
+        match range_checks.get(part.field.name):
             case NotAbove(highest=highest):
                 yield TooHigh(part.field, highest)
             case IsBetween(lowest=lowest, highest=highest):
                 yield NotBetween(part.field, lowest, highest)
             case None:
-                yield from _of_field(codec.layout, part.field)
+                yield from _field_refusals(codec.layout, part.field)
     yield from (WholeDisagrees(whole) for whole in codec.wholes)
 
 
@@ -224,9 +249,10 @@ def outside(codec: Codec, limits: Limits) -> OutsideLimits | None:
     if not limits.member:
         return None
     bounds = limits.binding
-    number = next((part.field.number for part in codec.parts if part.field.name == limits.member), Number())
-    if number.zero_means or number.power_of_two:
-        bounds = tuple(bound for bound in bounds if bound != ("min", Expression(1)))
+    for part in codec.parts:
+        rejects_zero = bool(part.field.number.zero_means) or part.field.number.power_of_two
+        if part.field.name == limits.member and rejects_zero:
+            bounds = tuple(bound for bound in bounds if bound != ("min", Expression(1)))
     return OutsideLimits(limits.member, bounds) if bounds else None
 
 
@@ -251,7 +277,8 @@ def depends(refusal: Refusal) -> bool:
             assert_never(refusal)
 
 
-def _of_field(layout: Layout, field: Field) -> Iterator[Refusal]:
+def _field_refusals(layout: Layout, field: Field) -> Iterator[Refusal]:
+    """Yield the checks of a field's value before it is encoded, without the range of a position."""
     values = allowed_values(layout, field)
     match field.kind:
         case _ if values:

@@ -231,8 +231,11 @@ class Whole:
 
     def parts(self, number: int, parameters: Mapping[str, int]) -> dict[str, int]:
         """Return the numbers of its fields, by name. The inverse of ``joined``."""
-        widths = ((field, low.value(parameters), field.width.value(parameters)) for field, low in self.from_low)
-        return {field.name: number >> low & (1 << width) - 1 for field, low, width in widths}
+        field_numbers: dict[str, int] = {}
+        for field, low in self.from_low:
+            mask = (1 << field.width.value(parameters)) - 1
+            field_numbers[field.name] = (number >> low.value(parameters)) & mask
+        return field_numbers
 
     @property
     def depends(self) -> bool:

@@ -228,48 +228,51 @@ class Run:
 
 
 def run_of(device: Device, procedure: Procedure) -> Run:
-    closing = closing_steps(device, procedure.steps)
-    steps = (_operation_of_step(device, procedure, step) for step in procedure.steps)
-    marked = [_with_closing_mark(operation, index in closing) for index, operation in enumerate(steps)]
-    operations = tuple(_with_verification(_with_taught_parameters(device, marked)))
+    """Return the plan of a procedure: an operation for each step, and one for each write that is read back."""
+    closing_indices = closing_steps(device, procedure.steps)
+    operations: list[Operation] = []
+    for index, step in enumerate(procedure.steps):
+        operation = _operation_of_step(device, procedure, step)
+        if index in closing_indices and isinstance(operation, Writes):
+            operation = replace(operation, closes=True)
+        operations.append(operation)
+    operations = list(_with_verification(_with_taught_parameters(device, operations)))
     writes = [operation for operation in operations if isinstance(operation, Writes)]
-    writes_of_arguments = [(argument, _writes_of(argument, writes)) for argument in procedure.arguments]
     return Run(
         procedure=procedure,
-        operations=operations,
-        arguments=tuple(_checked_argument(device, *argument_writes) for argument_writes in writes_of_arguments),
+        operations=tuple(operations),
+        arguments=tuple(_checked_argument(device, argument, writes) for argument in procedure.arguments),
         changes_frames=any(_changes_frames(device, write) for write in writes),
     )
 
 
-def _with_closing_mark(operation: Operation, closes: bool) -> Operation:
-    return replace(operation, closes=True) if closes and isinstance(operation, Writes) else operation
-
-
-def _writes_of(argument: Argument, writes: Sequence[Writes]) -> tuple[Writes, ...]:
-    return tuple(write for write in writes if _argument_in(write.value) is argument)
-
-
 def _changes_frames(device: Device, write: Writes) -> bool:
-    """Return whether a write changes a run-time parameter."""
-    in_register = [parameter for parameter in device.run_time_parameters if parameter.register == write.register.name]
-    return any(write.field is None or parameter.field == write.field.name for parameter in in_register)
+    """Return whether a write changes a parameter on which frames depend: one that a register holds at run time."""
+    for parameter in device.run_time_parameters:
+        writes_field = write.field is None or parameter.field == write.field.name
+        if parameter.register == write.register.name and writes_field:
+            return True
+    return False
 
 
 def _with_taught_parameters(device: Device, operations: Sequence[Operation]) -> Iterator[Operation]:
     """Yield the operations, with the written parameters on which later limits depend."""
     for index, operation in enumerate(operations):
         if isinstance(operation, Writes) and operation.field is None and not isinstance(operation.value, FixedNumber):
-            yield replace(operation, teaches=tuple(_taught_parameters(device, operation, operations[index + 1 :])))
+            later_operations = operations[index + 1 :]
+            taught_parameters = _taught_parameters(device, operation, later_operations)
+            yield replace(operation, teaches=tuple(taught_parameters))
         else:
             yield operation
 
 
-def _taught_parameters(device: Device, write: Writes, later: Sequence[Operation]) -> Iterator[Parameter]:
+def _taught_parameters(device: Device, write: Writes, later_operations: Sequence[Operation]) -> Iterator[Parameter]:
     """Yield the parameters in a written register on which the limits of later writes depend."""
-    later_registers = (operation.register for operation in later if isinstance(operation, Writes))
-    limits = (bound for register in later_registers for bound in (register.min, register.max))
-    limiting_names = {name for bound in limits if bound is not None for name in bound.parameters}
+    limiting_names: set[str] = set()
+    for operation in later_operations:
+        if isinstance(operation, Writes):
+            for limit in (operation.register.min, operation.register.max):
+                limiting_names.update(limit.parameters if limit is not None else ())
     for parameter in device.run_time_parameters:
         if parameter.register == write.register.name and parameter.name in limiting_names:
             yield parameter
@@ -282,50 +285,57 @@ def _with_verification(operations: Iterable[Operation]) -> Iterator[Operation]:
     value takes effect when the procedure writes to a register that cannot be read, such as a command register, makes a
     closing write, or writes to the same place again.
     """
-    written: list[Verifies] = []
+    pending: list[Verifies] = []
     for operation in operations:
-        if isinstance(operation, Writes) and (
-            _makes_writes_effective(operation) or any(_writes_same_place(operation, before.write) for before in written)
-        ):
-            yield from written
-            written.clear()
+        if isinstance(operation, Writes):
+            overwrites_pending = any(_writes_same_place(operation, verification.write) for verification in pending)
+            if _makes_writes_effective(operation) or overwrites_pending:
+                yield from pending
+                pending.clear()
         yield operation
         if isinstance(operation, Writes) and _can_be_read_back(operation):
-            written.append(Verifies(operation, tuple(_meaningful_pieces(operation))))
+            pending.append(Verifies(operation, tuple(_meaningful_pieces(operation))))
 
 
 def _makes_writes_effective(write: Writes) -> bool:
+    """Return whether a write lets the encoder use what was written before, such as a write to a command register."""
     return write.closes or not write.register.readable
 
 
 def _writes_same_place(write: Writes, earlier_write: Writes) -> bool:
-    whole = write.field is None or earlier_write.field is None
-    return write.register is earlier_write.register and (whole or write.field is earlier_write.field)
+    """Return whether two writes change the same bits: the same field, or a register and one of its fields."""
+    has_same_register = write.register is earlier_write.register
+    writes_whole_register = write.field is None or earlier_write.field is None
+    return has_same_register and (writes_whole_register or write.field is earlier_write.field)
 
 
 def _can_be_read_back(write: Writes) -> bool:
-    """Return whether the register still holds the written value afterwards."""
-    unused = (field for field in write.register.layout.fields if isinstance(field.kind, Unused))
-    is_fixed = all(field.is_fixed for field in unused)
-    return write.register.readable and not write.register.clears_itself and not write.closes and is_fixed
+    """Return whether the register still holds the written value afterwards, and its reserved bits can be masked."""
+    register = write.register
+    unused_fields = [field for field in register.layout.fields if isinstance(field.kind, Unused)]
+    has_fixed_unused_bits = all(field.is_fixed for field in unused_fields)
+    keeps_value = register.readable and not register.clears_itself
+    return keeps_value and not write.closes and has_fixed_unused_bits
 
 
 def _meaningful_pieces(write: Writes) -> Iterator[Piece]:
     """Yield the bytes with the written bits that have a meaning. Reserved bits can have any value when read."""
     for piece in write.pieces:
-        mask = piece.mask & ~(_unused_bits(write.register, piece.byte) >> piece.right)
-        if mask or write.register.is_accessed_whole:
-            yield replace(piece, mask=mask)
+        unused_in_piece = _unused_bits(write.register, piece.byte) >> piece.right
+        meaningful_mask = piece.mask & ~unused_in_piece
+        if meaningful_mask or write.register.is_accessed_whole:
+            yield replace(piece, mask=meaningful_mask)
 
 
-def _unused_bits(register: Register, byte: int) -> int:
+def _unused_bits(register: Register, byte_index: int) -> int:
     """Return the bits in a byte of the register that have no meaning in the manual."""
-    layout = register.layout
-    number = sum(field.mask_in_place for field in layout.fields if isinstance(field.kind, Unused))
-    return register.bytes_of(number)[byte]
+    unused_fields = [field for field in register.layout.fields if isinstance(field.kind, Unused)]
+    unused_mask = sum(field.mask_in_place for field in unused_fields)
+    return register.bytes_of(unused_mask)[byte_index]
 
 
 def _operation_of_step(device: Device, procedure: Procedure, step: Step) -> Operation:
+    """Return the operation that a step of the manual is."""
     match step:
         case WaitStep():
             return Waits(step)
@@ -347,13 +357,8 @@ def _operation_of_step(device: Device, procedure: Procedure, step: Step) -> Oper
             return Writes(step, register, field, pieces_of(register, field), value)
         case WriteStep():
             register = device.register(step.register)
-            return Writes(
-                step,
-                register,
-                None,
-                pieces_of(register),
-                _written_value(register, step, _argument_of_step(procedure, step)),
-            )
+            source = _written_value(register, step, _argument_of_step(procedure, step))
+            return Writes(step=step, register=register, field=None, pieces=pieces_of(register), value=source)
         case _:
             assert_never(step)
 
@@ -364,17 +369,20 @@ def pieces_of(register: Register, field: Field | None = None) -> tuple[Piece, ..
     If a register is accessed whole, its bytes outside the field have the mask 0.
     """
     if field is not None:
-        pieces = {piece.byte: piece for piece in field.pieces}
-        if pieces and register.is_accessed_whole:
-            pieces = {byte: pieces.get(byte, Piece(byte, 0, 0, 0)) for byte in range(register.length)}
-        return tuple(pieces[byte] for byte in sorted(pieces))
-    places = range(register.length)
-    if register.byte_order != "low_byte_first":
-        places = places[::-1]
-    return tuple(Piece(byte, 0, 0xFF, 8 * place) for byte, place in enumerate(places))
+        pieces_by_byte = {piece.byte: piece for piece in field.pieces}
+        if pieces_by_byte and register.is_accessed_whole:
+            for byte in range(register.length):
+                pieces_by_byte.setdefault(byte, Piece(byte, right=0, mask=0, left=0))
+        return tuple(pieces_by_byte[byte] for byte in sorted(pieces_by_byte))
+    pieces = []
+    for byte in range(register.length):
+        bytes_below = byte if register.byte_order == "low_byte_first" else register.length - 1 - byte
+        pieces.append(Piece(byte, right=0, mask=0xFF, left=8 * bytes_below))
+    return tuple(pieces)
 
 
 def _argument_of_step(procedure: Procedure, step: WriteStep | ModifyStep) -> Argument | None:
+    """Return the argument that a step writes, or None if it writes a fixed value."""
     if step.value is not None:
         return None
     return member_named(procedure.arguments, step.value_name, f"argument of '{procedure.name}'")
@@ -387,25 +395,23 @@ def _written_value(register: Register, step: WriteStep, argument: Argument | Non
     return AsMember(argument, member) if member else AsNumber(argument)
 
 
-def _argument_in(value: Source) -> Argument | None:
-    match value:
-        case FixedNumber():
-            return None
-        case InField() | AsNumber() | AsMember():
-            return value.argument
-        case _:
-            assert_never(value)
+def _argument_of_source(value: Source) -> Argument | None:
+    """Return the argument that a step writes, or None for a fixed number."""
+    return None if isinstance(value, FixedNumber) else value.argument
 
 
-def _checked_argument(device: Device, argument: Argument, writes: tuple[Writes, ...]) -> CheckedArgument:
+def _checked_argument(device: Device, argument: Argument, writes: Sequence[Writes]) -> CheckedArgument:
+    """Return an argument with those of the writes that write it, and the reasons to reject it."""
+    writes_of_argument = tuple(write for write in writes if _argument_of_source(write.value) is argument)
     refusals: list[ArgumentRefusal] = []
-    for write in writes:
+    for write in writes_of_argument:
         # An argument that is written to the same register twice is checked only once.
         refusals += [refusal for refusal in _argument_refusals(device, write, argument) if refusal not in refusals]
-    return CheckedArgument(argument, writes, tuple(refusals))
+    return CheckedArgument(argument=argument, written=writes_of_argument, refusals=tuple(refusals))
 
 
 def _argument_refusals(device: Device, write: Writes, argument: Argument) -> Iterator[ArgumentRefusal]:
+    """Yield the reasons to reject an argument before the write."""
     match write.value:
         case AsMember():
             # The limits of the register are checked when the member is encoded.
@@ -436,7 +442,9 @@ def field_refusals(
 
 
 def _limit_refusals(device: Device, register: Register, argument: Argument) -> Iterator[OutsideArgumentLimits]:
-    meaning = next((candidate for candidate in register.meanings if candidate.name == argument.meant_as), None)
+    """Yield the limits of the register or, if the argument has one of its meanings, those of the meaning."""
+    meanings = {meaning.name: meaning for meaning in register.meanings}
+    meaning = meanings.get(argument.meant_as)
     limits = limits_of(device, register, meaning)
     if limits.low is not None or limits.high is not None:
         yield OutsideArgumentLimits(register, meaning, limits)

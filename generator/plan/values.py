@@ -33,14 +33,16 @@ class Cases(Generic[T]):
 
 def by_interface(device: Device, value: Callable[[Interface], T | None]) -> Cases[T]:
     """Return the result of ``value`` for each interface. ``value`` returns None for an interface without a value."""
-    kinds: dict[T, list[str]] = {}
+    interfaces_by_value: dict[T, list[str]] = {}
+    values_in_total = 0
     for interface in device.interfaces:
         interface_value = value(interface)
         if interface_value is not None:
-            kinds.setdefault(interface_value, []).append(interface.name)
-    ordered = sorted(kinds.items(), key=lambda value_and_names: len(value_and_names[1]))
-    cases = tuple((case_value, tuple(names)) for case_value, names in ordered)
-    return Cases(cases, sum(map(len, kinds.values())) == len(device.interfaces))
+            interfaces_by_value.setdefault(interface_value, []).append(interface.name)
+            values_in_total += 1
+    cases = [(case_value, tuple(names)) for case_value, names in interfaces_by_value.items()]
+    cases.sort(key=lambda case: len(case[1]))
+    return Cases(cases=tuple(cases), everywhere=values_in_total == len(device.interfaces))
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,28 +72,47 @@ def position_ranges(device: Device, interface: Interface) -> tuple[PositionRange
     if measurement is None:
         return ()
     sent_layouts = [layout for layout in interface.layouts if layout.sender == "encoder"]
-    layouts = [layout for layout in sent_layouts if measurement.of in layout.member_names]
-    groups: dict[Hashable, PositionRange] = {}
-    for layout in layouts:
+    layouts_with_position = [layout for layout in sent_layouts if measurement.of in layout.member_names]
+    if not layouts_with_position:
+        only_range = PositionRange(
+            measurement=measurement, never_wraps=False, signed_field=None, layouts=tuple(sent_layouts)
+        )
+        return (only_range,)
+    ranges_by_key: dict[Hashable, PositionRange] = {}
+    for layout in layouts_with_position:
         layout_range = _position_range(measurement, layout)
-        shared_range = groups.setdefault(_range_key(layout_range), layout_range)
-        if shared_range is not layout_range:
-            groups[_range_key(layout_range)] = replace(shared_range, layouts=(*shared_range.layouts, layout))
-    return tuple(groups.values()) or (PositionRange(measurement, False, None, tuple(sent_layouts)),)
+        key = _range_key(layout_range)
+        earlier_range = ranges_by_key.get(key)
+        if earlier_range is None:
+            ranges_by_key[key] = layout_range
+        else:
+            ranges_by_key[key] = replace(earlier_range, layouts=(*earlier_range.layouts, layout))
+    return tuple(ranges_by_key.values())
 
 
 def _position_range(measurement: Measurement, layout: Layout) -> PositionRange:
+    """Return the range of the position in one layout."""
     own_range = layout.position_range
-    never_wraps = own_range is not None and not own_range.wraps
-    fields = [field for field in layout.fields if field.name == measurement.of and field.number.signed]
-    return PositionRange(measurement.within(own_range), never_wraps, fields[0] if fields else None, (layout,))
+    signed_fields = [field for field in layout.fields if field.name == measurement.of and field.number.signed]
+    return PositionRange(
+        measurement=measurement.within(own_range),
+        never_wraps=own_range is not None and not own_range.wraps,
+        signed_field=signed_fields[0] if signed_fields else None,
+        layouts=(layout,),
+    )
 
 
 def _range_key(position_range: PositionRange) -> Hashable:
-    """Return what determines the range, without sources. The width of a signed position matters without a highest."""
-    measurement, field = position_range.measurement, position_range.signed_field
-    width = field.width if field is not None and measurement.highest is None else None
-    return measurement.total, measurement.highest, position_range.never_wraps, field is not None, width
+    """Return a key that is equal for layouts with the same range, whatever its sources.
+
+    If no highest position is known, the width of a signed field is its range.
+    """
+    measurement, signed_field = position_range.measurement, position_range.signed_field
+    deciding_width = None
+    if signed_field is not None and measurement.highest is None:
+        deciding_width = signed_field.width
+    is_signed = signed_field is not None
+    return measurement.total, measurement.highest, position_range.never_wraps, is_signed, deciding_width
 
 
 def parameters_in_measurement(device: Device) -> frozenset[str]:
@@ -105,7 +126,7 @@ def parameters_in_measurement(device: Device) -> frozenset[str]:
 
 def _equals_quantity(device: Device, parameter: Parameter) -> bool:
     """Return whether a parameter equals the counts per revolution or the number of counts for every order code."""
-    equal_quantities: list[set[str]] = []
+    equal_in_all: set[str] | None = None  # Quantities that equal the parameter for all order codes so far.
     for variant in device.variants:
         if parameter.interface not in ("", variant.interface):
             continue
@@ -118,11 +139,17 @@ def _equals_quantity(device: Device, parameter: Parameter) -> bool:
             return False
         if any(name not in variant.parameters for factor in factors for name in factor.parameters):
             return False
+        equal_quantities: set[str] = set()
         total = prod(factor.value(variant.parameters) for factor in factors)
-        per_turn = measurement.counts_per_turn
-        quantities = {"turn": per_turn.value(variant.parameters) if per_turn is not None else total, "whole": total}
-        equal_quantities.append({name for name, quantity in quantities.items() if quantity == value})
-    return bool(equal_quantities) and bool(set.intersection(*equal_quantities))
+        counts_per_turn = total
+        if measurement.counts_per_turn is not None:
+            counts_per_turn = measurement.counts_per_turn.value(variant.parameters)
+        if value == counts_per_turn:
+            equal_quantities.add("counts per turn")
+        if value == total:
+            equal_quantities.add("total")
+        equal_in_all = equal_quantities if equal_in_all is None else equal_in_all & equal_quantities
+    return bool(equal_in_all)
 
 
 def counts(measurement: Measurement) -> tuple[Expression, ...]:
@@ -132,7 +159,8 @@ def counts(measurement: Measurement) -> tuple[Expression, ...]:
     if measurement.counts_per_turn is None or measurement.turns is None:
         return ()
     factors = (measurement.counts_per_turn, measurement.turns)
-    return tuple(factor for factor in factors if factor != Expression(1)) or factors[:1]
+    factors_above_1 = tuple(factor for factor in factors if factor != Expression(1))
+    return factors_above_1 or (measurement.counts_per_turn,)
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,6 +9,7 @@ import dataclasses
 from collections.abc import Iterator, Mapping
 from dataclasses import field as dataclass_field
 from dataclasses import replace
+from typing import NamedTuple
 
 from ..model import Device, Field, Flag, Interface, Layout, Verdict
 from ..model.expressions import Expression
@@ -88,71 +89,102 @@ class Judgement:
         """Return the verdict for an order code with these parameters, without causes that its frames do not have."""
         not_usable = tuple(cause for cause in self.not_usable if _has_bits(cause.by, parameters))
         if self.judging_bits.value(parameters) == 0:
-            return Judgement(not_usable, (), Verdict.UNKNOWN, Expression(0))
+            return Judgement(
+                not_usable=not_usable, with_warning=(), otherwise=Verdict.UNKNOWN, judging_bits=Expression(0)
+            )
         with_warning = tuple(cause for cause in self.with_warning if _has_bits(cause.by, parameters))
-        return Judgement(not_usable, with_warning, self.otherwise, Expression(1))
+        return Judgement(
+            not_usable=not_usable, with_warning=with_warning, otherwise=self.otherwise, judging_bits=Expression(1)
+        )
 
     @property
     def worst_first(self) -> tuple[tuple[Verdict, tuple[VerdictCause, ...]], ...]:
         """Return the verdicts with their causes, worst first."""
-        levels = ((Verdict.NOT_USABLE, self.not_usable), (Verdict.USABLE_WITH_WARNING, self.with_warning))
-        return tuple(level for level in levels if level[1])
+        verdicts_with_causes = []
+        if self.not_usable:
+            verdicts_with_causes.append((Verdict.NOT_USABLE, self.not_usable))
+        if self.with_warning:
+            verdicts_with_causes.append((Verdict.USABLE_WITH_WARNING, self.with_warning))
+        return tuple(verdicts_with_causes)
 
 
 def _has_bits(cause: Cause, parameters: Mapping[str, int]) -> bool:
     """Return whether the frames of an order code with these parameters have the bits of a cause."""
-    places = [part.bits for part, _ in cause.conditions] if isinstance(cause, Match) else [cause.bits]
-    return all(bits.width.value(parameters) > 0 for bits in places)
+    if isinstance(cause, Match):
+        bits_of_cause = [part.bits for part, _ in cause.conditions]
+    else:
+        bits_of_cause = [cause.bits]
+    return all(bits.width.value(parameters) > 0 for bits in bits_of_cause)
 
 
 def judgement_of(codec: Codec) -> Judgement:
     """Return the verdict on the position of a frame, with everything that it depends on."""
+    causes_by_verdict: dict[Verdict, list[VerdictCause]] = {verdict: [] for verdict in Verdict}
     parts = {part.field.name: part for part in codec.parts}
-    speaking: dict[Verdict, list[VerdictCause]] = {verdict: [] for verdict in Verdict}
     for cause in verdict_causes(codec):
         match cause.field.kind:
             case Flag():
-                for flag, only in _by_worth(cause.field):
-                    summed_parts = [parts[name] for name in flag.sums_up if name in parts]
-                    for flag_verdict, chosen in _by_answer(flag):
-                        unless = tuple(part for part in summed_parts if not _always_leads_to(part, flag_verdict, parts))
-                        speaking[flag_verdict].append(VerdictCause(cause, unless, only, chosen))
+                for verdict, verdict_cause in _verdicts_of_flag(cause, parts):
+                    causes_by_verdict[verdict].append(verdict_cause)
             case Unused(makes_position=verdict):
-                speaking[verdict].append(VerdictCause(cause, ()))
-    tells = codec.layout.tells_validity
-    warning = speaking[Verdict.USABLE_WITH_WARNING] if tells else ()
-    otherwise = Verdict.USABLE if tells else Verdict.UNKNOWN
-    return Judgement(tuple(speaking[Verdict.NOT_USABLE]), tuple(warning), otherwise, codec.layout.judging_bits)
+                causes_by_verdict[verdict].append(VerdictCause(cause, unless=()))
+    not_usable = tuple(causes_by_verdict[Verdict.NOT_USABLE])
+    with_warning: tuple[VerdictCause, ...] = ()
+    otherwise = Verdict.UNKNOWN
+    if codec.layout.tells_validity:
+        with_warning = tuple(causes_by_verdict[Verdict.USABLE_WITH_WARNING])
+        otherwise = Verdict.USABLE
+    return Judgement(
+        not_usable=not_usable,
+        with_warning=with_warning,
+        otherwise=otherwise,
+        judging_bits=codec.layout.judging_bits,
+    )
 
 
-def _by_worth(field: Field) -> Iterator[tuple[Flag, Only | None]]:
-    """Yield the flag for each group of order codes that has a different verdict."""
-    coded_flags = [(coded.kind, only) for coded, only in by_code(field) if isinstance(coded.kind, Flag)]
-    alike = len({(kind.makes_position, kind.sums_up, kind.verdict_if_set) for kind, _ in coded_flags}) == 1
-    yield from [(coded_flags[0][0], None)] if alike else coded_flags
+def _verdicts_of_flag(cause: Cause, parts: Mapping[str, Part]) -> Iterator[tuple[Verdict, VerdictCause]]:
+    """Yield the verdicts to which a flag leads, each with its conditions on the order code and the user's answer."""
+    for flag, only in _flag_by_order_code(cause.field):
+        summed_parts = [parts[name] for name in flag.sums_up if name in parts]
+        for verdict, chosen in _verdict_by_answer(flag):
+            # A summed flag that leads to the same verdict or a worse one makes no difference.
+            unless = tuple(part for part in summed_parts if not _always_leads_to(part, verdict, parts))
+            yield verdict, VerdictCause(by=cause, unless=unless, only=only, chosen=chosen)
 
 
-def _by_answer(flag: Flag) -> Iterator[tuple[Verdict, Only | None]]:
+def _flag_by_order_code(field: Field) -> Iterator[tuple[Flag, Only | None]]:
+    """Yield the flag for each group of order codes with its own verdict, or once if all have the same verdict."""
+    flags = [(variant_field.kind, only) for variant_field, only in by_code(field)]
+    coded_flags = [(flag, only) for flag, only in flags if isinstance(flag, Flag)]
+    verdict_properties = {(flag.makes_position, flag.sums_up, flag.verdict_if_set) for flag, _ in coded_flags}
+    if len(verdict_properties) == 1:
+        first_flag, _ = coded_flags[0]
+        yield first_flag, None
+    else:
+        yield from coded_flags
+
+
+def _verdict_by_answer(flag: Flag) -> Iterator[tuple[Verdict, Only | None]]:
     """Yield the verdicts of a flag, each with the condition on the answer that decides it."""
     if flag.makes_position is None:
         return
     if flag.verdict_if_set is None:
         yield flag.makes_position, None
         return
-    yield flag.makes_position, Only(flag.verdict_parameter, False)
-    yield flag.verdict_if_set, Only(flag.verdict_parameter, True)
+    yield flag.makes_position, Only(flag.verdict_parameter, holds=False)
+    yield flag.verdict_if_set, Only(flag.verdict_parameter, holds=True)
 
 
 def _always_leads_to(part: Part, verdict: Verdict, parts: Mapping[str, Part]) -> bool:
-    """Return whether a flag always leads to ``verdict`` or a worse one."""
-    match part.field.kind:
-        case Flag(makes_position=flag_verdict, sums_up=names, only_while="", verdict_if_set=None) if (
-            flag_verdict is not None
-        ):
-            worst_first = list(Verdict)
-            return worst_first.index(flag_verdict) <= worst_first.index(verdict) and parts.keys().isdisjoint(names)
-        case _:
-            return False
+    """Return whether a flag leads to ``verdict`` or a worse one, whatever the order code and the answers are."""
+    flag = part.field.kind
+    if not isinstance(flag, Flag) or flag.makes_position is None:
+        return False
+    has_conditions = bool(flag.only_while) or flag.verdict_if_set is not None
+    has_summed_parts = not parts.keys().isdisjoint(flag.sums_up)
+    worst_first = list(Verdict)
+    is_as_bad = worst_first.index(flag.makes_position) <= worst_first.index(verdict)
+    return is_as_bad and not has_conditions and not has_summed_parts
 
 
 def verdict_of(field: Field) -> Verdict | None:
@@ -179,8 +211,8 @@ def by_code(field: Field) -> Iterator[tuple[Field, Only | None]]:
     """Yield the field. If the manual explains it only for some order codes, yield a separate one for the others."""
     match field.kind:
         case Flag(only_while=parameter, only=codes) if parameter:
-            yield field, Only(parameter, True, codes)
-            yield unexplained(field), Only(parameter, False, codes)
+            yield field, Only(parameter, holds=True, codes=codes)
+            yield unexplained(field), Only(parameter, holds=False, codes=codes)
         case _:
             yield field, None
 
@@ -255,11 +287,12 @@ def reportings(device: Device) -> Iterator[Reporting]:
         codec = codec_of(device, layout)
         causes: list[ReportCause] = []
         for cause in verdict_causes(codec):
-            reported = ((field, only) for field, only in by_code(cause.field) if _is_reported(field))
-            causes += [ReportCause(reports[layout.name, field.name], cause, only) for field, only in reported]
+            for field, only in by_code(cause.field):
+                if _is_reported(field):
+                    causes.append(ReportCause(reports[layout.name, field.name], by=cause, only=only))
         judgement = judgement_of(codec) if device.tells_position(interface.name, layout) else None
         if causes or judgement is not None:
-            yield Reporting(interface, codec, tuple(causes), judgement)
+            yield Reporting(interface=interface, codec=codec, causes=tuple(causes), judgement=judgement)
 
 
 def _sent_layouts(device: Device) -> Iterator[tuple[Interface, Layout]]:
@@ -268,7 +301,8 @@ def _sent_layouts(device: Device) -> Iterator[tuple[Interface, Layout]]:
 
 def explained(field: Field) -> Only | None:
     """Return the order codes for which the manual explains a flag, or None if it does so for all."""
-    return next(only for _, only in by_code(field))
+    _, explained_codes = next(by_code(field))
+    return explained_codes
 
 
 def sums_up(field: Field) -> tuple[str, ...]:
@@ -289,24 +323,53 @@ def _fields_by_code(layout: Layout) -> Iterator[tuple[Field, Only | None]]:
                 yield coded_field, only
 
 
-def _reports(device: Device) -> Mapping[tuple[str, str], Report]:
-    """Return the reports by frame and field."""
-    explained_fields: list[tuple[str, str, Field]] = []
-    unexplained_fields: list[tuple[str, str, Field]] = []
+class _ReportedField(NamedTuple):
+    """A field that reports a problem, with the names of the interface and frame that have it."""
+
+    interface: str
+    frame: str
+    field: Field
+
+    @property
+    def name_with_interface(self) -> str:
+        return f"{self.interface}_{self.field.name}"
+
+
+def _reported_fields(device: Device) -> list[_ReportedField]:
+    """Return the fields that report problems. Unexplained flags are last, so that the others keep their numbers."""
+    explained_fields: list[_ReportedField] = []
+    unexplained_fields: list[_ReportedField] = []
     for interface, layout in _sent_layouts(device):
         for field, only in _fields_by_code(layout):
-            is_unexplained = only is not None and not only.holds
-            (unexplained_fields if is_unexplained else explained_fields).append((interface.name, layout.name, field))
-    # Unexplained flags are last, so that the others keep their numbers.
-    fields = explained_fields + unexplained_fields
-    properties_by_name: dict[str, set[object]] = {}
-    for kind, _, field in fields:
-        for name in (field.name, f"{kind}_{field.name}"):
-            properties_by_name.setdefault(name, set()).add((field.kind, field.group, field.meaning))
+            reported_field = _ReportedField(interface.name, layout.name, field)
+            if only is None or only.holds:
+                explained_fields.append(reported_field)
+            else:
+                unexplained_fields.append(reported_field)
+    return explained_fields + unexplained_fields
+
+
+def _reports(device: Device) -> Mapping[tuple[str, str], Report]:
+    """Return the reports by frame and field. Fields with the same name and meaning share a report."""
+    reported_fields = _reported_fields(device)
+    meanings_by_name: dict[str, set[object]] = {}
+    for reported in reported_fields:
+        for name in (reported.field.name, reported.name_with_interface):
+            meaning = (reported.field.kind, reported.field.group, reported.field.meaning)
+            meanings_by_name.setdefault(name, set()).add(meaning)
     reports_by_field: dict[tuple[str, str], Report] = {}
-    by_name: dict[str, Report] = {}
-    for kind, frame, field in fields:
-        names = (field.name, f"{kind}_{field.name}")
-        name = next((name for name in names if len(properties_by_name[name]) == 1), f"{frame}_{field.name}")
-        reports_by_field[frame, field.name] = by_name.setdefault(name, Report(name, len(by_name), field))
+    reports_by_name: dict[str, Report] = {}
+    for reported in reported_fields:
+        report_name = _report_name(reported, meanings_by_name)
+        if report_name not in reports_by_name:
+            reports_by_name[report_name] = Report(report_name, number=len(reports_by_name), field=reported.field)
+        reports_by_field[reported.frame, reported.field.name] = reports_by_name[report_name]
     return reports_by_field
+
+
+def _report_name(reported: _ReportedField, meanings_by_name: Mapping[str, set[object]]) -> str:
+    """Return the shortest name with a single meaning: that of the field, preceded by the interface or the frame."""
+    for name in (reported.field.name, reported.name_with_interface):
+        if len(meanings_by_name[name]) == 1:
+            return name
+    return f"{reported.frame}_{reported.field.name}"

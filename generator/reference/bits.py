@@ -20,9 +20,10 @@ def compute_bits(crc: Crc, number: int, bits: int) -> int:
 
     ``refin`` has no meaning for a string of bits and is ignored.
     """
-    register, mask, poly, top_bit = crc.init, crc.mask, crc.poly, crc.width - 1
-    for index in range(bits - 1, -1, -1):
-        has_feedback = ((register >> top_bit) ^ (number >> index)) & 1
+    register, mask, poly = crc.init, crc.mask, crc.poly
+    highest_bit = crc.width - 1
+    for bit_position in range(bits - 1, -1, -1):
+        has_feedback = ((register >> highest_bit) ^ (number >> bit_position)) & 1
         register = (register << 1) & mask
         if has_feedback:
             register ^= poly
@@ -33,65 +34,76 @@ def compute_bits(crc: Crc, number: int, bits: int) -> int:
 
 def compute_bytes(crc: Crc, data: bytes) -> int:
     """Compute the CRC over whole bytes. With ``refin``, each byte is processed least significant bit first."""
-    return compute_bits(crc, *in_order(crc, data))
+    number, bits = bits_in_crc_order(crc, data)
+    return compute_bits(crc, number, bits)
 
 
-def in_order(crc: Crc, data: bytes) -> tuple[int, int]:
-    """Return the bits of whole bytes as a number, in the order in which the CRC processes them, and how many."""
+def bits_in_crc_order(crc: Crc, data: bytes) -> tuple[int, int]:
+    """Return the bits of ``data`` as a number, in the order in which the CRC processes them, and how many there are."""
     number = 0
     for byte in data:
-        number = number << 8 | (reflect(byte, 8) if crc.refin else byte)
+        ordered_byte = reflect(byte, 8) if crc.refin else byte
+        number = (number << 8) | ordered_byte
     return number, 8 * len(data)
 
 
-def start_for(crc: Crc, number: int, bits: int, result: int) -> int:
+def init_for_result(crc: Crc, number: int, bits: int, result: int) -> int:
     """Return the ``init`` with which the CRC over these bits is ``result``.
 
     There is exactly one if the lowest bit of ``poly`` is set, because each step can then be undone.
     """
-    register, top_bit = result ^ crc.xorout, crc.width - 1
+    register = result ^ crc.xorout
     if crc.refout:
         register = reflect(register, crc.width)
-    for index in range(bits):
-        sent_bit = (number >> index) & 1
+    # Undo the steps of compute_bits, from the last bit to the first.
+    for bit_position in range(bits):
+        sent_bit = (number >> bit_position) & 1
         # The shift leaves the lowest bit 0, and the polynomial sets it.
         had_feedback = register & 1
         if had_feedback:
             register ^= crc.poly
         shifted_out = had_feedback ^ sent_bit
-        register = (register >> 1) | (shifted_out << top_bit)
+        register = (register >> 1) | (shifted_out << (crc.width - 1))
     return register
 
 
 def unused_bits(placed: PlacedLayout, number: int) -> int:
-    """Return the unused bits of a frame as one number. A bit is 1 if it differs from the manual."""
-    differing_bits = 0
-    for placed_field, low_bit in placed.unused:
+    """Return all unused bits of the frame ``number`` as one number, in which a bit is 1 if it differs from the manual.
+
+    ``placed.unused`` gives each unused field with the position of its lowest bit in the result.
+    """
+    result = 0
+    for placed_field, low_bit_in_result in placed.unused:
         sent_bits = (number >> placed_field.low) & placed_field.mask
-        differing_bits |= (sent_bits ^ documented_bits(placed_field)) << low_bit
-    return differing_bits
+        differing_bits = sent_bits ^ documented_bits(placed_field)
+        result |= differing_bits << low_bit_in_result
+    return result
 
 
 def documented_bits(placed_field: PlacedField) -> int:
     """Return the documented value of an unused field, cut to the width of the field for this order code."""
     kind = placed_field.field.kind
-    return kind.value & placed_field.mask if isinstance(kind, Unused) else 0
+    if not isinstance(kind, Unused):
+        return 0
+    return kind.value & placed_field.mask
 
 
 def parity_bit(placed: PlacedLayout, parity: Parity, number: int) -> int:
-    """Return the parity bit that matches the other bits of ``number``."""
-    fields = placed.find_fields(parity.of)
-    ones = sum((number >> field.low & field.mask & parity.mask).bit_count() for field in fields)
+    """Return the parity bit that matches the other bits of the frame ``number``."""
+    ones = 0
+    for placed_field in placed.find_fields(parity.of):
+        value = (number >> placed_field.low) & placed_field.mask
+        ones += (value & parity.mask).bit_count()
     return (ones + parity.odd) & 1
 
 
 def join_value(placed: PlacedLayout, join: Join, number: int) -> int:
-    """Return the fields of a join as one number, with the first field most significant."""
-    value = 0
-    for part in placed.find_fields(join.fields):
-        part_value = (number >> part.low) & part.mask
-        value = (value << part.width) | part_value
-    return value
+    """Return the fields of a join in the frame ``number`` as one number, with the first field most significant."""
+    joined_value = 0
+    for placed_field in placed.find_fields(join.fields):
+        field_value = (number >> placed_field.low) & placed_field.mask
+        joined_value = (joined_value << placed_field.width) | field_value
+    return joined_value
 
 
 def gray_to_binary(gray: int) -> int:
@@ -109,37 +121,48 @@ def binary_to_gray(binary: int) -> int:
 
 
 def from_gray(placed: PlacedLayout, number: int) -> int:
-    """Return ``number`` with the part that is sent in Gray code, if any, converted to binary."""
-    return with_changed_part(placed, number, lambda sent: gray_to_binary(sent) - placed.gray_excess)
+    """Return the frame ``number`` with the fields that are sent in Gray code, if any, converted to binary."""
+
+    def to_plain_binary(gray: int) -> int:
+        return gray_to_binary(gray) - placed.gray_excess
+
+    return _with_gray_part_converted(placed, number, to_plain_binary)
 
 
 def to_gray(placed: PlacedLayout, number: int) -> int:
-    """Return ``number`` with the part that is sent in Gray code, if any, converted to Gray code."""
+    """Return the frame ``number`` with the fields that are sent in Gray code, if any, converted from binary."""
     _, width = placed.place_of(placed.layout.gray_of)
     mask = (1 << width) - 1
-    return with_changed_part(placed, number, lambda plain: binary_to_gray(plain + placed.gray_excess & mask))
+
+    def to_excess_gray(binary: int) -> int:
+        return binary_to_gray((binary + placed.gray_excess) & mask)
+
+    return _with_gray_part_converted(placed, number, to_excess_gray)
 
 
-def with_changed_part(placed: PlacedLayout, number: int, change: Callable[[int], int]) -> int:
-    """Return ``number`` with the part that is sent in Gray code, if any, changed by a function. Excess bits are cut."""
+def _with_gray_part_converted(placed: PlacedLayout, number: int, convert: Callable[[int], int]) -> int:
+    """Return the frame ``number`` with the fields sent in Gray code, if any, converted and cut to their width."""
     if not placed.gray:
         return number
     low, width = placed.place_of(placed.layout.gray_of)
     mask = (1 << width) - 1
     other_bits = number & ~(mask << low)
-    changed_part = change((number >> low) & mask) & mask
-    return other_bits | (changed_part << low)
+    converted_part = convert((number >> low) & mask) & mask
+    return other_bits | (converted_part << low)
 
 
 def compute(crc: Crc, placed: PlacedLayout, number: int) -> int:
-    """Return the CRC that matches the other bits of ``number``."""
-    return compute_bits(crc, *covered(crc, placed, number))
+    """Return the CRC that matches the other bits of the frame ``number``."""
+    covered_number, bits = covered_bits(crc, placed, number)
+    return compute_bits(crc, covered_number, bits)
 
 
-def covered(crc: Crc, placed: PlacedLayout, number: int) -> tuple[int, int]:
+def covered_bits(crc: Crc, placed: PlacedLayout, number: int) -> tuple[int, int]:
     """Return the bits that the CRC covers as a number, in the order in which it processes them, and how many."""
     if placed.layout.crc_covers_bytes:
         data = number_to_bytes(placed.layout, number, placed.bits)
-        return in_order(crc, data[: -(crc.width // 8)])
+        crc_length = crc.width // 8
+        return bits_in_crc_order(crc, data[:-crc_length])
     low, bits = placed.crc_covers
-    return number >> low & (1 << bits) - 1, bits
+    mask = (1 << bits) - 1
+    return (number >> low) & mask, bits

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from typing import NamedTuple
 
 from ..model import (
@@ -13,18 +13,13 @@ from ..model import (
     Device,
     Fault,
     Field,
-    Flag,
     Join,
-    Number,
     Parity,
     PlacedField,
     PlacedLayout,
     Scale,
-    Text,
     Unused,
-    Value,
     Variant,
-    assert_never,
     number_from_bytes,
 )
 from ..model.device import PositionRange
@@ -33,8 +28,10 @@ from ..say import report
 from ..say.layout import as_one_number
 from ..say.plain_text import counted
 from .bits import compute, documented_bits, from_gray, join_value, parity_bit, to_gray, unused_bits
-
-Values = Mapping[str, "int | str | bool"]
+from .values import EncodeError as EncodeError
+from .values import Values as Values
+from .values import checked_number, encode_digits, encode_value, signed_or_plain, value_and_meaning
+from .values import number_of_text as number_of_text
 
 #: Name of the number that holds the unused bits of a decoded frame.
 UNUSED = "unused"
@@ -47,10 +44,6 @@ class Problem:
     fault: Fault
     field: str
     message: str
-
-
-class EncodeError(ValueError):
-    """A value is missing, unknown, or does not fit its field."""
 
 
 class DecodedField(NamedTuple):
@@ -94,115 +87,137 @@ class Decoded:
         return {field.name: field.value for field in self.fields}
 
 
-def number_of_text(text: str) -> int:
-    """Return the bits of a text field as one number. Latin-1 has a character for every byte."""
-    return int.from_bytes(text.encode("latin-1", "replace"), "big")
-
-
 def select(
     device: Device, variant: Variant, sender: str, data: bytes
 ) -> tuple[PlacedLayout | None, tuple[Problem, ...]]:
     """Return the layout of ``data``, identified by the selector field, or the reason why there is none."""
-    candidates = [layout for layout in device.interface(variant.interface).layouts if layout.sender == sender]
-    if not candidates:
-        return None, (Problem(Fault.RANGE, "", f"the {sender} sends no frames on this interface"),)
-    allowed: list[int] = []
-    for layout in candidates:
+    layouts = [layout for layout in device.interface(variant.interface).layouts if layout.sender == sender]
+    if not layouts:
+        return None, (Problem(Fault.RANGE, field="", message=f"the {sender} sends no frames on this interface"),)
+    valid_selector_values: list[int] = []
+    for layout in layouts:
         placed = layout.place(variant.parameters)
         if not layout.selector:
             return placed, ()
-        allowed.extend(layout.selects)
-        if _selected_value(placed, data) in layout.selects:
+        valid_selector_values.extend(layout.selects)
+        if _selector_value(placed, data) in layout.selects:
             return placed, ()
-    layout = candidates[0]
-    selected_value = _selected_value(layout.place(variant.parameters), data)
-    if selected_value is None:
-        return None, (Problem(Fault.LENGTH, "", report.too_few_bytes(counted(len(data), "byte"))),)
-    choices = ", ".join(f"{value:X}" for value in sorted(allowed))
-    message = report.no_frame(layout.selector, f"{selected_value:X}", choices)
-    return None, (Problem(Fault.RANGE, layout.selector, message),)
+    first_layout = layouts[0]  # Its position of the selector is used in the message.
+    selector_value = _selector_value(first_layout.place(variant.parameters), data)
+    if selector_value is None:
+        message = report.too_few_bytes(counted(len(data), "byte"))
+        return None, (Problem(Fault.LENGTH, field="", message=message),)
+    choices = ", ".join(f"{value:X}" for value in sorted(valid_selector_values))
+    message = report.no_frame(first_layout.selector, f"{selector_value:X}", choices)
+    return None, (Problem(Fault.RANGE, field=first_layout.selector, message=message),)
 
 
-def _selected_value(placed: PlacedLayout, data: bytes) -> int | None:
-    """Return the value of the selector field, or None if ``data`` is too short for it. Longer data is accepted."""
+def _selector_value(placed: PlacedLayout, data: bytes) -> int | None:
+    """Return the value of the selector field, or None if ``data`` ends before it. Data after it is not looked at."""
     selector = placed.find_field(placed.layout.selector)
     if selector is None:
         return None
-    low_first = placed.layout.byte_order == "low_byte_first"
-    needed = selector.high // 8 + 1 if low_first else (placed.bits - selector.low + 7) // 8
-    if len(data) < needed:
+    if placed.layout.byte_order == "low_byte_first":
+        needed_length = selector.high // 8 + 1
+        missing_low_bits = 0
+    else:
+        needed_length = (placed.bits - selector.low + 7) // 8
+        missing_low_bits = placed.bits - 8 * needed_length
+    if len(data) < needed_length:
         return None
-    beyond = 0 if low_first else placed.bits - 8 * needed
-    return number_from_bytes(placed.layout, data[:needed]) >> (selector.low - beyond) & selector.mask
+    number = number_from_bytes(placed.layout, data[:needed_length])
+    return (number >> (selector.low - missing_low_bits)) & selector.mask
 
 
 def decode_bytes(device: Device, variant: Variant, sender: str, data: bytes) -> Decoded:
     """Decode a frame of whole bytes whose selector field identifies the layout."""
     placed, problems = select(device, variant, sender, data)
-    return decode_placed(device, placed, data) if placed is not None else Decoded(None, 0, (), None, problems)
+    if placed is None:
+        return Decoded(layout=None, number=0, fields=(), crc=None, problems=problems)
+    return decode_placed(device, placed, data)
 
 
 def decode_placed(device: Device, placed: PlacedLayout, data: bytes) -> Decoded:
     """Decode a frame of whole bytes with a known layout."""
     number = number_from_bytes(placed.layout, data)
     if 8 * len(data) != placed.bits:
-        return _other_length(placed, number, counted(placed.bits // 8, "byte"), len(data))
+        return _of_wrong_length(placed, number, counted(placed.bits // 8, "byte"), len(data))
     return decode(device, placed, number)
 
 
 def decode_bits(device: Device, placed: PlacedLayout, number: int, bits: int) -> Decoded:
     """Decode a frame of this many bits with a known layout."""
     if bits != placed.bits:
-        return _other_length(placed, number, f"{placed.bits} bits", bits)
+        return _of_wrong_length(placed, number, f"{placed.bits} bits", bits)
     return decode(device, placed, number)
 
 
-def _other_length(placed: PlacedLayout, number: int, needed: str, length_text: int) -> Decoded:
-    message = report.length(placed.name, needed, f"{length_text}")
-    return Decoded(placed, number, (), None, (Problem(Fault.LENGTH, "", message),))
+def _of_wrong_length(placed: PlacedLayout, number: int, needed_length: str, actual_length: int) -> Decoded:
+    """Return the result for a frame of the wrong length: one problem and no fields."""
+    message = report.length(placed.name, needed_length, f"{actual_length}")
+    problem = Problem(Fault.LENGTH, field="", message=message)
+    return Decoded(layout=placed, number=number, fields=(), crc=None, problems=(problem,))
 
 
 def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
     """Decode ``number`` into all fields and the CRC, and find all errors."""
     if number >> placed.bits:
-        return _other_length(placed, number, f"{placed.bits} bits", number.bit_length())
+        return _of_wrong_length(placed, number, f"{placed.bits} bits", number.bit_length())
     problems: list[Problem] = []
-    fields = []
-    plain = from_gray(placed, number)
+    fields: list[DecodedField] = []
+    binary_number = from_gray(placed, number)
     for placed_field in placed.fields:
-        raw = number >> placed_field.low & placed_field.mask
-        fields += _decode_field(placed_field, raw, plain >> placed_field.low & placed_field.mask, problems)
-        if isinstance(placed_field.field.kind, Parity):
-            expected = parity_bit(placed, placed_field.field.kind, number)
-            if raw != expected:
-                message = report.parity(
-                    placed_field.name, f"{raw}", ", ".join(placed_field.field.kind.of), f"{expected}"
-                )
-                problems.append(Problem(Fault.CONSTANT, placed_field.name, message))
-        elif placed_field.name == placed.layout.selector and raw not in placed.layout.selects:
-            problems.append(
-                Problem(Fault.RANGE, placed_field.name, report.of_other_frame(placed_field.name, f"{raw:X}"))
-            )
-    valid = device.range_in(placed.layout)
-    limited = placed.find_field(valid.field.name) if valid is not None else None
-    if valid is not None and limited is not None:
-        message = _range_message(valid, limited, plain >> limited.low & limited.mask, placed)
-        if message:
-            problems.append(Problem(Fault.RANGE, limited.name, message))
-    crc = _decode_crc(device, placed, number, problems)
-    fields += [_decode_join(placed, join, number, plain) for join in placed.layout.joins]
+        sent_value = (number >> placed_field.low) & placed_field.mask
+        binary_value = (binary_number >> placed_field.low) & placed_field.mask
+        problems += _problems_of_value(placed_field.field, binary_value)
+        problems += _problems_with_other_fields(placed, placed_field, sent_value, number)
+        fields += _decode_field(placed_field, sent_value, binary_value)
+    problems += _problems_of_position(device, placed, binary_number)
+    crc = _decode_crc(device, placed, number)
+    if crc is not None and not crc.ok:
+        message = report.crc(f"{crc.received:#04x}", f"{crc.computed:#04x}")
+        problems.append(Problem(Fault.CRC, _name_of_crc_field(placed), message))
+    fields += [_decode_join(placed, join, number, binary_number) for join in placed.layout.joins]
     if placed.layout.has_unused:
         bits = unused_bits(placed, number)
-        fields.append(DecodedField(UNUSED, bits, bits, "", "unused bits that differ from the manual", -1, -1))
-    if problems:
-        problems.sort(key=lambda problem: list(Fault).index(problem.fault))
-    return Decoded(placed, number, tuple(fields), crc, tuple(problems))
+        fields.append(_computed_field(UNUSED, bits, bits, "unused bits that differ from the manual"))
+    problems.sort(key=lambda problem: list(Fault).index(problem.fault))
+    return Decoded(layout=placed, number=number, fields=tuple(fields), crc=crc, problems=tuple(problems))
 
 
-def _range_message(valid: PositionRange, placed_field: PlacedField, raw: int, placed: PlacedLayout) -> str:
+def _problems_with_other_fields(
+    placed: PlacedLayout, placed_field: PlacedField, sent_value: int, number: int
+) -> Iterator[Problem]:
+    """Yield the problem of a parity bit that is wrong in the frame ``number``, or of a selector of another layout."""
+    name, kind = placed_field.name, placed_field.field.kind
+    if isinstance(kind, Parity):
+        correct_bit = parity_bit(placed, kind, number)
+        if sent_value != correct_bit:
+            message = report.parity(name, f"{sent_value}", ", ".join(kind.of), f"{correct_bit}")
+            yield Problem(Fault.CONSTANT, name, message)
+    elif name == placed.layout.selector and sent_value not in placed.layout.selects:
+        yield Problem(Fault.RANGE, name, report.of_other_frame(name, f"{sent_value:X}"))
+
+
+def _problems_of_position(device: Device, placed: PlacedLayout, binary_number: int) -> Iterator[Problem]:
+    """Yield the problem if the frame has a position that this encoder does not have."""
+    position_range = device.range_in(placed.layout)
+    if position_range is None:
+        return
+    position_field = placed.find_field(position_range.field.name)
+    if position_field is None:
+        return
+    raw = (binary_number >> position_field.low) & position_field.mask
+    message = _range_message(position_range, position_field, raw, placed)
+    if message:
+        yield Problem(Fault.RANGE, position_field.name, message)
+
+
+def _range_message(position_range: PositionRange, placed_field: PlacedField, raw: int, placed: PlacedLayout) -> str:
     """Return the error if the encoder does not have this position, or an empty string."""
-    lowest, highest = valid.lowest.value(placed.parameters), valid.highest.value(placed.parameters)
-    position = _number_of(placed_field.field.number, raw, placed_field.width)
+    lowest = position_range.lowest.value(placed.parameters)
+    highest = position_range.highest.value(placed.parameters)
+    position = signed_or_plain(placed_field.field.number, raw, placed_field.width)
     if lowest <= position <= highest:
         return ""
     if placed_field.field.number.signed:
@@ -210,81 +225,57 @@ def _range_message(valid: PositionRange, placed_field: PlacedField, raw: int, pl
     return report.too_high(placed_field.name, f"{position}", f"{highest}")
 
 
-def _decode_crc(device: Device, placed: PlacedLayout, number: int, problems: list[Problem]) -> CrcResult | None:
+def _decode_crc(device: Device, placed: PlacedLayout, number: int) -> CrcResult | None:
+    """Return the received and the computed CRC of the frame ``number``, or None if it has no CRC."""
     placed_field = placed.crc_field
     if placed_field is None or not isinstance(placed_field.field.kind, CrcValue):
         return None
     crc = device.crc(placed_field.field.kind.crc)
-    result = CrcResult(crc.name, number >> placed_field.low & placed_field.mask, compute(crc, placed, number))
-    if not result.ok:
-        message = report.crc(f"{result.received:#04x}", f"{result.computed:#04x}")
-        problems.append(Problem(Fault.CRC, placed_field.name, message))
-    return result
+    received = (number >> placed_field.low) & placed_field.mask
+    return CrcResult(crc.name, received=received, computed=compute(crc, placed, number))
 
 
-def _decode_join(placed: PlacedLayout, join: Join, number: int, plain: int) -> DecodedField:
-    parts = " and ".join(field.name for field in placed.find_fields(join.fields))
-    meaning = as_one_number(parts) if len(join.fields) > 1 else ""
-    value = join_value(placed, join, plain)
+def _name_of_crc_field(placed: PlacedLayout) -> str:
+    return placed.crc_field.name if placed.crc_field is not None else ""
+
+
+def _decode_join(placed: PlacedLayout, join: Join, number: int, binary_number: int) -> DecodedField:
+    """Return fields that form one number, such as multiturn and singleturn, as one field."""
+    field_names = " and ".join(field.name for field in placed.find_fields(join.fields))
+    meaning = as_one_number(field_names) if len(join.fields) > 1 else ""
+    value = join_value(placed, join, binary_number)
     raw = join_value(placed, join, number) if placed.gray else value
-    return DecodedField(join.name, raw, value, "", meaning, -1, -1)
+    return _computed_field(join.name, raw, value, meaning)
 
 
-def _decode_field(placed_field: PlacedField, wire: int, raw: int, problems: list[Problem]) -> list[DecodedField]:
-    """Decode a field for the user. ``wire`` is the number as sent, ``raw`` the same number converted from Gray code."""
+def _computed_field(name: str, raw: int, value: int, meaning: str) -> DecodedField:
+    """Return a field that is computed from several others, and so has no bit positions."""
+    return DecodedField(name, raw=raw, value=value, unit="", meaning=meaning, high=-1, low=-1)
+
+
+def _decode_field(placed_field: PlacedField, sent_value: int, binary_value: int) -> Iterator[DecodedField]:
+    """Yield a decoded field, and then each run of its digits. ``sent_value`` may be in Gray code."""
     field, high, low = placed_field.field, placed_field.high, placed_field.low
-    problem = _value_problem(field, raw)
-    if problem is not None:
-        problems.append(problem)
-    value, meaning = _value_and_meaning(field, raw, placed_field.width)
-    decoded_fields = [DecodedField(field.name, wire, value, field.unit, meaning, high, low, field.scale)]
+    value, meaning = value_and_meaning(field, binary_value, placed_field.width)
+    yield DecodedField(field.name, sent_value, value, field.unit, meaning, high, low, field.scale)
     for run in field.runs:
-        part = raw // run.divisor % run.modulus
-        decoded_fields.append(DecodedField(run.name, part, part, "", run.meaning, high, low))
-    return decoded_fields
+        digits = binary_value // run.divisor % run.modulus
+        yield DecodedField(run.name, raw=digits, value=digits, unit="", meaning=run.meaning, high=high, low=low)
 
 
-def _value_and_meaning(field: Field, raw: int, width: int) -> tuple[int | str | bool, str]:
-    """Return what a number in a field stands for. Numbers that are not valid stand for themselves."""
-    match field.kind:
-        case Number() as number:
-            return _number_of(number, raw, width), field.meaning
-        case Flag() as flag:
-            is_active = bool(raw) != flag.active_low
-            return is_active, (flag.when_active if is_active else flag.when_inactive) or field.meaning
-        case Choice(values):
-            named_value = next((candidate for candidate in values if candidate.value == raw), None)
-            return (
-                (raw, field.meaning)
-                if named_value is None
-                else (named_value.name, named_value.meaning or field.meaning)
-            )
-        case Text():
-            return raw.to_bytes(width // 8, "big").decode("latin-1"), field.meaning
-        case Constant() | Decimal() | Unused() | CrcValue() | Parity():
-            return raw, field.meaning
-        case _ as kind:
-            assert_never(kind)
-
-
-def _value_problem(field: Field, raw: int) -> Problem | None:
-    """Return the error if a number is not valid in a field. CRC and parity are checked when all fields are known."""
+def _problems_of_value(field: Field, raw: int) -> Iterator[Problem]:
+    """Yield the error if a number is not valid in a field, whatever the other fields contain."""
     name = field.name
     match field.kind:
-        case Choice(values) if all(candidate.value != raw for candidate in values):
-            return Problem(Fault.RANGE, name, report.no_value(name, f"{raw:#x}"))
-        case Constant(constant) if raw != constant:
-            return Problem(Fault.CONSTANT, name, report.constant(name, f"{raw:#x}", f"{constant:#x}"))
-        case Decimal() as decimal if raw >= decimal.limit:
-            return Problem(Fault.RANGE, name, report.digits(name, f"{raw}", f"{decimal.digits}"))
-        case _:
-            return None
-
-
-def _number_of(number: Number, raw: int, width: int) -> int:
-    if number.signed and raw >> (width - 1):
-        return raw - (1 << width)
-    return raw or number.zero_means
+        case Choice(named_values):
+            if all(named_value.value != raw for named_value in named_values):
+                yield Problem(Fault.RANGE, name, report.no_value(name, f"{raw:#x}"))
+        case Constant(constant):
+            if raw != constant:
+                yield Problem(Fault.CONSTANT, name, report.constant(name, f"{raw:#x}", f"{constant:#x}"))
+        case Decimal() as decimal:
+            if raw >= decimal.limit:
+                yield Problem(Fault.RANGE, name, report.digits(name, f"{raw}", f"{decimal.digits}"))
 
 
 def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
@@ -296,15 +287,18 @@ def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
     Raises:
         EncodeError: A value is missing, unknown, or does not fit.
     """
-    remaining = dict(values)
+    field_values = dict(values)
     for join in placed.layout.joins:
-        if join.name in remaining:
-            remaining |= _split(placed, join, _number(remaining.pop(join.name)), remaining)
-    number = _encode_fields(device, placed, remaining)
+        if join.name in field_values:
+            joined_value = checked_number(field_values.pop(join.name))
+            field_values |= _split_join(placed, join, joined_value, field_values)
+    number = _encode_fields(device, placed, field_values)
     if placed.layout.unused:
-        number |= _unused(placed, _number(remaining.pop(UNUSED, 0)))
-    _check_names(placed, remaining)
+        inverted_bits = checked_number(field_values.pop(UNUSED, 0))
+        number |= _encode_unused(placed, inverted_bits)
+    _check_names(placed, field_values)
     number = to_gray(placed, number)
+    # The parity comes before the CRC, which covers it.
     for placed_field in placed.fields:
         if isinstance(placed_field.field.kind, Parity):
             number |= parity_bit(placed, placed_field.field.kind, number) << placed_field.low
@@ -316,11 +310,12 @@ def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
 
 def _encode_fields(device: Device, placed: PlacedLayout, values: Values) -> int:
     """Return the bits of all fields except parity, CRC and unused ones."""
-    number, valid = 0, device.range_in(placed.layout)
+    number = 0
+    position_range = device.range_in(placed.layout)
     for placed_field in placed.fields:
-        raw = _raw(placed, placed_field, values)
-        if valid is not None and placed_field.name == valid.field.name:
-            problem = _range_message(valid, placed_field, raw, placed)
+        raw = _encode_field(placed, placed_field, values)
+        if position_range is not None and placed_field.name == position_range.field.name:
+            problem = _range_message(position_range, placed_field, raw, placed)
             if problem:
                 raise EncodeError(problem)
         number |= raw << placed_field.low
@@ -329,53 +324,49 @@ def _encode_fields(device: Device, placed: PlacedLayout, values: Values) -> int:
 
 def _check_names(placed: PlacedLayout, values: Values) -> None:
     """Check that each value belongs to a field, and that the fields that this order code lacks have none."""
-    used_names = _used_names(placed)
+    known_names: set[str] = set()
+    for field in placed.layout.fields:
+        known_names.add(field.name)
+        known_names.update(run.name for run in field.runs)
     for name in values:
-        if name not in used_names:
+        if name not in known_names:
             raise EncodeError(f"there is no field '{name}' in {placed.name}")
     for field in placed.layout.fields:
         if values.get(field.name) and placed.find_field(field.name) is None:
             raise EncodeError(f"{field.name} {values[field.name]} does not fit: this order code has no such field")
 
 
-def _used_names(placed: PlacedLayout) -> set[str]:
-    names = {field.name for field in placed.layout.fields}
-    return names | {run.name for field in placed.layout.fields for run in field.runs}
-
-
-def _unused(placed: PlacedLayout, inverted: int) -> int:
-    """Return the unused bits at their positions in the frame: the manual's values, except those ``inverted``."""
+def _encode_unused(placed: PlacedLayout, inverted_bits: int) -> int:
+    """Return the unused bits at their positions in the frame: as in the manual, with ``inverted_bits`` inverted."""
     number = 0
+    excess_bits = inverted_bits
     for placed_field, low_bit in placed.unused:
-        number |= (inverted >> low_bit & placed_field.mask ^ documented_bits(placed_field)) << placed_field.low
-        inverted &= ~(placed_field.mask << low_bit)
-    if inverted:
-        raise EncodeError(f"'{UNUSED}' has the bits {inverted:#x}, which are not unused bits of {placed.name}")
+        inverted_in_field = (inverted_bits >> low_bit) & placed_field.mask
+        number |= (documented_bits(placed_field) ^ inverted_in_field) << placed_field.low
+        excess_bits &= ~(placed_field.mask << low_bit)
+    if excess_bits:
+        raise EncodeError(f"'{UNUSED}' has the bits {excess_bits:#x}, which are not unused bits of {placed.name}")
     return number
 
 
-def _number(value: int | str | bool) -> int:
-    if isinstance(value, str):
-        raise EncodeError(f"'{value}' is not a number")
-    return int(value)
-
-
-def _split(placed: PlacedLayout, join: Join, value: int, values: Values) -> dict[str, int]:
-    parts: dict[str, int] = {}
-    remaining_bits = value
+def _split_join(placed: PlacedLayout, join: Join, joined_value: int, values: Values) -> dict[str, int]:
+    """Return the value of each field of a join. Values of these fields in ``values`` must be the same."""
+    value_by_field: dict[str, int] = {}
+    remaining_bits = joined_value
     for name in reversed(join.fields):
         placed_field = placed.find_field(name)
         width = placed_field.width if placed_field is not None else 0
-        parts[name] = remaining_bits & ((1 << width) - 1)
+        value_by_field[name] = remaining_bits & ((1 << width) - 1)
         remaining_bits >>= width
-    if remaining_bits or value < 0:
-        raise EncodeError(f"{join.name} {value} does not fit")
-    if any(name in values and values[name] != parts[name] for name in parts):
-        raise EncodeError(f"{join.name} and its fields disagree")
-    return parts
+    if remaining_bits or joined_value < 0:
+        raise EncodeError(f"{join.name} {joined_value} does not fit")
+    for name, value in value_by_field.items():
+        if values.get(name, value) != value:
+            raise EncodeError(f"{join.name} and its fields disagree")
+    return value_by_field
 
 
-def _raw(placed: PlacedLayout, placed_field: PlacedField, values: Values) -> int:
+def _encode_field(placed: PlacedLayout, placed_field: PlacedField, values: Values) -> int:
     """Return the bits of one field. CRC and parity are computed later from the others."""
     name, kind = placed_field.name, placed_field.field.kind
     if isinstance(kind, Constant):
@@ -383,56 +374,12 @@ def _raw(placed: PlacedLayout, placed_field: PlacedField, values: Values) -> int
     if isinstance(kind, (Unused, CrcValue, Parity)):
         return 0
     if isinstance(kind, Decimal) and name not in values:
-        return sum(_digit_parts(kind, values))
+        return encode_digits(kind, values)
     if name not in values:
         if name == placed.layout.selector and len(placed.layout.selects) == 1:
             return placed.layout.selects[0]
         raise EncodeError(f"'{name}' is missing")
-    raw = _raw_value(kind, placed_field, values[name])
+    raw = encode_value(kind, placed_field, values[name])
     if raw < 0 or raw > placed_field.mask:
         raise EncodeError(report.too_wide(name, f"{raw}", f"{placed_field.width}"))
     return raw
-
-
-def _raw_value(
-    kind: Number | Flag | Choice | Text | Decimal, placed_field: PlacedField, value: int | str | bool
-) -> int:
-    """Return the number that stands for a value of a field."""
-    match kind:
-        case Number():
-            return _bits_of(kind, placed_field, _number(value))
-        case Flag():
-            return int(bool(value) != kind.active_low)
-        case Choice(named_values):
-            return _value_of_name(placed_field.name, named_values, value) if isinstance(value, str) else _number(value)
-        case Text():
-            return number_of_text(value) if isinstance(value, str) else _number(value)
-        case Decimal():
-            return _number(value)
-        case _:
-            assert_never(kind)
-
-
-def _bits_of(number: Number, placed_field: PlacedField, value: int) -> int:
-    raw = 0 if value == number.zero_means else value & placed_field.mask
-    if _number_of(number, raw, placed_field.width) != value:
-        raise EncodeError(report.too_wide(placed_field.name, f"{value}", f"{placed_field.width}"))
-    if number.power_of_two and value.bit_count() != 1:
-        raise EncodeError(report.no_power_of_two(placed_field.name, f"{value}"))
-    return raw
-
-
-def _value_of_name(name: str, values: Sequence[Value], value: str) -> int:
-    named_value = next((candidate for candidate in values if candidate.name == value), None)
-    if named_value is None:
-        raise EncodeError(f"{name} has no value '{value}'")
-    return named_value.value
-
-
-def _digit_parts(decimal: Decimal, values: Values) -> Iterator[int]:
-    """Yield the value of each run of digits, multiplied by its divisor."""
-    for run in decimal.runs:
-        value = _number(values.get(run.name, 0))
-        if not 0 <= value < run.modulus:
-            raise EncodeError(f"{run.name} {value} has more than {run.digits} digits")
-        yield value * run.divisor

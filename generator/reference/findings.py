@@ -71,30 +71,54 @@ def findings(device: Device, variant: Variant, decoded: Decoded) -> Findings:
     if decoded.problems or decoded.layout is None or decoded.layout.layout.sender == "master":
         return Findings()
     layout = decoded.layout.layout
-    values = {field.name: field for field in decoded.fields}
-    is_frame = layout.sender == "encoder"
-    active_fields = []
-    for placed_field in decoded.layout.fields:
-        if _is_active_field(placed_field, values[placed_field.name]):
+    decoded_fields = {field.name: field for field in decoded.fields}
+    active_fields = _active_fields(decoded.layout, decoded_fields)
+    if layout.sender == "encoder":
+        reports = _reports_of_frame(device, variant, active_fields)
+    else:
+        reports = _reports_of_register(device, variant, active_fields, layout.name)
+    differences = _differences(variant, decoded, decoded_fields, is_register=layout.sender != "encoder")
+    verdict = None
+    if device.tells_position(variant.interface, layout):
+        verdict = _verdict(decoded.layout, active_fields)
+    return Findings(reports=tuple(reports), verdict=verdict, differences=tuple(differences))
+
+
+def _active_fields(placed: PlacedLayout, decoded_fields: Mapping[str, DecodedField]) -> list[Field]:
+    """Return the active flags, the unused bits that differ from the manual, and the flags of active signs."""
+    active_fields: list[Field] = []
+    for placed_field in placed.fields:
+        if _is_active_field(placed_field, decoded_fields[placed_field.name]):
             active_fields.append(placed_field.field)
-    if is_frame:
-        active_fields += [sign.flag for sign in layout.signs if _is_active(sign, layout, values)]
-    reports = []
+    if placed.layout.sender == "encoder":
+        active_signs = [sign for sign in placed.layout.signs if _is_active_sign(sign, placed.layout, decoded_fields)]
+        active_fields += [sign.flag for sign in active_signs]
+    return active_fields
+
+
+def _reports_of_frame(device: Device, variant: Variant, active_fields: Sequence[Field]) -> Iterator[Report]:
+    """Yield a report for each active field, except those with which the position stays usable without a warning."""
     for field in active_fields:
-        alarm = _alarm_for(device, variant, field, register="" if is_frame else layout.name)
-        # In a register, a flag may mean anything, such as "ready": only the alarms of the manual are reported.
-        is_reported = _verdict_of_kind(field.kind) is not Verdict.USABLE if is_frame else alarm is not None
-        if is_reported:
-            reports.append(_report(field, alarm))
-    differences = _differences(variant, decoded, values, is_register=not is_frame)
-    verdict = _verdict(decoded.layout, active_fields) if device.tells_position(variant.interface, layout) else None
-    return Findings(tuple(reports), verdict, tuple(differences))
+        if _verdict_of_kind(field.kind) is not Verdict.USABLE:
+            yield _report(field, _alarm_for(device, variant, field, register=""))
+
+
+def _reports_of_register(
+    device: Device, variant: Variant, active_fields: Sequence[Field], register: str
+) -> Iterator[Report]:
+    """Yield a report for each flag that is an alarm of the manual. Other flags may mean anything, such as "ready"."""
+    for field in active_fields:
+        alarm = _alarm_for(device, variant, field, register)
+        if alarm is not None:
+            yield _report(field, alarm)
 
 
 def _alarm_for(device: Device, variant: Variant, field: Field, register: str) -> Alarm | None:
-    """Return the alarm of a flag if it applies to the order code."""
+    """Return the alarm of a flag if the manual has one for this order code. In a frame, ``register`` is empty."""
     alarm = alarm_of(device, field, register)
-    return alarm if alarm is not None and fits(alarm.only, variant.code) else None
+    if alarm is None or not fits(alarm.only, variant.code):
+        return None
+    return alarm
 
 
 def _is_active_field(placed_field: PlacedField, decoded_field: DecodedField) -> bool:
@@ -108,15 +132,16 @@ def _is_active_field(placed_field: PlacedField, decoded_field: DecodedField) -> 
             return False
 
 
-def _is_active(sign: Sign, layout: Layout, values: Mapping[str, DecodedField]) -> bool:
-    """Return whether all fields of a sign have their values."""
+def _is_active_sign(sign: Sign, layout: Layout, decoded_fields: Mapping[str, DecodedField]) -> bool:
+    """Return whether all fields of a sign have the values that its conditions name."""
     for name, number in sign.conditions:
-        if name not in values or values[name].value != _decoded(layout.field(name), number):
+        required_value = _decoded_value(layout.field(name), number)
+        if name not in decoded_fields or decoded_fields[name].value != required_value:
             return False
     return True
 
 
-def _decoded(field: Field, number: int) -> str | bool:
+def _decoded_value(field: Field, number: int) -> str | bool:
     """Return the decoded value of a flag or of a field with named values."""
     if isinstance(field.kind, Flag):
         return bool(number)
@@ -124,54 +149,69 @@ def _decoded(field: Field, number: int) -> str | bool:
 
 
 def _verdict_of_kind(kind: Kind) -> Verdict | None:
+    """Return the verdict to which a flag or unused bits lead, or None for any other field."""
     return kind.makes_position if isinstance(kind, (Flag, Unused)) else None
 
 
 def _report(field: Field, alarm: Alarm | None) -> Report:
+    """Return the report of an active field, with the texts of its alarm if the manual has one."""
     return Report(
-        field.name,
-        field.printed_name,
-        meaning(field, alarm),
-        remedy(field, alarm),
-        _verdict_of_kind(field.kind),
-        cite(source(field, alarm)),
+        field=field.name,
+        printed_name=field.printed_name,
+        meaning=meaning(field, alarm),
+        remedy=remedy(field, alarm),
+        makes_position=_verdict_of_kind(field.kind),
+        source=cite(source(field, alarm)),
     )
 
 
-def _verdict(placed: PlacedLayout, active: Sequence[Field]) -> Verdict:
-    """Return the verdict on the position of a valid frame."""
-    names = {field.name for field in active}
-    # A flag that combines others adds no information if one of them is active.
-    flags = {field.name: field.kind for field in active if isinstance(field.kind, Flag)}
-    silent_names = {name for name, flag in flags.items() if not names.isdisjoint(flag.sums_up)}
-    verdicts = [_verdict_of_kind(field.kind) for field in active if field.name not in silent_names]
-    verdicts.append(Verdict.USABLE if placed.tells_validity else Verdict.UNKNOWN)
-    return min(filter(None, verdicts), key=list(Verdict).index)
+def _verdict(placed: PlacedLayout, active_fields: Sequence[Field]) -> Verdict:
+    """Return the worst verdict of the active fields, or that of the layout if none of them has one."""
+    active_names = {field.name for field in active_fields}
+    verdicts = [Verdict.USABLE if placed.tells_validity else Verdict.UNKNOWN]
+    for field in active_fields:
+        # A flag that sums up others adds no information if one of them is active.
+        is_redundant = isinstance(field.kind, Flag) and not active_names.isdisjoint(field.kind.sums_up)
+        verdict = _verdict_of_kind(field.kind)
+        if verdict is not None and not is_redundant:
+            verdicts.append(verdict)
+    from_worst_to_best = list(Verdict)
+    return min(verdicts, key=from_worst_to_best.index)
 
 
 def _differences(
-    variant: Variant, decoded: Decoded, values: Mapping[str, DecodedField], is_register: bool
+    variant: Variant, decoded: Decoded, decoded_fields: Mapping[str, DecodedField], is_register: bool
 ) -> Iterator[Difference]:
+    """Yield the fields whose documented value for this order code is not the actual one."""
     assert decoded.layout is not None
     for placed_field in decoded.layout.fields:
         documented = placed_field.field.documented(variant.parameters)
         if documented is None:
             continue
-        actual = values[placed_field.name].value if isinstance(documented, str) else values[placed_field.name].raw
+        decoded_field = decoded_fields[placed_field.name]
+        actual = decoded_field.value if isinstance(documented, str) else decoded_field.raw
         if actual != documented:
-            name = placed_field.field.printed_name or placed_field.name
-            message = _message(name, variant, actual, documented, is_register)
-            yield Difference(placed_field.name, actual, documented, message, is_register)
+            yield Difference(
+                field=placed_field.name,
+                actual=actual,
+                documented=documented,
+                message=_difference_message(placed_field, variant, actual, documented, is_register=is_register),
+                is_register=is_register,
+            )
 
 
-def _message(name: str, variant: Variant, actual: int | str, documented: int | str, is_register: bool) -> str:
-    actual_text, documented_text = _value_text(actual), _value_text(documented)
+def _difference_message(
+    placed_field: PlacedField, variant: Variant, actual: int | str, documented: int | str, is_register: bool
+) -> str:
+    """Return the message about a value that differs from the manual or, in a register, from the order code."""
+    name = placed_field.field.printed_name or placed_field.name
+    actual_text, documented_text = _quoted_or_hex(actual), _quoted_or_hex(documented)
     if is_register:
         return report.other_content(name, actual_text, variant.code, documented_text)
     return report.other_value(name, actual_text, documented_text)
 
 
-def _value_text(value: int | str) -> str:
+def _quoted_or_hex(value: int | str) -> str:
     return f'"{value}"' if isinstance(value, str) else f"{value:#04x}"
 
 
@@ -185,8 +225,12 @@ def fixed_addresses(device: Device, variant: Variant) -> frozenset[int]:
     """Return the addresses of the registers that identify this order code."""
     addresses: set[int] = set()
     for register in _identity_registers(device, variant):
-        addresses.update(range(register.address, register.last_address + 1))
+        addresses.update(_addresses(register))
     return frozenset(addresses)
+
+
+def _addresses(register: Register) -> range:
+    return range(register.address, register.last_address + 1)
 
 
 def compare_held(device: Device, variant: Variant, bytes_by_address: Mapping[int, int]) -> tuple[Difference, ...]:
@@ -200,37 +244,38 @@ def compare_held(device: Device, variant: Variant, bytes_by_address: Mapping[int
 def _compare_register(
     variant: Variant, register: Register, bytes_by_address: Mapping[int, int]
 ) -> Iterator[Difference]:
+    """Yield the fields of a register whose known bytes are not those of the order code."""
     placed = register.layout.place(variant.parameters)
-    addresses = range(register.address, register.last_address + 1)
-    number = number_from_bytes(register.layout, bytes(bytes_by_address.get(address, 0) for address in addresses))
-    read_bits = number_from_bytes(register.layout, bytes(0xFF * (address in bytes_by_address) for address in addresses))
+    register_bytes = bytes(bytes_by_address.get(address, 0) for address in _addresses(register))
+    byte_masks = bytes(0xFF if address in bytes_by_address else 0 for address in _addresses(register))
+    number = number_from_bytes(register.layout, register_bytes)
+    known_mask = number_from_bytes(register.layout, byte_masks)
     for placed_field in placed.fields:
         documented = placed_field.field.documented(variant.parameters)
         if documented is None:
             continue
-        documented_bits = documented
-        if isinstance(documented_bits, str):
-            documented_bits = number_of_text(documented_bits)
-        known_bits = read_bits >> placed_field.low & placed_field.mask
-        actual_bits = number >> placed_field.low & known_bits
-        if actual_bits != documented_bits & known_bits:
-            place = f"{register.name}.{placed_field.name}" if len(placed.fields) > 1 else register.name
-            actual_digits, documented_digits = (
-                _digits(actual_bits, known_bits, placed_field),
-                _digits(documented_bits, known_bits, placed_field),
-            )
-            message = f"{place}: the given part is {actual_digits}, {variant.code} has {documented_digits}"
-            if known_bits == placed_field.mask:
-                message = report.other_content(place, f"{actual_bits:#04x}", variant.code, f"{documented_bits:#04x}")
-            yield Difference(place, actual_bits, documented_bits, message, True)
+        documented_bits = number_of_text(documented) if isinstance(documented, str) else documented
+        known_bits = (known_mask >> placed_field.low) & placed_field.mask
+        actual_bits = (number >> placed_field.low) & known_bits
+        if actual_bits == documented_bits & known_bits:
+            continue
+        path = f"{register.name}.{placed_field.name}" if len(placed.fields) > 1 else register.name
+        if known_bits == placed_field.mask:
+            message = report.other_content(path, f"{actual_bits:#04x}", variant.code, f"{documented_bits:#04x}")
+        else:
+            actual_digits = _known_digits(actual_bits, known_bits, placed_field.width)
+            documented_digits = _known_digits(documented_bits, known_bits, placed_field.width)
+            message = f"{path}: the given part is {actual_digits}, {variant.code} has {documented_digits}"
+        yield Difference(path, actual=actual_bits, documented=documented_bits, message=message, is_register=True)
 
 
-def _digits(value: int, known_bits: int, placed_field: PlacedField) -> str:
-    """Return the hexadecimal digits of a field, with dots for unknown digits."""
+def _known_digits(value: int, known_bits: int, width: int) -> str:
+    """Return the hexadecimal digits of a field, with dots for unknown digits, such as ``..A3h``."""
     digits = ""
-    for shift in range((placed_field.width - 1) // 4 * 4, -1, -4):
-        is_known = known_bits >> shift & 15 != 0
-        digits += f"{value >> shift & 15:X}" if is_known else "."
+    highest_digit_shift = (width - 1) // 4 * 4
+    for shift in range(highest_digit_shift, -1, -4):
+        is_known = (known_bits >> shift) & 0xF != 0
+        digits += f"{(value >> shift) & 0xF:X}" if is_known else "."
     return digits + "h"
 
 
@@ -239,13 +284,14 @@ def strange_values(device: Device, decoded: Decoded) -> Iterator[Difference]:
     if decoded.layout is None or decoded.layout.layout.sender:
         return
     register = decoded.layout.name
+    raw_values = {field.name: field.raw for field in decoded.fields}
     for revision, test in tests_of(device, register):
-        raw = next((field.raw for field in decoded.fields if field.name == test.run), None)
+        raw = raw_values.get(test.run)
         if raw is not None and not test.min <= raw <= test.max:
             bounds = f"{test.min} to {test.max}"
             older_edition = edition_before(device, revision)
             message = of_older_edition(test.run, f"{raw}", bounds, revision, register, older_edition)
-            yield Difference(test.run, raw, bounds, message, True)
+            yield Difference(test.run, actual=raw, documented=bounds, message=message, is_register=True)
 
 
 def edition_by_registers(device: Device, match: Match, bytes_by_address: Mapping[int, int]) -> str:
@@ -258,12 +304,12 @@ def edition_by_registers(device: Device, match: Match, bytes_by_address: Mapping
     for edition in device.editions:
         for test in edition.tests:
             register = device.register(test.register)
-            addresses = range(register.address, register.last_address + 1)
-            if not all(address in bytes_by_address for address in addresses):
+            if not all(address in bytes_by_address for address in _addresses(register)):
                 continue
             has_register = True
-            number = number_from_bytes(register.layout, bytes(bytes_by_address[address] for address in addresses))
-            decoded = decode_word(device, register.layout.place(match.variant.parameters), number)
+            register_bytes = bytes(bytes_by_address[address] for address in _addresses(register))
+            placed = register.layout.place(match.variant.parameters)
+            decoded = decode_word(device, placed, number_from_bytes(register.layout, register_bytes))
             raw = member_named(decoded.fields, test.run, f"field of '{register.name}'").raw
             if not test.min <= raw <= test.max:
                 return edition_before(device, edition.revision)
@@ -274,20 +320,25 @@ def edition_by_registers(device: Device, match: Match, bytes_by_address: Mapping
 
 def without_tests(device: Device, bytes_by_address: Mapping[int, int]) -> dict[int, int]:
     """Return the registers except those that identify the edition."""
-    registers = [device.register(test.register) for edition in device.editions for test in edition.tests]
-    identifying: set[int] = set()
-    for register in registers:
-        identifying.update(range(register.address, register.last_address + 1))
-    return {address: value for address, value in bytes_by_address.items() if address not in identifying}
+    edition_addresses: set[int] = set()
+    for name in _names_of_edition_registers(device):
+        edition_addresses.update(_addresses(device.register(name)))
+    return {address: value for address, value in bytes_by_address.items() if address not in edition_addresses}
+
+
+def _names_of_edition_registers(device: Device) -> list[str]:
+    """Return the registers that identify the edition, each once."""
+    names = (test.register for edition in device.editions for test in edition.tests)
+    return list(dict.fromkeys(names))
 
 
 def _missing_registers_message(device: Device) -> str:
-    names = dict.fromkeys(test.register for edition in device.editions for test in edition.tests)
+    """Return the message with the options that state each register that identifies the edition."""
+    names = _names_of_edition_registers(device)
     if not names:
         return f"no register of {device.name} identifies the edition"
-    options = []
+    options_by_register = []
     for name in names:
-        register = device.register(name)
-        addresses = range(register.address, register.last_address + 1)
-        options.append(" ".join(f"--register 0x{address:02X}=0x.." for address in addresses))
-    return f"to infer the edition, give all of {' or '.join(names)}: {'; or '.join(options)}"
+        options = [f"--register 0x{address:02X}=0x.." for address in _addresses(device.register(name))]
+        options_by_register.append(" ".join(options))
+    return f"to infer the edition, give all of {' or '.join(names)}: {'; or '.join(options_by_register)}"

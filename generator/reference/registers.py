@@ -38,9 +38,9 @@ def decode_register(device: Device, variant: Variant, name: str, data: bytes) ->
     registers = {register.name: register for register in device.registers_over(variant.interface)}
     if name.lower() not in registers:
         for erratum in device.errata:
-            problem = _not_known(device, erratum, name.lower())
-            if problem:
-                raise RegisterError(problem)
+            message = _unknown_register_message(device, erratum, name.lower())
+            if message:
+                raise RegisterError(message)
         available = f"it has: {', '.join(registers)}" if registers else "it has none"
         raise RegisterError(f"{variant.code} has no register '{name}'; {available}")
     register = registers[name.lower()]
@@ -51,8 +51,8 @@ def decode_register(device: Device, variant: Variant, name: str, data: bytes) ->
     return codec.decode(device, placed, number_from_bytes(register.layout, data))
 
 
-def _not_known(device: Device, erratum: Erratum, name: str) -> str:
-    """Return the message that this edition or overlay does not define a register, or an empty string if it does."""
+def _unknown_register_message(device: Device, erratum: Erratum, name: str) -> str:
+    """Return the message if an erratum says that this edition or overlay lacks a register, or else an empty string."""
     if erratum.used != NOT_KNOWN or name not in erratum.printed.split(", "):
         return ""
     # The family of the spec also has errata about its editions, which do not apply to it.
@@ -65,6 +65,7 @@ def _not_known(device: Device, erratum: Erratum, name: str) -> str:
     return f"'{name}' is unknown {scope}: {erratum.why} [{cite(erratum.source)}]"
 
 
+#: Lowest and highest value of an argument, or None without a limit.
 Limits = tuple["Expression | None", "Expression | None"]
 
 
@@ -79,68 +80,84 @@ def register_writes(
         EncodeError: An argument is missing or does not fit its register.
     """
     writes: list[Write] = []
-    meanings = {argument.name: argument.meant_as for argument in procedure.arguments}
-    # The current value of each register that the procedure has written.
-    numbers: dict[str, int] = {}
+    meaning_by_argument = {argument.name: argument.meant_as for argument in procedure.arguments}
+    # The current content of each register that the procedure has written.
+    contents: dict[str, int] = {}
     for step in procedure.steps:
         if not isinstance(step, (WriteStep, ModifyStep)):
             continue
         register = device.register(step.register)
-        limits = device.limits(register, meanings.get(step.value_name, ""))
-        old_number = numbers.get(step.register, register.default or 0)
-        number = _number(register, step, variant, arguments, device, limits, old_number)
-        numbers[step.register] = number
-        variant = after_write(device, variant, register, number)
-        if register.is_accessed_whole:
-            writes.append(Write(register.address, number))
+        placed = register.layout.place(variant.parameters)
+        value = _value_of_step(step, arguments)
+        if step.value is None:
+            limits = device.limits(register, meaning_by_argument.get(step.value_name, ""))
+            _check_argument(register, _name_of_written_field(register, step), value, placed, limits)
+        if isinstance(step, ModifyStep):
+            old_content = contents.get(step.register, register.default or 0)
+            content = _with_field_changed(placed, step.field, value, old_content)
+        elif step.value is None:
+            content = _content_for_argument(device, register, placed, value)
         else:
-            data = number_to_bytes(register.layout, number, 8 * register.length)
-            writes += [Write(register.address + index, byte) for index, byte in enumerate(data)]
+            content = value
+        contents[step.register] = content
+        variant = after_write(device, variant, register, content)
+        writes += _writes_of_register(register, content)
     return tuple(writes)
 
 
-def _number(
-    register: Register,
-    step: WriteStep | ModifyStep,
-    variant: Variant,
-    arguments: Mapping[str, int],
-    device: Device,
-    limits: Limits,
-    old_number: int,
-) -> int:
-    """Return the value that the step writes to the register, which held ``old_number``."""
-    placed = register.layout.place(variant.parameters)
-    if step.value is None and step.value_name not in arguments:
-        raise codec.EncodeError(f"the argument '{step.value_name}' is missing")
-    value = step.value if step.value is not None else arguments[step.value_name]
-    name = step.field if isinstance(step, ModifyStep) else bounded(register)
-    if step.value is None:
-        _check_argument(register, name, value, placed, limits)
-    if isinstance(step, ModifyStep):
-        placed_field = placed.find_field(step.field)
-        if placed_field is None or value & ~placed_field.mask:
-            raise codec.EncodeError(f"{value} does not fit '{step.field}'")
-        return old_number & ~(placed_field.mask << placed_field.low) | value << placed_field.low
+def _value_of_step(step: WriteStep | ModifyStep, arguments: Mapping[str, int]) -> int:
+    """Return the fixed value of a step, or the argument that it names."""
     if step.value is not None:
-        return value
-    numbers = {field.name for field in register.layout.fields if isinstance(field.kind, Number)}
-    numbers |= {join.name for join in register.layout.joins}
-    if name in numbers or register.limits_of == name:
+        return step.value
+    if step.value_name not in arguments:
+        raise codec.EncodeError(f"the argument '{step.value_name}' is missing")
+    return arguments[step.value_name]
+
+
+def _name_of_written_field(register: Register, step: WriteStep | ModifyStep) -> str:
+    return step.field if isinstance(step, ModifyStep) else bounded(register)
+
+
+def _writes_of_register(register: Register, content: int) -> list[Write]:
+    """Return one write per byte, or a single write of the number if the register is written at once."""
+    if register.is_accessed_whole:
+        return [Write(register.address, content)]
+    data = number_to_bytes(register.layout, content, 8 * register.length)
+    return [Write(register.address + offset, byte) for offset, byte in enumerate(data)]
+
+
+def _with_field_changed(placed: PlacedLayout, field_name: str, value: int, old_content: int) -> int:
+    """Return the content of a register with ``value`` in one of its fields, and the other bits as they were."""
+    placed_field = placed.find_field(field_name)
+    if placed_field is None or value & ~placed_field.mask:
+        raise codec.EncodeError(f"{value} does not fit '{field_name}'")
+    other_bits = old_content & ~(placed_field.mask << placed_field.low)
+    return other_bits | (value << placed_field.low)
+
+
+def _content_for_argument(device: Device, register: Register, placed: PlacedLayout, value: int) -> int:
+    """Return the content of a register to which an argument is written."""
+    name = bounded(register)
+    names_of_numbers = {field.name for field in register.layout.fields if isinstance(field.kind, Number)}
+    names_of_numbers |= {join.name for join in register.layout.joins}
+    if name in names_of_numbers or register.limits_of == name:
         return codec.encode(device, placed, {name: value})
     # If a register has several fields and no limits on one of them, the argument is the number in the whole register.
-    for problem in codec.decode(device, placed, value).problems:
-        raise codec.EncodeError(f"{value:#x} is not a value of '{register.name}': {problem.message}")
+    problems = codec.decode(device, placed, value).problems
+    if problems:
+        raise codec.EncodeError(f"{value:#x} is not a value of '{register.name}': {problems[0].message}")
     return value
 
 
 def _check_argument(register: Register, name: str, value: int, placed: PlacedLayout, limits: Limits) -> None:
-    """Check that an argument is a value of the field, and within the limits of the register."""
+    """Check that an argument is a value of the field ``name``, and within the limits of the register."""
     fields = (field for field in register.layout.fields if field.name == name)
     allowed_values = [choice.value for field in fields for choice in field.values]
     if allowed_values and value not in allowed_values:
         raise codec.EncodeError(f"{value} is not a value of '{name}'")
-    low, high = bounds(register, placed, limits, placed.parameters)
+    lowest, highest = bounds(register, placed, limits, placed.parameters)
     # The limits of a meaning apply to the field or register to which the argument is written.
-    has_meaning = limits != (register.min, register.max)
-    if (has_meaning or name == bounded(register)) and not low <= value <= high:
-        raise codec.EncodeError(report.outside(f"{value}", f"{low}", f"{high}"))
+    has_limits_of_meaning = limits != (register.min, register.max)
+    is_limited = has_limits_of_meaning or name == bounded(register)
+    if is_limited and not lowest <= value <= highest:
+        raise codec.EncodeError(report.outside(f"{value}", f"{lowest}", f"{highest}"))

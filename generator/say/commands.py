@@ -36,23 +36,25 @@ from .text import Code, Part, Ref, Statement, listed, microseconds, sentence, sp
 
 
 def procedure(device: Device, sequence: Procedure) -> Iterator[Statement]:
-    """Yield all statements that follow its title, without arguments and steps."""
+    """Yield all statements about a procedure that follow its title, without arguments and steps."""
     yield from about_procedure(sequence)
     yield from spec_text(sequence.note)
     yield from map(erratum, errata(device, f"procedures.{sequence.name}"))
 
 
 def about_procedure(sequence: Procedure) -> Iterator[Statement]:
-    """Yield its preconditions and its result."""
+    """Yield the preconditions and the result of a procedure."""
     yield from spec_text(sequence.precondition, label="Before")
     yield from spec_text(sequence.result, label="Result")
 
 
 def argument(device: Device, parameter: Argument) -> Statement:
     """Return the meaning of an argument and the register to which it is written."""
-    as_ = (" as its ", Code(parameter.meant_as)) if parameter.meant_as else ()
-    meaning = f"{sentence(parameter.meaning)} Written to " if parameter.meaning else "Written to "
-    return statement(meaning, named(device, parameter.of), *as_)
+    parts: list[Part] = [f"{sentence(parameter.meaning)} Written to " if parameter.meaning else "Written to "]
+    parts.append(named(device, parameter.of))
+    if parameter.meant_as:
+        parts += [" as its ", Code(parameter.meant_as)]
+    return statement(*parts)
 
 
 def step(device: Device, procedure_step: Step) -> Statement:
@@ -61,17 +63,14 @@ def step(device: Device, procedure_step: Step) -> Statement:
         case WaitStep():
             return statement(f"Wait at least {microseconds(procedure_step.microseconds)}")
         case SendStep():
-            return statement(
-                "Send the request ",
-                Code(procedure_step.data_id),
-                f"{_repetition(procedure_step)}: ",
-                Code(procedure_step.request.hex(" ").upper()),
-            )
+            request_bytes = Code(procedure_step.request.hex(" ").upper())
+            repetition = _repetition_text(procedure_step)
+            return statement("Send the request ", Code(procedure_step.data_id), f"{repetition}: ", request_bytes)
         case _:
-            return statement(*_access(device, procedure_step))
+            return statement(*_register_access(device, procedure_step))
 
 
-def _repetition(send_step: SendStep) -> str:
+def _repetition_text(send_step: SendStep) -> str:
     """Return how often a request is sent, and at which interval, or an empty string if it is sent once."""
     if send_step.times <= 1:
         return ""
@@ -85,42 +84,41 @@ def _repetition(send_step: SendStep) -> str:
 
 def read_back(device: Device, register: Register, field: str) -> Statement:
     """Return the read-back check that generated code makes before a written value takes effect."""
-    address_text = f", {register_at(register)}"
+    register_or_field = _register_or_field(device, register.name, field)
     return statement(
-        "Read back ",
-        _register_and_field(device, register.name, field),
-        f"{address_text}, and stop unless it holds the written value",
+        "Read back ", register_or_field, f", {register_at(register)}, and stop unless it holds the written value"
     )
 
 
-def _access(device: Device, procedure_step: RegisterStep) -> Iterator[Part]:
-    """Yield the instruction to read, poll or write a register or a field of it."""
+def _register_access(device: Device, procedure_step: RegisterStep) -> Iterator[Part]:
+    """Yield the parts of the instruction to read, poll or write a register or a field of it."""
     register = device.register(procedure_step.register)
     address_text = f", {register_at(register)}"
     match procedure_step:
         case ReadStep(field=field):
-            yield from ("Read ", _register_and_field(device, register.name, field), address_text)
+            yield from ("Read ", _register_or_field(device, register.name, field), address_text)
         case PollStep(field=field, value=value):
-            yield from ("Poll ", _register_and_field(device, register.name, field))
+            yield from ("Poll ", _register_or_field(device, register.name, field))
             yield f"{address_text}, until it is {value}"
         case WriteStep(value_name=name, value=value):
-            yield from ("Write ", *_value(name, value), " to ", named(device, register.name), address_text)
+            yield from ("Write ", *_value_or_argument(name, value), " to ", named(device, register.name), address_text)
             if value is not None:
                 yield from (": ", Code(register.bytes_of(value).hex(" ").upper()))
         case ModifyStep(field=field, value_name=name, value=value):
-            yield from ("Write ", *_value(name, value), " to ", _register_and_field(device, register.name, field))
-            yield address_text
+            yield from ("Write ", *_value_or_argument(name, value), " to ")
+            yield from (_register_or_field(device, register.name, field), address_text)
             yield ", and keep the other fields of the register as read"
         case _:
             assert_never(procedure_step)
 
 
-def _value(name: str, value: int | None) -> tuple[Part, ...]:
-    """Return a value by its name, or the argument that the caller passes."""
+def _value_or_argument(name: str, value: int | None) -> tuple[Part, ...]:
+    """Return a named value by its name, or the argument of this name that the caller passes."""
     return ("the argument ", Code(name)) if value is None else (Code(name),)
 
 
-def _register_and_field(device: Device, register: str, field: str) -> Part:
+def _register_or_field(device: Device, register: str, field: str) -> Part:
+    """Return a reference to a field of a register, or to the register if ``field`` is empty."""
     return register_field(device, f"{register}.{field}" if field else register)
 
 
@@ -159,14 +157,16 @@ class Commands:
     @property
     def may_preset(self) -> bool:
         """True if something here, other than a reset, may change the position."""
-        texts = (*self._texts(), *self._request_texts())
-        return bool(self.settings or self.inputs) or any(map(_PRESET.search, texts))
+        if self.settings or self.inputs:
+            return True
+        return any(_PRESET.search(text) for text in (*self._texts(), *self._request_texts()))
 
     @property
     def may_save(self) -> bool:
         """True if something here may keep settings."""
-        texts_may_save = any(map(_SAVE_TO.search, self._texts())) or any(map(_SAVE.search, self._request_texts()))
-        return bool(self.settings) or texts_may_save
+        if self.settings or any(_SAVE_TO.search(text) for text in self._texts()):
+            return True
+        return any(_SAVE.search(text) for text in self._request_texts())
 
     @property
     def resets(self) -> tuple[DataId, ...]:
@@ -199,18 +199,23 @@ class Commands:
 
 def commands_over(device: Device, interface: Interface) -> Commands:
     """Return everything with which a user can change something over an interface or at an input."""
-    writable = [register for register in device.registers_over(interface.name) if register.writable]
     # A register that only opens another one for writing is a setting.
     openers = {register.opened_by for register in device.registers}
-    command_registers = [register for register in writable if holds_commands(register) and register.name not in openers]
-    not_settings = {register.name for register in command_registers}
-    if isinstance(interface, Biss):
-        not_settings.add(interface.bank_select)
+    bank_select = interface.bank_select if isinstance(interface, Biss) else None
+    command_registers: list[Register] = []
+    settings: list[Register] = []
+    for register in device.registers_over(interface.name):
+        if not register.writable:
+            continue
+        if holds_commands(register) and register.name not in openers:
+            command_registers.append(register)
+        elif register.name != bank_select:
+            settings.append(register)
     procedures = [procedure for procedure in device.procedures if procedure.interface == interface.name]
     return Commands(
         procedures=tuple(procedure for procedure in procedures if _changes_encoder(procedure)),
         registers=tuple(command_registers),
-        settings=tuple(register for register in writable if register.name not in not_settings),
+        settings=tuple(settings),
         requests=tuple(request for request in _requests(interface) if request.purpose not in _READING),
         inputs=device.inputs,
         has_control_data=isinstance(interface, Biss) and bool(interface.control_data),
@@ -234,6 +239,7 @@ def _changes_encoder(procedure: Procedure) -> bool:
 
 
 def _requests(interface: Interface) -> Iterator[DataId | Exchange]:
+    """Yield the T-format requests and the other exchanges of an interface."""
     if isinstance(interface, Rs485):
         yield from interface.data_ids
     if isinstance(interface, (Rs485, Spi)):
@@ -246,11 +252,13 @@ def remedied(text: str, names: Sequence[str]) -> Iterator[Statement]:
         yield from spec_text(text, label="Remedy")
         return
     steps = listed([Ref("by-hand", name, heading(name)) for name in names], " or ")
-    remedy_parts = [f"{sentence(text)} "] if text else []
-    yield statement(*remedy_parts, "Steps: ", *steps, label="Remedy")
+    introduction = f"{sentence(text)} Steps: " if text else "Steps: "
+    yield statement(introduction, *steps, label="Remedy")
 
 
 def with_steps(text: str, names: Sequence[str]) -> str:
     """Return the remedy as plain text with the titles of its steps on the hardware page."""
+    if not names:
+        return text
     titles = " or ".join(map(heading, names))
-    return f"{sentence(text)} Steps on the hardware page: {titles}".strip() if titles else text
+    return f"{sentence(text)} Steps on the hardware page: {titles}".strip()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator, Sequence, Set
+from collections.abc import Collection, Iterable, Iterator, Sequence, Set
 
 from ..model import INTERFACES, LEFT_OUT, NOT_KNOWN, Alternative, Answer, Device, Erratum, Layout, layer_in_words
 from .text import Code, Part, Ref, Statement, listed, sentence, statement
@@ -69,31 +69,32 @@ _MORE = re.compile(r" and ([0-9]+ more)$")
 
 def paths_in_words(paths: str) -> str:
     """Return paths such as ``registers.bank.default, supply and 2 more`` in words."""
-    count_text = _MORE.search(paths)
-    texts = [_path_in_words(path.split(".")) for path in _MORE.sub("", paths).split(", ")]
-    if count_text is not None:
-        texts.append(count_text[1])
-    return "".join(map(str, listed(texts)))
+    number_of_more = _MORE.search(paths)
+    listed_paths = _MORE.sub("", paths).split(", ")
+    phrases = [_path_in_words(path.split(".")) for path in listed_paths]
+    if number_of_more is not None:
+        phrases.append(number_of_more[1])
+    return "".join(map(str, listed(phrases)))
 
 
 def change_in_words(printed: str) -> str:
     """Return a part and its value, such as ``bank.default: 50``, in words. Text without a path is unchanged."""
     paths, colon, value = printed.partition(": ")
-    paths = _INDEX.sub(lambda index_match: f".{int(index_match[1]) + 1}", paths)
-    if not all(map(_PATH.fullmatch, _MORE.sub("", paths).split(", "))):
-        return printed
-    return f"{paths_in_words(paths)}{colon}{value}"
+    # An index such as [0] becomes a step that counts from 1.
+    numbered_paths = _INDEX.sub(lambda index: f".{int(index[1]) + 1}", paths)
+    are_paths = all(map(_PATH.fullmatch, _MORE.sub("", numbered_paths).split(", ")))
+    return f"{paths_in_words(numbered_paths)}{colon}{value}" if are_paths else printed
 
 
-def _first_words(steps: Sequence[str]) -> tuple[str, Sequence[str]]:
+def _beginning_in_words(steps: Sequence[str]) -> tuple[str, Sequence[str]]:
     """Return the words for the first steps of a path that are described together, and the other steps."""
     match steps:
-        case ["order_code", "parts", part, "values", value, *following]:
-            return f"order codes with {part} {value}", following
-        case ["order_code", "parts", part, key, *following]:
-            return f"order code part {part}", [key, *following]
-        case ["order_code", "also_written", number, "values", part, *following]:
-            return f"the values of {part} in spelling {number} on labels", following
+        case ["order_code", "parts", part, "values", value, *other_steps]:
+            return f"order codes with {part} {value}", other_steps
+        case ["order_code", "parts", part, key, *other_steps]:
+            return f"order code part {part}", [key, *other_steps]
+        case ["order_code", "also_written", number, "values", part, *other_steps]:
+            return f"the values of {part} in spelling {number} on labels", other_steps
     is_register = steps[0] not in (*_LISTS, *_TOP, "interfaces", "order_code")
     if is_register:
         # Paths of registers may leave out the name of their list.
@@ -105,25 +106,26 @@ def _path_in_words(steps: Sequence[str]) -> str:
     """Return one path in words, from the outermost step inwards. A step for which there are no words is kept."""
     if len(steps) == 1 and steps[0] in _TOP:
         return _TOP[steps[0]]
-    words, remaining = _first_words(steps)
-    while remaining:
-        match remaining:
-            case ["interfaces", name, *following]:
+    words, remaining_steps = _beginning_in_words(steps)
+    while remaining_steps:
+        match remaining_steps:
+            case ["interfaces", name, *later_steps]:
                 words = INTERFACES[name].title if name in INTERFACES else name
-            case ["order_code", *following]:
+            case ["order_code", *later_steps]:
                 words = "the order code"
-            case [list_name, name, *following] if list_name in _LISTS:
-                words = _within(f"{_LISTS[list_name]} {name}", words)
+            case [list_name, name, *later_steps] if list_name in _LISTS:
+                words = _of_owner(f"{_LISTS[list_name]} {name}", words)
             case [key] if key in _KEYS:
-                words, following = _KEYS[key].format(words), []
-            case [step, *following]:
-                words = _within(step.replace("_", " "), words)
-        remaining = following
+                words, later_steps = _KEYS[key].format(words), []
+            case [step, *later_steps]:
+                words = _of_owner(step.replace("_", " "), words)
+        remaining_steps = later_steps
     return words
 
 
-def _within(text: str, owner: str) -> str:
-    return f"{text} of {owner}" if owner else text
+def _of_owner(part: str, owner: str) -> str:
+    """Return a part with what it belongs to, such as ``field status of register command``."""
+    return f"{part} of {owner}" if owner else part
 
 
 #: Longest reason, in characters, that is shown next to code. Errata with wrong data always have their reason.
@@ -139,8 +141,10 @@ def errata(
     request, for pages that show the text of a manual.
     """
 
-    def is_about(affected: str) -> bool:
-        return affected in exactly or (_is_within(affected, paths) and not _is_within(affected, without))
+    def is_about(affected_path: str) -> bool:
+        if affected_path in exactly:
+            return True
+        return _is_within(affected_path, paths) and not _is_within(affected_path, without)
 
     candidates = [correction for correction in device.errata if wording or correction.severity != "wording"]
     return tuple(correction for correction in candidates if any(map(is_about, correction.affects)))
@@ -159,22 +163,25 @@ def erratum(correction: Erratum, *, whole: bool = False) -> Statement:
     wrong bytes could be sent and the erratum is open.
     """
     if correction.overlay or correction.edition:
-        return _change(correction)
+        return _change_statement(correction)
     may_send_wrong_bytes = correction.severity == "wrong_data"
-    has_reason = whole or may_send_wrong_bytes or len(correction.why) <= _SHORT
+    shows_reason = whole or may_send_wrong_bytes or len(correction.why) <= _SHORT
     used = sentence(correction.used)
     if correction.only:
         used += " " + sentence(f"Only with {correction.only}")
-    reason = correction.why if has_reason else ""
     severity = correction.severity.replace("_", " ")
     label = f"Erratum: {correction.title} ({correction.status}, {severity})"
-    needs_all = may_send_wrong_bytes and correction.status == "open"
+    brief_needs_all = may_send_wrong_bytes and correction.status == "open"
+    used_in_brief = used if brief_needs_all else _first_sentence(used)
+    labelled_texts = [("Printed", correction.printed), ("Used", used)]
+    if shows_reason:
+        labelled_texts.append(("Why", correction.why))
     return Statement(
         parts=(),
         label=label,
         source=correction.source,
-        brief=f"{label}. Used: {used if needs_all else _first_sentence(used)}",
-        below=tuple(_labelled(("Printed", correction.printed), ("Used", used), ("Why", reason))),
+        brief=f"{label}. Used: {used_in_brief}",
+        below=tuple(_labelled_statements(labelled_texts)),
     )
 
 
@@ -186,19 +193,24 @@ def _first_sentence(text: str) -> str:
     return _SENTENCE_END.split(text, maxsplit=1)[0]
 
 
-def _labelled(*parts: tuple[str, str]) -> Iterator[Statement]:
-    return (statement(text, label=label) for label, text in parts if text)
+def _labelled_statements(labelled_texts: Iterable[tuple[str, str]]) -> Iterator[Statement]:
+    """Yield a statement for each pair of a label and a text, without those whose text is empty."""
+    for label, text in labelled_texts:
+        if text:
+            yield statement(text, label=label)
 
 
-def _change(correction: Erratum) -> Statement:
+def _change_statement(correction: Erratum) -> Statement:
     """Return a change by an overlay, by another edition, or by the editions before one."""
-    brief = None
-    label = layer_in_words(correction.overlay, correction.edition)
-    if correction.edition:
-        # The code is correct for this edition, and the header of a file says where the differences are.
-        brief = ""
-    below = tuple(_labelled(*changed(correction), ("Why", correction.why)))
-    return Statement(parts=(), label=label, source=correction.source, brief=brief, below=below)
+    # The code is correct for an edition, and the header of a file says where the differences are.
+    brief = "" if correction.edition else None
+    return Statement(
+        parts=(),
+        label=layer_in_words(correction.overlay, correction.edition),
+        source=correction.source,
+        brief=brief,
+        below=tuple(_labelled_statements([*changed(correction), ("Why", correction.why)])),
+    )
 
 
 def changed(correction: Erratum) -> Iterator[tuple[str, str]]:
@@ -213,7 +225,8 @@ def changed(correction: Erratum) -> Iterator[tuple[str, str]]:
         yield "Text", f"{correction.used}"
     else:
         yield "In the spec", change
-        yield "In that edition" if correction.edition else "With the overlay", f"{correction.used}"
+        label_of_used = "In that edition" if correction.edition else "With the overlay"
+        yield label_of_used, f"{correction.used}"
 
 
 def question(alternative: Alternative) -> Statement:
@@ -242,11 +255,11 @@ def answer_names(answers: Sequence[Answer]) -> Iterator[Part]:
 def deciding_alternatives(alternatives: Sequence[Alternative], parameters: Set[str]) -> list[Alternative]:
     """Return the alternatives whose answers set some of the parameters, or none unless they set all of them."""
     deciding: list[Alternative] = []
-    decided: set[str] = set()
+    decided_parameters: set[str] = set()
     for alternative in alternatives:
         # All answers to an alternative set the same parameters.
-        parameters_set = alternative.answers[0].sets.keys()
-        if parameters & parameters_set:
+        answered_parameters = alternative.answers[0].sets.keys()
+        if parameters & answered_parameters:
             deciding.append(alternative)
-            decided |= parameters_set
-    return deciding if parameters <= decided else []
+            decided_parameters |= answered_parameters
+    return deciding if parameters <= decided_parameters else []

@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterator
 from enum import Enum
 
-from ..model import LEFT_OUT, NOT_KNOWN, Device, EditionTest, Interface, Timing
+from ..model import LEFT_OUT, NOT_KNOWN, Device, EditionTest, Interface
 from .errata import erratum
 from .names_and_places import words
 from .text import Code, Ref, Statement, sentence, statement
@@ -32,7 +32,9 @@ def grade(device: Device) -> Statement:
     """Return the grade of the evidence, with its meaning, and the values that are still the template's."""
     grade_name = device.evidence.grade
     text = f"{grade_name} ({_MEANING[grade_name]})"
-    return statement(f"{text}. {placeholders(device)}" if device.evidence.placeholders else text, label="Evidence")
+    if device.evidence.placeholders:
+        text = f"{text}. {placeholders(device)}"
+    return statement(text, label="Evidence")
 
 
 def lowest_grade() -> str:
@@ -81,13 +83,11 @@ def basis(device: Device) -> Iterator[Statement]:
 
 def origin(device: Device) -> Iterator[Statement]:
     """Yield how the family differs from its manual, if at all."""
-    special = next((overlay.special for overlay in device.overlays if overlay.special), "")
-    if special:
+    specials = [overlay.special for overlay in device.overlays if overlay.special]
+    if specials:
+        suffix = Code(f"/{specials[0]}")
         yield statement(
-            "Only for encoders whose order code ends in ",
-            Code(f"/{special}"),
-            ". For all others use ",
-            Code(device.base),
+            "Only for encoders whose order code ends in ", suffix, ". For all others use ", Code(device.base)
         )
     if device.edition:
         date = f" of {device.manual.date}" if device.manual.date else ""
@@ -152,22 +152,24 @@ class Subject(Enum):
 
 def mentions(device: Device, interface: Interface, subject: Subject) -> bool:
     """Return whether anything about the device or this interface may be about the subject."""
-    search = re.compile(subject.value).search
-    return any(map(search, _texts(device, interface)))
+    words_of_subject = re.compile(subject.value)
+    return any(words_of_subject.search(text) for text in _texts(device, interface))
 
 
 def _texts(device: Device, interface: Interface) -> Iterator[str]:
+    """Yield the texts of the manual that are not about a frame or a register."""
     yield interface.note
     for timing in (*interface.timings, *device.timings):
-        yield _text_of(timing)
+        yield f"{_with_spaces(timing.name)}: {timing.symbol} {timing.meaning}"
     for characteristic in device.characteristics:
-        quantities = (quantity.quantity for quantity in characteristic.values)
-        yield " ".join((characteristic.name.replace("_", " "), characteristic.value, *quantities))
+        quantities = [value.quantity for value in characteristic.values]
+        yield " ".join([_with_spaces(characteristic.name), characteristic.value, *quantities])
     for table in device.tables:
-        yield " ".join((table.title, *table.columns, *(row[0] for row in table.rows if row), table.note))
+        first_cells = [row[0] for row in table.rows if row]
+        yield " ".join([table.title, *table.columns, *first_cells, table.note])
     for connector in device.connectors:
         yield connector.note
 
 
-def _text_of(timing: Timing) -> str:
-    return f"{timing.name.replace('_', ' ')}: {timing.symbol} {timing.meaning}"
+def _with_spaces(name: str) -> str:
+    return name.replace("_", " ")

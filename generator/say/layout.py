@@ -31,7 +31,7 @@ from ..model.expressions import Expression
 from .errata import answer_names, deciding_alternatives, errata, erratum, needed_answers
 from .plain_text import counted
 from .report import conditions
-from .text import WORTH, Code, Part, Statement, listed, sentence, spec_text, statement
+from .text import WORTH, Code, Part, Statement, listed, parted, sentence, spec_text, statement
 
 
 def head(interface: Interface, layout: Layout, name: Part, alternatives: Sequence[Alternative] = ()) -> Statement:
@@ -45,9 +45,9 @@ def head(interface: Interface, layout: Layout, name: Part, alternatives: Sequenc
 
 
 def size(layout: Layout, alternatives: Sequence[Alternative] = ()) -> tuple[Part, ...]:
-    """Return its length and transmission order."""
+    """Return the length and the transmission order of a frame as parts of a statement."""
     if not layout.in_bytes:
-        return *_bits(layout, alternatives), " bits, most significant first"
+        return *_number_of_bits(layout, alternatives), " bits, most significant first"
     length_text = counted(layout.widest // 8, "byte")
     if layout.widest > 8:
         length_text += f", {layout.byte_order.replace('_', ' ')}"
@@ -57,22 +57,21 @@ def size(layout: Layout, alternatives: Sequence[Alternative] = ()) -> tuple[Part
     return (length_text,)
 
 
-def _bits(layout: Layout, alternatives: Sequence[Alternative]) -> Iterator[Part]:
+def _number_of_bits(layout: Layout, alternatives: Sequence[Alternative]) -> Iterator[Part]:
     """Yield the number of bits: an expression, or ``25 (a) or 26 (b)`` if answers to alternatives decide it."""
     deciding = deciding_alternatives(alternatives, set(layout.bits.parameters))
     if not deciding:
         yield layout.bits
         return
-    for index, (answers, parameters) in enumerate(choices(deciding)):
-        if index:
-            yield " or "
-        yield f"{layout.bits.value(parameters)} ("
-        yield from answer_names(answers)
-        yield ")"
+    possible_lengths: list[list[Part]] = []
+    for answers, answered_parameters in choices(deciding):
+        bits = layout.bits.value(answered_parameters)
+        possible_lengths.append([f"{bits} (", *answer_names(answers), ")"])
+    yield from parted(possible_lengths, " or ")
 
 
 def layout(device: Device, interface: Interface, frame: Layout) -> Iterator[Statement]:
-    """Yield all statements that follow the head in running text."""
+    """Yield all statements about a frame that follow its head in running text."""
     yield from spec_text(frame.printed_name, label="In the manual")
     yield from facts(interface, frame)
     yield from needed_answers(device, frame)
@@ -93,30 +92,22 @@ def has_excess(layout: Layout) -> bool:
 def _has_parity_over_gray(layout: Layout) -> bool:
     """Return True if a parity bit covers bits that can be in Gray code."""
     gray_names = set(layout.names_in(layout.gray_of))
-    parities = (field.kind for field in layout.fields if isinstance(field.kind, Parity))
-    return any(not gray_names.isdisjoint(parity.of) for parity in parities)
+    for field in layout.fields:
+        if isinstance(field.kind, Parity) and not gray_names.isdisjoint(field.kind.of):
+            return True
+    return False
 
 
-def _excess_in_words(layout: Layout) -> str | Code:
-    """Return the number that is added, or the parameter."""
+def _excess_number_or_parameter(layout: Layout) -> str | Code:
+    """Return the number that is added before the position is sent in Gray code, or the parameter that holds it."""
     excess = layout.gray_excess or Expression(0)
     return str(excess.constant) if excess.is_constant else Code(excess.render())
 
 
 def facts(interface: Interface, layout: Layout) -> Iterator[Statement]:
-    """Yield its selector, its code, its gaps, its joined numbers and its combinations of values."""
+    """Yield the selector of a frame, its code, its gaps, its joined numbers and its combinations of values."""
     yield from carries(interface, layout)
-    if layout.gray_when:
-        number, parameter = Code(layout.gray_of), Code(layout.gray_when)
-        yield statement(number, " is in Gray code while ", parameter, " is 1, and in binary while it is 0")
-        if has_excess(layout):
-            excess = _excess_in_words(layout)
-            yield statement("In Gray code, ", excess, " is added to it before it is sent (Gray excess)")
-    elif has_excess(layout):
-        excess = _excess_in_words(layout)
-        yield statement(Code(layout.gray_of), " is in Gray excess: it is sent in Gray code after ", excess, " is added")
-    elif layout.gray_of:
-        yield statement(Code(layout.gray_of), " is in Gray code")
+    yield from _gray_code(layout)
     if _has_parity_over_gray(layout):
         yield statement("A parity bit is that of the bits as they are sent, before Gray code is converted")
     if layout.gaps:
@@ -126,6 +117,22 @@ def facts(interface: Interface, layout: Layout) -> Iterator[Statement]:
     for sign in layout.signs:
         if sign.flag.name in combinations:
             yield combination(layout, sign, combinations[sign.flag.name])
+
+
+def _gray_code(layout: Layout) -> Iterator[Statement]:
+    """Yield the number that is in Gray code, with the parameter that decides it and the excess, if there are any."""
+    number = Code(layout.gray_of)
+    if layout.gray_when:
+        parameter = Code(layout.gray_when)
+        yield statement(number, " is in Gray code while ", parameter, " is 1, and in binary while it is 0")
+        if has_excess(layout):
+            excess = _excess_number_or_parameter(layout)
+            yield statement("In Gray code, ", excess, " is added to it before it is sent (Gray excess)")
+    elif has_excess(layout):
+        excess = _excess_number_or_parameter(layout)
+        yield statement(number, " is in Gray excess: it is sent in Gray code after ", excess, " is added")
+    elif layout.gray_of:
+        yield statement(number, " is in Gray code")
 
 
 def combination(layout: Layout, sign: Sign, value_combination: Combination) -> Statement:
@@ -145,11 +152,15 @@ def combination(layout: Layout, sign: Sign, value_combination: Combination) -> S
 
 def carries(interface: Interface, layout: Layout) -> Iterator[Statement]:
     """Yield the selector values that identify the frame."""
-    if layout.selects:
-        data_ids = interface.data_ids if isinstance(interface, Rs485) else ()
-        names = {data_id.id: f" ({data_id.name})" for data_id in data_ids}
-        values = [f"{value:X}{names.get(value, '')}" for value in layout.selects]
-        yield statement("Its ", Code(layout.selector), " is ", *listed(values, " or "))
+    if not layout.selects:
+        return
+    name_by_value: dict[int, str] = {}
+    if isinstance(interface, Rs485):
+        name_by_value = {data_id.id: data_id.name for data_id in interface.data_ids}
+    values = []
+    for value in layout.selects:
+        values.append(f"{value:X} ({name_by_value[value]})" if value in name_by_value else f"{value:X}")
+    yield statement("Its ", Code(layout.selector), " is ", *listed(values, " or "))
 
 
 def joins(layout: Layout) -> Iterator[Statement]:
@@ -172,14 +183,14 @@ def as_one_number(parts: str) -> str:
 
 
 def crc(device: Device, checksum: Crc) -> Iterator[Statement]:
-    """Yield all statements about it in order, for running text."""
+    """Yield all statements about a CRC in order, for running text."""
     yield crc_head(device, checksum)
     yield from spec_text(checksum.note)
     yield from map(erratum, errata(device, f"crcs.{checksum.name}"))
 
 
 def crc_head(device: Device, checksum: Crc) -> Statement:
-    """Return its parameters in one sentence."""
+    """Return the name, the width and the parameters of a CRC in one sentence."""
     return statement(
         f"CRC {checksum.name} of {counted(checksum.width, 'bit')}: {crc_parameters(device, checksum)}",
         source=checksum.source,
@@ -187,7 +198,7 @@ def crc_head(device: Device, checksum: Crc) -> Statement:
 
 
 def crc_parameters(device: Device, checksum: Crc) -> str:
-    """Return polynomial, start value, reflection and final XOR."""
+    """Return polynomial, start value, reflection and final XOR of a CRC."""
     start_value = f"0x{checksum.init:X}" if checksum.init else "0"
     texts = [checksum.polynomial, f"start value {start_value}", crc_reflected(device, checksum), crc_sent(checksum)]
     return ", ".join(text for text in texts if text)
@@ -201,7 +212,7 @@ def crc_reflected(device: Device, checksum: Crc) -> str:
 
 
 def crc_sent(checksum: Crc) -> str:
-    """Return how the remainder is changed before it is sent."""
+    """Return how the remainder of a CRC is changed before it is sent."""
     if checksum.xorout == checksum.mask:
         return "sent inverted"
     return f"sent after an XOR with 0x{checksum.xorout:X}" if checksum.xorout else "sent unchanged"
@@ -209,7 +220,9 @@ def crc_sent(checksum: Crc) -> str:
 
 def crc_inverted(checksum: Crc) -> str:
     """Return in two words how the remainder is changed before it is sent."""
-    return {0: "not inverted", checksum.mask: "inverted"}.get(checksum.xorout, f"XOR {checksum.xorout:#X}")
+    if checksum.xorout == checksum.mask:
+        return "inverted"
+    return f"XOR {checksum.xorout:#X}" if checksum.xorout else "not inverted"
 
 
 #: Colour class of values that have none of their own.
@@ -246,7 +259,9 @@ def box_label(field: Field) -> str:
         case Constant(value=value, padding_of=padded_field):
             value_text = f"{value:X}h" if value > 9 else f"{value}"
             has_no_name = padded_field or not field.printed_name
-            return value_text if value == 0 and has_no_name else f"{name_as_words(field.name)} = {value_text}"
+            if value == 0 and has_no_name:
+                return value_text
+            return f"{name_as_words(field.name)} = {value_text}"
         case Number() | Flag() | Choice() | Unused() | CrcValue() | Parity() | Decimal() | Text():
             return name_as_words(field.name)
         case _:

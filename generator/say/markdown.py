@@ -33,14 +33,20 @@ def _escaped(value: str) -> str:
 
 def code(value: object) -> str:
     """Return a code span that is safe inside a table, where a vertical bar would end the cell."""
-    return _span(plain(value))
+    return _code_span(plain(value))
 
 
 @lru_cache(4096)
-def _span(code_text: str) -> str:
-    fence = "`" * (max((len(run) for run in re.findall("`+", code_text)), default=0) + 1)
-    pad = " " if code_text.startswith("`") or code_text.endswith("`") else ""
-    return f"{fence}{pad}{code_text}{pad}{fence}".replace("|", "\\|") if code_text else ""
+def _code_span(code_text: str) -> str:
+    """Return a code span, or an empty string for an empty text."""
+    if not code_text:
+        return ""
+    # The fence is longer than any run of backticks in the text.
+    longest_run = max(map(len, re.findall("`+", code_text)), default=0)
+    fence = "`" * (longest_run + 1)
+    touches_fence = code_text.startswith("`") or code_text.endswith("`")
+    space = " " if touches_fence else ""
+    return f"{fence}{space}{code_text}{space}{fence}".replace("|", "\\|")
 
 
 def paragraph(value: str) -> str:
@@ -50,30 +56,33 @@ def paragraph(value: str) -> str:
 
 
 def _escaped_start(match: re.Match[str]) -> str:
-    """Return the start of a list item, heading or rule with its sign escaped."""
-    return f"{match[1]}\\{match[2]}" if match[1] else f"\\{match[3]}"
+    """Return the start of a list item, heading or rule with its sign escaped, such as ``1\\.`` or ``\\-``."""
+    item_number, sign_after_number, other_sign = match.groups()
+    return f"{item_number}\\{sign_after_number}" if item_number else f"\\{other_sign}"
 
 
 def cited(sources: Sources) -> str:
     """Return the sources as ``§6.4 p.35, it: §6.4 p.36``."""
-    return text(_numbered(sources))
+    return text(_cite_with_section_signs(sources))
 
 
 def cited_html(sources: Sources) -> str:
     """Return the sources for an HTML element."""
-    return html(_numbered(sources))
+    return html(_cite_with_section_signs(sources))
 
 
-def _numbered(sources: Sources) -> str:
+def _cite_with_section_signs(sources: Sources) -> str:
     return cite(tuple(map(_with_section_sign, sources)))
 
 
 def _with_section_sign(source: Source) -> Source:
-    return replace(source, section=f"§{source.section}") if _NUMBER.match(source.section) else source
+    """Return the source with § in front of its section if that has a number. Others have a title."""
+    has_section_number = _SECTION_NUMBER.match(source.section) is not None
+    return replace(source, section=f"§{source.section}") if has_section_number else source
 
 
 #: The number of a section, in contrast to that of a register, such as 0x07.
-_NUMBER = re.compile(r"\d+(?![\dx])")
+_SECTION_NUMBER = re.compile(r"\d+(?![\dx])")
 
 
 def html(value: object) -> str:
@@ -99,15 +108,15 @@ def anchor(name: str) -> str:
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """Return a table of Markdown cells without empty columns, or an empty string if all are empty."""
     row_lists = [list(row) for row in rows]
-    shown_columns = [index for index in range(len(head)) if _has_text(row_lists, index)]
-    if not shown_columns:
+    filled_columns = [column for column in range(len(head)) if _has_text(row_lists, column)]
+    if not filled_columns:
         return ""
-    shown_rows = [_selected(row, shown_columns) for row in (head, ["---"] * len(head), *row_lists)]
-    return "\n".join("| " + " | ".join(row) + " |" for row in shown_rows)
-
-
-def _selected(row: Sequence[str], columns: Sequence[int]) -> list[str]:
-    return [row[index] for index in columns]
+    rule = ["---"] * len(head)
+    lines = []
+    for row in (head, rule, *row_lists):
+        cells = [row[column] for column in filled_columns]
+        lines.append(f"| {' | '.join(cells)} |")
+    return "\n".join(lines)
 
 
 def _has_text(rows: Sequence[Sequence[str]], column: int) -> bool:

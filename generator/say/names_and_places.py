@@ -9,7 +9,7 @@ from ..model import Alternative, Biss, Device, Field, Interface, Layout, Registe
 from ..model.expressions import Expression
 from ..model.record import dataclass
 from .errata import answer_names, deciding_alternatives
-from .text import Code, Part, Ref, Statement, statement
+from .text import Code, Part, Ref, Statement, parted, statement
 
 _ACRONYMS = {
     "biss": "BiSS",
@@ -112,12 +112,14 @@ def addresses(register: Register) -> str:
 
 def register_at(register: Register) -> str:
     """Return a register with its addresses as text: ``register 49h`` or ``registers 11h to 17h``."""
-    return f"register{'s' * (register.last_address > register.address)} {addresses(register)}"
+    noun = "registers" if register.last_address > register.address else "register"
+    return f"{noun} {addresses(register)}"
 
 
 def field_at(device: Device, path: str) -> str:
     """Return the address and path of a field: ``register 49h (configuration.code)``."""
-    return f"{register_at(device.register(path.partition('.')[0]))} ({path})"
+    register_name, _, _ = path.partition(".")
+    return f"{register_at(device.register(register_name))} ({path})"
 
 
 def bit_range(high: int, low: int) -> str:
@@ -127,20 +129,46 @@ def bit_range(high: int, low: int) -> str:
 
 def bits(high: int, low: int) -> str:
     """Return bits as text: ``bit 5`` or ``bits 5:3``."""
-    return f"bit{'s' * (high > low)} {bit_range(high, low)}"
+    noun = "bits" if high > low else "bit"
+    return f"{noun} {bit_range(high, low)}"
 
 
 def frame_bytes(layout: Layout, length: int, high: int, low: int) -> str:
     """Return the bytes of a ``length``-bit frame that contain these bits: ``byte 1, bits 7:1`` or ``bytes 2 to 4``."""
-    last = length // 8 - 1
     first_byte, last_byte = low // 8, high // 8
     if layout.byte_order != "low_byte_first":
-        first_byte, last_byte = last - last_byte, last - first_byte
-    if low % 8 == 0 and high % 8 == 7:
+        # The byte with the highest bits is sent first.
+        byte_count = length // 8
+        first_byte, last_byte = byte_count - 1 - high // 8, byte_count - 1 - low // 8
+    are_whole_bytes = low % 8 == 0 and high % 8 == 7
+    if are_whole_bytes:
         return f"byte {first_byte}" if first_byte == last_byte else f"bytes {first_byte} to {last_byte}"
     if first_byte == last_byte:
         return f"byte {first_byte}, {bits(high % 8, low % 8)}"
     return f"{bits(high, low)} of the frame as one number"
+
+
+def bit_place(layout: Layout, bits: int, high: int, low: int) -> str:
+    """Return a field's position as people write it: ``46:31``, or ``byte 2.7:4`` with the first byte as 0."""
+    is_one_bit = high == low
+    if not layout.in_bytes:
+        return f"{high}" if is_one_bit else f"{high}:{low}"
+    if layout.byte_order == "low_byte_first":
+        first_bit, last_bit = low, high
+        first_byte, last_byte = low // 8, high // 8
+    else:
+        first_bit, last_bit = high, low
+        bytes_after = bits // 8 - 1
+        first_byte, last_byte = bytes_after - high // 8, bytes_after - low // 8
+    if first_byte != last_byte:
+        is_whole_bytes = low % 8 == 0 and high % 8 == 7
+        if is_whole_bytes:
+            return f"bytes {first_byte}-{last_byte}"
+        return f"bytes {first_byte}.{first_bit % 8}-{last_byte}.{last_bit % 8}"
+    if high - low == 7:
+        return f"byte {first_byte}"
+    place = f"byte {first_byte}.{high % 8}"
+    return place if is_one_bit else f"{place}:{low % 8}"
 
 
 def field_place(layout: Layout, field: Field, alternatives: Sequence[Alternative] = ()) -> Iterator[Part]:
@@ -148,26 +176,28 @@ def field_place(layout: Layout, field: Field, alternatives: Sequence[Alternative
 
     If the location depends on ``alternatives``, each possible location is followed by its answer.
     """
-    width = Expression(field.container) if field.container else field.width
-    high = field.low + width - Expression(1)
-    parameters = {*field.low.parameters, *high.parameters}
-    deciding = deciding_alternatives(alternatives, parameters)
-    if parameters and not deciding:
+    width_with_padding = Expression(field.container) if field.container else field.width
+    high = field.low + width_with_padding - Expression(1)
+    deciding_parameters = {*field.low.parameters, *high.parameters}
+    deciding = deciding_alternatives(alternatives, deciding_parameters)
+    if deciding_parameters and not deciding:
         yield from ("starting at bit ", field.low)
         return
-    for index, (answers, sets) in enumerate(choices(deciding)):
-        if index:
-            yield " or "
-        yield _field_place_text(layout, high.value(sets), field.low.value(sets))
-        if answers:
-            yield from (" (", *answer_names(answers), ")")
+    possible_places: list[list[Part]] = []
+    # Without alternatives, there is one place, without answers.
+    for answers, answered_parameters in choices(deciding):
+        place = _place_text(layout, high.value(answered_parameters), field.low.value(answered_parameters))
+        explanation: list[Part] = [" (", *answer_names(answers), ")"] if answers else []
+        possible_places.append([place, *explanation])
+    yield from parted(possible_places, " or ")
 
 
-def _field_place_text(layout: Layout, high: int, low: int) -> str:
+def _place_text(layout: Layout, high: int, low: int) -> str:
+    """Return the bits from ``high`` to ``low`` as text, such as ``byte 1, bits 7:1``, ``bits 46:31`` or ``absent``."""
     if high < low:
         return "absent"
-    # A register has no sender. Its bits are those of one number.
-    if layout.in_bytes and layout.sender:
+    is_register = not layout.sender  # Its bits are those of one number.
+    if layout.in_bytes and not is_register:
         return frame_bytes(layout, layout.widest, high, low)
     return bits(high, low)
 

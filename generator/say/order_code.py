@@ -60,7 +60,7 @@ from .text import (
 
 
 def order_code(device: Device) -> Iterator[Statement]:
-    """Yield all statements about it in order, for running text."""
+    """Yield all statements about the order codes, for running text."""
     code = device.order_code
     yield statement(Code(code.pattern), label="Order codes", source=code.source)
     for code_part in code.parts:
@@ -80,10 +80,12 @@ def not_on_label(device: Device) -> Iterator[Statement]:
 
 def part(code_part: CodePart) -> Statement:
     """Return the meaning and the values of a part."""
-    return statement(f"{code_part.meaning}: ", *parted(map(_part_value, code_part.values), "; "), label=code_part.name)
+    values = parted([_value_with_meaning(value) for value in code_part.values], "; ")
+    return statement(f"{code_part.meaning}: ", *values, label=code_part.name)
 
 
-def _part_value(value: CodeValue) -> tuple[Part, ...]:
+def _value_with_meaning(value: CodeValue) -> tuple[Part, ...]:
+    """Return a value of a part of the order code, and its meaning if it has one."""
     return (Code(value.text), f" = {value.meaning}") if value.meaning else (Code(value.text),)
 
 
@@ -104,68 +106,69 @@ def spelling(label_spelling: Spelling) -> Statement:
 
 
 def parameter(device: Device, device_parameter: Parameter) -> Iterator[Statement]:
-    """Yield all statements about it in order, for running text."""
+    """Yield all statements about a parameter, for running text."""
     yield from spec_text(device_parameter.meaning, source=device_parameter.source)
     yield from spec_text(device_parameter.unit, label="Unit")
     yield from parameter_origin(device, device_parameter)
 
 
-def _bound(number: int | None) -> Expression | None:
-    return Expression(number) if number is not None else None
-
-
 def parameter_origin(device: Device, device_parameter: Parameter) -> Iterator[Statement]:
-    """Yield the source of its value if no order code sets it."""
+    """Yield where the value of a parameter comes from if no order code sets it."""
     if device_parameter.equals is not None:
         yield statement("Equals ", device_parameter.equals)
     if device_parameter.alternative:
-        yield statement("Set by your choice of ", *_choice(device, device_parameter))
+        yield statement("Set by your choice of ", *_choice_with_values(device, device_parameter))
     if device_parameter.read_from:
         register_text = register_at(device.register(device_parameter.register))
         field_reference = register_field(device, device_parameter.read_from)
         parts: list[Part] = [f"Read at run time from {register_text} (", field_reference, ")"]
-        range_parts = limits(_bound(device_parameter.min), _bound(device_parameter.max))
+        low, high = device_parameter.min, device_parameter.max
+        range_parts = limits(
+            Expression(low) if low is not None else None, Expression(high) if high is not None else None
+        )
         # A register with a code lists its values below.
         if range_parts and not device_parameter.by_code:
             parts += [", ", *range_parts]
         yield statement(*parts)
     if device_parameter.by_code:
-        meanings = {coded.code: parameter_value(device_parameter, coded.value) for coded in device_parameter.by_code}
-        codes_text = ", ".join(f"{code} means {text}" for code, text in meanings.items())
-        yield statement(f"The register holds a code: {codes_text}")
+        code_meanings = []
+        for coded in device_parameter.by_code:
+            code_meanings.append(f"{coded.code} means {parameter_value(device_parameter, coded.value)}")
+        yield statement(f"The register holds a code: {', '.join(code_meanings)}")
 
 
-def _choice(device: Device, device_parameter: Parameter) -> Iterator[Part]:
+def _choice_with_values(device: Device, device_parameter: Parameter) -> Iterator[Part]:
     """Yield a reference to the alternative that sets a parameter. If it has a default, the values follow."""
     name = device_parameter.alternative
     yield Ref("alternative", name, name)
     for alternative in device.optional_alternatives:
         if alternative.name != name:
             continue
-        # The first answer is the default.
-        for index, answer in enumerate(alternative.answers):
-            separator = ", " if index else ": "
-            yield f"{separator}{answer.sets[device_parameter.name]} for "
+        default_answer, *other_answers = alternative.answers
+        yield f": {default_answer.sets[device_parameter.name]} for "
+        yield Code(default_answer.name)
+        yield " (default)"
+        for answer in other_answers:
+            yield f", {answer.sets[device_parameter.name]} for "
             yield Code(answer.name)
-            yield "" if index else " (default)"
 
 
 def initial(device: Device) -> str:
     """Return the kind of the values that apply until registers are read, in the plural."""
-    names = {run_time_parameter.register for run_time_parameter in device.run_time_parameters}
+    register_names = {run_time_parameter.register for run_time_parameter in device.run_time_parameters}
     # A device of one interface lacks the registers of the others.
-    defaults = [register.default for register in device.registers if register.name in names]
-    has_default = not defaults or any(default is not None for default in defaults)
-    return "factory defaults" if has_default else "values of the order code"
+    defaults = [register.default for register in device.registers if register.name in register_names]
+    has_only_unknown_defaults = bool(defaults) and all(default is None for default in defaults)
+    return "values of the order code" if has_only_unknown_defaults else "factory defaults"
 
 
 def parameter_value(device_parameter: Parameter, count: int) -> str:
-    """Return its value for an order code. IDs and other codes are in the hexadecimal notation of manuals."""
+    """Return the value of a parameter for an order code. IDs and other codes are hexadecimal, such as ``3Fh``."""
     return hexadecimal(count) if device_parameter.hexadecimal else number(count)
 
 
 def timing(printed_time: Timing) -> Statement:
-    """Return its duration, labelled with the symbol in the manual or with our name."""
+    """Return a time with its meaning, labelled with the symbol in the manual or with our name."""
     description = f": {printed_time.meaning}" if printed_time.meaning else ""
     if printed_time.only:
         description += f" (only with {printed_time.only})"
@@ -175,17 +178,20 @@ def timing(printed_time: Timing) -> Statement:
 
 def bounds_with_codes(printed_time: Timing) -> str:
     """Return the duration as text, with the order codes to which it applies unless these are all."""
-    return f"{bounds(printed_time)} (only with {printed_time.only})" if printed_time.only else bounds(printed_time)
+    duration = bounds(printed_time)
+    return f"{duration} (only with {printed_time.only})" if printed_time.only else duration
 
 
 def bounds(printed_time: Timing) -> str:
     """Return the duration as text, such as ``at least 12 µs``."""
-    bounds_by_word = (
-        ("at least", printed_time.at_least_us),
-        ("typically", printed_time.typical_us),
-        ("at most", printed_time.at_most_us),
-    )
-    return ", ".join(f"{word} {microseconds(count)}" for word, count in bounds_by_word if count is not None)
+    texts = []
+    if printed_time.at_least_us is not None:
+        texts.append(f"at least {microseconds(printed_time.at_least_us)}")
+    if printed_time.typical_us is not None:
+        texts.append(f"typically {microseconds(printed_time.typical_us)}")
+    if printed_time.at_most_us is not None:
+        texts.append(f"at most {microseconds(printed_time.at_most_us)}")
+    return ", ".join(texts)
 
 
 _ALIGNMENT = {
@@ -205,13 +211,13 @@ PURPOSES = {"position": "requests the position", "read": "reads a register", "wr
 
 
 def interface(device: Device, line: Interface) -> Iterator[Statement]:
-    """Yield all statements that follow its title in running text, without the errata."""
+    """Yield all statements about an interface that follow its title, without the errata."""
     yield from spec_text(line.note)
     yield from facts(device, line)
 
 
 def facts(device: Device, line: Interface) -> Iterator[Statement]:
-    """Yield its settings, its times, and the requests and control data sent over it."""
+    """Yield the settings and times of an interface, and the requests and control data sent over it."""
     yield from settings(device, line)
     yield from map(timing, line.timings)
     match line:
@@ -232,15 +238,13 @@ def facts(device: Device, line: Interface) -> Iterator[Statement]:
 
 def settings(device: Device, line: Interface) -> Iterator[Statement]:
     """Yield the settings and the electrical characteristics."""
-    return (_fact(device, fact) for fact in line.facts())
+    for fact in line.facts():
+        label, content = _label_and_content(device, fact)
+        yield statement(content, label=label, source=fact.source)
 
 
-def _fact(device: Device, fact: Fact) -> Statement:
-    label, part = _labelled(device, fact)
-    return statement(part, label=label, source=fact.source)
-
-
-def _labelled(device: Device, fact: Fact) -> tuple[str, Part]:
+def _label_and_content(device: Device, fact: Fact) -> tuple[str, Part]:
+    """Return a fact about an interface as a label and its text, such as ``Clock`` and ``100 kHz to 4 MHz``."""
     match fact:
         case Clock():
             return "Clock", clock_words(fact)
@@ -249,20 +253,21 @@ def _labelled(device: Device, fact: Fact) -> tuple[str, Part]:
         case BankSelect(register):
             return "Bank select", named(device, register)
         case Network():
-            return "Network", _network(fact)
+            return "Network", _network_words(fact)
         case Timeout():
-            return "Time-out", _timeout(fact)
+            return "Time-out", _timeout_with_examples(fact)
         case Port():
-            return "Baud rate", _port(fact)
+            return "Baud rate", _port_words(fact)
         case WordFormat():
-            return "Words", _words(fact)
+            return "Words", _word_format_words(fact)
         case Signals() | Alignment() | OutputCode() | Profile() | DescriptionFile():
-            return _labelled_text(fact)
+            return _label_and_text(fact)
         case _:
             return assert_never(fact)
 
 
-def _labelled_text(fact: Signals | Alignment | OutputCode | Profile | DescriptionFile) -> tuple[str, str]:
+def _label_and_text(fact: Signals | Alignment | OutputCode | Profile | DescriptionFile) -> tuple[str, str]:
+    """Return a fact that is a word or a text in the spec as a label and its text."""
     match fact:
         case Signals(text):
             return "Signals", text
@@ -286,6 +291,7 @@ def clock_words(clock: Clock) -> str:
 
 
 def _clock_range(lowest: int | None, highest: int | None) -> str:
+    """Return the limits of a clock as text, or an empty string without limits."""
     if lowest is not None and highest is not None:
         return f"{hertz(lowest)} to {hertz(highest)}"
     if lowest is not None:
@@ -311,7 +317,8 @@ def unknown_limits(clock: Clock) -> str:
     return ""
 
 
-def _words(fact: WordFormat) -> str:
+def _word_format_words(fact: WordFormat) -> str:
+    """Return the lengths of SPI words, the mode of the clock, and the word in which the encoder replies."""
     # Bit 1 of an SPI mode is the polarity of the clock, and bit 0 its phase.
     polarity, phase = fact.mode >> 1, fact.mode & 1
     idle_level = "high" if polarity else "low"
@@ -325,7 +332,7 @@ def word_lengths(lengths: Iterable[Expression]) -> str:
     return f"{' or '.join(length.render() for length in lengths)} bits"
 
 
-def _timeout(timeout: Timeout) -> str:
+def _timeout_with_examples(timeout: Timeout) -> str:
     """Return the rule with its limits, followed by the values that the manual calculates from it."""
     text = timeout_words(timeout)
     # Without a number of clock periods, the printed values are the rule.
@@ -335,19 +342,21 @@ def _timeout(timeout: Timeout) -> str:
     return f"{text} ({printed_timeouts})"
 
 
-def _port(port: Port) -> str:
+def _port_words(port: Port) -> str:
+    """Return the settings of a serial port, such as ``115,200 Bd, 8 data bits, no parity, 1 stop bit, ...``."""
     parity = f"{port.parity.replace('none', 'no')} parity"
-    flow = f"{port.flow_control.replace('none', 'no')} flow control"
-    stop = counted(port.stop_bits, "stop bit")
-    return f"{number(port.baud)} Bd, {port.data_bits} data bits, {parity}, {stop}, {flow}"
+    flow_control = f"{port.flow_control.replace('none', 'no')} flow control"
+    stop_bits = counted(port.stop_bits, "stop bit")
+    return f"{number(port.baud)} Bd, {port.data_bits} data bits, {parity}, {stop_bits}, {flow_control}"
 
 
-def _network(network: Network) -> str:
+def _network_words(network: Network) -> str:
     slaves = "several slaves allowed" if network.multiple_slaves else "one slave only"
     return f"{network.topology.replace('_', ' ')}, {slaves}"
 
 
 def data_id(request: DataId) -> Statement:
+    """Return a T-format request with its control field, its purpose and its meaning."""
     meaning_text = f": {request.meaning}" if request.meaning else ""
     return statement(
         f"{request.control:02X}h, {request.purpose}{meaning_text}",
@@ -378,16 +387,16 @@ def exchange(request: Exchange) -> Statement:
 
 def control_field(bits_field: ControlField) -> Statement:
     """Return the width, the meaning and the values of a field of the control frame."""
-    description = counted(bits_field.bits, "bit")
+    width_and_meaning = counted(bits_field.bits, "bit")
     if bits_field.meaning:
-        description += f": {bits_field.meaning}"
-    values = [value(named_value, bits_field.bits).parts for named_value in bits_field.values]
+        width_and_meaning += f": {bits_field.meaning}"
+    parts_of_values = [value(named_value, bits_field.bits).parts for named_value in bits_field.values]
     label = printed(bits_field) or words(bits_field.name)
-    return statement(*parted([(description,), *values], "; "), label=label, source=bits_field.source)
+    return statement(*parted([(width_and_meaning,), *parts_of_values], "; "), label=label, source=bits_field.source)
 
 
 def input_facts(device: Device, hardware_input: Input) -> Iterator[Statement]:
-    """Yield the meanings of its levels, its effect, and the rules for its use."""
+    """Yield the meaning of each level of a hardware input, its effect, and the rules for its use."""
     yield from spec_text(hardware_input.low, label="Low level")
     yield from spec_text(hardware_input.high, label="High level")
     if hardware_input.pulse_at_least_us is not None:

@@ -27,14 +27,14 @@ def decimal(value: Fraction) -> str:
 
     If the decimals never end, return six of them after ``≈``.
     """
-    exact_places = _exact_places(value)
-    places = _ROUNDED if exact_places is None else exact_places
-    whole, part = divmod(round(abs(value) * 10**places), 10**places)
+    exact_decimals = _number_of_decimals(value)
+    decimals = _ROUNDED if exact_decimals is None else exact_decimals
+    whole_number, fraction = divmod(round(abs(value) * 10**decimals), 10**decimals)
     sign = "-" if value < 0 else ""
-    text = f"{sign}{whole:,}"
-    if places:
-        text += f".{part:0{places}}"
-    return f"≈ {text}" if exact_places is None else text
+    text = f"{sign}{whole_number:,}"
+    if decimals:
+        text += f".{fraction:0{decimals}}"
+    return f"≈ {text}" if exact_decimals is None else text
 
 
 def quantity(scale: Scale, value: int) -> str:
@@ -45,32 +45,36 @@ def quantity(scale: Scale, value: int) -> str:
 
 def formula(scale: Scale) -> str:
     """Return the formula of a quantity in the form that manuals print: ``(value + 152) / 2.776``."""
+    # The quantity is (value * numerator + offset) / denominator. The first form in which all numbers are whole is used.
     numerator, denominator, offset = scale.numerator, scale.denominator, scale.offset
     if offset % denominator == 0:
-        return _added_number("value" + _times(numerator, denominator), offset // denominator)
+        product = f"value{_factor_text(numerator, denominator)}"
+        return _sum_text(product, offset // denominator)
     if offset % numerator == 0:
-        return f"({_added_number('value', offset // numerator)}){_times(numerator, denominator)}"
-    factor = f"value × {numerator}" if numerator > 1 else "value"
-    return f"({_added_number(factor, offset)}) / {denominator}"
+        value_with_offset = _sum_text("value", offset // numerator)
+        return f"({value_with_offset}){_factor_text(numerator, denominator)}"
+    product = f"value × {numerator}" if numerator > 1 else "value"
+    return f"({_sum_text(product, offset)}) / {denominator}"
 
 
-def _added_number(text: str, number: int) -> str:
+def _sum_text(text: str, number: int) -> str:
+    """Return the text with a number added, such as ``value - 40``, or unchanged if the number is 0."""
     if number == 0:
         return text
     sign = "-" if number < 0 else "+"
     return f"{text} {sign} {abs(number)}"
 
 
-def _times(numerator: int, denominator: int) -> str:
-    """Return a factor after a value, with a decimal if one of the numbers is a power of ten."""
+def _factor_text(numerator: int, denominator: int) -> str:
+    """Return a factor after a value, such as `` × 0.5``, with a decimal if one of the numbers is a power of ten."""
     if numerator == denominator:
         return ""
     if denominator == 1:
         return f" × {numerator}"
     if _is_power_of_ten(numerator):
-        return f" / {_decimal(denominator, numerator)}"
+        return f" / {_divided_by_power_of_ten(denominator, numerator)}"
     if _is_power_of_ten(denominator):
-        return f" × {_decimal(numerator, denominator)}"
+        return f" × {_divided_by_power_of_ten(numerator, denominator)}"
     return f" × {numerator} / {denominator}"
 
 
@@ -78,25 +82,26 @@ def _is_power_of_ten(number: int) -> bool:
     return str(number).strip("0") == "1"
 
 
-def _decimal(number: int, power: int) -> str:
-    """Return a number divided by a power of ten."""
-    places = len(str(power)) - 1
-    digits = f"{number:0{places + 1}}"
-    return f"{digits[: len(digits) - places]}.{digits[len(digits) - places :]}".rstrip("0").rstrip(".")
+def _divided_by_power_of_ten(number: int, power_of_ten: int) -> str:
+    """Return the quotient with its decimals, without zeros at its end."""
+    decimals = len(str(power_of_ten)) - 1
+    digits = f"{number:0{decimals + 1}}"
+    point = len(digits) - decimals
+    return f"{digits[:point]}.{digits[point:]}".rstrip("0").rstrip(".")
 
 
-def _exact_places(value: Fraction) -> int | None:
+def _number_of_decimals(value: Fraction) -> int | None:
     """Return the number of decimals of a number, or None if they never end."""
     # Each decimal divides the denominator by 2, by 5 or by both, so there are at most as many as it has bits.
-    for places in range(value.denominator.bit_length() + 1):
-        if 10**places % value.denominator == 0:
-            return places
+    for decimals in range(value.denominator.bit_length() + 1):
+        if 10**decimals % value.denominator == 0:
+            return decimals
     return None
 
 
 def counted(count: int | str, unit: str) -> str:
     """Return a count with its unit: ``1 bit``, ``8 bits`` or ``position_bits bits``."""
-    return f"{count} {unit}{'' if count == 1 else 's'}"
+    return f"{count} {unit}" if count == 1 else f"{count} {unit}s"
 
 
 def with_unit(value: int | str, unit: str) -> str:
@@ -156,9 +161,9 @@ def in_ascii(text: str, replacements: Mapping[str, str]) -> str:
     if text.isascii():
         return text
     stand_ins = {**STAND_INS, **replacements}
-    text = text.translate({ord(sign): stand_in for sign, stand_in in stand_ins.items()})
+    replaced = text.translate({ord(sign): stand_in for sign, stand_in in stand_ins.items()})
     # This form separates an accent from its letter.
-    decomposed = unicodedata.normalize("NFKD", text)
+    decomposed = unicodedata.normalize("NFKD", replaced)
     without_accents = "".join(letter for letter in decomposed if not unicodedata.combining(letter))
     return without_accents.encode("ascii", "replace").decode()
 
@@ -195,15 +200,21 @@ def wrapped(text: object, width: int, prefix: str = "", first: str | None = None
     return "\n".join([*lines, line])
 
 
+#: Most columns for the names in a table of pairs.
+_WIDEST_NAME = 40
+
+
 def pairs(rows: Iterable[tuple[str, str]], indent: int) -> list[str]:
     """Return the rows as lines with two columns. The second column is wrapped."""
     row_list = list(rows)
-    name_width = min(max((len(name) for name, _ in row_list), default=0), 40)
+    longest_name = max((len(name) for name, _ in row_list), default=0)
+    name_width = min(longest_name, _WIDEST_NAME)
     margin, text_margin = " " * indent, " " * (indent + name_width + 2)
     lines: list[str] = []
     for name, text in row_list:
         if text:
-            lines.append(wrapped(text, WIDTH, text_margin, f"{margin}{name.ljust(name_width)}  "))
+            name_column = f"{margin}{name.ljust(name_width)}  "
+            lines.append(wrapped(text, WIDTH, prefix=text_margin, first=name_column))
         else:
             lines.append(f"{margin}{name}")
     return lines

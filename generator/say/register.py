@@ -55,7 +55,7 @@ def head(device: Device, register: Register, name: Part) -> Statement:
 
 
 def register(device: Device, device_register: Register) -> Iterator[Statement]:
-    """Yield all statements that follow the head in running text."""
+    """Yield all statements about a register that follow its head in running text."""
     yield from spec_text(device_register.meaning)
     yield from facts(device, device_register)
     yield from spec_text(device_register.note)
@@ -63,14 +63,14 @@ def register(device: Device, device_register: Register) -> Iterator[Statement]:
 
 
 def facts(device: Device, register: Register) -> Iterator[Statement]:
-    """Yield its content and the rules for reading and writing it."""
-    yield from _holds(register)
+    """Yield the content of a register, and the rules for reading and writing it."""
+    yield from _content_facts(register)
     yield from needed_answers(device, register.layout)
-    yield from _rules(device, register)
-    yield from (_meaning(device, meaning) for meaning in register.meanings)
+    yield from _access_rules(device, register)
+    yield from (_register_meaning(device, register_meaning) for register_meaning in register.meanings)
 
 
-def _holds(register: Register) -> Iterator[Statement]:
+def _content_facts(register: Register) -> Iterator[Statement]:
     """Yield the byte order, the default and the limits of a register."""
     if register.last_address > register.address:
         byte_at_lowest_address = "low" if register.byte_order == "low_byte_first" else "high"
@@ -99,11 +99,12 @@ def limits(low: Expression | None, high: Expression | None) -> tuple[Part, ...]:
     return ()
 
 
-def _rules(device: Device, register: Register) -> Iterator[Statement]:
+def _access_rules(device: Device, register: Register) -> Iterator[Statement]:
     """Yield the rules for reading and writing a register."""
-    yield from _same_address(device, register)
+    yield from _registers_at_same_address(device, register)
     if register.bank is not None:
-        bank_selects = (fact for fact in device.interface(register.interface).facts() if isinstance(fact, BankSelect))
+        facts_of_interface = device.interface(register.interface).facts()
+        bank_selects = (fact for fact in facts_of_interface if isinstance(fact, BankSelect))
         bank_select = first_of(bank_selects, f"register that selects the bank of '{register.name}'")
         yield statement(f"First select bank {register.bank} with ", named(device, bank_select.register))
     if register.reserved:
@@ -126,74 +127,73 @@ def reserved(user: str) -> Statement:
     return statement(f"Reserved for the {USERS[user]}")
 
 
-def _same_address(device: Device, register: Register) -> Iterator[Statement]:
+def _registers_at_same_address(device: Device, register: Register) -> Iterator[Statement]:
     """Yield the other register at the same address, which differs only in the direction of access."""
     for other_register in device.registers:
-        has_same_address = (
-            other_register.address == register.address
-            and other_register.bank == register.bank
-            and other_register is not register
-        )
-        if has_same_address:
+        if other_register is register:
+            continue
+        if (other_register.address, other_register.bank) == (register.address, register.bank):
             action = "Writing to" if other_register.access == "write_only" else "Reading"
             yield statement(f"{action} the same address accesses ", named(device, other_register.name), " instead")
 
 
 def _opening_condition(device: Device, register: Register) -> Statement:
     """Return the value that another register must hold before this one can be written."""
-    opener = device.register(register.opened_by)
+    opening_register = device.register(register.opened_by)
+    value_name = register.opened_by_value
     if register.opened_by_field:
         path = f"{register.opened_by}.{register.opened_by_field}"
-        field = opener.layout.field(register.opened_by_field)
-        value_text = f"{field.value_named(register.opened_by_value).value}"
+        opening_field = opening_register.layout.field(register.opened_by_field)
+        value_text = f"{opening_field.value_named(value_name).value}"
     else:
         # Without a field, the value is that of the whole register.
-        path, field = register.opened_by, opener.layout.fields[0]
-        value_text = hexadecimal(field.value_named(register.opened_by_value).value, 2 * opener.length)
-    return statement(
-        "Can be written only while ",
-        register_field(device, path),
-        f" is {value_text} (",
-        Code(register.opened_by_value),
-        ")",
-    )
+        path = register.opened_by
+        opening_field = opening_register.layout.fields[0]
+        digits = 2 * opening_register.length
+        value_text = hexadecimal(opening_field.value_named(value_name).value, digits)
+    reference = register_field(device, path)
+    return statement("Can be written only while ", reference, f" is {value_text} (", Code(value_name), ")")
 
 
-def _meaning(device: Device, meaning: RegisterMeaning) -> Statement:
+def _register_meaning(device: Device, register_meaning: RegisterMeaning) -> Statement:
     """Return one meaning of a register and the field value that selects it."""
-    register_name, _, field_name = meaning.when.partition(".")
-    field = device.register(register_name).layout.field(field_name)
-    value = field.value_named(meaning.value).value
-    parts: list[Part] = ["While ", register_field(device, meaning.when), f" is {value} (", Code(meaning.value)]
-    parts += ["), the register holds ", Code(meaning.name)]
-    range_parts = limits(meaning.min, meaning.max)
+    register_name, _, field_name = register_meaning.when.partition(".")
+    selecting_field = device.register(register_name).layout.field(field_name)
+    number = selecting_field.value_named(register_meaning.value).value
+    reference = register_field(device, register_meaning.when)
+    parts: list[Part] = ["While ", reference, f" is {number} (", Code(register_meaning.value)]
+    parts += ["), the register holds ", Code(register_meaning.name)]
+    range_parts = limits(register_meaning.min, register_meaning.max)
     if range_parts:
         parts += [", ", *range_parts]
-    if meaning.meaning:
-        parts.append(f": {meaning.meaning}")
-    return statement(*parts, source=meaning.source)
+    if register_meaning.meaning:
+        parts.append(f": {register_meaning.meaning}")
+    return statement(*parts, source=register_meaning.source)
 
 
 def field(device: Device, frame_field: Field) -> Iterator[Statement]:
-    """Yield all statements about it in order, for running text."""
+    """Yield all statements about a field, for running text."""
     yield from meaning(frame_field, frame_field.meaning)
     yield from rules(device, frame_field)
     yield from spec_text(frame_field.note)
 
 
 def meaning(named_item: Named, text: str) -> Iterator[Statement]:
-    """Yield the meaning, labelled with the name used in the manual."""
-    yield from spec_text(text, label=printed(named_item)) if text else spec_text(printed(named_item))
+    """Yield the meaning, labelled with the name used in the manual, or the name alone if there is no meaning."""
+    manual_name = printed(named_item)
+    if text:
+        yield statement(text, label=manual_name)
+    elif manual_name:
+        yield statement(manual_name)
 
 
 def rules(device: Device, frame_field: Field) -> Iterator[Statement]:
-    """Yield the interpretation of its bits and the rules for its use."""
+    """Yield how the bits of a field are read, and the rules for its use."""
     yield from spec_text(frame_field.unit, label="Unit")
-    if frame_field.scale is not None:
-        yield statement(
-            formula(frame_field.scale), label=f"In {frame_field.scale.unit}", source=frame_field.scale.source
-        )
-    yield from _kind(device, frame_field)
+    scale = frame_field.scale
+    if scale is not None:
+        yield statement(formula(scale), label=f"In {scale.unit}", source=scale.source)
+    yield from _rules_of_kind(device, frame_field)
     if frame_field.container:
         yield statement(f"Right-aligned in {frame_field.container} bits, with zeros above it")
     if not frame_field.implemented and "not implemented" not in frame_field.meaning.lower():
@@ -206,74 +206,79 @@ def rules(device: Device, frame_field: Field) -> Iterator[Statement]:
     if frame_field.default is not None:
         yield statement(Expression(frame_field.default), label="Default")
     if frame_field.explained_by:
-        yield statement(
-            "For the reason, see ", *listed([register_field(device, path) for path in frame_field.explained_by])
-        )
+        explaining_fields = [register_field(device, path) for path in frame_field.explained_by]
+        yield statement("For the reason, see ", *listed(explaining_fields))
     yield from remedied(frame_field.remedy, frame_field.by_hand)
 
 
-def _kind(device: Device, frame_field: Field) -> Iterator[Statement]:
+def _rules_of_kind(device: Device, frame_field: Field) -> Iterator[Statement]:
     """Yield the interpretation of the bits of a field."""
     match frame_field.kind:
         case Number() as number:
-            yield from _number(number)
+            yield from _number_rules(number)
         case Flag() as flag:
-            yield from _flag(flag, frame_field.implemented)
+            yield from _flag_rules(flag, is_implemented=frame_field.implemented)
         case Choice():
             pass  # Each value has its own statement.
         case Constant(value):
-            yield from _constant(frame_field, value)
+            yield from _constant_rule(frame_field, value)
         case Unused() as unused:
-            yield from _unused(device, frame_field, unused)
+            yield from _unused_rules(device, frame_field, unused)
         case CrcValue() as crc:
-            yield _crc(crc)
+            yield _covered_by_crc(crc)
         case Parity() as parity:
-            yield _parity(parity)
+            yield _covered_by_parity(parity)
         case Decimal(runs):
-            yield statement("Decimal digits, most significant first: ", *parted(map(_run, runs)))
+            runs_of_digits = [_run_of_digits(run) for run in runs]
+            yield statement("Decimal digits, most significant first: ", *parted(runs_of_digits))
         case Text():
             yield statement("ASCII text")
         case _ as kind:
             assert_never(kind)
 
 
-def _constant(frame_field: Field, value: int) -> Iterator[Statement]:
+def _constant_rule(frame_field: Field, value: int) -> Iterator[Statement]:
+    """Yield the value of a constant, unless the meaning of the field already says what it always is."""
     if "always" not in frame_field.meaning.lower():
         yield statement(f"Always {short(value)}")
 
 
-def _crc(crc_value: CrcValue) -> Statement:
-    covered = _names(crc_value.of) if crc_value.of else ["everything before it"]
+def _covered_by_crc(crc_value: CrcValue) -> Statement:
+    covered: list[Part] = _names_as_code(crc_value.of) if crc_value.of else ["everything before it"]
     return statement("CRC ", Ref("crc", crc_value.crc, crc_value.crc), " over ", *covered)
 
 
-def _parity(parity: Parity) -> Statement:
+def _covered_by_parity(parity: Parity) -> Statement:
     polarity = "Odd" if parity.is_odd else "Even"
     counted_bits = f"the {parity.over.replace('_', ' ')} of " if parity.over else ""
-    return statement(polarity, f" parity of {counted_bits}", *_names(parity.covers))
+    return statement(polarity, f" parity of {counted_bits}", *_names_as_code(parity.covers))
 
 
-def _names(names: Iterable[str]) -> list[Part]:
+def _names_as_code(names: Iterable[str]) -> list[Part]:
+    """Return the parts of a list of names, separated by commas."""
     return list(parted([Code(name)] for name in names))
 
 
-def _unused(device: Device, frame_field: Field, unused: Unused) -> Iterator[Statement]:
+def _unused_rules(device: Device, frame_field: Field, unused: Unused) -> Iterator[Statement]:
+    """Yield the documented value of unused bits, and the effect of other values."""
     yield statement(f"Unused, documented as {short(unused.value)}")
-    if _comes_with_position(device, frame_field):
-        yield statement(
-            "Frames with other values are still decoded, with the verdict ", Code(unused.makes_position.value)
-        )
+    if _is_in_frame_with_position(device, frame_field):
+        verdict = Code(unused.makes_position.value)
+        yield statement("Frames with other values are still decoded, with the verdict ", verdict)
     else:
         yield statement("Other values are still decoded")
 
 
-def _comes_with_position(device: Device, frame_field: Field) -> bool:
+def _is_in_frame_with_position(device: Device, frame_field: Field) -> bool:
     """Return whether any frame contains both the field and the position."""
-    frames = [(kind, layout) for kind, layout in device.layouts() if frame_field in layout.fields]
-    return any(device.tells_position(kind.name, layout) for kind, layout in frames)
+    for interface, layout in device.layouts():
+        if frame_field in layout.fields and device.tells_position(interface.name, layout):
+            return True
+    return False
 
 
-def _number(kind: Number) -> Iterator[Statement]:
+def _number_rules(kind: Number) -> Iterator[Statement]:
+    """Yield how the bits of a number are read."""
     if kind.signed:
         yield statement("Signed, in two's complement")
     if kind.zero_means:
@@ -282,20 +287,13 @@ def _number(kind: Number) -> Iterator[Statement]:
         yield statement("Only powers of two are allowed")
 
 
-def _flag(flag: Flag, implemented: bool) -> Iterator[Statement]:
+def _flag_rules(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
     """Yield the levels of a flag, the flags that it combines, and its verdict on the position."""
-    yield from _levels(flag, implemented)
+    yield from _flag_levels(flag, is_implemented=is_implemented)
     if flag.sums_up:
         yield statement("Combines ", *listed([Code(name) for name in flag.sums_up]))
-    if flag.makes_position is Verdict.USABLE and implemented:
-        yield statement("It does not affect the position")
-    elif flag.makes_position and implemented:
-        verdict_text = f", {WORTH[flag.makes_position]}"
-        if flag.sums_up:
-            verdict_text += ". If a flag that it combines is active in the same frame, that flag decides instead"
-        yield statement("While it is ", Level.WHILE_ACTIVE, verdict_text)
-    if flag.verdict_if_set is not None and implemented:
-        yield statement("If you set ", Code(flag.verdict_parameter), f" to 1, {WORTH[flag.verdict_if_set]}")
+    if is_implemented:
+        yield from _flag_verdict(flag)
     if flag.only:
         remark = ". For other order codes the manual does not explain the flag"
         verdict_without_meaning = flag.unexplained.makes_position
@@ -304,18 +302,39 @@ def _flag(flag: Flag, implemented: bool) -> Iterator[Statement]:
         yield statement("This applies only to ", Code(flag.only), remark)
 
 
-def _levels(flag: Flag, implemented: bool) -> Iterator[Statement]:
-    """Yield the meaning of each level of a flag."""
-    active, inactive = (0, 1) if flag.active_low else (1, 0)
-    if implemented or flag.when_active or flag.when_inactive:
-        meaning_text = f": {flag.when_active}" if flag.when_active else ""
-        yield statement(Level.ACTIVE, f" when {active}", meaning_text)
-        if flag.when_inactive:
-            yield statement(Level.INACTIVE, f" when {inactive}: {flag.when_inactive}")
+def _flag_verdict(flag: Flag) -> Iterator[Statement]:
+    """Yield the effect of an active flag on the position, also for another answer of the user."""
+    if flag.makes_position is Verdict.USABLE:
+        yield statement("It does not affect the position")
+    elif flag.makes_position:
+        verdict_text = f", {WORTH[flag.makes_position]}"
+        if flag.sums_up:
+            verdict_text += ". If a flag that it combines is active in the same frame, that flag decides instead"
+        yield statement("While it is ", Level.WHILE_ACTIVE, verdict_text)
+    if flag.verdict_if_set is not None:
+        yield statement("If you set ", Code(flag.verdict_parameter), f" to 1, {WORTH[flag.verdict_if_set]}")
 
 
-def _run(run: Digits) -> tuple[Part, ...]:
-    return Code(run.name), f" {run.digits}", f" ({run.meaning})" if run.meaning else ""
+def _flag_levels(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
+    """Yield the meaning of each level of a flag. A flag that is not implemented may have none in the manual."""
+    has_meaning = bool(flag.when_active or flag.when_inactive)
+    if not is_implemented and not has_meaning:
+        return
+    active_level, inactive_level = (0, 1) if flag.active_low else (1, 0)
+    meaning_text = f": {flag.when_active}" if flag.when_active else ""
+    yield statement(Level.ACTIVE, f" when {active_level}", meaning_text)
+    if flag.when_inactive:
+        yield statement(Level.INACTIVE, f" when {inactive_level}: {flag.when_inactive}")
+
+
+def _run_of_digits(run: Digits) -> tuple[Part, ...]:
+    """Return the name of a run of digits, their number and their meaning."""
+    meaning_text = f" ({run.meaning})" if run.meaning else ""
+    return Code(run.name), f" {run.digits}", meaning_text
+
+
+def _hex_digits_for(bits: int) -> int:
+    return (bits + 3) // 4
 
 
 def _expected_value(value: Expression | int | str, bits: int) -> Part:
@@ -323,24 +342,23 @@ def _expected_value(value: Expression | int | str, bits: int) -> Part:
     if isinstance(value, str):
         return Code(value)
     number = value if isinstance(value, Expression) else Expression(value)
-    return Hex(number, (bits + 3) // 4)
+    return Hex(number, _hex_digits_for(bits))
 
 
 def choices(values: tuple[Value, ...]) -> Statement:
     """Return all named values in one statement."""
-    return statement(
-        *parted((f"{short(named_value.value)} ", Code(named_value.name)) for named_value in values), label="Values"
-    )
+    numbers_and_names = [(f"{short(named_value.value)} ", Code(named_value.name)) for named_value in values]
+    return statement(*parted(numbers_and_names), label="Values")
 
 
 def value(named_value: Value, bits: int) -> Statement:
     """Return a named value of a field of ``bits`` bits."""
-    manual_names = f" ({own_names(named_value)})" if own_names(named_value) else ""
+    manual_names = own_names(named_value)
+    names_text = f" ({manual_names})" if manual_names else ""
     meaning_text = f": {named_value.meaning}" if named_value.meaning else ""
-    number = f"{hexadecimal(named_value.value, (bits + 3) // 4)} "
-    return statement(
-        number, Code(named_value.name), manual_names, meaning_text, effect(named_value), source=named_value.source
-    )
+    number = hexadecimal(named_value.value, _hex_digits_for(bits))
+    name = Code(named_value.name)
+    return statement(f"{number} ", name, names_text, meaning_text, effect(named_value), source=named_value.source)
 
 
 def effect(named_value: Value) -> str:
@@ -355,39 +373,37 @@ def short(number: int) -> str:
 
 def measurement(unit_and_range: Measurement) -> Statement:
     """Return the counts and revolutions, or the step, and the range."""
-    members = (
-        (unit_and_range.counts_per_turn, "counts", " per revolution"),
-        (unit_and_range.turns, "revolutions", ""),
-        (unit_and_range.step_um, "µm", " per count"),
-        (unit_and_range.step_nm, "nm", " per count" if unit_and_range.per_counts is None else " per "),
-        (unit_and_range.modulus, "counts", " in total"),
-    )
-    amounts: list[tuple[Part, ...]] = []
-    for value, unit, words in members:
-        if value is not None:
-            amounts.append((Amount(value, unit), words, *_counts(unit_and_range, unit)))
-    highest = [("maximum ", unit_and_range.highest)] if unit_and_range.highest is not None else []
-    return statement(*parted([*amounts, *highest]), source=unit_and_range.source)
-
-
-def _counts(unit_and_range: Measurement, unit: str) -> tuple[Amount, ...]:
-    """Return the number of counts to which a length in this unit applies, if it is not one."""
-    if unit != "nm" or unit_and_range.per_counts is None:
-        return ()
-    return (Amount(unit_and_range.per_counts, "counts"),)
+    quantities: list[tuple[Part, ...]] = []
+    if unit_and_range.counts_per_turn is not None:
+        quantities.append((Amount(unit_and_range.counts_per_turn, "counts"), " per revolution"))
+    if unit_and_range.turns is not None:
+        quantities.append((Amount(unit_and_range.turns, "revolutions"),))
+    if unit_and_range.step_um is not None:
+        quantities.append((Amount(unit_and_range.step_um, "µm"), " per count"))
+    if unit_and_range.step_nm is not None and unit_and_range.per_counts is None:
+        quantities.append((Amount(unit_and_range.step_nm, "nm"), " per count"))
+    if unit_and_range.step_nm is not None and unit_and_range.per_counts is not None:
+        step, counts = Amount(unit_and_range.step_nm, "nm"), Amount(unit_and_range.per_counts, "counts")
+        quantities.append((step, " per ", counts))
+    if unit_and_range.modulus is not None:
+        quantities.append((Amount(unit_and_range.modulus, "counts"), " in total"))
+    if unit_and_range.highest is not None:
+        quantities.append(("maximum ", unit_and_range.highest))
+    return statement(*parted(quantities), source=unit_and_range.source)
 
 
 def position_range(layout_range: LayoutRange) -> Statement:
     """Return the range of the position in one layout."""
     if not layout_range.wraps:
         return statement("never wraps around", source=layout_range.source)
-    members = ((layout_range.turns, "revolutions", ""), (layout_range.modulus, "counts", " in total"))
-    amounts: list[tuple[Part, ...]] = []
-    for value, unit, words in members:
-        if value is not None:
-            amounts.append((Amount(value, unit), words))
-    highest = [("maximum ", layout_range.highest)] if layout_range.highest is not None else []
-    return statement(*parted([*amounts, *highest]), source=layout_range.source)
+    quantities: list[tuple[Part, ...]] = []
+    if layout_range.turns is not None:
+        quantities.append((Amount(layout_range.turns, "revolutions"),))
+    if layout_range.modulus is not None:
+        quantities.append((Amount(layout_range.modulus, "counts"), " in total"))
+    if layout_range.highest is not None:
+        quantities.append(("maximum ", layout_range.highest))
+    return statement(*parted(quantities), source=layout_range.source)
 
 
 def own_ranges(device: Device, interface: str) -> Iterator[tuple[str, LayoutRange]]:

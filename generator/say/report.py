@@ -29,14 +29,14 @@ from .text import Code, Part, Ref, Statement, listed, parted, sentence, spec_tex
 
 
 def alarm(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
-    """Yield all statements that follow its name in running text."""
+    """Yield all statements about an alarm that follow its name in running text."""
     yield from spec_text(device_alarm.meaning, source=device_alarm.source)
     yield from alarm_facts(device, device_alarm)
     yield from map(erratum, errata(device, f"alarms.{device_alarm.name}"))
 
 
 def alarm_facts(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
-    """Yield the flag that shows it, its cause, and the procedures that clear it."""
+    """Yield the flag that shows an alarm, its cause, and the procedures that clear it."""
     if device_alarm.group:
         group = member_named(device.field_groups, device_alarm.group, "field group")
         yield statement(Code(device_alarm.field), " in ", Ref("group", group.name, title(group)), label="Flag")
@@ -75,14 +75,16 @@ def alarm_of(device: Device, field: Field, register: str = "") -> Alarm | None:
 
 def states(field: Field) -> tuple[str, str]:
     """Return the meanings of the active and the inactive flag, or two empty texts for any other field."""
-    return (field.kind.when_active, field.kind.when_inactive) if isinstance(field.kind, Flag) else ("", "")
+    if not isinstance(field.kind, Flag):
+        return "", ""
+    return field.kind.when_active, field.kind.when_inactive
 
 
 def meaning(field: Field, alarm: Alarm | None) -> str:
     """Return the meaning of an active flag, or of unused bits that differ from the manual."""
     if isinstance(field.kind, Unused):
-        problem = f"unused bits differ from the documented value {short(field.kind.value)}"
-        return f"{problem}. {sentence(field.meaning)}" if field.meaning else problem
+        difference = f"unused bits differ from the documented value {short(field.kind.value)}"
+        return f"{difference}. {sentence(field.meaning)}" if field.meaning else difference
     when_active, _ = states(field)
     if not field.implemented:
         return when_active or "active, although the manual says that this encoder does not have it"
@@ -95,10 +97,11 @@ def meaning(field: Field, alarm: Alarm | None) -> str:
 def deciding(field: Field) -> str:
     """Return the bits of a flag or an unused field that lead to its verdict, or an empty string for any other field."""
     match field.kind:
-        case Flag(active_low=low):
-            return "0" if low else "1"
-        case Unused(value=value):
-            return f"{1 - value}" if field.widest == 1 else f"not {short(value)}"
+        case Flag(active_low=is_active_low):
+            return "0" if is_active_low else "1"
+        case Unused(value=documented_value):
+            is_one_bit = field.widest == 1
+            return f"{1 - documented_value}" if is_one_bit else f"not {short(documented_value)}"
         case Number() | Choice() | Constant() | CrcValue() | Parity() | Decimal() | Text():
             return ""
         case _:
@@ -107,13 +110,15 @@ def deciding(field: Field) -> str:
 
 def conditions(values: Iterable[tuple[Field, int]]) -> Statement:
     """Return the values that lead to a verdict together, with the bits of each field. 1 stands for an active flag."""
-    return statement(*parted((_condition(field, value) for field, value in values), " and "))
+    phrases = [_condition(field, value) for field, value in values]
+    return statement(*parted(phrases, " and "))
 
 
 def _condition(field: Field, value: int) -> tuple[Part, ...]:
     """Return a field with its value. The value of a flag is 1 if it is active, but its bit may be 0 then."""
     if isinstance(field.kind, Flag):
-        bit = 1 - int(bool(value)) if field.kind.active_low else int(bool(value))
+        is_active = bool(value)
+        bit = int(is_active != field.kind.active_low)
         return Code(field.name), f" is {bit}"
     return Code(field.name), f" is {short(value)} (", Code(field.value_of(value).name), ")"
 

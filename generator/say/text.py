@@ -52,6 +52,7 @@ def microseconds(value: int) -> str:
 
 
 def nanoseconds(value: int) -> str:
+    """Return a time in ns, or in µs if it is longer than one."""
     if value % 1000 == 0:
         return microseconds(value // 1000)
     return f"{value / 1000:g} µs" if value > 1000 else f"{value} ns"
@@ -172,16 +173,22 @@ def spec_text(text: str, label: str = "", source: Sources = ()) -> Iterator[Stat
 def listed(items: Sequence[Part], last: str = " and ") -> Iterator[Part]:
     """Yield the items as the parts of a list: ``a, b and c``."""
     for index, part in enumerate(items):
-        if index:
-            yield last if index == len(items) - 1 else ", "
+        is_last = index == len(items) - 1
+        if index > 0:
+            separator = last if is_last else ", "
+            yield separator
         yield part
 
 
 def parted(groups: Iterable[Sequence[Part]], between: str = ", ") -> Iterator[Part]:
     """Yield the parts of all non-empty groups, with a separator between the groups."""
-    for index, group in enumerate([group for group in groups if group]):
-        if index:
+    is_first = True
+    for group in groups:
+        if not group:
+            continue
+        if not is_first:
             yield between
+        is_first = False
         yield from group
 
 
@@ -208,7 +215,7 @@ class Style:
     def sentence(self, statement: Statement) -> str:
         """Return the statement as a sentence: ``Clock: 100 kHz to 4 MHz [5.3].``"""
         if statement.below:
-            return " ".join((f"{self.head(statement)}:", *map(self.sentence, statement.below)))
+            return " ".join(self.lines(statement))
         label = f"{self.text(statement.label)}: " if statement.label else ""
         phrase, source = self.phrase(statement), self.cited(statement.source)
         if not source:
@@ -218,7 +225,7 @@ class Style:
 
     def head(self, statement: Statement) -> str:
         """Return the label and source of a statement that has others below it: ``Erratum start (open) [5.3]``."""
-        return " ".join(filter(None, (self.text(statement.label), self.cited(statement.source))))
+        return f"{self.text(statement.label)} {self.cited(statement.source)}".strip(" ")
 
     def lines(self, statement: Statement) -> list[str]:
         """Return the statement as one line, or its head and a line for each statement below it."""
@@ -233,9 +240,12 @@ class Style:
     def number(self, expression: Expression) -> str:
         """Return a number, or an expression as code."""
         resolved = self.resolve(expression)
-        return number(resolved.constant) if resolved.is_constant else self.code(resolved.render())
+        if resolved.is_constant:
+            return number(resolved.constant)
+        return self.code(resolved.render())
 
     def _part(self, part: Part) -> str:
+        """Return a part of a statement in the syntax of the output."""
         match part:
             case str():
                 return self.text(part)

@@ -86,7 +86,7 @@ def test_in_the_tools_own_checkout_the_schema_is_not_copied(
     (tmp_path / ".git").mkdir()
     (tmp_path / "specs").mkdir()
     shutil.copytree(ROOT / "generator" / "language", tmp_path / place)
-    monkeypatch.setattr(new, "_schema", lambda kind: tmp_path / place / f"{kind}.schema.json")
+    monkeypatch.setattr(new, "_schema_of_tool", lambda kind: tmp_path / place / f"{kind}.schema.json")
     assert main(["new", "demo", "-o", str(tmp_path / "specs")]) == 0
     of_the_tool = "site-packages" not in place
     assert modeline(tmp_path / "specs/demo.yaml") == (

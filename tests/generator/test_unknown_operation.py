@@ -18,7 +18,7 @@ from codewheel.loading.library import load_library
 from codewheel.model import Fault, Field, Kind, Layout
 from codewheel.plan import values
 from codewheel.plan.codec import bits_of
-from codewheel.plan.limits import _of_field
+from codewheel.plan.limits import _field_refusals
 from codewheel.plan.operations import Bits
 from codewheel.targets import Library, Target
 from codewheel_runtime.bulk import decode as bulk_decode
@@ -155,7 +155,7 @@ def test_an_unknown_check_is_refused(output: str, monkeypatch: pytest.MonkeyPatc
     def unknown_checks(layout: Layout) -> Iterator[UnknownCheck]:
         yield from (UnknownCheck(field, bits_of(layout, field)) for field in layout.data_fields)
 
-    monkeypatch.setattr("codewheel.plan.codec._ranges", unknown_checks)
+    monkeypatch.setattr("codewheel.plan.codec._checks_of_values", unknown_checks)
     with pytest.raises(AssertionError, match="no case for UnknownCheck"):
         render(output)
 
@@ -167,7 +167,7 @@ def test_an_unknown_refusal_is_refused(output: str, monkeypatch: pytest.MonkeyPa
     def unknown_checks(layout: Layout, field: Field) -> Iterator[UnknownCheck]:
         yield UnknownCheck(field, bits_of(layout, field))
 
-    monkeypatch.setattr("codewheel.plan.limits._of_field", unknown_checks)
+    monkeypatch.setattr("codewheel.plan.limits._field_refusals", unknown_checks)
     monkeypatch.setattr("codewheel.targets.c.codec.depends", lambda _: False)
     with pytest.raises(AssertionError, match="no case for UnknownCheck"):
         render(output)
@@ -176,7 +176,7 @@ def test_an_unknown_refusal_is_refused(output: str, monkeypatch: pytest.MonkeyPa
 #: Decisions about a field that depend on its kind.
 DECISIONS: dict[str, Callable[[Layout, Field], object]] = {
     "meaning": lambda layout, field: values.meaning_of(field),
-    "refusals": lambda layout, field: list(_of_field(layout, field)),
+    "refusals": lambda layout, field: list(_field_refusals(layout, field)),
     "limits": lambda layout, field: field.number,
 }
 

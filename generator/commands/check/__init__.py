@@ -56,7 +56,7 @@ def _targets_help() -> str:
     return listing()
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Print the problems. The exit code is 1 if there are any.
 
     Raises:
@@ -67,41 +67,41 @@ def run(chosen: argparse.Namespace) -> int:
     from ..cached_result import cached_result
     from ..read_specs import specs_to_judge
 
-    if chosen.write and not chosen.coverage:
+    if arguments.write and not arguments.coverage:
         raise Stop("--write needs --coverage", 2)
-    named = [*chosen.specs, *chosen.more_specs]
-    specs = specs_to_judge(named, "check")
+    named_paths = [*arguments.specs, *arguments.more_specs]
+    specs = specs_to_judge(named_paths, "check")
     # Specs that the user names may be only some of those that the settings refer to.
-    settings = None if named else specs.settings
-    if chosen.format in ("github", "sarif") and chosen.coverage:
-        raise Stop(f"--format {chosen.format} lists problems only; leave --coverage out", 2)
-    chosen.json = chosen.json or chosen.format == "json"
-    cache = cache_for(chosen)
+    settings = None if named_paths else specs.settings
+    if arguments.format in ("github", "sarif") and arguments.coverage:
+        raise Stop(f"--format {arguments.format} lists problems only; leave --coverage out", 2)
+    arguments.json = arguments.json or arguments.format == "json"
+    cache = cache_for(arguments)
     # The counts of the coverage, and the problems of chosen targets, depend on more than the stored inputs.
-    is_storable = not chosen.coverage and not chosen.target
+    is_storable = not arguments.coverage and not arguments.target
     options = filters_as_texts(settings.only) if settings is not None else []
     result = cached_result(cache if is_storable else NO_CACHE, "check", specs.paths, options)
-    if _print_stored(result, chosen):
+    if _print_stored(result, arguments):
         # Only runs without problems are stored.
         return 0
-    return _check(specs.paths, settings, chosen, cache, result)
+    return _check(specs.paths, settings, arguments, cache, result)
 
 
-def _print_stored(result: CachedResult, chosen: argparse.Namespace) -> bool:
+def _print_stored(result: CachedResult, arguments: argparse.Namespace) -> bool:
     """Print the result of an earlier run without problems, and return whether there is one."""
     from ..cached_result import report_of
 
-    specs = result.get()
-    if specs is None:
+    specs_read = result.get()
+    if specs_read is None:
         return False
-    _print_problems(specs["families"], report_of(specs), {}, chosen)
+    _print_problems(specs_read["families"], report_of(specs_read), {}, arguments)
     return True
 
 
 def _check(
     paths: Sequence[Path],
     settings: Configuration | None,
-    chosen: argparse.Namespace,
+    arguments: argparse.Namespace,
     cache: Cache,
     result: CachedResult,
 ) -> int:
@@ -114,39 +114,38 @@ def _check(
     from . import specs as coverage
     from .specs import check_specs
 
-    targets = targets_named(chosen.target, WITH_PROBLEMS)
+    targets = targets_named(arguments.target, WITH_PROBLEMS)
     with Progress("codewheel: checking the specs"):
-        checked = check_specs(paths, targets, NO_CACHE if chosen.coverage else cache)
-    names = [family.device.name for family in checked.families]
-    report_unknown_families(settings, names, checked.report)
-    covered: Sequence[Coverage] = []
-    counts: dict[str, Any] = {}
-    if chosen.coverage:
-        coverage.check_counts(checked, write=chosen.write)
-        covered = checked.readings
-        counts = coverage.as_data(covered)
-    _print_problems(names, checked.report, counts, chosen)
-    if chosen.coverage and not chosen.json:
-        print(coverage.as_text(covered, checked))
+        checked = check_specs(paths, targets, NO_CACHE if arguments.coverage else cache)
+    family_names = [family.device.name for family in checked.families]
+    report_unknown_families(settings, family_names, checked.report)
+    coverage_by_family: Sequence[Coverage] = []
+    coverage_data: dict[str, Any] = {}
+    if arguments.coverage:
+        coverage.check_counts(checked, write=arguments.write)
+        coverage_by_family = checked.readings
+        coverage_data = coverage.as_data(coverage_by_family)
+    _print_problems(family_names, checked.report, coverage_data, arguments)
+    if arguments.coverage and not arguments.json:
+        print(coverage.as_text(coverage_by_family, checked))
     if not checked.report and are_built_in(targets, WITH_PROBLEMS):
-        result.put(specs_read(names, checked.report))
-    return 0 if coverage.is_complete(covered, checked.report) else 1
+        result.put(specs_read(family_names, checked.report))
+    return 0 if coverage.is_complete(coverage_by_family, checked.report) else 1
 
 
 def _print_problems(
-    families: Sequence[str], report: Report, counts: dict[str, Any], chosen: argparse.Namespace
+    family_names: Sequence[str], report: Report, coverage_data: dict[str, Any], arguments: argparse.Namespace
 ) -> None:
     """Print the problems and, in JSON, also the counts of the coverage."""
-    data = {"version": JSON_VERSION} | as_data(report) | counts
-    if chosen.json:
-        print_json(data)
+    if arguments.json:
+        print_json({"version": JSON_VERSION} | as_data(report) | coverage_data)
     else:
-        print(as_text(families, report, chosen.format))
+        print(as_text(family_names, report, arguments.format))
 
 
 def as_data(report: Report) -> dict[str, Any]:
     """Return the problems in the form that ``--json`` prints."""
-    from ..read_specs import placeholders_data
+    from ..placeholders import placeholders_data
 
     return {
         "files": report.files,
@@ -162,9 +161,10 @@ def as_text(families: Sequence[str], report: Report, form: str = "text") -> str:
     ``families`` are the names of all families.
     """
     if form in ("github", "sarif"):
-        return _for_review(report, form)
+        return _review_text(report, form)
     from ...say.plain_text import counted
-    from ..read_specs import placeholder_lines, read_line
+    from ..placeholders import placeholder_lines
+    from ..read_specs import read_line
 
     lines = [problem.format() for problem in report.shown]
     lines += placeholder_lines(report.files)
@@ -179,13 +179,15 @@ def as_text(families: Sequence[str], report: Report, form: str = "text") -> str:
     return "\n".join(lines)
 
 
-def _for_review(report: Report, form: str) -> str:
+def _review_text(report: Report, form: str) -> str:
+    """Return the problems in a form for review tools, ``github`` or ``sarif``."""
     from ..review_formats import as_review
 
-    return as_review([_finding(problem) for problem in report.shown], form)
+    return as_review([_finding_of(problem) for problem in report.shown], form)
 
 
-def _finding(problem: Problem) -> Finding:
+def _finding_of(problem: Problem) -> Finding:
+    """Return a problem in the form for review tools."""
     from ..review_formats import Finding
 
     return Finding(

@@ -34,7 +34,7 @@ from ...readings.second_readings import (
 from ...say.plain_text import counted
 from ...targets import Target
 from ..encoder_options import check_editions
-from ..outputs import tell_unfit
+from ..outputs import report_unfit_parts
 from ..terminal import Stop
 
 #: Kind of entry for a family whose editions and second reading have no problems.
@@ -60,36 +60,47 @@ def check_specs(paths: Sequence[Path], targets: Iterable[Target], cache: Cache =
         Stop: A target fails. The exit code is 1.
     """
     contents_before = contents(paths)
-    clean = {file for file, content in contents_before.items() if cache.get(_CLEAN, content)}
+    clean_files = {file for file, content in contents_before.items() if cache.get(_CLEAN, content)}
     families, report = load_families(paths, cache)
-    unproved = [family for family in families if family.plain is not None or family.document.file not in clean]
-    check_editions(unproved, report)
-    unproved_files = [family.document.file for family in unproved]
-    readers = partial(_read_second, unproved_files), partial(_read_sheet, unproved_files)
-    checked = check_families(families, targets, report, *readers)
-    for family in unproved:
+    to_check: list[Family] = []
+    for family in families:
+        has_overlay = family.plain is not None
+        if has_overlay or family.document.file not in clean_files:
+            to_check.append(family)
+    check_editions(to_check, report)
+    files_to_check = [family.document.file for family in to_check]
+    checked = check_families(
+        families,
+        targets,
+        report,
+        read=partial(_read_second_of, files_to_check),
+        read_words=partial(_read_sheet_of, files_to_check),
+    )
+    for family in to_check:
         file = family.document.file
-        unchanged = family.content and content_of(family_files(Path(file))) == contents_before[file]
-        if unchanged and is_clean(family, report):
+        is_unchanged = family.content and content_of(family_files(Path(file))) == contents_before[file]
+        if is_unchanged and is_clean(family, report):
             cache.put(_CLEAN, contents_before[file], True)
     return checked
 
 
-def _read_second(unproved_files: Sequence[str], family: Family, report: Report) -> SecondReading | None:
+def _read_second_of(files_to_check: Sequence[str], family: Family, report: Report) -> SecondReading | None:
     """Read the second reading of a family that must be checked. For others, only list it as read."""
-    if family.document.file in unproved_files:
+    if family.document.file in files_to_check:
         return read_beside(family, report)
-    second = second_reading_path(Path(family.document.file))
-    report.files += [str(second)] if second.is_file() else []
+    second_path = second_reading_path(Path(family.document.file))
+    if second_path.is_file():
+        report.files.append(str(second_path))
     return None
 
 
-def _read_sheet(unproved_files: Sequence[str], family: Family, report: Report) -> Document | None:
+def _read_sheet_of(files_to_check: Sequence[str], family: Family, report: Report) -> Document | None:
     """Read the sheet of turning words of a family that must be checked. For others, only list it as read."""
-    if family.document.file in unproved_files:
+    if family.document.file in files_to_check:
         return read_sheet(family, report)
-    sheet = word_sheet_path(Path(family.document.file))
-    report.files += [str(sheet)] if sheet.is_file() else []
+    sheet_path = word_sheet_path(Path(family.document.file))
+    if sheet_path.is_file():
+        report.files.append(str(sheet_path))
     return None
 
 
@@ -105,11 +116,11 @@ def check_families(
     Raises:
         Stop: A target fails. The exit code is 1.
     """
-    sound = comparable_specs(families, report)
-    tell_unfit(families, targets, report)
-    readings = compare_readings(families, sound, report, read)
-    check_sheets(families, sound, report, read_words)
-    return Checked(families, readings, report)
+    comparable_files = comparable_specs(families, report)
+    report_unfit_parts(families, targets, report)
+    readings = compare_readings(families, comparable_files, report, read)
+    check_sheets(families, comparable_files, report, read_words)
+    return Checked(families=families, readings=readings, report=report)
 
 
 #: Kind of entry for a family that may be released.
@@ -121,12 +132,12 @@ _OUT_OF_DATE = "the counts do not match the readings; update them with codewheel
 def check_counts(checked: Checked, *, write: bool) -> None:
     """Report the counts next to the specs that are out of date, or write them all."""
     for family_coverage in checked.readings:
-        place = coverage_path(Path(family_coverage.spec.file))
+        counts_path = coverage_path(Path(family_coverage.spec.file))
         counts = counts_text(family_coverage.total)
         if write:
-            place.write_text(counts, encoding="utf-8")
-        elif place.is_file() and place.read_text(encoding="utf-8") != counts:
-            checked.report.add_at(str(place), 1, 1, RULE, _OUT_OF_DATE)
+            counts_path.write_text(counts, encoding="utf-8")
+        elif counts_path.is_file() and counts_path.read_text(encoding="utf-8") != counts:
+            checked.report.add_at(str(counts_path), 1, 1, RULE, _OUT_OF_DATE)
 
 
 def refuse_unproved(families: Sequence[Family], participle: str, cache: Cache = NO_CACHE) -> None:
@@ -173,6 +184,7 @@ def as_data(covered: Sequence[Coverage]) -> dict[str, Any]:
 
 
 def _family_data(family_coverage: Coverage) -> dict[str, Any]:
+    """Return the counts of a family by class, and the facts that were read only once."""
     return {
         "family": family_coverage.family.device.name,
         "classes": {sort.value: _class_data(sort, count) for sort, count in family_coverage.counts.items()},
@@ -201,17 +213,18 @@ def _fact_data(family_coverage: Coverage, sort: Sort, place: SpecPath) -> dict[s
 def as_text(covered: Sequence[Coverage], checked: Checked) -> str:
     """Return the coverage as text: by class, by family, and the facts that need a second reading."""
     covered_names = {family_coverage.family.device.name for family_coverage in covered}
-    names = [family.device.name for family in checked.families]
-    uncovered_names = [name for name in names if name not in covered_names]
-    last_lines = [f"not read twice: {', '.join(uncovered_names)}"] if uncovered_names else []
-    if not covered:
-        return "\n".join(last_lines)
-    lines = ["facts by number of readings (*: two are required)", _line("", _COLUMNS)]
-    lines += [_line(name, astuple(times_read)) for name, times_read in _rows(covered)]
-    return "\n".join([*lines, *last_lines, *_lacking_lines(covered)])
+    family_names = [family.device.name for family in checked.families]
+    uncovered_names = [name for name in family_names if name not in covered_names]
+    lines: list[str] = []
+    if covered:
+        lines += ["facts by number of readings (*: two are required)", _table_line("", _COLUMNS)]
+        lines += [_table_line(name, astuple(times_read)) for name, times_read in _rows_of_table(covered)]
+    if uncovered_names:
+        lines.append(f"not read twice: {', '.join(uncovered_names)}")
+    return "\n".join([*lines, *_lacking_lines(covered)])
 
 
-def _rows(covered: Sequence[Coverage]) -> Iterator[tuple[str, TimesRead]]:
+def _rows_of_table(covered: Sequence[Coverage]) -> Iterator[tuple[str, TimesRead]]:
     """Yield the counts of each class, of each family, and of several families together."""
     for sort in Sort:
         name = f"{sort.value} *" if sort.is_needed else sort.value
@@ -222,7 +235,8 @@ def _rows(covered: Sequence[Coverage]) -> Iterator[tuple[str, TimesRead]]:
         yield "total", added(family_coverage.total for family_coverage in covered)
 
 
-def _line(name: str, cells: Sequence[object]) -> str:
+def _table_line(name: str, cells: Sequence[object]) -> str:
+    """Return a line of the table: the name on the left, and the cells on the right of their columns."""
     columns = "".join(f"{cell!s:>11}" for cell in cells)
     return f"{name:<17}{columns}"
 
@@ -235,4 +249,6 @@ def _lacking_lines(covered: Sequence[Coverage]) -> list[str]:
         for sort, place in family_coverage.lacking:
             line, column = spec.position(place)
             lines.append(f"{spec.file}:{line}:{column}: read once: {sort.value}, {spec.name_path(place)}")
-    return [*lines, f"{counted(len(lines), 'fact')} to read a second time"] if lines else []
+    if lines:
+        lines.append(f"{counted(len(lines), 'fact')} to read a second time")
+    return lines

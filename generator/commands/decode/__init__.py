@@ -62,7 +62,7 @@ def add_arguments(parser: Parser) -> None:
     add_specs_option(parser)
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Print the frames decoded, and return the exit code.
 
     Raises:
@@ -70,17 +70,17 @@ def run(chosen: argparse.Namespace) -> int:
     """
     from .decoding import Decoding, argument_lines
 
-    decoding = Decoding(_request(chosen))
+    decoding = Decoding(_request_of(arguments))
     try:
-        decoding.run(argument_lines(chosen.frame))
-        if is_line(chosen.order_code) and not chosen.json and chosen.frame != ["-"]:
-            print(f"To write it as a spec: {command_for_spec(chosen.order_code)}")
+        decoding.run(argument_lines(arguments.frame))
+        if is_line(arguments.order_code) and not arguments.json and arguments.frame != ["-"]:
+            print(f"To write it as a spec: {command_for_spec(arguments.order_code)}")
     except BrokenPipeError:
         release_streams()
     return decoding.code
 
 
-def _request(chosen: argparse.Namespace) -> Request:
+def _request_of(arguments: argparse.Namespace) -> Request:
     """Return the encoder as its registers, the edition and the user's answers determine it, with the options.
 
     Raises:
@@ -94,22 +94,24 @@ def _request(chosen: argparse.Namespace) -> Request:
     from ..read_specs import specs_to_read
     from .decoding import Request
 
-    cache = cache_for(chosen)
-    device, match, register_bytes = find_requested(chosen, specs_to_read(chosen.specs), cache)
-    answers = answers_of(device, match.variant, chosen.choose)
-    fixed = fixed_addresses(device, match.variant)
-    changed_bytes = {address: byte for address, byte in register_bytes.items() if address not in fixed}
+    cache = cache_for(arguments)
+    device, match, register_bytes = find_requested(arguments, specs_to_read(arguments.specs), cache)
+    answers = answers_of(device, match.variant, arguments.choose)
+    # Registers that identify the order code are only compared with it. The others may change the layout of frames.
+    identifying_addresses = fixed_addresses(device, match.variant)
+    changed_bytes = {address: byte for address, byte in register_bytes.items() if address not in identifying_addresses}
     try:
-        variant = with_answers(device, with_registers(device, match.variant, changed_bytes), answers)
+        variant_with_registers = with_registers(device, match.variant, changed_bytes)
+        variant = with_answers(device, variant_with_registers, answers)
     except RegisterError as error:
         raise Stop(str(error), 2) from None
     return Request(
         device=reduced_to_codes(device, [variant.code]),
         match=replace(match, variant=variant),
-        sender=chosen.sender,
-        layout=chosen.layout,
-        register=chosen.register_name,
-        as_json=chosen.json,
+        sender=arguments.sender,
+        layout=arguments.layout,
+        register=arguments.register_name,
+        as_json=arguments.json,
         register_differences=compare_held(device, match.variant, register_bytes),
         answers=answers,
     )

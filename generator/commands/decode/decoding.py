@@ -81,8 +81,10 @@ def _bounded_lines(file: TextIO) -> Iterator[str]:
     """Yield the lines of a file. The rest of a line that is longer than any frame is skipped."""
     while line := file.readline(_LONGEST_LINE):
         yield line
-        while len(line) == _LONGEST_LINE and not line.endswith("\n"):
-            line = file.readline(_LONGEST_LINE)
+        line_continues = len(line) == _LONGEST_LINE and not line.endswith("\n")
+        while line_continues:
+            piece = file.readline(_LONGEST_LINE)
+            line_continues = len(piece) == _LONGEST_LINE and not piece.endswith("\n")
 
 
 class Decoding:
@@ -105,15 +107,17 @@ class Decoding:
 
     @property
     def code(self) -> int:
-        return next((code for code in _WORST_FIRST if code in self._codes), DONE)
+        """The worst exit code of the frames so far."""
+        for code in _WORST_FIRST:
+            if code in self._codes:
+                return code
+        return DONE
 
     def run(self, lines: Iterable[Line]) -> None:
         """Print each frame decoded. Report text that is not a frame, and continue."""
         for count, line in enumerate(lines):
             if count == MANY and self._request.register is None:
-                command = f"{self._request.device.manufacturer.distribution} decode"
-                notice = f"{MANY:,} frames; for files, the Python package is faster: {command}"
-                print(f"codewheel: {notice}", file=sys.stderr)
+                self._suggest_package()
             try:
                 decoded, why = self._decode(line.text)
             except (FrameTextError, RegisterError, UndecidedError) as error:
@@ -122,16 +126,25 @@ class Decoding:
                 print(f"codewheel: {place}{error}", file=sys.stderr)
                 continue
             frame_findings = self._findings(decoded)
-            self._codes.add(_code(decoded, frame_findings))
+            self._codes.add(_exit_code(decoded, frame_findings))
             other_layouts = self._other_layouts(line.text, decoded)
             if is_frame_of_other_kind(decoded, other_layouts):
                 why = None
             if why is not None and decoded.problems:
                 self._failed_frames.append((line.text, decoded, why))
+            output = self._output(line, decoded, frame_findings, why, other_layouts)
             # Someone who reads many frames should not have to wait for the end.
-            print(self._output(line, decoded, frame_findings, why, other_layouts), flush=line.number is not None)
+            is_one_of_many = line.number is not None
+            print(output, flush=is_one_of_many)
         if not self._request.as_json:
-            print(*together_lines(self._mistakes_in_all(), len(self._failed_frames)), sep="\n", end="")
+            common_mistakes = self._mistakes_in_all()
+            print(*together_lines(common_mistakes, len(self._failed_frames)), sep="\n", end="")
+
+    def _suggest_package(self) -> None:
+        """Print a notice that the Python package decodes a file with many frames faster."""
+        command = f"{self._request.device.manufacturer.distribution} decode"
+        notice = f"{MANY:,} frames; for files, the Python package is faster: {command}"
+        print(f"codewheel: {notice}", file=sys.stderr)
 
     def _mistakes_in_all(self) -> list[CommonMistake]:
         """Return the mistakes that explain the most frames with an error: single ones, or else two at once."""
@@ -179,6 +192,7 @@ class Decoding:
         return replace(frame_findings, differences=differences)
 
     def _other_layouts(self, text: str, decoded: codec.Decoded) -> Sequence[PlacedLayout]:
+        """Return the other layouts with which the text is a valid frame, unless the user named the layout."""
         return self._other_frames.layouts_of(text, decoded) if self._other_frames is not None else ()
 
     def _answers_used(self, decoded: codec.Decoded) -> dict[str, str]:
@@ -199,13 +213,17 @@ class Decoding:
         """Return the answers, or their defaults, that decide the verdict of an active flag of the frame."""
         if decoded.problems or decoded.layout is None:
             return {}
-        values = decoded.values
-        active_kinds = (field.field.kind for field in decoded.layout.fields if values.get(field.name) is True)
-        parameters = {kind.verdict_parameter for kind in active_kinds if isinstance(kind, Flag)}
-        alternatives = self._request.device.optional_alternatives
-        deciding = [alternative for alternative in alternatives if alternative.parameter in parameters]
-        answers = self._request.answers
-        return {alternative.name: answers.get(alternative.name, alternative.default) for alternative in deciding}
+        verdict_parameters: set[str] = set()
+        for placed_field in decoded.layout.fields:
+            is_active = decoded.values.get(placed_field.name) is True
+            if is_active and isinstance(placed_field.field.kind, Flag):
+                verdict_parameters.add(placed_field.field.kind.verdict_parameter)
+        decisive_answers: dict[str, str] = {}
+        for alternative in self._request.device.optional_alternatives:
+            if alternative.parameter in verdict_parameters:
+                answer = self._request.answers.get(alternative.name, alternative.default)
+                decisive_answers[alternative.name] = answer
+        return decisive_answers
 
     def _output(
         self,
@@ -215,6 +233,7 @@ class Decoding:
         why: Why | None,
         other_layouts: Sequence[PlacedLayout],
     ) -> str:
+        """Return a decoded frame as text or as JSON, with a blank line between the texts of several."""
         request, answers = self._request, self._answers_used(decoded)
         if request.as_json:
             data = decoded_data(
@@ -246,7 +265,8 @@ class Decoding:
         return separator + text
 
 
-def _code(decoded: codec.Decoded, frame_findings: Findings) -> int:
+def _exit_code(decoded: codec.Decoded, frame_findings: Findings) -> int:
+    """Return the exit code for one frame. A register that contradicts the order code is an error."""
     if decoded.problems or any(difference.is_register for difference in frame_findings.differences):
         return FAULT
     return NOT_USABLE if frame_findings.verdict is Verdict.NOT_USABLE else DONE
@@ -300,6 +320,7 @@ def _problem_data(problem: codec.Problem) -> dict[str, Any]:
 
 
 def _difference_data(difference: Difference) -> dict[str, Any]:
+    """Return a value that differs from the manual, for JSON."""
     return {
         "field": difference.field,
         "found": difference.actual,
@@ -309,6 +330,7 @@ def _difference_data(difference: Difference) -> dict[str, Any]:
 
 
 def _field_data(field: codec.DecodedField) -> dict[str, Any]:
+    """Return a field with its value as sent and as decoded, for JSON."""
     return {
         "name": field.name,
         "raw": field.raw,
@@ -320,6 +342,7 @@ def _field_data(field: codec.DecodedField) -> dict[str, Any]:
 
 
 def _quantity_data(scale: Scale, number: int | str | bool) -> dict[str, Any]:
+    """Return the quantity that a number stands for, as decimal and as fraction, for JSON."""
     exact = scale.quantity(int(number))
     return {
         "decimal": scale.decimal(int(number)),
@@ -331,6 +354,7 @@ def _quantity_data(scale: Scale, number: int | str | bool) -> dict[str, Any]:
 
 
 def _report_data(report: Report) -> dict[str, Any]:
+    """Return a report of the encoder, for JSON."""
     return {
         "field": report.field,
         "meaning": report.meaning,
@@ -341,6 +365,7 @@ def _report_data(report: Report) -> dict[str, Any]:
 
 
 def _why_data(why: Why) -> dict[str, Any]:
+    """Return the explanations of a frame with an error, for JSON."""
     return {
         "explanations": [_explanation_data(explanation) for explanation in why.explanations],
         "tried": why.tried,
@@ -353,6 +378,7 @@ def _why_data(why: Why) -> dict[str, Any]:
 
 
 def _explanation_data(explanation: Explanation) -> dict[str, Any]:
+    """Return one explanation, for JSON."""
     return {
         "kind": explanation.kind,
         "text": explanation.text,

@@ -60,12 +60,13 @@ class Line(NamedTuple):
 def frame_lines(lines: Iterable[str]) -> Iterator[Line]:
     """Yield the frames in lines. Comments after ``#`` and empty lines are skipped."""
     for number, line in enumerate(lines, 1):
-        text = line.partition("#")[0].strip()
+        before_comment, _, _ = line.partition("#")
+        text = before_comment.strip()
         time = _TIME.match(text)
         if time:
-            yield Line(number, time[1], text[time.end() :])
+            yield Line(number=number, time=time[1], text=text[time.end() :])
         elif text:
-            yield Line(number, "", text)
+            yield Line(number=number, time="", text=text)
 
 
 def undecorated(text: str) -> str:
@@ -94,17 +95,17 @@ def frame_bytes(text: str) -> bytes:
     """
     data = b""
     for piece in text.split():
-        piece_text = quoted(visible(piece))
+        quoted_piece = quoted(visible(piece))
         if not _HEX.fullmatch(piece):
-            raise FrameTextError(say.not_hex(piece_text))
-        prefixed = piece[:2] in ("0x", "0X")
-        digits = piece[2:] if prefixed else piece
-        if len(digits) == 1 and prefixed:
+            raise FrameTextError(say.not_hex(quoted_piece))
+        has_prefix = piece[:2] in ("0x", "0X")
+        digits = piece[2:] if has_prefix else piece
+        if len(digits) == 1 and has_prefix:
             digits = f"0{digits}"
         elif len(digits) == 1:
-            raise FrameTextError(say.one_digit(piece_text, digits))
+            raise FrameTextError(say.one_digit(quoted_piece, digits))
         elif len(digits) % 2:
-            raise FrameTextError(say.odd(piece_text))
+            raise FrameTextError(say.odd(quoted_piece))
         data += bytes.fromhex(digits)
     return data
 
@@ -115,14 +116,16 @@ def placed_bytes(placed: PlacedLayout, variant: Variant, text: str) -> bytes:
     Raises:
         FrameTextError: The text has another form, or another number of bits.
     """
-    compact = text.replace("_", "")
-    if INTERFACES[variant.interface].carried_as == "bytes" or not _BITS.fullmatch(compact):
+    line_carries_bits = INTERFACES[variant.interface].carried_as != "bytes"
+    without_gaps = text.replace("_", "")
+    if not line_carries_bits or not _BITS.fullmatch(without_gaps):
         return frame_bytes(text)
-    bits = placed.layout.sent_bits.value(placed.parameters)
-    if len(compact) - 2 != bits:
-        remedy = say.write_bits(str(bits), str(placed.bits // 8))
+    bits, length = placed.layout.sent_bits.value(placed.parameters), placed.bits // 8
+    written_bits = len(without_gaps) - len("0b")
+    if written_bits != bits:
+        remedy = say.write_bits(str(bits), str(length))
         raise FrameTextError(say.no_bits(quoted(visible(text)), str(bits), remedy))
-    return int(compact, 2).to_bytes(placed.bits // 8, "big")
+    return int(without_gaps, 2).to_bytes(length, "big")
 
 
 def frame_number(placed: PlacedLayout, text: str, *, exact: bool = False) -> BitText:
@@ -133,39 +136,43 @@ def frame_number(placed: PlacedLayout, text: str, *, exact: bool = False) -> Bit
     Raises:
         FrameTextError: The text has another form.
     """
-    compact = _GAPS.sub("", text)
-    if _BITS.fullmatch(compact):
-        bits = len(compact) - len("0b")
-        return BitText(int(compact, 2), bits, exact=True, written=bits)
+    without_gaps = _GAPS.sub("", text)
+    if _BITS.fullmatch(without_gaps):
+        bits = len(without_gaps) - len("0b")
+        return BitText(int(without_gaps, 2), bits, exact=True, written=bits)
     pieces = text.split()
     are_bytes = len(pieces) > 1 and all(map(_ONE_BYTE.fullmatch, pieces))
     if are_bytes:
         _refuse_bits_in_pairs(pieces, text)
         # A byte may have a prefix of its own.
-        compact = "0x" + "".join(piece[-2:] for piece in pieces)
+        without_gaps = "0x" + "".join(piece[-2:] for piece in pieces)
         if exact and len(pieces) != (placed.bits + 7) // 8:
             bits = 8 * len(pieces)
-            return BitText(int(compact, 16), bits, exact=True, written=bits)
-    if _NUMBER.fullmatch(compact):
-        number = int(compact, 16)
-        hex_digits = len(compact) - len("0x")
+            return BitText(int(without_gaps, 16), bits, exact=True, written=bits)
+    if _NUMBER.fullmatch(without_gaps):
+        number = int(without_gaps, 16)
+        hex_digits = len(without_gaps) - len("0x")
         return BitText(number, number.bit_length(), exact=False, written=4 * hex_digits)
-    readings = list(_readings(compact, placed.bits)) if len(pieces) == 1 else []
-    if len(readings) == 1 and len(compact) == placed.bits and set(compact) <= {"0", "1"}:
+    possible_meanings = list(_possible_meanings(without_gaps, placed.bits)) if len(pieces) == 1 else []
+    are_all_bits = len(without_gaps) == placed.bits and set(without_gaps) <= {"0", "1"}
+    if len(possible_meanings) == 1 and are_all_bits:
         # As a decimal or hexadecimal number, this many digits would not fit.
-        return BitText(int(compact, 2), placed.bits, exact=True, written=placed.bits)
-    remedy = say.write_one_of(", ".join(readings)) if readings else say.write_number(str(placed.bits))
+        return BitText(int(without_gaps, 2), placed.bits, exact=True, written=placed.bits)
+    remedy = say.write_number(str(placed.bits))
+    if possible_meanings:
+        remedy = say.write_one_of(", ".join(possible_meanings))
     raise FrameTextError(say.no_bits(quoted(visible(text)), str(placed.bits), remedy))
 
 
 def _refuse_bits_in_pairs(pieces: Sequence[str], text: str) -> None:
     """Raise FrameTextError if the pieces, such as ``10 01 11``, may be bits as well as bytes."""
     have_no_prefix = all(len(piece) == 2 for piece in pieces)
-    if have_no_prefix and set("".join(pieces)) <= {"0", "1"}:
+    are_zeros_and_ones = set("".join(pieces)) <= {"0", "1"}
+    if have_no_prefix and are_zeros_and_ones:
         raise FrameTextError(say.bits_or_bytes(quoted(text)))
 
 
-def _readings(digits: str, bits: int) -> Iterator[str]:
+def _possible_meanings(digits: str, bits: int) -> Iterator[str]:
     """Yield the possible meanings of digits without a prefix that fit into the bits. The page has the same rule."""
     largest = (1 << bits) - 1
     if re.fullmatch(r"0|[1-9][0-9]{0,39}", digits) and int(digits) <= largest:
@@ -201,19 +208,21 @@ def text_decoder(device: Device, variant: Variant, sender: str, layout: str | No
     """Return a function that decodes many frames, each like ``decode_text``."""
     layouts = _layouts_of(device, variant, sender)
     candidates = [candidate for candidate in layouts if layout is None or candidate.name == layout]
-    placed = candidates[0].place(variant.parameters) if candidates else None
+    first_placed = candidates[0].place(variant.parameters) if candidates else None
+    # If layouts differ in length, the number of bits identifies the layout.
     is_exact = have_lengths(layouts, sender)
 
     def decode(text: str) -> codec.Decoded:
-        text = undecorated(text)
-        if placed is None:
-            raise FrameTextError(_no_layout(device, variant, sender, layout))
+        frame_text = undecorated(text)
+        if first_placed is None:
+            raise FrameTextError(_no_layout_message(device, variant, sender, layout))
         if layout is not None:
-            return decode_as(device, variant, placed, text, exact=is_exact)
-        if placed.layout.in_bytes:
-            return codec.decode_bytes(device, variant, sender, placed_bytes(placed, variant, text))
-        fitting_layout = _of_length(text, placed, layouts, variant) if is_exact else placed
-        return decode_as(device, variant, fitting_layout, text, exact=is_exact)
+            return decode_as(device, variant, first_placed, frame_text, exact=is_exact)
+        if first_placed.layout.in_bytes:
+            data = placed_bytes(first_placed, variant, frame_text)
+            return codec.decode_bytes(device, variant, sender, data)
+        placed = _layout_of_length(frame_text, first_placed, layouts, variant) if is_exact else first_placed
+        return decode_as(device, variant, placed, frame_text, exact=is_exact)
 
     return decode
 
@@ -222,7 +231,7 @@ def _layouts_of(device: Device, variant: Variant, sender: str) -> list[Layout]:
     return [layout for layout in device.interface(variant.interface).layouts if layout.sender == sender]
 
 
-def _no_layout(device: Device, variant: Variant, sender: str, name: str | None) -> str:
+def _no_layout_message(device: Device, variant: Variant, sender: str, name: str | None) -> str:
     """Return the message about a sender without frames, or without a layout of this name."""
     interface = device.interface(variant.interface)
     known_layouts = _layouts_of(device, variant, sender)
@@ -244,7 +253,7 @@ def decode_register_text(device: Device, variant: Variant, name: str, text: str)
     return decode_register(device, variant, name, frame_bytes(undecorated(text)))
 
 
-def _of_length(text: str, first: PlacedLayout, layouts: Sequence[Layout], variant: Variant) -> PlacedLayout:
+def _layout_of_length(text: str, first: PlacedLayout, layouts: Sequence[Layout], variant: Variant) -> PlacedLayout:
     """Return the only layout that has the length of the text, or ``first`` if that fits or several do."""
     if _has_length(first, text):
         return first
@@ -282,15 +291,17 @@ def why_text(
     ``with_pairs`` also lists pairs of mistakes if a single one matches.
     """
     placed = decoded.layout
-    faults = {problem.fault for problem in decoded.problems}
     if placed is not None and not placed.layout.in_bytes:
-        return _why_bits(device, variant, sender, text, placed, decoded, with_pairs)
-    if placed is not None and not faults & {*_TRANSMISSION_FAULTS, Fault.CONSTANT}:
-        return None
+        return _why_bits(device, variant, sender, text, placed, decoded, with_pairs=with_pairs)
+    if placed is None:
+        data = frame_bytes(undecorated(text))
+    else:
+        faults = {problem.fault for problem in decoded.problems}
+        if not faults & {*_TRANSMISSION_FAULTS, Fault.CONSTANT}:
+            return None
+        data = placed_bytes(placed, variant, undecorated(text))
     from ...why.mistakes import explain_bytes
 
-    hex_text = undecorated(text)
-    data = placed_bytes(placed, variant, hex_text) if placed is not None else frame_bytes(hex_text)
     return explain_bytes(device, variant, sender, placed, data)
 
 
@@ -301,6 +312,7 @@ def _why_bits(
     text: str,
     placed: PlacedLayout,
     decoded: codec.Decoded,
+    *,
     with_pairs: bool,
 ) -> Why | None:
     """Return explanations of a frame of bits. One without a CRC, or with equal bits, is explained even if valid."""
@@ -336,6 +348,7 @@ class OtherFrames:
         return tuple(candidate for candidate in self._candidates if self._is_valid_as(candidate, text, decoded))
 
     def _is_valid_as(self, candidate: PlacedLayout, text: str, decoded: codec.Decoded) -> bool:
+        """Return whether the text, which was decoded with another layout, is a valid frame of the candidate."""
         if decoded.layout is None or candidate.name == decoded.layout.name:
             return False
         if candidate.layout.in_bytes != decoded.layout.layout.in_bytes:
@@ -344,16 +357,17 @@ class OtherFrames:
         has_other_length = any(problem.fault is Fault.LENGTH for problem in decoded.problems)
         if candidate.bits != decoded.layout.bits and not has_other_length:
             return False
+        frame_text = undecorated(text)
         try:
-            return not decode_as(
-                self._device, self._variant, candidate, undecorated(text), exact=self._is_exact
-            ).problems
+            candidate_decoded = decode_as(self._device, self._variant, candidate, frame_text, exact=self._is_exact)
         except FrameTextError:  # another number of bits
             return False
+        return not candidate_decoded.problems
 
 
 def is_frame_of_other_kind(decoded: codec.Decoded, other_layouts: Sequence[PlacedLayout]) -> bool:
     """Return whether a wrong frame is a valid one of another kind, whose check bits match, so it has no mistake."""
     if not decoded.problems or len(other_layouts) != 1:
         return False
-    return any(isinstance(field.field.kind, (Constant, CrcValue, Parity)) for field in other_layouts[0].fields)
+    kinds = [placed_field.field.kind for placed_field in other_layouts[0].fields]
+    return any(isinstance(kind, (Constant, CrcValue, Parity)) for kind in kinds)

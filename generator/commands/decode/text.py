@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from ...model import Alternative, Crc, Device, Layout, Measurement, PlacedLayout, Variant, Verdict
+from ...model import Alternative, Crc, Device, Measurement, PlacedLayout, Variant, Verdict
 from ...model.expressions import Expression
 from ...order_codes.labels import Match
 from ...order_codes.parameters import parameters_of
@@ -16,7 +16,7 @@ from ...reference import codec
 from ...reference.findings import Findings, Report
 from ...say import report as say
 from ...say.evidence import origin, placeholders
-from ...say.names_and_places import words
+from ...say.names_and_places import bit_place, words
 from ...say.order_code import not_on_label
 from ...say.plain_text import WIDTH, decimal, quantity
 from ...say.plain_text import wrapped as wrapped_anew
@@ -56,20 +56,20 @@ def explain(
     if decoded.layout is not None:
         lines += [_layout_line(decoded.layout), *_answer_lines(device, answers)]
     if decoded.fields:
-        lines += ["", *_table(decoded)]
-        measured = _measured_position(device, match.variant, decoded, findings.verdict)
-        lines += ["", measured] if measured else []
+        lines += ["", *_field_table(decoded)]
+        position = _position_text(device, match.variant, decoded, findings.verdict)
+        lines += ["", position] if position else []
     if decoded.crc is not None:
         lines += ["", _crc_line(device.crc(decoded.crc.name), decoded.crc)]
     lines += ["", *_problem_lines(decoded, findings)]
     if other_frames:
-        lines.append(wrapped(other_frames, WIDTH, "  ", ""))
+        lines.append(wrapped(other_frames, WIDTH, prefix="  ", first=""))
     lines += _other_position_lines(device, match.variant, decoded)
     if why is not None:
         lines += _why_lines(why, decoded.layout)
     lines.append(f"evidence: {device.evidence.grade}")
     if device.evidence.placeholders:
-        lines.append(wrapped(placeholders(device), WIDTH, "  ", ""))
+        lines.append(wrapped(placeholders(device), WIDTH, prefix="  ", first=""))
     return "\n".join(lines)
 
 
@@ -79,10 +79,10 @@ def _other_position_lines(device: Device, variant: Variant, decoded: codec.Decod
         return
     from ...why.doubts import other_positions, position_name
 
-    readings = [f"{value} {text}" for text, value in other_positions(device, variant, decoded)]
+    readings = [f"{value} {reason}" for reason, value in other_positions(device, variant, decoded)]
     if readings:
-        name = position_name(device, variant)
-        yield wrapped(sentence(say.looks_wrong(name, ", ".join(readings))), WIDTH, "  ", "")
+        suggestion = say.looks_wrong(position_name(device, variant), ", ".join(readings))
+        yield wrapped(sentence(suggestion), WIDTH, prefix="  ", first="")
 
 
 def _line_prefix(line: Line) -> str:
@@ -105,44 +105,55 @@ def label_lines(device: Device, match: Match) -> Iterator[str]:
     names = [parameter.name for parameter in parameters_of(device, variant.interface) if parameter.read_from]
     if names:
         state = ", ".join(f"{name} = {variant.parameters[name]}" for name in names)
-        yield wrapped(f"with {state} (from registers; --register changes them)", WIDTH, "  ")
+        yield wrapped(f"with {state} (from registers; --register changes them)", WIDTH, prefix="  ")
     yield from label_differences(device, replace(match, tail=""))
     for statement in origin(device):
-        yield wrapped(BY_NAME.sentence(statement), WIDTH, "  ")
+        yield wrapped(BY_NAME.sentence(statement), WIDTH, prefix="  ")
 
 
 def label_differences(device: Device, match: Match) -> Iterator[str]:
     """Yield how a label differs from the codes in the manual, in lines of at most 80 columns."""
     for statement in not_on_label(device):
-        yield wrapped(BY_NAME.sentence(statement), WIDTH, "  ")
+        yield wrapped(BY_NAME.sentence(statement), WIDTH, prefix="  ")
     if match.written_as_in:
-        yield wrapped(f"the label is written as in {match.written_as_in}", WIDTH, "  ")
+        yield wrapped(f"the label is written as in {match.written_as_in}", WIDTH, prefix="  ")
     if match.unlisted:
-        yield wrapped(f"accepted, although not listed in the manual: {', '.join(match.unlisted)}", WIDTH, "  ")
+        yield wrapped(f"accepted, although not listed in the manual: {', '.join(match.unlisted)}", WIDTH, prefix="  ")
     if match.tail:
         yield f"  the label continues with {match.tail}"
     if match.special:
         special = device.order_code.special or "A code that ends in /Sxxx may differ from the manual."
-        yield wrapped(special, WIDTH, "  ")
+        yield wrapped(special, WIDTH, prefix="  ")
 
 
 def _layout_line(placed: PlacedLayout) -> str:
+    """Return the line about a layout, such as ``Single cycle data, 45 bits, data channel 2``."""
     layout = placed.layout
     title = layout.printed_name or words(placed.name)
+    if layout.in_bytes:
+        size = counted(placed.bits // 8, "byte")
+    else:
+        size = counted(placed.bits, "bit")
     channel = f", data channel {layout.channel}" if layout.channel else ""
-    return f"{title}, {_size(placed)}{channel}"
+    return f"{title}, {size}{channel}"
 
 
 def _answer_lines(device: Device, answers: Mapping[str, str]) -> Iterator[str]:
     """Yield the answers to questions that the manual leaves open, and how to choose others than the defaults."""
     for alternative in device.alternatives:
         for index, answer in enumerate(alternative.answers):
-            if answers.get(alternative.name) != answer.name:
+            is_used = answers.get(alternative.name) == answer.name
+            if not is_used:
                 continue
-            yield wrapped(f"decoded with {alternative.name} = {answer.name}: {answer.meaning}", WIDTH, "  ", "")
-            if alternative.default and index == 0:
+            yield wrapped(
+                f"decoded with {alternative.name} = {answer.name}: {answer.meaning}", WIDTH, prefix="  ", first=""
+            )
+            is_default = bool(alternative.default) and index == 0
+            if is_default:
                 options = " or ".join(_other_options(alternative))
-                yield wrapped(f"this is the default; for another reading, add {options}", WIDTH, "    ", "  ")
+                yield wrapped(
+                    f"this is the default; for another reading, add {options}", WIDTH, prefix="    ", first="  "
+                )
 
 
 def _other_options(alternative: Alternative) -> Iterator[str]:
@@ -151,19 +162,20 @@ def _other_options(alternative: Alternative) -> Iterator[str]:
 
 
 def _crc_line(crc: Crc, crc_result: codec.CrcResult) -> str:
+    """Return the line about the CRC, such as ``CRC 0x1a: correct (x^6 + x + 1, sent inverted)``."""
     verdict = "correct" if crc_result.ok else f"WRONG, expected {crc_result.computed:#04x}"
     start_value = f", start value {crc.init:#x}" if crc.init else ""
     inversion = ", sent inverted" if crc.xorout == crc.mask else ""
     computation = f"{crc.polynomial}{start_value}{inversion}"
-    return wrapped(f"CRC {crc_result.received:#04x}: {verdict} ({computation})", WIDTH, "  ", "")
+    return wrapped(f"CRC {crc_result.received:#04x}: {verdict} ({computation})", WIDTH, prefix="  ", first="")
 
 
 def _problem_lines(decoded: codec.Decoded, findings: Findings) -> Iterator[str]:
     """Yield the errors of the frame and what differs from the manual or, without errors, also the last lines."""
     for problem in decoded.problems:
-        yield wrapped(f"{problem.fault.value} error: {problem.message}", WIDTH, "  ", "")
+        yield wrapped(f"{problem.fault.value} error: {problem.message}", WIDTH, prefix="  ", first="")
     for difference in findings.differences:
-        yield wrapped(f"not as documented: {difference.message}", WIDTH, "  ", "")
+        yield wrapped(f"not as documented: {difference.message}", WIDTH, prefix="  ", first="")
     if not decoded.problems:
         yield from _report_lines(decoded, findings)
 
@@ -173,16 +185,16 @@ def _report_lines(decoded: codec.Decoded, findings: Findings) -> Iterator[str]:
     if findings.reports:
         yield "the encoder reports:"
         for report in findings.reports:
-            yield wrapped(_report_text(report), WIDTH, " " * 6, "  - ")
+            yield wrapped(_report_text(report), WIDTH, prefix=" " * 6, first="  - ")
         if findings.verdict:
             yield f"so {WORTH[findings.verdict]}"
         return
-    statements = [_no_error(decoded, findings)]
+    statements = [_no_error_text(decoded, findings)]
     if _is_frame(decoded) and decoded.crc is None:
-        statements.append(_no_crc(decoded))
+        statements.append(_no_crc_text(decoded))
     if findings.verdict is not None:
         statements.append(WORTH[findings.verdict])
-    yield wrapped("; ".join(statements), WIDTH, "  ", "")
+    yield wrapped("; ".join(statements), WIDTH, prefix="  ", first="")
 
 
 def _is_frame(decoded: codec.Decoded) -> bool:
@@ -190,15 +202,15 @@ def _is_frame(decoded: codec.Decoded) -> bool:
     return decoded.layout is not None and decoded.layout.layout.sender != ""
 
 
-def _no_error(decoded: codec.Decoded, findings: Findings) -> str:
+def _no_error_text(decoded: codec.Decoded, findings: Findings) -> str:
     if findings.differences:
         return "no other error"
     return "no frame error" if _is_frame(decoded) else "the value is valid"
 
 
-def _no_crc(decoded: codec.Decoded) -> str:
+def _no_crc_text(decoded: codec.Decoded) -> str:
     has_parity = decoded.layout is not None and decoded.layout.layout.has_parity
-    return f"this frame has no CRC{', only parity' if has_parity else ''}"
+    return "this frame has no CRC, only parity" if has_parity else "this frame has no CRC"
 
 
 def _report_text(report: Report) -> str:
@@ -208,7 +220,7 @@ def _report_text(report: Report) -> str:
     return f"{name}: {sentence(report.meaning)} {sentence(report.remedy)}"
 
 
-def _measured_position(device: Device, variant: Variant, decoded: codec.Decoded, verdict: Verdict | None) -> str:
+def _position_text(device: Device, variant: Variant, decoded: codec.Decoded, verdict: Verdict | None) -> str:
     """Return the position in degrees or micrometres, or only the angle if the frame has no other part of it.
 
     An angle in degrees would look too trustworthy for an unusable position, so there is none.
@@ -217,35 +229,39 @@ def _measured_position(device: Device, variant: Variant, decoded: codec.Decoded,
     if verdict in (None, Verdict.NOT_USABLE) or measurement is None or decoded.layout is None:
         return ""
     measurement = measurement.within(decoded.layout.layout.position_range)
-    name = measurement.of
-    if name not in decoded.values:
-        name = _lowest_part(device, variant, name)
-    counts = decoded.values.get(name)
+    field_name = measurement.of
+    if field_name not in decoded.values:
+        field_name = _lowest_joined_field(device, variant, field_name)
+    counts = decoded.values.get(field_name)
     if not isinstance(counts, int):
         return ""
-    step = measurement.micrometres(variant.parameters)
-    if step is not None:
-        return f"{name}: {decimal(counts * step)} µm"
-    return _angle(measurement, variant, name, counts)
+    micrometres_per_count = measurement.micrometres(variant.parameters)
+    if micrometres_per_count is not None:
+        return f"{field_name}: {decimal(counts * micrometres_per_count)} µm"
+    return _angle_text(measurement, variant, field_name, counts)
 
 
-def _lowest_part(device: Device, variant: Variant, name: str) -> str:
-    """Return the last field of those that are joined to a value, or the name itself if none are."""
-    joins = [join for layout in device.interface(variant.interface).layouts for join in layout.joins]
-    return next((join.fields[-1] for join in joins if join.name == name), name)
+def _lowest_joined_field(device: Device, variant: Variant, name: str) -> str:
+    """Return the last field of a join of this name, which has the lowest bits, or the name itself without a join."""
+    for layout in device.interface(variant.interface).layouts:
+        for join in layout.joins:
+            if join.name == name:
+                return join.fields[-1]
+    return name
 
 
-def _angle(measurement: Measurement, variant: Variant, name: str, counts: int) -> str:
+def _angle_text(measurement: Measurement, variant: Variant, name: str, counts: int) -> str:
     """Return the angle and, if the counts are the whole position, the revolution. Empty for a fraction of a count."""
     counts_per_turn = _value_or_zero(measurement.counts_per_turn, variant)
     turns = _value_or_zero(measurement.turns, variant)
     if counts_per_turn < 1:
         return ""
     turn, counts_in_turn = divmod(counts, counts_per_turn)
+    degrees = counts_in_turn * 360 / counts_per_turn
     decimals = len(str(counts_per_turn // 360))
-    degrees = f"{counts_in_turn * 360 / counts_per_turn:.{decimals}f}°"
+    angle = f"{name}: {degrees:.{decimals}f}°"
     is_whole_position = turns > 1 and name == measurement.of
-    return f"{name}: {degrees} of revolution {turn:,}" if is_whole_position else f"{name}: {degrees}"
+    return f"{angle} of revolution {turn:,}" if is_whole_position else angle
 
 
 def _value_or_zero(expression: Expression | None, variant: Variant) -> int:
@@ -253,9 +269,11 @@ def _value_or_zero(expression: Expression | None, variant: Variant) -> int:
 
 
 def _why_lines(why: Why, placed: PlacedLayout | None) -> list[str]:
-    if [explanation.kind for explanation in why.explanations] == ["line_stuck"]:
-        text = sentence(why.explanations[0].text)
-        return ["", wrapped(text[0].upper() + text[1:], WIDTH, "  ", "")]
+    """Return what explains the frame: a line that never changes, a disturbed bit, or mistakes."""
+    is_line_stuck = [explanation.kind for explanation in why.explanations] == ["line_stuck"]
+    if is_line_stuck:
+        explanation = sentence(capitalized(why.explanations[0].text))
+        return ["", wrapped(explanation, WIDTH, prefix="  ", first="")]
     return [*_disturbed_lines(why.disturbed, placed), *_mistake_lines(why)]
 
 
@@ -268,7 +286,7 @@ def _disturbed_lines(disturbed: Sequence[int], placed: PlacedLayout | None) -> l
         "If only some frames fail, one bit may have been disturbed on the line: the CRC matches with "
         f"{bits} inverted. In that case, no change is needed. If all frames fail, read on."
     )
-    return ["", wrapped(explanation, WIDTH, "  ", "")]
+    return ["", wrapped(explanation, WIDTH, prefix="  ", first="")]
 
 
 def _bit_name(bit: int, placed: PlacedLayout) -> str:
@@ -282,46 +300,48 @@ def _bit_name(bit: int, placed: PlacedLayout) -> str:
 def _mistake_lines(why: Why) -> list[str]:
     """Return the mistakes that explain a frame, each with its chance, and the hints that follow them."""
     percent = f"{100 * why.coincidence:.0f}" if why.coincidence >= 0.005 else "less than 1"
-    tried = counted(why.tried, "common mistake")
-    chance = f"{tried} tried; {percent} of 100 random frames would match at least one"
-    hints = _hint_lines(why)
-    if not why.explanations:
-        no_explanation = wrapped(f"No common mistake explains it ({chance}).", WIDTH, "  ", "")
-        return ["", no_explanation, *hints] if why.tried else ["", *hints]
-    lines = ["", wrapped(_introduction(why, chance), WIDTH, "  ", "")]
+    mistakes = counted(why.tried, "common mistake")
+    chance = f"{mistakes} tried; {percent} of 100 random frames would match at least one"
+    lines = [""]
+    if why.explanations:
+        lines.append(wrapped(_introduction(why, chance), WIDTH, prefix="  ", first=""))
+    elif why.tried:
+        lines.append(wrapped(f"No common mistake explains it ({chance}).", WIDTH, prefix="  ", first=""))
     for explanation in why.explanations:
-        lines.append(wrapped(explanation.text, WIDTH, " " * 6, "    - "))
-        for detail in (_chance_and_values(explanation), _parts_line(explanation)):
+        lines.append(wrapped(explanation.text, WIDTH, prefix=" " * 6, first="    - "))
+        for detail in (_chance_and_values(explanation), _parts_of_recording(explanation)):
             if detail:
-                lines.append(wrapped(detail, WIDTH, " " * 6, " " * 6))
-    return [*lines, *hints]
+                lines.append(wrapped(detail, WIDTH, prefix=" " * 6, first=" " * 6))
+    return [*lines, *_hint_lines(why)]
 
 
 def _hint_lines(why: Why) -> list[str]:
     """Return what a recording lacks, whether another frame would help, and what the CRC cannot detect."""
     lines = []
     if why.missing:
-        lines.append(wrapped(sentence(capitalized(why.missing)), WIDTH, "  ", ""))
+        lines.append(wrapped(sentence(capitalized(why.missing)), WIDTH, prefix="  ", first=""))
     if why.needs_another_frame:
-        lines.append(wrapped(ANOTHER_FRAME, WIDTH, "  ", ""))
+        lines.append(wrapped(ANOTHER_FRAME, WIDTH, prefix="  ", first=""))
     if why.cannot_see:
-        lines.append(wrapped(f"This CRC cannot detect: {'; '.join(why.cannot_see)}.", WIDTH, "  ", ""))
+        lines.append(wrapped(f"This CRC cannot detect: {'; '.join(why.cannot_see)}.", WIDTH, prefix="  ", first=""))
     return lines
 
 
-def together_lines(mistakes: Sequence[CommonMistake], failed: int) -> Iterator[str]:
-    """Yield lines about the mistakes that explain the most of several frames with an error."""
+def together_lines(mistakes: Sequence[CommonMistake], failed_frames: int) -> Iterator[str]:
+    """Yield lines about the mistakes that explain the most of several frames with an error, the likeliest first."""
     if not mistakes or mistakes[0].frames < 2:
         return
-    introduction = say.explained_together(f"{mistakes[0].frames}", f"{failed}")
-    yield f"\n{wrapped(introduction, WIDTH, '  ', '')}:"
+    explained_frames = mistakes[0].frames
+    introduction = say.explained_together(f"{explained_frames}", f"{failed_frames}")
+    yield f"\n{wrapped(introduction, WIDTH, prefix='  ', first='')}:"
     for mistake in mistakes:
         chance = f"; matches by chance in {_frequency(mistake.one_in)}" if mistake.one_in > 1 else ""
-        yield wrapped(f"{mistake.text}{chance}", WIDTH, " " * 6, "    - ")
+        yield wrapped(f"{mistake.text}{chance}", WIDTH, prefix=" " * 6, first="    - ")
     yield ""
 
 
 def _introduction(why: Why, chance: str) -> str:
+    """Return the sentence in front of the explanations."""
     if not why.has_crc:
         return f"{UNCERTAIN_READINGS}:"
     needs_two = why.explanations[-1].twice
@@ -340,73 +360,53 @@ def _chance_and_values(explanation: Explanation) -> str:
     return ", and ".join(texts)
 
 
-def _parts_line(explanation: Explanation) -> str:
+def _parts_of_recording(explanation: Explanation) -> str:
     """Return the parts of a recording, each with its bits, in the order received."""
     return ", ".join(f"{name.replace('_', '-')} {bits}" for name, bits in explanation.parts)
 
 
-def _frequency(number: int) -> str:
-    return f"1 of {number:,}" if number < 1_000_000 else "fewer than 1 of a million"
+def _frequency(frames_per_match: int) -> str:
+    return f"1 of {frames_per_match:,}" if frames_per_match < 1_000_000 else "fewer than 1 of a million"
 
 
-def _size(placed: PlacedLayout) -> str:
-    return counted(placed.bits // 8, "byte") if placed.layout.in_bytes else counted(placed.bits, "bit")
+class _FieldRow(NamedTuple):
+    """A row of the table of fields: place, name, number and value of a field in columns, and then its meaning."""
+
+    cells: tuple[str, str, str, str]
+    meaning: str
 
 
-def bit_place(layout: Layout, bits: int, high: int, low: int) -> str:
-    """Return a field's position as people write it: ``46:31``, or ``byte 2.7:4`` with the first byte as 0."""
-    if not layout.in_bytes:
-        return f"{high}:{low}" if high != low else f"{high}"
-    if layout.byte_order == "low_byte_first":
-        first_bit, last_bit = low, high
-        first_byte, last_byte = low // 8, high // 8
-    else:
-        first_bit, last_bit = high, low
-        bytes_after = bits // 8 - 1
-        first_byte, last_byte = bytes_after - high // 8, bytes_after - low // 8
-    if first_byte != last_byte:
-        is_whole_bytes = low % 8 == 0 and high % 8 == 7
-        if is_whole_bytes:
-            return f"bytes {first_byte}-{last_byte}"
-        return f"bytes {first_byte}.{first_bit % 8}-{last_byte}.{last_bit % 8}"
-    if high - low == 7:
-        return f"byte {first_byte}"
-    place = f"byte {first_byte}.{high % 8}"
-    return f"{place}:{low % 8}" if high != low else place
+#: Columns in front of the meaning of a field, above which it begins on a line of its own.
+_WIDEST_HEAD = 56
 
 
-#: Place, name, number and value of a field, and its meaning.
-_Row = tuple[str, str, str, str, str]
-
-
-def _table(decoded: codec.Decoded) -> list[str]:
+def _field_table(decoded: codec.Decoded) -> list[str]:
     """Return the lines about the fields, in columns. The meaning is wrapped."""
     assert decoded.layout is not None
     # Each unused field has a line of its own, so the one for all of them is omitted.
     fields = [field for field in decoded.fields if field.name != codec.UNUSED or field.high >= 0]
-    rows = [_row(decoded.layout, field) for field in fields]
-    columns = list(zip(*rows, strict=True))[:4]
-    widths = [max(map(len, column)) for column in columns]
+    rows = [_field_row(decoded.layout, field) for field in fields]
+    columns = zip(*(row.cells for row in rows), strict=True)
+    column_widths = [max(map(len, column)) for column in columns]
     lines = []
     for row in rows:
-        *cells, meaning = row
-        head = "  ".join(cell.ljust(width) for cell, width in zip(cells, widths, strict=True))
+        head = "  ".join(cell.ljust(width) for cell, width in zip(row.cells, column_widths, strict=True))
         indent = " " * (len(head) + 2)
-        if not meaning:
+        if not row.meaning:
             lines.append(head.rstrip())
-        elif len(indent) > 56:
-            lines += [head.rstrip(), wrapped(meaning, WIDTH, " " * 6)]
+        elif len(indent) > _WIDEST_HEAD:
+            lines += [head.rstrip(), wrapped(row.meaning, WIDTH, prefix=" " * 6)]
         else:
-            lines.append(wrapped(meaning, WIDTH, indent, head + "  "))
+            lines.append(wrapped(row.meaning, WIDTH, prefix=indent, first=head + "  "))
     return lines
 
 
-def _row(placed: PlacedLayout, field: codec.DecodedField) -> _Row:
+def _field_row(placed: PlacedLayout, field: codec.DecodedField) -> _FieldRow:
     has_place = field.high >= 0
     place = bit_place(placed.layout, placed.bits, field.high, field.low) if has_place else ""
     is_one_bit = has_place and field.high <= field.low
     number = str(field.raw) if is_one_bit else f"{field.raw:#x}"
-    return place, field.name, number, _value_text(field), _meaning_text(placed, field)
+    return _FieldRow(cells=(place, field.name, number, _value_text(field)), meaning=_meaning_text(placed, field))
 
 
 def _meaning_text(placed: PlacedLayout, field: codec.DecodedField) -> str:

@@ -108,24 +108,24 @@ def _targets_help() -> str:
     return listing()
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Write or compare all outputs, and return the exit code.
 
     Raises:
         Stop: The specs or the arguments have problems, a target fails, or the output differs or cannot be written.
     """
-    from ..selection import selected
+    from ..selection import select_specs
     from .files import is_unchanged
 
-    cache = cache_for(chosen)
-    selection = selected(chosen, cache)
-    result = _cached_result(chosen, selection, cache)
-    if is_unchanged(chosen, result.get()):
+    cache = cache_for(arguments)
+    selection = select_specs(arguments, cache)
+    result = _result_of_earlier_run(arguments, selection, cache)
+    if is_unchanged(arguments, result.get()):
         return 0
-    return _generate(chosen, cache, selection, result)
+    return _render_and_write(arguments, cache, selection, result)
 
 
-def _generate(chosen: argparse.Namespace, cache: Cache, selection: Selection, result: CachedResult) -> int:
+def _render_and_write(arguments: argparse.Namespace, cache: Cache, selection: Selection, result: CachedResult) -> int:
     """Render the outputs, store the result, write or compare the files, and return the exit code."""
     from ...loading.library import load_families
     from ...removable_outputs import owners
@@ -136,68 +136,73 @@ def _generate(chosen: argparse.Namespace, cache: Cache, selection: Selection, re
 
     with Progress("codewheel: reading the specs"):
         families, report = load_families(selection.paths, cache)
-    targets = targets_named(chosen.target)
-    read_devices = [family.device for family in families]
-    report_unknown_families(selection.settings, [device.name for device in read_devices], report)
-    c_devices = accepted_devices("c", read_devices, selection.only)
+    targets = targets_named(arguments.target)
+    devices_in_specs = [family.device for family in families]
+    report_unknown_families(selection.settings, [device.name for device in devices_in_specs], report)
+    # Only the C headers have an option that depends on the families.
+    c_devices = accepted_devices("c", devices_in_specs, selection.only)
     options = options_named(selection.options_for([device.name for device in c_devices]), targets)
-    _refuse_misused_options(chosen, targets)
+    _refuse_misused_options(arguments, targets)
     with Progress("codewheel: checking the specs"):
-        devices = complete(families, targets, chosen.edition, report, selection.only)
+        devices = complete(families, targets, arguments.edition, report, selection.only)
     if report:
         raise problems(report)
-    read_line = _read_line(devices, report, chosen.packaged, selection.packaged)
-    print(read_line)
+    specs_line = _line_about_specs(devices, report, arguments.packaged, selection.packaged)
+    print(specs_line)
     accepted = devices_by_target([target.name for target in targets], devices, selection.only)
-    files = _rendered(Library(devices, chosen.templates), accepted, targets, options, cache)
+    files = _render(Library(devices, arguments.templates), accepted, targets, options, cache)
     families_by_target = {name: owners(target_devices) for name, target_devices in accepted.items()}
-    if are_built_in(targets, chosen.target):
-        result.put(result_to_store(read_line, files, families_by_target))
+    if are_built_in(targets, arguments.target):
+        result.put(result_to_store(specs_line, files, families_by_target))
 
-    def gate() -> None:
+    def refuse_unproved_specs() -> None:
         from ..check.specs import refuse_unproved
 
-        refuse_unproved(families, "written", cache)
+        if not arguments.unchecked:
+            refuse_unproved(families, "written", cache)
 
-    guard = selection.guard(chosen, devices, report.files)
-    return write_or_compare(chosen, files, families_by_target, gate, guard)
+    guard = selection.guard(arguments, devices, report.files)
+    return write_or_compare(arguments, files, families_by_target, gate=refuse_unproved_specs, guard=guard)
 
 
-def _cached_result(chosen: argparse.Namespace, selection: Selection, cache: Cache) -> CachedResult:
+def _result_of_earlier_run(arguments: argparse.Namespace, selection: Selection, cache: Cache) -> CachedResult:
     """Return the result of an earlier run. There is none with templates of the user or a document type."""
     from ...cache import NO_CACHE
     from ...loading.configuration import filters_as_texts
     from ..cached_result import cached_result
 
-    options = [*(chosen.target or ()), "", *selection.options, "", *chosen.edition, "", *chosen.packaged, ""]
+    # Empty texts separate the lists, so that no value can move from one to the next.
+    options = [*(arguments.target or ()), "", *selection.options, "", *arguments.edition, "", *arguments.packaged, ""]
     options += filters_as_texts(selection.only)
-    is_cacheable = chosen.templates is None and chosen.biss_dtd is None
+    is_cacheable = arguments.templates is None and arguments.biss_dtd is None
     return cached_result(cache if is_cacheable else NO_CACHE, "generate", selection.paths, options)
 
 
-def _refuse_misused_options(chosen: argparse.Namespace, targets: Sequence[Target]) -> None:
+def _refuse_misused_options(arguments: argparse.Namespace, targets: Sequence[Target]) -> None:
     """Refuse a folder of templates that does not exist, and a document type without the target that it is for.
 
     Raises:
         Stop: The exit code is 2.
     """
-    if chosen.templates is not None and not chosen.templates.is_dir():
-        raise Stop(f"there is no folder {chosen.templates}", 2)
-    if chosen.biss_dtd is not None and all(target.name != "biss" for target in targets):
+    if arguments.templates is not None and not arguments.templates.is_dir():
+        raise Stop(f"there is no folder {arguments.templates}", 2)
+    if arguments.biss_dtd is not None and all(target.name != "biss" for target in targets):
         raise Stop("--biss-dtd needs the target biss", 2)
 
 
-def _read_line(
+def _line_about_specs(
     devices: Sequence[Device], report: Report, packaged: Sequence[str], packaged_files: Sequence[Path]
 ) -> str:
-    """Return the line about the specs that were read, and one about values that are still the template's."""
-    from ..read_specs import placeholder_line, read_line
+    """Return the line about the specs that were read, and one about values that are still the template's, if any."""
+    from ..placeholders import placeholder_line
+    from ..read_specs import read_line
 
-    read = read_line([device.name for device in devices], report, packaged, packaged_files)
-    return "\n".join(filter(None, (read, placeholder_line(report.files))))
+    specs_line = read_line([device.name for device in devices], report, packaged, packaged_files)
+    todo_line = placeholder_line(report.files)
+    return f"{specs_line}\n{todo_line}" if todo_line else specs_line
 
 
-def _rendered(
+def _render(
     library: Library,
     accepted: Mapping[str, tuple[Device, ...]],
     targets: Sequence[Target],
@@ -212,11 +217,12 @@ def _rendered(
     from ...targets.registry import files_of
     from ..outputs import rendered
 
-    files_from = FamilyParts(cache).files_of if cache else files_of
+    render_target = FamilyParts(cache).files_of if cache else files_of
     with Progress("codewheel: rendering") as progress:
 
-        def files_with_progress(target: Target, library: Library, target_options: Options) -> Mapping[str, str]:
+        def render_with_progress(target: Target, library: Library, target_options: Options) -> Mapping[str, str]:
             progress.text = f"codewheel: rendering {target.name}"
-            return files_from(target, replace(library, devices=accepted[target.name]), target_options)
+            accepted_library = replace(library, devices=accepted[target.name])
+            return render_target(target, accepted_library, target_options)
 
-        return rendered(library, targets, options, files_with_progress)
+        return rendered(library, targets, options, render_with_progress)

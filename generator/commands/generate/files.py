@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import TypedDict
 
@@ -42,12 +43,12 @@ class Generated(TypedDict):
     digest: str
 
 
-def is_unchanged(chosen: argparse.Namespace, generated: Generated | None) -> bool:
+def is_unchanged(arguments: argparse.Namespace, generated: Generated | None) -> bool:
     """Return True if the output is that of an earlier run, and print what that run printed."""
-    if generated is None or digest_on_disk(chosen.output, generated["targets"]) != generated["digest"]:
+    if generated is None or digest_on_disk(arguments.output, generated["targets"]) != generated["digest"]:
         return False
     print(generated["read_line"])
-    _print_summary(chosen, generated["count"], changed=0)
+    _print_summary(arguments, generated["count"], changed=0)
     return True
 
 
@@ -58,7 +59,7 @@ def result_to_store(read_line: str, files: Files, families: Families) -> Generat
 
 
 def write_or_compare(
-    chosen: argparse.Namespace, files: Files, families: Families, gate: Callable[[], None], guard: Guard
+    arguments: argparse.Namespace, files: Files, families: Families, gate: Callable[[], None], guard: Guard
 ) -> int:
     """Write or compare the files of each target, and return the exit code.
 
@@ -68,28 +69,32 @@ def write_or_compare(
     Raises:
         Stop: The disk fails, a file differs, or ``guard`` refuses the changes.
     """
-    check: Callable[[Mapping[str, Sequence[Change]]], None] = (lambda _: None) if chosen.prune else guard.check
+
+    def refuse_removals(changes_by_target: Mapping[str, Sequence[Change]]) -> None:
+        if not arguments.prune:
+            guard.check(changes_by_target)
+
     try:
-        if chosen.check:
-            changes_by_target = {name: changes(chosen.output, name, texts) for name, texts in files.items()}
-            check(changes_by_target)
-            file_changes = [change for target_changes in changes_by_target.values() for change in target_changes]
-            file_changes += left_stages(chosen.output)
+        if arguments.check:
+            changes_by_target = {name: changes(arguments.output, name, texts) for name, texts in files.items()}
+            refuse_removals(changes_by_target)
+            file_changes = list(chain.from_iterable(changes_by_target.values()))
+            file_changes += left_stages(arguments.output)
         else:
             file_changes = write(
-                chosen.output,
+                arguments.output,
                 files,
-                force=chosen.force,
-                waiting=lambda: _print_wait(chosen.output),
-                gate=(lambda: None) if chosen.unchecked else gate,
-                guard=check,
+                force=arguments.force,
+                waiting=lambda: _print_wait(arguments.output),
+                gate=gate,
+                guard=refuse_removals,
                 families=families,
             )
     except WriteError as error:
         raise Stop(str(error), 1) from None
-    _print_changes(file_changes, chosen)
-    if chosen.biss_dtd is not None:
-        _validate_idbiss(files["biss"], chosen.output, chosen.biss_dtd)
+    _print_changes(file_changes, arguments)
+    if arguments.biss_dtd is not None:
+        _validate_idbiss(files["biss"], arguments.output, arguments.biss_dtd)
     return 0
 
 
@@ -97,26 +102,27 @@ def _print_wait(output: Path) -> None:
     print(f"codewheel: waiting for another run that is writing to {output.as_posix()}", file=sys.stderr, flush=True)
 
 
-def _print_changes(file_changes: Sequence[Change], chosen: argparse.Namespace) -> None:
+def _print_changes(file_changes: Sequence[Change], arguments: argparse.Namespace) -> None:
     """Print the files that changed, and a summary.
 
     Raises:
         Stop: A file that was only compared differs.
     """
-    words = {"written": "differs", "removed": "left over"} if chosen.check else {}
-    changed = [change for change in file_changes if change.what != "unchanged"]
-    for change in changed:
-        print(f"{words.get(change.what, change.what):<10} {(chosen.output / change.path).as_posix()}")
-    if chosen.check and changed:
-        _print_mixture(file_changes)
-    _print_summary(chosen, len(file_changes), len(changed))
+    word_by_change = {"written": "differs", "removed": "left over"} if arguments.check else {}
+    changed_files = [change for change in file_changes if change.what != "unchanged"]
+    for change in changed_files:
+        word = word_by_change.get(change.what, change.what)
+        print(f"{word:<10} {(arguments.output / change.path).as_posix()}")
+    if arguments.check and changed_files:
+        _print_targets_by_state(file_changes)
+    _print_summary(arguments, len(file_changes), len(changed_files))
 
 
-def _print_summary(chosen: argparse.Namespace, count: int, changed: int) -> None:
+def _print_summary(arguments: argparse.Namespace, count: int, changed: int) -> None:
     """Print the number of files, or raise ``Stop`` if some of them were only compared and differ."""
-    if chosen.check and changed:
-        raise Stop(f"{counted(changed, 'file')} out of date; run: {chosen.again}", 1)
-    if chosen.check:
+    if arguments.check and changed:
+        raise Stop(f"{counted(changed, 'file')} out of date; run: {arguments.again}", 1)
+    if arguments.check:
         print(f"{counted(count, 'file')} up to date")
     elif changed:
         print(f"{counted(changed, 'file')} changed, {count - changed} unchanged")
@@ -124,17 +130,17 @@ def _print_summary(chosen: argparse.Namespace, count: int, changed: int) -> None
         print(f"all {count} files unchanged")
 
 
-def _print_mixture(file_changes: Iterable[Change]) -> None:
+def _print_targets_by_state(file_changes: Iterable[Change]) -> None:
     """Print which targets match the specs and which do not, as after a run that was killed between two targets."""
-    states: dict[str, set[str]] = {}
+    changes_by_target: dict[str, set[str]] = {}
     for change in file_changes:
-        target, is_in_a_target, _ = change.path.partition("/")
-        if is_in_a_target:
-            states.setdefault(target, set()).add(change.what)
-    current = [target for target, state in states.items() if state == {"unchanged"}]
-    outdated = [target for target, state in states.items() if state != {"unchanged"}]
-    if current and outdated:
-        print(f"up to date: {', '.join(current)}; out of date: {', '.join(outdated)}")
+        target, slash, _ = change.path.partition("/")
+        if slash:  # Other files are in no target.
+            changes_by_target.setdefault(target, set()).add(change.what)
+    current_targets = [target for target, what in changes_by_target.items() if what == {"unchanged"}]
+    outdated_targets = [target for target in changes_by_target if target not in current_targets]
+    if current_targets and outdated_targets:
+        print(f"up to date: {', '.join(current_targets)}; out of date: {', '.join(outdated_targets)}")
 
 
 def _validate_idbiss(files: Mapping[str, str], output: Path, dtd: Path) -> None:
@@ -145,47 +151,57 @@ def _validate_idbiss(files: Mapping[str, str], output: Path, dtd: Path) -> None:
     """
     from ...targets.biss.dtd import DtdError, faults, read_dtd
 
-    names = [name for name in files if Path(name).name.startswith("idbiss")]
+    idbiss_names = [name for name in files if Path(name).name.startswith("idbiss")]
+    path_by_name = {name: (output / name).as_posix() for name in idbiss_names}
+    dtd_errors: list[str] = []
     try:
-        text = read_dtd(dtd)
-        shown_paths = {name: (output / name).as_posix() for name in names}
-        dtd_faults = [fault for name in names for fault in faults(files[name], shown_paths[name], text, dtd.as_posix())]
+        dtd_text = read_dtd(dtd)
+        for name in idbiss_names:
+            dtd_errors += faults(files[name], path_by_name[name], dtd_text, dtd.as_posix())
     except DtdError as error:
         raise Stop(str(error), 2) from None
-    for fault in dtd_faults:
-        print(fault, file=sys.stderr)
-    if dtd_faults:
-        raise Stop(f"not valid against {dtd}: {counted(len(dtd_faults), 'error')}", 1)
-    for name in names:
-        print(f"valid against {dtd}: {shown_paths[name]}")
+    for dtd_error in dtd_errors:
+        print(dtd_error, file=sys.stderr)
+    if dtd_errors:
+        raise Stop(f"not valid against {dtd}: {counted(len(dtd_errors), 'error')}", 1)
+    for name in idbiss_names:
+        print(f"valid against {dtd}: {path_by_name[name]}")
 
 
 def changed_files(old: Sequence[Device], new: Sequence[Device], cache: Cache) -> FileCounts | None:
     """Return the files that our targets add, remove or change, or None if a target cannot express a family."""
     parts = FamilyParts(cache, only_paths=unchanged_families(old, new))
     try:
-        before, after = _files(old, parts), _files(new, parts)
+        old_files, new_files = _rendered_files(old, parts), _rendered_files(new, parts)
     except (TargetError, TemplateFault):
         return None
-    names = sorted({*before, *after})
-    changed = tuple(name for name in names if before.get(name) != after.get(name))
-    changed_names = name_changes(before, after, {device.name for device in (*old, *new)})
+    names = sorted({*old_files, *new_files})
+    changed = tuple(name for name in names if old_files.get(name) != new_files.get(name))
+    changed_names = name_changes(old_files, new_files, {device.name for device in (*old, *new)})
     return FileCounts(changed, len(names), changed_names)
 
 
 def unchanged_families(old: Sequence[Device], new: Sequence[Device]) -> frozenset[str]:
     """Return the names of the families that have the same model on both sides."""
     new_by_name = {device.name: device for device in new}
-    old_in_both = [device for device in old if device.name in new_by_name]
-    return frozenset(device.name for device in old_in_both if _are_equal(device, new_by_name[device.name]))
+    unchanged_names = set()
+    for old_device in old:
+        new_device = new_by_name.get(old_device.name)
+        if new_device is not None and _have_same_model(old_device, new_device):
+            unchanged_names.add(old_device.name)
+    return frozenset(unchanged_names)
 
 
-def _are_equal(device: Device, other_device: Device) -> bool:
+def _have_same_model(device: Device, other_device: Device) -> bool:
+    """Return whether two devices have the same digest. A device without a digest is not known to be the same."""
     digest = model_digest_of(device)
-    return bool(digest) and (device is other_device or digest == model_digest_of(other_device))
+    if not digest:
+        return False
+    return device is other_device or digest == model_digest_of(other_device)
 
 
-def _files(devices: Sequence[Device], parts: FamilyParts) -> Mapping[str, str]:
+def _rendered_files(devices: Sequence[Device], parts: FamilyParts) -> Mapping[str, str]:
+    """Return the files of all built-in targets, as texts by path."""
     library = Library(tuple(devices))
     files: dict[str, str] = {}
     for name in BUILT_IN:

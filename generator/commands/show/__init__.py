@@ -26,7 +26,7 @@ def add_arguments(parser: Parser) -> None:
     add_specs_option(parser)
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Print the family or the order code.
 
     Raises:
@@ -35,15 +35,15 @@ def run(chosen: argparse.Namespace) -> int:
     from ..find_encoder import find_family_or_code
     from ..read_specs import specs_to_read
 
-    cache = cache_for(chosen)
-    specs = specs_to_read(chosen.specs)
-    device, match, paths = find_family_or_code(specs, chosen.what, cache)
-    if chosen.edition is not None:
-        refuse_line(chosen.what, "has no editions")
+    cache = cache_for(arguments)
+    specs = specs_to_read(arguments.specs)
+    device, match, paths = find_family_or_code(specs, arguments.what, cache)
+    if arguments.edition is not None:
+        refuse_line(arguments.what, "has no editions")
         from ..encoder_options import in_requested_edition
 
-        device, match, _ = in_requested_edition(paths, device, match, chosen.edition, chosen.what, {})
-    if chosen.json:
+        device, match, _ = in_requested_edition(paths, device, match, arguments.edition, arguments.what, {})
+    if arguments.json:
         from ...dump.plain import device_dump, variant_dump
 
         print_json(device_dump(device) if match is None else variant_dump(device, match))

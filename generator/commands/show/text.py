@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 from ...model import (
     Alternative,
@@ -36,11 +37,11 @@ from ...say import register as say_register
 from ...say.errata import answer as say_answer
 from ...say.errata import needed_answers, question
 from ...say.evidence import grade, origin
-from ...say.names_and_places import bits, field_at, hexadecimal
+from ...say.names_and_places import bit_place, bits, field_at, hexadecimal
 from ...say.order_code import open_values, spelling
 from ...say.plain_text import WIDTH, decimal, pairs, wrapped
 from ...say.text import BY_NAME, Style, counted, language
-from ..decode.text import bit_place, label_differences
+from ..decode.text import label_differences
 
 
 def device_text(device: Device) -> str:
@@ -48,7 +49,7 @@ def device_text(device: Device) -> str:
     lines = [wrapped(f"{device.title} ({device.manufacturer.title})", WIDTH)]
     lines += [*_manual_lines(device), *_order_code_lines(device)]
     parameters = [(parameter.name, _about_parameter(device, parameter)) for parameter in device.parameters]
-    lines += ["", "Parameters", *pairs(parameters, 2), *alternative_lines(device)]
+    lines += ["", "Parameters", *pairs(parameters, indent=2), *alternative_lines(device)]
     measurements = [("", device.measurement)]
     measurements += [(interface.title, interface.measurement) for interface in device.interfaces]
     lines += _position_lines(measurements, None)
@@ -66,7 +67,7 @@ def variant_text(device: Device, match: Match) -> str:
     """Return the text about an order code: its interface, widths, frames, registers and limits."""
     variant = match.variant
     reduced_device = reduced_to_codes(for_interface(device, variant.interface), [variant.code])
-    lines = [wrapped(f"{variant.code}: {device.title} ({device.manufacturer.title})", WIDTH, "  ", "")]
+    lines = [wrapped(f"{variant.code}: {device.title} ({device.manufacturer.title})", WIDTH, prefix="  ", first="")]
     lines += [*label_differences(device, match), *_manual_lines(device), *_parameter_lines(device, variant)]
     lines += alternative_lines(reduced_device)
     lines += _position_lines([("", device.measurement_of(variant.interface))], variant.parameters)
@@ -88,31 +89,33 @@ def style_with(parameters: Mapping[str, int] | None) -> Style:
 
 
 def _manual_lines(device: Device) -> list[str]:
+    """Return the lines about the manual, its other editions, and the evidence for what it says."""
     manual = device.manual
     date = f" of {manual.date}" if manual.date else ""
-    edition = f"from the manual {manual.title}, revision {manual.revision}{date}, in {language(manual.language)}"
-    sentences = [BY_NAME.sentence(statement) for statement in (grade(device), *origin(device))]
+    sentences = [f"from the manual {manual.title}, revision {manual.revision}{date}, in {language(manual.language)}"]
+    sentences += [BY_NAME.sentence(statement) for statement in (grade(device), *origin(device))]
     if device.editions:
         revisions = ", ".join(edition.revision for edition in device.editions)
         sentences.append(f"--edition shows the others: {revisions}")
-    return [wrapped(sentence, WIDTH, "  ") for sentence in (edition, *sentences)]
+    return [wrapped(sentence, WIDTH, prefix="  ") for sentence in sentences]
 
 
 def _order_code_lines(device: Device) -> Iterator[str]:
+    """Yield the pattern of the order codes, the values of each part, and other spellings on labels."""
     yield ""
     yield f"Order codes: {device.order_code.pattern}"
     for part in device.order_code.parts:
-        yield wrapped(part.meaning, WIDTH, "    ", f"  {part.name}: ")
-        yield from pairs(((option.text, option.meaning) for option in part.values), 4)
+        yield wrapped(part.meaning, WIDTH, prefix="    ", first=f"  {part.name}: ")
+        yield from pairs(((option.text, option.meaning) for option in part.values), indent=4)
         for statement in open_values(part):
             yield _paragraph(BY_NAME.sentence(statement))
     for also_written in device.order_code.also_written:
-        yield wrapped(BY_NAME.sentence(spelling(also_written)), WIDTH, "    ", "  ")
+        yield wrapped(BY_NAME.sentence(spelling(also_written)), WIDTH, prefix="    ", first="  ")
 
 
 def _paragraph(text: str) -> str:
     """Return text about something that has a heading, whose further lines are indented."""
-    return wrapped(text, WIDTH, "      ", "    ")
+    return wrapped(text, WIDTH, prefix="      ", first="    ")
 
 
 # -- parameters and questions
@@ -121,18 +124,19 @@ def _paragraph(text: str) -> str:
 def _parameter_lines(device: Device, variant: Variant) -> list[str]:
     """Return the lines about parameters that the order code sets and those held in registers."""
     parameters = parameters_of(device, variant.interface)
-    names = run_time_names(device)
-    fixed = [parameter for parameter in parameters if parameter.name not in names and not parameter.alternative]
-    at_run_time = [parameter for parameter in parameters if parameter.name in names]
+    names_in_registers = run_time_names(device)
+    in_registers = [parameter for parameter in parameters if parameter.name in names_in_registers]
+    # The user chooses parameters of alternatives, so they are listed with the questions.
+    fixed = [parameter for parameter in parameters if parameter not in in_registers and not parameter.alternative]
     lines = []
     if fixed:
         lines += ["", "Parameters", *_value_lines(device, fixed, variant)]
-    if at_run_time:
+    if in_registers:
         heading = f"Held in registers ({say_order_code.initial(device)})"
-        lines += ["", heading, *_value_lines(device, at_run_time, variant)]
-        registers = [device.register(parameter.register) for parameter in at_run_time if parameter.read_from]
+        lines += ["", heading, *_value_lines(device, in_registers, variant)]
+        registers = [device.register(parameter.register) for parameter in in_registers if parameter.read_from]
         example = f"--register 0x{registers[0].address:02X}=0x.."
-        lines.append(wrapped(f"decode accepts other values, one byte at a time: {example}", WIDTH, "  ", "  "))
+        lines.append(wrapped(f"decode accepts other values, one byte at a time: {example}", WIDTH, prefix="  "))
     return lines
 
 
@@ -145,7 +149,7 @@ def _value_lines(device: Device, parameters: Sequence[Parameter], variant: Varia
     for parameter, value in zip(parameters, values, strict=True):
         head = f"{parameter.name.ljust(name_width)}  {value.ljust(value_width)}"
         rows.append((head, _about_parameter(device, parameter)))
-    return pairs(rows, 2)
+    return pairs(rows, indent=2)
 
 
 def _about_parameter(device: Device, parameter: Parameter) -> str:
@@ -158,7 +162,9 @@ def alternative_lines(device: Device) -> list[str]:
         return []
     lines = ["", "Left open by the manual, for you to choose"]
     for alternative in device.alternatives:
-        lines.append(wrapped(BY_NAME.sentence(question(alternative)), WIDTH, "      ", f"  {alternative.name}: "))
+        lines.append(
+            wrapped(BY_NAME.sentence(question(alternative)), WIDTH, prefix="      ", first=f"  {alternative.name}: ")
+        )
         lines += [_paragraph(BY_NAME.sentence(say_answer(answer))) for answer in alternative.answers]
         lines.append(_paragraph(_how_to_choose(alternative)))
     return lines
@@ -167,10 +173,12 @@ def alternative_lines(device: Device) -> list[str]:
 def _how_to_choose(alternative: Alternative) -> str:
     """Return the option of ``decode`` for an answer, as an example: the first one that is not the default."""
     if alternative.default:
-        text, example = f"{alternative.default} applies without a choice. ", alternative.answers[1]
+        default_sentence = f"{alternative.default} applies without a choice. "
+        example = alternative.answers[1]
     else:
-        text, example = "", alternative.answers[0]
-    return f"{text}Give decode the answer with --choose {alternative.name}={example.name}"
+        default_sentence = ""
+        example = alternative.answers[0]
+    return f"{default_sentence}Give decode the answer with --choose {alternative.name}={example.name}"
 
 
 # -- the position
@@ -187,19 +195,20 @@ def _position_lines(
         counts = style_with(parameters).phrase(say_measurement.measurement(measurement))
         length = _whole_length(measurement, parameters)
         rows.append((title or measurement.of, f"{counts}{length}  [{cite(measurement.source)}]"))
-    return ["", "Position", *pairs(rows, 2)] if rows else []
+    return ["", "Position", *pairs(rows, indent=2)] if rows else []
 
 
 def _whole_length(measurement: Measurement, parameters: Mapping[str, int] | None) -> str:
-    """Return the length of a linear scale with known parameters, or an empty string."""
+    """Return the length of a linear scale with known parameters, such as ``, 1,000.000 mm in total``, or nothing."""
     if parameters is None or measurement.modulus is None:
         return ""
-    step = measurement.micrometres(parameters)
-    if step is None:
+    micrometres_per_count = measurement.micrometres(parameters)
+    if micrometres_per_count is None:
         return ""
-    millimetres = step * measurement.modulus.value(parameters) / 1000
-    has_three_decimals = 1000 % millimetres.denominator == 0
-    number = f"{float(millimetres):,.3f}" if has_three_decimals else decimal(millimetres)
+    counts = measurement.modulus.value(parameters)
+    millimetres = micrometres_per_count * counts / 1000
+    three_decimals_are_exact = 1000 % millimetres.denominator == 0
+    number = f"{float(millimetres):,.3f}" if three_decimals_are_exact else decimal(millimetres)
     return f", {number} mm in total"
 
 
@@ -210,7 +219,7 @@ def _range_lines(device: Device, interface: str, parameters: Mapping[str, int] |
     for name, own_range in say_measurement.own_ranges(device, interface):
         text = style.phrase(say_measurement.position_range(own_range))
         rows.append((f"in {name}", f"{text}  [{cite(own_range.source)}]"))
-    return pairs(rows, 2)
+    return pairs(rows, indent=2)
 
 
 # -- interfaces and frames
@@ -220,31 +229,34 @@ def interface_lines(device: Device, interface: Interface) -> list[str]:
     """Return the lines about one interface: clock, times, port, data IDs."""
     facts = say_interface.facts(device, interface)
     rows = [(fact.label, f"{BY_NAME.phrase(fact)}  {BY_NAME.cited(fact.source)}") for fact in facts]
-    return [f"{interface.title}  [{cite(interface.source)}]", *pairs(rows, 2)]
+    return [f"{interface.title}  [{cite(interface.source)}]", *pairs(rows, indent=2)]
 
 
 def layout_lines(device: Device, interface: Interface, layout: Layout) -> list[str]:
     """Return the lines about a frame of a family: its fields with their widths, one line per group."""
     widths_by_name: dict[str, list[str]] = {}
     for field in layout.fields:
-        widths_by_name.setdefault(field.group or field.name, []).append(_width(field))
+        name = field.group or field.name
+        widths_by_name.setdefault(name, []).append(_width_text(field))
     head = BY_NAME.sentence(say_layout.head(interface, layout, layout.name, device.alternatives))
-    lines = [wrapped(head, WIDTH, "    ", "  ")]
-    lines += pairs([(name, ", ".join(widths)) for name, widths in widths_by_name.items()], 4)
+    lines = [wrapped(head, WIDTH, prefix="    ", first="  ")]
+    rows = [(name, ", ".join(widths)) for name, widths in widths_by_name.items()]
+    lines += pairs(rows, indent=4)
     for statement in (*say_layout.facts(interface, layout), *needed_answers(device, layout)):
         lines.append(_paragraph(BY_NAME.sentence(statement)))
     return lines
 
 
-def _width(field: Field) -> str:
+def _width_text(field: Field) -> str:
     """Return the width of a field, with the name of a field in a group, or else with its fixed value."""
     width = field.width.constant if field.width.is_constant else field.width.render()
     if field.group:
         return f"{field.name} {width}"
-    return counted(width, "bit") + _fixed_value(field)
+    return counted(width, "bit") + _fixed_value_text(field)
 
 
-def _fixed_value(field: Field) -> str:
+def _fixed_value_text(field: Field) -> str:
+    """Return the value that a field always has, such as ``, always 0x5``, or an empty string."""
     match field.kind:
         case Constant(value):
             return f", always {say_field.short(value)}"
@@ -262,25 +274,25 @@ def frame_lines(device: Device, layout: Layout, variant: Variant) -> list[str]:
     head = style.sentence(say_layout.head(interface, layout, name, device.alternatives))
     notes = [style.sentence(fact) for fact in say_layout.carries(interface, layout)]
     notes += _notes_about_choices(device, layout, style)
-    widths = run_time_widths(device, layout)
-    if widths:
-        places = " and ".join(field_at(device, path) for path in widths)
-        notes.append(f"The widths are the {say_order_code.initial(device)} in {places}.")
+    paths_of_widths = run_time_widths(device, layout)
+    if paths_of_widths:
+        register_fields = " and ".join(field_at(device, path) for path in paths_of_widths)
+        notes.append(f"The widths are the {say_order_code.initial(device)} in {register_fields}.")
     if layout.gray_of:
-        notes.append(_code_of_position(device, placed))
-    lines = [wrapped(head, WIDTH, "  ", ""), *picture(placed)]
-    return lines + [wrapped(note, WIDTH, "  ", "  ") for note in notes]
+        notes.append(_position_code_note(device, placed))
+    lines = [wrapped(head, WIDTH, prefix="  ", first=""), *picture(placed)]
+    return lines + [wrapped(note, WIDTH, prefix="  ", first="  ") for note in notes]
 
 
 def _notes_about_choices(device: Device, layout: Layout, style: Style) -> Iterator[str]:
     """Yield the choices that the frame depends on, with those of its picture."""
     for alternative in device.alternatives_of(layout):
-        device_with_one = replace(device, alternatives=(alternative,))
-        for need in needed_answers(device_with_one, layout):
-            yield f"{style.sentence(need)} The picture shows {alternative.answers[0].name}."
+        device_with_one_question = replace(device, alternatives=(alternative,))
+        for statement in needed_answers(device_with_one_question, layout):
+            yield f"{style.sentence(statement)} The picture shows {alternative.answers[0].name}."
 
 
-def _code_of_position(device: Device, placed: PlacedLayout) -> str:
+def _position_code_note(device: Device, placed: PlacedLayout) -> str:
     """Return the code of the position, Gray or binary, and the registers that decide it."""
     layout = placed.layout
     code = "Gray code" if placed.gray else "binary"
@@ -288,11 +300,11 @@ def _code_of_position(device: Device, placed: PlacedLayout) -> str:
     if placed.gray_excess:
         text += f" with an excess of {placed.gray_excess}"
     deciding_names = device.needed_parameters([layout.gray_when]) if layout.gray_when else ()
-    deciding = [parameter for parameter in device.run_time_parameters if parameter.name in deciding_names]
-    if not deciding:
+    deciding_parameters = [parameter for parameter in device.run_time_parameters if parameter.name in deciding_names]
+    if not deciding_parameters:
         return f"{text}."
-    places = ", ".join(field_at(device, parameter.read_from) for parameter in deciding)
-    return f"{text}, according to the factory default of {places}."
+    register_fields = ", ".join(field_at(device, parameter.read_from) for parameter in deciding_parameters)
+    return f"{text}, according to the factory default of {register_fields}."
 
 
 #: Columns of a picture before its first box, with the edges of the row.
@@ -301,30 +313,37 @@ _PICTURE_MARGIN = 3
 
 def picture(placed: PlacedLayout) -> list[str]:
     """Draw the layout as rows of boxes in the order sent, within the width of a terminal."""
-    rows: list[list[tuple[str, str]]] = [[]]
-    columns = _PICTURE_MARGIN
+    rows_of_boxes: list[list[_Box]] = [[]]
+    used_columns = _PICTURE_MARGIN
     for placed_field in placed.fields:
         text = _box_text(placed_field.field)
         place = bit_place(placed.layout, placed.bits, placed_field.high, placed_field.low)
         width = max(len(text), len(place)) + 2
-        # Each box has one edge of its own.
-        if rows[-1] and columns + width + 1 > WIDTH:
-            rows.append([])
-            columns = _PICTURE_MARGIN
-        rows[-1].append((text.center(width), place.center(width)))
-        columns += width + 1
+        width_with_edge = width + 1
+        if rows_of_boxes[-1] and used_columns + width_with_edge > WIDTH:
+            rows_of_boxes.append([])
+            used_columns = _PICTURE_MARGIN
+        rows_of_boxes[-1].append(_Box(text=text.center(width), place=place.center(width)))
+        used_columns += width_with_edge
     lines: list[str] = []
-    for boxes in rows:
+    for boxes in rows_of_boxes:
         if boxes:
             lines += _box_lines(boxes)
     return lines
 
 
-def _box_lines(boxes: Sequence[tuple[str, str]]) -> list[str]:
+class _Box(NamedTuple):
+    """A box of a picture: its text, and the place of the field in the frame, both as wide as the box."""
+
+    text: str
+    place: str
+
+
+def _box_lines(boxes: Sequence[_Box]) -> list[str]:
     """Return a row of boxes, each with its text, and with its place above it."""
-    places = "".join(f" {place}" for _, place in boxes).rstrip()
-    edge = "+".join("-" * len(text) for text, _ in boxes)
-    texts = "|".join(text for text, _ in boxes)
+    places = "".join(f" {box.place}" for box in boxes).rstrip()
+    edge = "+".join("-" * len(box.text) for box in boxes)
+    texts = "|".join(box.text for box in boxes)
     return [f"  {places}", f"  +{edge}+", f"  |{texts}|", f"  +{edge}+"]
 
 
@@ -333,7 +352,8 @@ def _box_text(field: Field) -> str:
     if not isinstance(field.kind, Constant):
         return field.name
     constant = say_field.short(field.kind.value)
-    return constant if field.padding_of or field.fills_gap else f"{field.name} = {constant}"
+    has_no_name = bool(field.padding_of) or field.fills_gap
+    return constant if has_no_name else f"{field.name} = {constant}"
 
 
 # -- registers
@@ -353,24 +373,27 @@ def _lines_about_register(device: Device, register: Register, variant: Variant |
     """Return the lines about a register: its facts, its fields for an order code, and its values."""
     style = style_with(variant.parameters if variant is not None else None)
     head = style.sentence(say_register.head(device, register, register.name))
-    lines = [wrapped(head, WIDTH, "    ", "  ")]
+    lines = [wrapped(head, WIDTH, prefix="    ", first="  ")]
     fields = register.layout.fields
     facts = list(say_register.facts(device, register))
     if len(fields) == 1:
         facts += say_field.rules(device, fields[0])
     if facts:
-        lines.append(wrapped(style.paragraph(facts), WIDTH, "    "))
+        lines.append(wrapped(style.paragraph(facts), WIDTH, prefix="    "))
     if variant is not None and len(fields) > 1:
-        placed_fields = register.layout.place(variant.parameters).fields
-        rows = [(bits(field.high, field.low), _about_field(device, field.field, style)) for field in placed_fields]
-        lines += pairs(rows, 4)
-    return lines + pairs([(hexadecimal(value.value), _about_value(value)) for value in register.values], 4)
+        field_rows = []
+        for placed_field in register.layout.place(variant.parameters).fields:
+            place = bits(placed_field.high, placed_field.low)
+            field_rows.append((place, _about_field(device, placed_field.field, style)))
+        lines += pairs(field_rows, indent=4)
+    value_rows = [(hexadecimal(value.value), _about_value(value)) for value in register.values]
+    return lines + pairs(value_rows, indent=4)
 
 
 def _about_value(value: Value) -> str:
     """Return the name of a register's value with the first sentence of its meaning."""
-    meaning = value.meaning.partition(". ")[0]
-    return f"{value.name}: {meaning}" if meaning else value.name
+    first_sentence, _, _ = value.meaning.partition(". ")
+    return f"{value.name}: {first_sentence}" if first_sentence else value.name
 
 
 def _about_field(device: Device, field: Field, style: Style) -> str:
@@ -386,16 +409,23 @@ def _about_field(device: Device, field: Field, style: Style) -> str:
 
 
 def _input_and_procedure_lines(device: Device) -> list[str]:
-    inputs = [(hardware_input.name, hardware_input.meaning, hardware_input.source) for hardware_input in device.inputs]
-    procedures = [(procedure.name, procedure.title, procedure.source) for procedure in device.procedures]
-    return [*_section("Inputs", inputs), *_section("Procedures", procedures)]
+    """Return a section with the inputs and one with the procedures, each with its source."""
+    lines: list[str] = []
+    if device.inputs:
+        input_rows = []
+        for device_input in device.inputs:
+            input_rows.append((device_input.name, _with_source(device_input.meaning, device_input.source)))
+        lines += ["", "Inputs", *pairs(input_rows, indent=2)]
+    if device.procedures:
+        procedure_rows = []
+        for procedure in device.procedures:
+            procedure_rows.append((procedure.name, _with_source(procedure.title, procedure.source)))
+        lines += ["", "Procedures", *pairs(procedure_rows, indent=2)]
+    return lines
 
 
-def _section(title: str, rows: Sequence[tuple[str, str, Sources]]) -> list[str]:
-    """Return a section of names, each with its text and its source. Empty if there are none."""
-    if not rows:
-        return []
-    return ["", title, *pairs(((name, f"{text}  [{cite(source)}]") for name, text, source in rows), 2)]
+def _with_source(text: str, source: Sources) -> str:
+    return f"{text}  [{cite(source)}]"
 
 
 def _errata_lines(device: Device) -> list[str]:
@@ -403,12 +433,14 @@ def _errata_lines(device: Device) -> list[str]:
     if not device.errata:
         return []
     lines = ["", "Errata of the manual"]
-    detailed_errata = [erratum for erratum in device.errata if erratum.severity != "wording"]
-    for erratum in detailed_errata:
+    wording_count = 0
+    for erratum in device.errata:
+        if erratum.severity == "wording":
+            wording_count += 1
+            continue
         head, *details = BY_NAME.lines(say_errata.erratum(erratum, whole=True))
-        lines += [wrapped(head, WIDTH, "    ", "  "), *map(_paragraph, details)]
-    wording_count = len(device.errata) - len(detailed_errata)
+        lines += [wrapped(head, WIDTH, prefix="    ", first="  "), *map(_paragraph, details)]
     if wording_count:
         summary = f"and {wording_count} about wording only, listed by --json and the documentation"
-        lines.append(wrapped(summary, WIDTH, "    ", "  "))
+        lines.append(wrapped(summary, WIDTH, prefix="    ", first="  "))
     return lines

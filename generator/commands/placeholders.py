@@ -1,0 +1,71 @@
+"""Values of specs that are still those of the template of ``codewheel new``: they have the word TODO."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+
+@dataclass(frozen=True, slots=True)
+class Placeholder:
+    """A value that is still the template's. ``name`` is that of the fact in its spec."""
+
+    file: str
+    line: int
+    column: int
+    name: str
+
+
+def placeholders_in(files: Iterable[str]) -> Iterator[Placeholder]:
+    """Yield the placeholders in these specs, in the order of their lines."""
+    for file in dict.fromkeys(files):
+        path = Path(file)
+        if path.is_file() and b"TODO" in path.read_bytes():
+            yield from _placeholders_of(path)
+
+
+def _placeholders_of(path: Path) -> Iterator[Placeholder]:
+    """Yield the placeholders in a spec. A file that cannot be read has none."""
+    from ..language.document import placeholder_name, placeholder_paths
+    from ..language.problems import Report
+    from ..language.read import read_document
+
+    document = read_document(path, Report())
+    if document is None:
+        return
+    placeholders = []
+    for path_in_spec in placeholder_paths(document.data):
+        line, column = document.position(path_in_spec)
+        placeholders.append((line, column, path_in_spec))
+    for line, column, path_in_spec in sorted(placeholders):
+        name = placeholder_name(document.data, path_in_spec)
+        yield Placeholder(file=document.file, line=line, column=column, name=name)
+
+
+def placeholders_data(files: Iterable[str]) -> list[dict[str, Any]]:
+    """Return the placeholders in these specs in the form that ``check --json`` prints."""
+    return [asdict(placeholder) for placeholder in placeholders_in(files)]
+
+
+def placeholder_lines(files: Iterable[str]) -> list[str]:
+    """Return a line with the number of placeholders, and one for each. Empty if there are none."""
+    lines = [f"  {placeholder.file}:{placeholder.line}: {placeholder.name}" for placeholder in placeholders_in(files)]
+    if not lines:
+        return []
+    return [f"{_counted_placeholders(len(lines))} (each has the word TODO):", *lines]
+
+
+def placeholder_line(files: Iterable[str]) -> str:
+    """Return one line with the number of placeholders and the first one, or an empty text if there are none."""
+    placeholders = list(placeholders_in(files))
+    if not placeholders:
+        return ""
+    first = placeholders[0]
+    number = _counted_placeholders(len(placeholders))
+    return f"{number}, the first at {first.file}:{first.line}; codewheel check lists them"
+
+
+def _counted_placeholders(number: int) -> str:
+    return "1 value is still the template's" if number == 1 else f"{number} values are still the template's"
