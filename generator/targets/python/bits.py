@@ -114,6 +114,12 @@ class Reader:
         on_top = bits.low + bits.width == self.codec.layout.bits
         return shifted if on_top else Operation(shifted, "&", self.scope.ones(bits.width))
 
+    def place(self, bits: Bits) -> str:
+        """Return the position of these bits, for a comment. Empty if it depends on the order code."""
+        if not self.codec.by_word:
+            return place_in_bytes(bits.pieces)
+        return bit_numbers(bits.low.constant, bits.width.constant) if bits.are_fixed else ""
+
     def exclusive_or(self, parts: Sequence[Bits], counted: int) -> Expr:
         """Return the XOR of these fields. Its parity is that of all their bits, or of those in the mask ``counted``."""
         difference = joined("^", [self.bits(bits) for bits in parts])
@@ -171,6 +177,21 @@ class Reader:
         if self.codec.by_word or len(places) < len(bits.pieces) or not _are_ascending(places):
             return ""
         return f"data[{places[0]}:{places[-1] + 1}]"
+
+
+def place_in_bytes(pieces: Sequence[Piece]) -> str:
+    """Return the order of the bytes of a field, or its position in a single byte. Empty if it fills the byte."""
+    if not pieces:
+        return ""
+    first = pieces[0]
+    if len(pieces) > 1:
+        return "low byte first" if first.byte < pieces[-1].byte else "high byte first"
+    return "" if first.mask == 0xFF else bit_numbers(first.right, first.mask.bit_length())
+
+
+def bit_numbers(low: int, width: int) -> str:
+    """Return the highest and the lowest bit of a field, for a comment."""
+    return f"bit {low}" if width == 1 else f"bits {low + width - 1}:{low}"
 
 
 def others(scope: Scope, codec: Codec) -> Expr:

@@ -327,7 +327,7 @@ def _register(device: Device, register: Register) -> Call:
 
 
 #: Number of members that are printed without their names, by class.
-_POSITIONAL_COUNTS = {"BitField": 3, "Column": 1, "Join": 2, "Speaks": 1, "Tells": 1}
+_POSITIONAL_COUNTS = {"BitField": 1, "Column": 1, "Join": 1, "Speaks": 1, "Tells": 1}
 #: Members that say for which encoders a cause applies.
 _CONDITIONS = ("only", "chosen")
 
@@ -411,14 +411,16 @@ class Shape:
         crc, coder = frame_crc.crc, self.coder
         members: dict[str, Literal] = {"low": self._shown(frame_crc.bits.low), "width": crc.width}
         if coder.layout.crc_covers_bytes:
-            place = f'{self.plan.length}, {crc.width // 8}, "{byte_order(coder.layout)}"'
-            members["differs"] = Code(f"of_bytes({coder.crc_name}, {place})")
+            place = f'length={self.plan.length}, width={crc.width // 8}, order="{byte_order(coder.layout)}"'
+            members["differs"] = Code(f"compare_bytes({coder.crc_name}, {place})")
             members |= {"xorout": crc.xorout, "is_xor": True} if crc.is_xor else {}
         else:
-            gap = f", {frame_crc.gap}" if frame_crc.gap else ""
-            members["differs"] = Code(f"of_bits({coder.crc_name}, {coder.number(frame_crc.covered)}, {crc.width}{gap})")
+            gap = f", gap={frame_crc.gap}" if frame_crc.gap else ""
+            place = f"covered={coder.number(frame_crc.covered)}, width={crc.width}{gap}"
+            members["differs"] = Code(f"compare_bits({coder.crc_name}, {place})")
             folds = tuple(
-                literal_call("Fold", step.shift, Code(f"0x{step.mask:02X}"), step.back) for step in frame_crc.steps
+                Call("Fold", (("shift", step.shift), ("mask", Hex(step.mask)), ("back", step.back)))
+                for step in frame_crc.steps
             )
             members |= {"xorout": crc.xorout, "steps": folds} if folds else {}
         return Call("CrcOf", tuple(members.items()))

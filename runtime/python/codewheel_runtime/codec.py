@@ -236,7 +236,7 @@ def check_power_of_two(field: str, value: SupportsIndex) -> None:
         raise RangeError(field, number, "a power of two")
 
 
-def choice(kind: type[_Choice], field: str, value: SupportsIndex) -> _Choice:
+def as_member(kind: type[_Choice], field: str, value: SupportsIndex) -> _Choice:
     """Return ``value`` as a member of ``kind``."""
     number = value if type(value) is int else whole_number(field, value)
     try:
@@ -366,7 +366,7 @@ def crc_by_xor(data: Data, xorout: int = 0) -> int:
 
 
 @cache
-def crc_tables(
+def make_crc_tables(
     crc: Callable[[int, int], int], covered: int, width: int, count: int, gap: int = 0
 ) -> tuple[Sequence[int], ...]:
     """Return one table per 16 bits of a word. The XOR of the entries for the word is 0 if its CRC is correct.

@@ -78,7 +78,7 @@ class RegisterParameter(NamedTuple):
         return (number | bits << self.low).to_bytes(len(self.default), self.order)
 
 
-def parameters_in(
+def read_parameters(
     parameters: tuple[RegisterParameter, ...], register_bytes: Mapping[int, int], variant: Encoder
 ) -> dict[str, int]:
     """Return the parameters for bytes keyed by address. Missing bytes are taken from ``variant``."""
@@ -109,7 +109,7 @@ def _over_interface(parameters: tuple[RegisterParameter, ...], variant: Encoder)
     return [parameter for parameter in parameters if parameter.interface is variant.interface]
 
 
-def parameters_text(parameters: tuple[RegisterParameter, ...], variant: Encoder) -> str:
+def format_parameters(parameters: tuple[RegisterParameter, ...], variant: Encoder) -> str:
     """Return the parameters that differ from the factory default, as text. Without a default, they are always shown."""
     texts: list[str] = []
     for parameter in _over_interface(parameters, variant):
@@ -152,11 +152,11 @@ def bytes_by_address(read: Mapping[int, int] | Mapping[str, Data], registers: Ma
 
 
 def is_consistent(
-    register_bytes: Mapping[int, int], address: int, length: int, expected: Callable[[bytes], bool]
+    register_bytes: Mapping[int, int], address: int, length: int, is_expected: Callable[[bytes], bool]
 ) -> bool:
     """Return whether a register has the expected value. True if it was not read completely."""
     data = [register_bytes[place] for place in range(address, address + length) if place in register_bytes]
     try:
-        return len(data) < length or expected(bytes(data))
+        return len(data) < length or is_expected(bytes(data))
     except FrameError:
         return False

@@ -8,7 +8,18 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Final
 
-from codewheel_runtime.bulk.shape import Check, Column, CrcOf, Fold, Shape, Speaks, Tells, Unused, of_bits, of_bytes
+from codewheel_runtime.bulk.shape import (
+    Check,
+    Column,
+    CrcOf,
+    Fold,
+    Shape,
+    Speaks,
+    Tells,
+    Unused,
+    compare_bits,
+    compare_bytes,
+)
 from codewheel_runtime.codec import BitField
 from codewheel_runtime.errors import ErrorKind
 from codewheel_runtime.reports import Verdict
@@ -57,8 +68,8 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
             Tells("error", flag="error"),
         ),
         fields=(
-            BitField("position", 1, variant.position_bits),
-            BitField("error", 0, 1),
+            BitField("position", low=1, width=variant.position_bits),
+            BitField("error", low=0, width=1),
         ),
         gray=(1, variant.position_bits) if variant.ssi_gray else None,
         excess=0,
@@ -96,20 +107,25 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
         fields=(
             BitField(
                 "padding",
-                variant.scd_value_bits + 8,
-                variant.position_bits + variant.scd_padding_bits - variant.scd_value_bits,
+                low=variant.scd_value_bits + 8,
+                width=variant.position_bits + variant.scd_padding_bits - variant.scd_value_bits,
             ),
-            BitField("position", 8, variant.scd_value_bits),
-            BitField("error", 7, 1),
-            BitField("warning", 6, 1),
-            BitField("crc", 0, 6),
+            BitField("position", low=8, width=variant.scd_value_bits),
+            BitField("error", low=7, width=1),
+            BitField("warning", low=6, width=1),
+            BitField("crc", low=0, width=6),
         ),
         crc=CrcOf(
             low=0,
             width=6,
-            differs=of_bits(crc_biss_6, variant.position_bits + variant.scd_padding_bits + 2, 6),
+            differs=compare_bits(crc_biss_6, covered=variant.position_bits + variant.scd_padding_bits + 2, width=6),
             xorout=63,
-            steps=(Fold(12, 0xFFF, 2), Fold(12, 0xFFF, 2), Fold(6, 0x3F, 1), Fold(6, 0x3F, 1)),
+            steps=(
+                Fold(shift=12, mask=0xFFF, back=2),
+                Fold(shift=12, mask=0xFFF, back=2),
+                Fold(shift=6, mask=0x3F, back=1),
+                Fold(shift=6, mask=0x3F, back=1),
+            ),
         ),
         gray=(8, variant.scd_value_bits) if variant.biss_gray else None,
         excess=0,
@@ -137,9 +153,9 @@ def shape_of_data_request() -> Shape:
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
         ),
         fields=(
-            BitField("sync", 0, 3),
-            BitField("data_id", 3, 4),
-            BitField("parity", 7, 1),
+            BitField("sync", low=0, width=3),
+            BitField("data_id", low=3, width=4),
+            BitField("parity", low=7, width=1),
         ),
         fixed=0x2 << 0,
     )
@@ -213,26 +229,32 @@ def shape_of_position_reply(variant: Rs485Encoder) -> Shape:
             Tells("status_zero", mask=192),
         ),
         fields=(
-            BitField("sync", 0, 3),
-            BitField("data_id", 3, 4),
-            BitField("parity", 7, 1),
-            BitField("status_info", 8, 4),
-            BitField("status_alarm", 12, 1),
-            BitField("status_error", 13, 1),
-            BitField("status_zero", 14, 2),
-            BitField("position", 16, variant.rs485_position_bits),
-            BitField("position_padding", variant.rs485_position_bits + 16, 24 - variant.rs485_position_bits),
-            BitField("overspeed", 40, 1),
-            BitField("initialization_error", 41, 1),
-            BitField("hardware_error", 42, 1),
-            BitField("encoder_inharmonious_error", 43, 1),
-            BitField("higher_track_error", 44, 1),
-            BitField("low_amplitude_error", 45, 1),
-            BitField("signal_strength_alarm", 46, 1),
-            BitField("temperature_alarm", 47, 1),
-            BitField("crc", 48, 8),
+            BitField("sync", low=0, width=3),
+            BitField("data_id", low=3, width=4),
+            BitField("parity", low=7, width=1),
+            BitField("status_info", low=8, width=4),
+            BitField("status_alarm", low=12, width=1),
+            BitField("status_error", low=13, width=1),
+            BitField("status_zero", low=14, width=2),
+            BitField("position", low=16, width=variant.rs485_position_bits),
+            BitField("position_padding", low=variant.rs485_position_bits + 16, width=24 - variant.rs485_position_bits),
+            BitField("overspeed", low=40, width=1),
+            BitField("initialization_error", low=41, width=1),
+            BitField("hardware_error", low=42, width=1),
+            BitField("encoder_inharmonious_error", low=43, width=1),
+            BitField("higher_track_error", low=44, width=1),
+            BitField("low_amplitude_error", low=45, width=1),
+            BitField("signal_strength_alarm", low=46, width=1),
+            BitField("temperature_alarm", low=47, width=1),
+            BitField("crc", low=48, width=8),
         ),
-        crc=CrcOf(low=48, width=8, differs=of_bytes(crc_rs485_8, 7, 1, "little"), xorout=0, is_xor=True),
+        crc=CrcOf(
+            low=48,
+            width=8,
+            differs=compare_bytes(crc_rs485_8, length=7, width=1, order="little"),
+            xorout=0,
+            is_xor=True,
+        ),
         fixed=0x2 << 0,
         position="position",
         otherwise=Verdict.USABLE,
@@ -274,17 +296,23 @@ def shape_of_wide_position_reply() -> Shape:
             Tells("status_zero", mask=192),
         ),
         fields=(
-            BitField("sync", 0, 3),
-            BitField("data_id", 3, 4),
-            BitField("parity", 7, 1),
-            BitField("status_info", 8, 4),
-            BitField("status_alarm", 12, 1),
-            BitField("status_error", 13, 1),
-            BitField("status_zero", 14, 2),
-            BitField("position", 16, 48),
-            BitField("crc", 64, 8),
+            BitField("sync", low=0, width=3),
+            BitField("data_id", low=3, width=4),
+            BitField("parity", low=7, width=1),
+            BitField("status_info", low=8, width=4),
+            BitField("status_alarm", low=12, width=1),
+            BitField("status_error", low=13, width=1),
+            BitField("status_zero", low=14, width=2),
+            BitField("position", low=16, width=48),
+            BitField("crc", low=64, width=8),
         ),
-        crc=CrcOf(low=64, width=8, differs=of_bytes(crc_rs485_8, 9, 1, "little"), xorout=0, is_xor=True),
+        crc=CrcOf(
+            low=64,
+            width=8,
+            differs=compare_bytes(crc_rs485_8, length=9, width=1, order="little"),
+            xorout=0,
+            is_xor=True,
+        ),
         fixed=(0x2 << 0) | (0x5 << 3),
         position="position",
         otherwise=Verdict.USABLE,
@@ -358,28 +386,34 @@ def shape_of_identification_reply(variant: Rs485Encoder) -> Shape:
             Tells("status_zero", mask=192),
         ),
         fields=(
-            BitField("sync", 0, 3),
-            BitField("data_id", 3, 4),
-            BitField("parity", 7, 1),
-            BitField("status_info", 8, 4),
-            BitField("status_alarm", 12, 1),
-            BitField("status_error", 13, 1),
-            BitField("status_zero", 14, 2),
-            BitField("position", 16, variant.rs485_position_bits),
-            BitField("position_padding", variant.rs485_position_bits + 16, 24 - variant.rs485_position_bits),
-            BitField("encoder_id_1", 40, 8),
-            BitField("encoder_id_2", 48, 8),
-            BitField("overspeed", 56, 1),
-            BitField("initialization_error", 57, 1),
-            BitField("hardware_error", 58, 1),
-            BitField("encoder_inharmonious_error", 59, 1),
-            BitField("higher_track_error", 60, 1),
-            BitField("low_amplitude_error", 61, 1),
-            BitField("signal_strength_alarm", 62, 1),
-            BitField("temperature_alarm", 63, 1),
-            BitField("crc", 64, 8),
+            BitField("sync", low=0, width=3),
+            BitField("data_id", low=3, width=4),
+            BitField("parity", low=7, width=1),
+            BitField("status_info", low=8, width=4),
+            BitField("status_alarm", low=12, width=1),
+            BitField("status_error", low=13, width=1),
+            BitField("status_zero", low=14, width=2),
+            BitField("position", low=16, width=variant.rs485_position_bits),
+            BitField("position_padding", low=variant.rs485_position_bits + 16, width=24 - variant.rs485_position_bits),
+            BitField("encoder_id_1", low=40, width=8),
+            BitField("encoder_id_2", low=48, width=8),
+            BitField("overspeed", low=56, width=1),
+            BitField("initialization_error", low=57, width=1),
+            BitField("hardware_error", low=58, width=1),
+            BitField("encoder_inharmonious_error", low=59, width=1),
+            BitField("higher_track_error", low=60, width=1),
+            BitField("low_amplitude_error", low=61, width=1),
+            BitField("signal_strength_alarm", low=62, width=1),
+            BitField("temperature_alarm", low=63, width=1),
+            BitField("crc", low=64, width=8),
         ),
-        crc=CrcOf(low=64, width=8, differs=of_bytes(crc_rs485_8, 9, 1, "little"), xorout=0, is_xor=True),
+        crc=CrcOf(
+            low=64,
+            width=8,
+            differs=compare_bytes(crc_rs485_8, length=9, width=1, order="little"),
+            xorout=0,
+            is_xor=True,
+        ),
         fixed=(0x2 << 0) | (0xa << 3) | (0x51 << 40),
         position="position",
         otherwise=Verdict.USABLE,
@@ -398,7 +432,7 @@ def shape_of_register_profile_id(variant: BissEncoder) -> Shape:
             Column("profile_id", low=0, width=16),
         ),
         fields=(
-            BitField("profile_id", 0, 16),
+            BitField("profile_id", low=0, width=16),
         ),
     )
 
@@ -416,9 +450,9 @@ def shape_of_register_serial_number() -> Shape:
             Column("number", low=0, width=16),
         ),
         fields=(
-            BitField("year", 24, 8),
-            BitField("week", 16, 8),
-            BitField("number", 0, 16),
+            BitField("year", low=24, width=8),
+            BitField("week", low=16, width=8),
+            BitField("number", low=0, width=16),
         ),
     )
 
@@ -437,13 +471,13 @@ def shape_of_register_configuration() -> Shape:
             Column("select_preset_offset", low=1, width=1, kind="choice", values=SelectPresetOffset),
         ),
         fields=(
-            BitField("unused_7", 7, 1),
-            BitField("counting_direction", 6, 1),
-            BitField("output_code", 5, 1),
-            BitField("unused_3_4", 3, 2),
-            BitField("enable_preset_offset", 2, 1),
-            BitField("select_preset_offset", 1, 1),
-            BitField("unused_0", 0, 1),
+            BitField("unused_7", low=7, width=1),
+            BitField("counting_direction", low=6, width=1),
+            BitField("output_code", low=5, width=1),
+            BitField("unused_3_4", low=3, width=2),
+            BitField("enable_preset_offset", low=2, width=1),
+            BitField("select_preset_offset", low=1, width=1),
+            BitField("unused_0", low=0, width=1),
         ),
     )
 
@@ -459,7 +493,7 @@ def shape_of_register_absolute_resolution(variant: BissEncoder) -> Shape:
             Column("absolute_resolution", low=0, width=8),
         ),
         fields=(
-            BitField("absolute_resolution", 0, 8),
+            BitField("absolute_resolution", low=0, width=8),
         ),
     )
 
@@ -475,7 +509,7 @@ def shape_of_register_preset_offset() -> Shape:
             Column("preset_offset", low=0, width=32),
         ),
         fields=(
-            BitField("preset_offset", 0, 32),
+            BitField("preset_offset", low=0, width=32),
         ),
         limited=("preset_offset", "preset_offset"),
     )
@@ -492,7 +526,7 @@ def shape_of_register_device_type() -> Shape:
             Column("type", low=0, width=8),
         ),
         fields=(
-            BitField("type", 0, 8),
+            BitField("type", low=0, width=8),
         ),
     )
 
@@ -508,7 +542,7 @@ def shape_of_register_sine_cosine_resolution() -> Shape:
             Column("period", low=0, width=8),
         ),
         fields=(
-            BitField("period", 0, 8),
+            BitField("period", low=0, width=8),
         ),
     )
 
@@ -524,7 +558,7 @@ def shape_of_register_position_check() -> Shape:
             Column("position_check", low=0, width=8),
         ),
         fields=(
-            BitField("position_check", 0, 8),
+            BitField("position_check", low=0, width=8),
         ),
     )
 
@@ -541,8 +575,8 @@ def shape_of_register_device_id() -> Shape:
             Column("release", low=0, width=16),
         ),
         fields=(
-            BitField("name", 16, 32),
-            BitField("release", 0, 16),
+            BitField("name", low=16, width=32),
+            BitField("release", low=0, width=16),
         ),
     )
 
@@ -558,7 +592,7 @@ def shape_of_register_manufacturer_id() -> Shape:
             Column("name", low=0, width=16, kind="text"),
         ),
         fields=(
-            BitField("name", 0, 16),
+            BitField("name", low=0, width=16),
         ),
     )
 

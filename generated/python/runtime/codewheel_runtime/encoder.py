@@ -242,7 +242,7 @@ class Encoder:
         """Return the range of the positions in a frame of this name."""
         raise ValueError(f"the manual does not say where the position of {self.code} wraps around")
 
-    def _ranges(self) -> Mapping[str, PositionRange]:
+    def _position_ranges(self) -> Mapping[str, PositionRange]:
         """Return the ranges of the positions by the names of frames, if they differ."""
         return {}
 
@@ -257,7 +257,7 @@ class Encoder:
         values = (getattr(self, name) for name in self._parameters)
         return (type(self), self.code, self.parts, self.unlisted, self.special_code, *values)
 
-    def _replaced(self: _Same, **changes: Any) -> _Same:
+    def _with_changes(self: _Same, **changes: Any) -> _Same:
         """Return a copy with these attributes changed."""
         return _restored(type(self), {**self._state(), **changes})
 
@@ -338,7 +338,7 @@ def look_up(label: str, variants: Mapping[str, _Same], module: str) -> _Same:
     variant = next(listed for listed in variants.values() if listed.parts == parsed_label.listed)
     if not (parsed_label.unlisted or parsed_label.tail or parsed_label.special or parsed_label.written_as_in):
         return variant
-    return variant._replaced(
+    return variant._with_changes(
         code=parsed_label.code,
         parts=parsed_label.parts,
         unlisted=parsed_label.unlisted,

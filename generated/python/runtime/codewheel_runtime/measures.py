@@ -52,7 +52,7 @@ class Rotary(Encoder):
     def _limits(self) -> tuple[int, int] | None:
         """Return the lowest and the highest position in any frame, or None if the manual does not give them."""
         try:
-            ranges = [*self._ranges().values()] or [self._range_in("")]
+            ranges = [*self._position_ranges().values()] or [self._range_in("")]
         except ValueError:
             return None
         lowest = min(position_range.lowest for position_range in ranges)
@@ -167,5 +167,5 @@ class Wrapping(Encoder):
         return unwrap(previous, position, self.modulus, self.highest, self.lowest)
 
     def _range_in(self, frame: str, /) -> PositionRange:
-        ranges = self._ranges()
+        ranges = self._position_ranges()
         return ranges[frame] if ranges else PositionRange(self.lowest, self.highest, self.modulus)

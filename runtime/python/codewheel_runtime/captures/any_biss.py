@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, Final, NamedTuple
 
-from ..bulk.shape import Check, Column, CrcOf, Join, Shape, Speaks, Unused, of_bits
+from ..bulk.shape import Check, Column, CrcOf, Join, Shape, Speaks, Unused, compare_bits
 from ..bulk.words import short
 from ..codec import PositionRange, crc_of_bits
 from ..errors import ErrorKind, UsageError
@@ -147,7 +147,7 @@ def _shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tuple[Joi
         # The first field has the highest bits.
         low -= width
         if name == "crc":
-            crc = CrcOf(low, width, of_bits(field.crc(), bits - width, width))
+            crc = CrcOf(low, width, compare_bits(field.crc(), covered=bits - width, width=width))
         elif name == "zero":
             checks.append(Check(low, width, ErrorKind.CONSTANT, (0,)))
         elif name == "unused":

@@ -337,7 +337,7 @@ class LimitedRegisterOf(Limited, RegisterOf[_Encoder]):
 _Limited = TypeVar("_Limited", bound=Limited)
 
 
-def with_bytes(register: _Limited, data: bytes) -> _Limited:
+def keep_bytes(register: _Limited, data: bytes) -> _Limited:
     """Return a decoded register with the bytes from which it was decoded."""
     register.__dict__["_bytes"] = data
     return register

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, cast
 
-from ..codec import crc_tables
+from ..codec import make_crc_tables
 from ..encoder import Encoder
 from .descriptions import described, shape_of
 from .encode import crc_of, number_of
@@ -186,4 +186,4 @@ def _tables_of(crc: CrcOf, bits: int) -> tuple[Any, ...]:
     def crc_of_number(covered: int, _: int) -> int:
         return crc_of(covered << crc.width, crc)
 
-    return crc_tables(crc_of_number, bits - crc.width, crc.width, (bits + 15) // 16)
+    return make_crc_tables(crc_of_number, bits - crc.width, crc.width, (bits + 15) // 16)

@@ -85,7 +85,7 @@ class CrcOf(NamedTuple):
     is_xor: bool = False
 
 
-def of_bytes(
+def compare_bytes(
     function: Callable[[bytes], int], length: int, width: int, order: Literal["little", "big"]
 ) -> Callable[[int], int]:
     """Return a function that finds the wrong bits of the CRC in the last ``width`` of ``length`` bytes."""
@@ -97,7 +97,7 @@ def of_bytes(
     return differs
 
 
-def of_bits(function: Callable[[int, int], int], covered: int, width: int, gap: int = 0) -> Callable[[int], int]:
+def compare_bits(function: Callable[[int, int], int], covered: int, width: int, gap: int = 0) -> Callable[[int], int]:
     """Return a function that finds the wrong bits of the CRC in the last ``width`` bits of a number.
 
     The CRC covers ``covered`` bits, and ``gap`` bits are between them and the CRC.

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..codec import (
     NO_SUCH_FLAG,
+    as_member,
     assert_never,
     check_bits,
     check_flag,
@@ -14,7 +15,6 @@ from ..codec import (
     check_power_of_two,
     check_signed,
     check_width,
-    choice,
     signed,
     text_number,
     to_gray,
@@ -105,7 +105,7 @@ def _number_bits(name: str, value: Any, column: Column) -> int:
     """Return the bits of an unsigned number, which may be limited to certain values."""
     width = column.width
     if isinstance(column.values, type):
-        return choice(column.values, name, value)
+        return as_member(column.values, name, value)
     if column.values:
         number = whole_number(name, value)
         if number not in column.values:
