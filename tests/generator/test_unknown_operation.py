@@ -193,9 +193,9 @@ LEVEL = Column("level", 0, 8, kind=cast("Any", "unknown"))
 #: Parts of the Python runtime that go by the kind of a column.
 INTERPRETERS: dict[str, Callable[[], object]] = {
     "types": lambda: column_types(Shape(8, columns=(LEVEL,))),
-    "encode": lambda: frame_encode._bits(SimpleNamespace(level=1), LEVEL),
+    "encode": lambda: frame_encode._encode_field(SimpleNamespace(level=1), LEVEL),
     "decode_many": lambda: bulk_decode._write_column(cast("Any", None), LEVEL, {}),
-    "encode_many": lambda: list(bulk_encode._bits({"level": [1]}, LEVEL, cast("Any", None))),
+    "encode_many": lambda: list(bulk_encode._encode_field({"level": [1]}, LEVEL, cast("Any", None))),
 }
 
 

@@ -178,6 +178,7 @@ class Link:
         self.close()
 
     def _do(self, work: Work[_Result]) -> _Result:
+        """Carry out a task of the session: send its requests, and pass the received bytes on."""
         with self.lock:
             try:
                 ask = next(work)
@@ -228,7 +229,7 @@ class SerialTransport:
             if rs485:
                 self._port.rs485_mode = import_module("serial.rs485").RS485Settings()
         except (serial.SerialException, OSError, ValueError) as error:
-            raise PortError(_cannot_open(port, error)) from None
+            raise PortError(_cannot_open_error(port, error)) from None
 
     def write(self, data: bytes, /) -> None:
         """Send bytes."""
@@ -352,7 +353,8 @@ class Ports:
         return open_encoder(port, encoder, timeout_s=timeout_s, retries=retries, settle_s=settle_s, rs485=rs485)
 
 
-def _cannot_open(port: str, error: Exception) -> str:
+def _cannot_open_error(port: str, error: Exception) -> str:
+    """Return the error for a port that cannot be opened."""
     number = getattr(error, "errno", None)
     if number in (errno.EAGAIN, errno.EBUSY):
         return f"cannot open {port}: another program, or another link of this program, has it open"

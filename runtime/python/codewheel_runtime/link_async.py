@@ -141,6 +141,7 @@ class AsyncLink:
         await self.close()
 
     async def _do(self, work: Work[_Result]) -> _Result:
+        """Carry out a task of the session: send its requests, and pass the received bytes on."""
         async with self._lock:
             try:
                 ask = next(work)

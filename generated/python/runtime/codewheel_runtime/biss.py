@@ -220,7 +220,7 @@ class Request:
         word = self.encode()
         return (0,) * ZEROS + (1,) + tuple(word >> place & 1 for place in range(31, -1, -1))
 
-    def _echo(self, answers: int) -> Outcome:
+    def _judge_echo(self, answers: int) -> Outcome:
         """Return the outcome of 18 answers, from IDL0 in bit 17 to W in bit 0. RUNNING if the slave participates."""
         if answers == 0x3FFFF or not answers >> 17 - self.slave_id & 1:
             return Outcome.NO_ANSWER
@@ -231,7 +231,7 @@ class Request:
             return Outcome.REFUSED
         return Outcome.NO_ANSWER if answers & 0b11 == 0 else Outcome.BAD_ECHO
 
-    def _data(self, answers: int) -> tuple[Outcome, int | None]:
+    def _judge_data(self, answers: int) -> tuple[Outcome, int | None]:
         """Return the outcome of the 12 answers to DATA and CRC, and the byte that was read."""
         if self.value is not None:
             return (Outcome.DONE if answers == encode_byte(self.value) else Outcome.BAD_ECHO), None
@@ -276,17 +276,17 @@ class Answer:
         cds = whole_number("cds", cds)
         if not 0 <= cds < 1 << 32:
             raise LengthError(32, cds.bit_length(), "bits")
-        slaves = _slaves(cds >> 16)
-        echo = request._echo(cds >> 14)
+        slaves = _count_slaves(cds >> 16)
+        echo = request._judge_echo(cds >> 14)
         if echo is not Outcome.RUNNING:
             return cls(echo, slaves)
         if not cds >> 13 & 1:
             return cls(Outcome.BUSY, slaves)
-        outcome, value = request._data(cds >> 1 & 0xFFF)
+        outcome, value = request._judge_data(cds >> 1 & 0xFFF)
         return cls(outcome, slaves, value)
 
 
-def _slaves(idl: int) -> int:
+def _count_slaves(idl: int) -> int:
     """Return how many slaves have taken an ID, according to IDL0 (bit 15) to IDL15 (bit 0). 9 means more than 8."""
     return min(9, 16 - (~idl & 0xFFFF).bit_length())
 
@@ -345,7 +345,7 @@ class Master:
         """
         # This bounds the list, whatever the count is.
         values: list[int | None] = [None] * min(whole_number("count", count), REGISTERS + 1)
-        self._begin(slave_id, address, values, busy_limit)
+        self._begin_frame(slave_id, address, values, busy_limit)
 
     def write(self, address: int, data: Data, *, slave_id: int = 0, busy_limit: int) -> None:
         """Start to write registers. An access in progress is aborted.
@@ -361,9 +361,10 @@ class Master:
             RangeError: The ID or the address is out of range, or the registers extend beyond 3Fh or 7Fh. Nothing is
                 sent.
         """
-        self._begin(slave_id, address, list(as_bytes(data)), busy_limit)
+        self._begin_frame(slave_id, address, list(as_bytes(data)), busy_limit)
 
-    def _begin(self, slave_id: int, address: int, values: list[int | None], busy_limit: int) -> None:
+    def _begin_frame(self, slave_id: int, address: int, values: list[int | None], busy_limit: int) -> None:
+        """Start a control frame, and forget the state of the previous one."""
         slave_id, address = whole_number("slave_id", slave_id), whole_number("address", address)
         head = Request(slave_id, address, values[0] if values else None).encode()
         count_limit = REGISTERS - (address & 0x3F)
@@ -395,11 +396,11 @@ class Master:
         # A pin may be read as a bool, or as a number too narrow for the answers.
         cds = int(cds & 1)
         if self._phase is _Phase.HEADER:
-            cdm = self._header(cds)
+            cdm = self._follow_header(cds)
         elif self._phase is _Phase.START:
             cdm = self._start(cds)
         elif self._phase is _Phase.BYTE:
-            cdm = self._byte(cds)
+            cdm = self._follow_byte(cds)
         else:
             cdm = int(self.outcome is Outcome.RUNNING and self._zeros >= ZEROS)
             if cdm:
@@ -412,19 +413,19 @@ class Master:
         self._phase = _Phase.WAIT
         return 0
 
-    def _header(self, cds: int) -> int:
+    def _follow_header(self, cds: int) -> int:
         """Return the bits of steps 2 and 3 (CTS to W), then S once R W is answered."""
         self._answers = self._answers << 1 | cds
         self._at += 1
         if self._at <= 17:
             return self._sending >> 17 - self._at & 1
-        self.slaves = _slaves(self._answers >> 2)
-        echo = self._requests[0]._echo(self._answers)
+        self.slaves = _count_slaves(self._answers >> 2)
+        echo = self._requests[0]._judge_echo(self._answers)
         if echo is not Outcome.RUNNING:
             return self._end(echo)
-        return self._register()
+        return self._look_up_register()
 
-    def _register(self) -> int:
+    def _look_up_register(self) -> int:
         """Begin step 4."""
         self._phase = _Phase.START
         self._busy = 0
@@ -443,15 +444,15 @@ class Master:
         self._sending = 0 if value is None else encode_byte(value)
         return self._sending >> 11 & 1
 
-    def _byte(self, cds: int) -> int:
+    def _follow_byte(self, cds: int) -> int:
         """Return the bits of steps 5 to 7: the rest of DATA and CRC, P, and S if a register follows."""
         if self._at == 12:
-            return self._end(Outcome.REFUSED) if cds else self._register()
+            return self._end(Outcome.REFUSED) if cds else self._look_up_register()
         self._answers = self._answers << 1 | cds
         self._at += 1
         if self._at < 12:
             return self._sending >> 11 - self._at & 1
-        outcome, value = self._requests[self.done]._data(self._answers)
+        outcome, value = self._requests[self.done]._judge_data(self._answers)
         if outcome is not Outcome.DONE:
             return self._end(outcome)
         if value is not None:
@@ -509,7 +510,7 @@ class RegisterBus:
             RangeError: The ID or the address is out of range, or the registers extend beyond 3Fh or 7Fh.
         """
         self._master.read(address, length, slave_id=self.slave_id, busy_limit=self.busy_limit)
-        self._finish(address)
+        self._finish_access(address)
         return self._master.data
 
     def write(self, address: int, data: Data, /) -> None:
@@ -524,9 +525,10 @@ class RegisterBus:
             RangeError: The ID or the address is out of range, or the registers extend beyond 3Fh or 7Fh.
         """
         self._master.write(address, data, slave_id=self.slave_id, busy_limit=self.busy_limit)
-        self._finish(address)
+        self._finish_access(address)
 
-    def _finish(self, address: int) -> None:
+    def _finish_access(self, address: int) -> None:
+        """End the access with its outcome."""
         while self._master.outcome is Outcome.RUNNING:
             received = self._exchange(self._cdm)
             self._cdm = self._master.next(received[0] if isinstance(received, tuple) else received)
@@ -601,11 +603,11 @@ class Slave:
         if self._zeros >= ZEROS:
             return self._leave(upstream)
         if self._phase is _Phase.HEADER:
-            return self._header(cdm, upstream)
+            return self._follow_header(cdm, upstream)
         if self._phase is _Phase.START:
             return self._start(cdm, upstream)
         if self._phase is _Phase.BYTE:
-            return self._byte(cdm)
+            return self._follow_byte(cdm)
         if not cdm or not ready:
             return upstream
         self._phase = _Phase.HEADER
@@ -646,7 +648,7 @@ class Slave:
         self.slave_id = self._at if self._at < IDS else None
         return 1
 
-    def _header(self, cdm: int, upstream: int) -> int:
+    def _follow_header(self, cdm: int, upstream: int) -> int:
         """Return the answers of steps 2 and 3, after S."""
         self._received = self._received << 1 | cdm
         self._at += 1
@@ -681,7 +683,7 @@ class Slave:
         self._at = self._received = 0
         return 1
 
-    def _byte(self, cdm: int) -> int:
+    def _follow_byte(self, cdm: int) -> int:
         """Return the answers of steps 5 and 6: the byte, then P."""
         self._received = self._received << 1 | cdm
         self._at += 1

@@ -8,9 +8,9 @@ from importlib import import_module
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, NoReturn, Protocol, TypeVar, cast, runtime_checkable
 
-from .codec import PositionRange, shortened
+from .codec import PositionRange, shorten
 from .errors import FamilyError, FrameError, InterfaceError
-from .order_codes import OrderCode, checked
+from .order_codes import OrderCode, check_label
 from .reports import Family, Interface, Report, Verdict
 
 if TYPE_CHECKING:
@@ -259,9 +259,10 @@ class Encoder:
 
     def _with_changes(self: _Same, **changes: Any) -> _Same:
         """Return a copy with these attributes changed."""
-        return _restored(type(self), {**self._state(), **changes})
+        return _restore(type(self), {**self._state(), **changes})
 
     def _state(self) -> dict[str, Any]:
+        """Return the attributes from which an encoder can be recreated."""
         names = ("code", "parts", "unlisted", "tail", "special_code", "written_as_in", *self._parameters)
         return {name: getattr(self, name) for name in names}
 
@@ -272,7 +273,7 @@ class Encoder:
         return hash(self._key())
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restored, (type(self), self._state())
+        return _restore, (type(self), self._state())
 
     def __setattr__(self, name: str, value: object) -> NoReturn:
         raise AttributeError(f"encoders are immutable: '{name}' cannot be set")
@@ -303,7 +304,7 @@ class _BoundDecoder:
         return decode
 
 
-def _restored(kind: type[_Same], state: dict[str, Any]) -> _Same:
+def _restore(kind: type[_Same], state: dict[str, Any]) -> _Same:
     """Recreate an encoder from its attributes, for copying and unpickling."""
     return kind(**state)
 
@@ -329,7 +330,7 @@ def look_up(label: str, variants: Mapping[str, _Same], module: str) -> _Same:
         OrderCodeError: There is no such order code.
         TypeError: ``label`` is not a string.
     """
-    text = checked(label)
+    text = check_label(label)
     if text in variants:
         return variants[text]
     codes = {code: variant.parts for code, variant in variants.items()}
@@ -365,7 +366,7 @@ def wrong_encoder_error(
         return InterfaceError(variant.code, variant_interface, interface, instead)
     if isinstance(variant, Encoder):
         return FamilyError(variant.code, variant.family.name, kind.family.name)
-    return TypeError(f"expected an encoder, got {shortened(variant)}; lookup() returns one for an order code")
+    return TypeError(f"expected an encoder, got {shorten(variant)}; lookup() returns one for an order code")
 
 
 def check_encoder(
@@ -384,12 +385,12 @@ def check_encoder(
 
 def raise_frame_error(error: Exception, frame: object, encoder: Encoder) -> NoReturn:
     """Raise the error of an encoder."""
-    raise _of_encoder(error, frame, encoder)
+    raise _find_encoder(error, frame, encoder)
 
 
 def _return_frame_error(error: Exception, frame: object, encoder: Encoder) -> Exception:
     """Return the error of an encoder. Raises TypeError if the frame does not have the right type."""
-    error = _of_encoder(error, frame, encoder)
+    error = _find_encoder(error, frame, encoder)
     if isinstance(error, FrameError):
         return error
     raise error
@@ -398,7 +399,7 @@ def _return_frame_error(error: Exception, frame: object, encoder: Encoder) -> Ex
 return_frame_error: ErrorHandler = cast(ErrorHandler, _return_frame_error)
 
 
-def _of_encoder(error: Exception, frame: object, encoder: Encoder) -> Exception:
+def _find_encoder(error: Exception, frame: object, encoder: Encoder) -> Exception:
     """Return the error with the frame and the encoder."""
     if isinstance(error, FrameError):
         error.add(frame, encoder)

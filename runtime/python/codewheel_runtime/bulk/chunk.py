@@ -91,7 +91,7 @@ def limbs_of(rows: Any, shape: Shape) -> list[Any]:
     is_little = shape.order == "little"
     kind = "<u8" if is_little else ">u8"
     if length < 8:
-        return [_short(rows, kind, is_little)]
+        return [_take_from_bytes(rows, kind, is_little)]
     limbs: list[Any] = []
     for low in range(0, length, 8):
         overlap = max(low + 8 - length, 0)
@@ -105,7 +105,7 @@ def limbs_of(rows: Any, shape: Shape) -> list[Any]:
     return limbs
 
 
-def _short(rows: Any, kind: str, is_little: bool) -> Any:
+def _take_from_bytes(rows: Any, kind: str, is_little: bool) -> Any:
     """Return rows of fewer than eight bytes as numbers.
 
     Eight bytes are read for each row. Those of the last rows would be outside the array, so these rows are copied.
@@ -165,7 +165,7 @@ def crc_difference(chunk: Chunk, crc: CrcOf) -> Any:
         half ^= half >> np.uint32(8)
         difference = half.astype(np.uint8)
         return difference ^ np.uint8(crc.xorout) if crc.xorout else difference
-    tables = _tables(crc.differs, chunk.bits)
+    tables = _tables_of_folds(crc.differs, chunk.bits)
     difference = tables[0][chunk.byte(0)]
     for place, table in enumerate(tables[1:], 1):
         difference ^= table[chunk.byte(place)]
@@ -191,7 +191,7 @@ def _fold(number: Any, crc: CrcOf, bits: int) -> Any:
 
 
 @lru_cache(maxsize=64)
-def _tables(differs: Callable[[int], int], bits: int) -> tuple[Any, ...]:
+def _tables_of_folds(differs: Callable[[int], int], bits: int) -> tuple[Any, ...]:
     """Return one table per byte of a number, with the contribution of each value of the byte to the CRC difference.
 
     The entries of the first table also include the difference of the number 0.

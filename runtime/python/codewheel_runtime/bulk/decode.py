@@ -36,12 +36,12 @@ CHUNK: Final = 32_768
 def decode_many(frames: object, shape: Shape, encoder: FrameSource | None) -> Table:
     """Decode ``frames`` into columns. For the arguments, see ``decode_many`` of the frame's class."""
     if _is_arrow(frames):
-        from .arrow import of_column
+        from .arrow import read_column
 
-        frames = of_column(frames, shape)
-    source, wrong_rows = rows_of(frames, shape.length) if shape.length else _words_of(frames, shape.bits)
+        frames = read_column(frames, shape)
+    source, wrong_rows = rows_of(frames, shape.length) if shape.length else _read_words(frames, shape.bits)
     count = len(source)
-    out = _columns(count, {**column_types(shape), "fault": "u1"})
+    out = _allocate_columns(count, {**column_types(shape), "fault": "u1"})
     fault = out.pop("fault")
     fault[:] = 0
     for start in range(0, count, CHUNK):
@@ -72,7 +72,7 @@ def _is_arrow(frames: object) -> bool:
     return hasattr(frames, "__arrow_c_stream__") or hasattr(frames, "__arrow_c_array__")
 
 
-def _columns(count: int, wanted: Mapping[str, str]) -> dict[str, Any]:
+def _allocate_columns(count: int, wanted: Mapping[str, str]) -> dict[str, Any]:
     """Return columns in one block of memory. The system uses larger pages for it than for many small blocks."""
     size = {name: np.dtype(kind).itemsize for name, kind in wanted.items()}
     space = np.empty(count * sum(size.values()), np.uint8)
@@ -103,7 +103,7 @@ def rows_of(frames: Any, length: int) -> tuple[Any, Any]:
     return array, ()
 
 
-def _words_of(frames: Any, bits: int) -> tuple[Any, Any]:
+def _read_words(frames: Any, bits: int) -> tuple[Any, Any]:
     """Return frames as 64-bit numbers, and the indices of those that are longer or missing."""
     if isinstance(frames, (bytes, bytearray, memoryview)):
         data = cast(Any, frames)
@@ -155,7 +155,7 @@ def _decode(source: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> No
         doubts.append(crc_difference(chunk, shape.crc))
     if shape.gray is not None:
         chunk.ungray(*shape.gray, shape.excess)
-    doubts += _doubts(chunk, shape)
+    doubts += _find_doubts(chunk, shape)
     doubtful = [doubt for doubt in doubts if doubt.any()]
     _write(chunk, shape, out)
     if shape.otherwise is not None:
@@ -167,13 +167,13 @@ def _decode(source: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> No
 
 def _write_faults(source: Any, limbs: list[Any], where: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> None:
     """Write the errors of the frames with the indexes ``where``. A frame with an error has no usable position."""
-    fault[where] = _faults(source, limbs, shape)
+    fault[where] = _find_faults(source, limbs, shape)
     if shape.otherwise is not None:
         verdicts: Any = out["verdict"]
         verdicts *= fault == 0
 
 
-def _doubts(chunk: Chunk, shape: Shape) -> list[Any]:
+def _find_doubts(chunk: Chunk, shape: Shape) -> list[Any]:
     """Return arrays that are nonzero for frames that fail a check other than the CRC."""
     checks = quick_checks(shape)
     doubts: list[Any] = []
@@ -183,16 +183,16 @@ def _doubts(chunk: Chunk, shape: Shape) -> list[Any]:
     for place, values in checks.bytes:
         byte = chunk.byte(place)
         doubts.append(~reduce(np.logical_or, (byte == np.uint8(value) for value in values)))
-    return [*doubts, *(~_holds(chunk, check) for check in checks.remaining)]
+    return [*doubts, *(~_is_met(chunk, check) for check in checks.remaining)]
 
 
-def _faults(source: Any, limbs: list[Any], shape: Shape) -> Any:
+def _find_faults(source: Any, limbs: list[Any], shape: Shape) -> Any:
     """Return the error of each frame. If there are several, it is the one that ``decode`` checks first."""
     chunk = Chunk(limbs, shape.bits)
     errors = [(ErrorKind.CRC, crc_difference(chunk, shape.crc) != 0)] if shape.crc is not None else []
     if shape.gray is not None:
         chunk.ungray(*shape.gray, shape.excess)
-    errors += [(check.fault, np.logical_not(_holds(chunk, check))) for check in shape.checks]
+    errors += [(check.fault, np.logical_not(_is_met(chunk, check))) for check in shape.checks]
     if not shape.length and shape.bits < 64:
         errors.append((ErrorKind.LENGTH, source >> np.uint64(shape.bits) != 0))
     fault = np.zeros(len(source), np.uint8)
@@ -202,7 +202,8 @@ def _faults(source: Any, limbs: list[Any], shape: Shape) -> Any:
     return fault
 
 
-def _holds(chunk: Chunk, check: Check) -> Any:
+def _is_met(chunk: Chunk, check: Check) -> Any:
+    """Return for each frame whether its bits meet a check."""
     bits = chunk.take(check.low, check.width)
     if check.parity_of:
         return bits == parity_bits(chunk, check)
@@ -260,6 +261,7 @@ def _write_unused(chunk: Chunk, shape: Shape, out: Any) -> None:
 
 
 def _write_column(chunk: Chunk, column: Column, out: Mapping[str, Any]) -> None:
+    """Write the values of a field to its columns."""
     match column.kind:
         case "flag" | "not_flag":
             chunk.flag(column.low, column.width, column.kind == "flag", out[column.name])
@@ -270,7 +272,7 @@ def _write_column(chunk: Chunk, column: Column, out: Mapping[str, Any]) -> None:
             for name, divisor, modulus in column.runs:
                 out[name][:] = bits // np.uint64(divisor) % np.uint64(modulus)
         case "text":
-            out[column.name][:] = _text(chunk, column)
+            out[column.name][:] = _read_text(chunk, column)
         case "number":
             number = out[column.name].view(np.uint64)
             chunk.take(column.low, column.width, number)
@@ -287,7 +289,7 @@ def _write_column(chunk: Chunk, column: Column, out: Mapping[str, Any]) -> None:
             assert_never(column.kind)
 
 
-def _text(chunk: Chunk, column: Column) -> Any:
+def _read_text(chunk: Chunk, column: Column) -> Any:
     """Return the strings of a field, whose first character is the most significant."""
     length = column.width // 8
     rows = np.empty((len(chunk.limbs[0]), length), np.uint8)

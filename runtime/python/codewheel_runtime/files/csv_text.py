@@ -45,7 +45,7 @@ def csv_rows(file: BinaryIO, name: str, size: int | None, stored: Stored, shape:
         skipped, start = 0, 0
     table = _Table(lines, between, place, columns, is_header and not start)
     reading = reader(names, place, columns, between, shape, stored.digits) if start or not is_header else None
-    parts = _parts(table, reading, chain([head[start:]], blocks), skipped, start, (name, stored, shape, share))
+    parts = _read_parts(table, reading, chain([head[start:]], blocks), skipped, start, (name, stored, shape, share))
     return Source(parts, size, tuple(cell for _, cell in other_names), empty_columns)
 
 
@@ -105,7 +105,7 @@ class _Table:
 _Where = tuple[str, Stored, Shape, Share]
 
 
-def _parts(
+def _read_parts(
     table: _Table,
     read: Callable[[bytes], Block | None] | None,
     blocks: Iterator[bytes],
@@ -184,10 +184,10 @@ def _rows(lines: _Lines, between: str = "") -> tuple[str, Iterator[list[str]]]:
     while first and (not first.strip() or first.lstrip().startswith("#")):
         first = next(texts, "")
     between = between or max(",;\t", key=first.count)
-    return between, _checked(lines, chain([first], texts), between) if first else iter(())
+    return between, _check_row(lines, chain([first], texts), between) if first else iter(())
 
 
-def _checked(lines: _Lines, texts: Iterable[str], between: str) -> Iterator[list[str]]:
+def _check_row(lines: _Lines, texts: Iterable[str], between: str) -> Iterator[list[str]]:
     """Yield rows, without empty ones and # comments."""
     try:
         for row in csv.reader(texts, delimiter=between):

@@ -110,6 +110,7 @@ def reader(
     )
 
     def read(block: bytes) -> Block | None:
+        """Return the frames and the other columns of whole lines, or None if they need the slower reader."""
         options = csv.ReadOptions(column_names=columns, use_threads=False, block_size=len(block) + 1)
         line_count = block.count(b"\n")
         try:
@@ -118,7 +119,7 @@ def reader(
                 # A line end in quotes belongs to its cell.
                 return None
             cells = table.column(0).chunk(0) if table.num_rows else pa.array([], pa.string())
-            frames = _bytes(cells, shape.length, pc) if shape.length else _words(cells, digits, pa, pc)
+            frames = _read_bytes(cells, shape.length, pc) if shape.length else _read_words(cells, digits, pa, pc)
         except pa.ArrowInvalid:
             return None
         if frames is None:
@@ -130,7 +131,7 @@ def reader(
     return read
 
 
-def _words(cells: Any, digits: DigitKind | None, pa: Any, pc: Any) -> Any:
+def _read_words(cells: Any, digits: DigitKind | None, pa: Any, pc: Any) -> Any:
     """Return numbers, or None if a cell is not a number in the usual form."""
 
     def begins(text: str) -> Any:
@@ -146,7 +147,7 @@ def _words(cells: Any, digits: DigitKind | None, pa: Any, pc: Any) -> Any:
     return cells.cast(pa.uint64()).to_numpy(zero_copy_only=False)
 
 
-def _bytes(cells: Any, length: int, pc: Any) -> Any:
+def _read_bytes(cells: Any, length: int, pc: Any) -> Any:
     """Return rows of bytes, or None if a cell has a different length or is not hexadecimal."""
     cells = pc.replace_substring(cells, " ", "")
     count = len(cells)

@@ -37,11 +37,11 @@ def layouts_of(encoder: Encoder) -> tuple[Layout, ...]:
     for interface, sender in sorted(frames, key=lambda interface_and_sender: interface_and_sender[1]):
         if interface == encoder.interface.value:
             for name, make in frames[interface, sender].items():
-                layouts.append(Layout(name, sender, _answers_of(make), make))
+                layouts.append(Layout(name, sender, _list_answers(make), make))
     return tuple(layouts)
 
 
-def _answers_of(make: Callable[..., Shape]) -> dict[str, type[Enum]]:
+def _list_answers(make: Callable[..., Shape]) -> dict[str, type[Enum]]:
     """Return the questions that a description needs answers to, with the enumeration of each."""
     hints = get_type_hints(make)
     return {name: hints[name] for name in signature(make).parameters if issubclass(hints[name], Enum)}

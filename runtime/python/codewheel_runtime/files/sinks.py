@@ -98,15 +98,16 @@ class Texts:
         else:
             texts = self._pa.array([cell.strip() or None for cell in cells], self._pa.string())
         if self.kind is None:
-            self.kind = self._kind_of(texts)
+            self.kind = self._find_type(texts)
         try:
             return texts.cast(self.kind)
         except self._pa.ArrowInvalid:
-            numbers = [self._number(cell) for cell in texts]
+            numbers = [self._cast_cell(cell) for cell in texts]
             self.lost += sum(cell is None for cell in numbers) - texts.null_count
             return self._pa.array(numbers, self.kind)
 
-    def _kind_of(self, texts: Any) -> Any:
+    def _find_type(self, texts: Any) -> Any:
+        """Return the type of a column of texts: integers, floats or texts."""
         for kind in (self._pa.int64(), self._pa.float64()) if texts.null_count < len(texts) else ():
             try:
                 texts.cast(kind)
@@ -115,7 +116,8 @@ class Texts:
             return kind
         return self._pa.string()
 
-    def _number(self, cell: Any) -> Any:
+    def _cast_cell(self, cell: Any) -> Any:
+        """Return a text as a number, or None if it is not one."""
         try:
             return cell.cast(self.kind).as_py()
         except self._pa.ArrowInvalid:
@@ -158,10 +160,11 @@ class ArrowSink:
         columns = {name: arrays[name] for name in self._plan.names}
         if self._writer is None:
             # The first cells of other columns determine their types.
-            self._writer = self._opened(self._pa.schema([(name, column.type) for name, column in columns.items()]))
+            self._writer = self._open_writer(self._pa.schema([(name, column.type) for name, column in columns.items()]))
         self._writer.write(self._pa.RecordBatch.from_arrays([*columns.values()], schema=self._writer_schema))
 
-    def _opened(self, schema: Any) -> Any:
+    def _open_writer(self, schema: Any) -> Any:
+        """Return the writer of a file with these columns."""
         self._writer_schema = schema
         if not self._parquet:
             return self._pa.ipc.new_file(self._file, schema)
@@ -228,14 +231,14 @@ class CsvSink:
         columns: list[list[Any]] = []
         for name in self._plan.names:
             if name in self._plan.source_columns:
-                columns.append(_plain(other_columns[name]))
+                columns.append(_convert_to_plain(other_columns[name]))
             else:
                 hidden = None if self._plan.raw else table.hidden(name)
-                columns.append(_cells(name, table[name], hidden))
+                columns.append(_format_cells(name, table[name], hidden))
         self._rows(zip(*columns, strict=False))
 
 
-def _cells(name: str, column: Any, hidden: Any) -> list[Any]:
+def _format_cells(name: str, column: Any, hidden: Any) -> list[Any]:
     """Return the cells of a decoded column for CSV."""
     cells: list[Any] = column.tolist()
     if column.dtype.kind == "O":
@@ -266,9 +269,9 @@ class _ArrowFormatter:
         columns: list[Any] = []
         for name in self._plan.names:
             if name in self._plan.source_columns:
-                columns.append(self._source_column(other_columns[name]))
+                columns.append(self._convert_source(other_columns[name]))
             else:
-                columns.append(self._decoded_column(name, table))
+                columns.append(self._convert_decoded(name, table))
         output = self._pa.BufferOutputStream()
         names = [str(index) for index in range(len(columns))]
         try:
@@ -277,33 +280,37 @@ class _ArrowFormatter:
             return None
         return str(output.getvalue(), "utf-8")
 
-    def _decoded_column(self, name: str, table: Table) -> Any:
+    def _convert_decoded(self, name: str, table: Table) -> Any:
+        """Return a decoded column for CSV."""
         column, hidden = table[name], None if self._plan.raw else table.hidden(name)
         if name in WORDS:
             return self._pa.array(WORDS[name], self._pa.string()).take(self._pa.array(column))
         if column.dtype.kind in "bui":
             return self._pa.array(column, mask=hidden)
-        return self._texts(_cells(name, column, hidden))
+        return self._format_texts(_format_cells(name, column, hidden))
 
-    def _source_column(self, column: Any) -> Any:
+    def _convert_source(self, column: Any) -> Any:
+        """Return another column for CSV."""
         kinds, kind = self._pa.types, getattr(column, "type", None)
         if kind is not None and (kinds.is_integer(kind) or kinds.is_boolean(kind) or kinds.is_string(kind)):
             return column
-        return self._texts(_plain(column))
+        return self._format_texts(_convert_to_plain(column))
 
-    def _texts(self, cells: list[Any]) -> Any:
+    def _format_texts(self, cells: list[Any]) -> Any:
+        """Return cells as a column of texts."""
         return self._pa.array([str(cell) for cell in cells], self._pa.string())
 
 
-def _plain(column: Any) -> list[Any]:
+def _convert_to_plain(column: Any) -> list[Any]:
     """Return the cells of another column for CSV: text unchanged, other values in their plainest form."""
     if hasattr(column, "to_pylist"):
-        return [_plain_cell(cell) for cell in column.to_pylist()]
+        return [_convert_cell(cell) for cell in column.to_pylist()]
     cells: list[Any] = column.tolist() if hasattr(column, "tolist") else column
     return cells
 
 
-def _plain_cell(cell: Any) -> Any:
+def _convert_cell(cell: Any) -> Any:
+    """Return a cell for CSV: an empty text for None, and bytes in hexadecimal."""
     if cell is None:
         return ""
     if isinstance(cell, bool):
@@ -311,17 +318,19 @@ def _plain_cell(cell: Any) -> Any:
     return cell.hex() if isinstance(cell, bytes) else cell
 
 
-def _parquet(file: Any, plan: Plan) -> Sink:
+def _open_parquet(file: Any, plan: Plan) -> Sink:
+    """Return the sink for a Parquet file."""
     return ArrowSink(file, plan, parquet=True)
 
 
-def _arrow(file: Any, plan: Plan) -> Sink:
+def _open_arrow(file: Any, plan: Plan) -> Sink:
+    """Return the sink for an Arrow file."""
     return ArrowSink(file, plan, parquet=False)
 
 
 #: Writers by format.
 SINKS: Final[Mapping[TargetKind, Callable[[Any, Plan], Sink]]] = {
-    "parquet": _parquet,
-    "arrow": _arrow,
+    "parquet": _open_parquet,
+    "arrow": _open_arrow,
     "csv": CsvSink,
 }

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar, cast
 from ..codec import BitField
 from ..encoder import Encoder
 from ..reports import Report
-from .descriptions import any_shape, decoding_arguments, described, module_of, shape_of
+from .descriptions import any_shape, decoding_arguments, find_description, module_of, shape_of
 from .encoders import Encode, encoder_of_class
 
 if TYPE_CHECKING:
@@ -78,7 +78,7 @@ class Coded:
     def _arguments(self) -> tuple[Any, ...]:
         """Return the encoder and the answers: the first fields."""
         kind, values = cast(Any, type(self)), cast("tuple[Any, ...]", self)
-        return values[: len(described(kind)[1])]
+        return values[: len(find_description(kind)[1])]
 
     def _encoder(self) -> Encode:
         """Return the function that encodes such frames."""
@@ -95,6 +95,7 @@ class ForEncoder(Coded):
     __slots__ = ()
 
     def _encoder(self) -> Encode:
+        """Return the function that encodes such frames of the same encoder."""
         fields: Any = self
         try:
             encode: Encode = fields[0].__dict__["_encoders"][self.__class__]

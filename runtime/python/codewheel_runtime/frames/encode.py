@@ -35,7 +35,7 @@ def number_of(fields: Any, shape: Shape, arguments: tuple[Any, ...]) -> int:
     """
     number = shape.fixed
     for column in shape.columns:
-        number |= _bits(fields, column) << column.low
+        number |= _encode_field(fields, column) << column.low
     for check in shape.checks:
         bits = number >> check.low & (1 << check.width) - 1
         if not check.is_within(bits):
@@ -43,7 +43,7 @@ def number_of(fields: Any, shape: Shape, arguments: tuple[Any, ...]) -> int:
     if shape.others is not None:
         number |= check_bits("unused", fields.unused, shape.others)
     elif shape.unused:
-        number |= _unused_bits(fields.unused, shape.unused)
+        number |= _encode_unused_bits(fields.unused, shape.unused)
     if shape.limited is not None:
         check_limits(shape.limited[0], getattr(fields, shape.limited[1]), fields.limits(*arguments))
     if shape.gray is not None:
@@ -65,7 +65,7 @@ def _limit_error(shape: Shape, check: Check, bits: int) -> RangeError:
     return RangeError(field, bits, f"at most {check.limit}")
 
 
-def _unused_bits(differing: Any, places: tuple[Unused, ...]) -> int:
+def _encode_unused_bits(differing: Any, places: tuple[Unused, ...]) -> int:
     """Return the unused bits in a frame: as in the manual, inverted where ``differing`` is 1."""
     mask = sum((1 << unused.width) - 1 << unused.place for unused in places)
     differing_bits = check_bits("unused", differing, mask)
@@ -76,7 +76,7 @@ def _unused_bits(differing: Any, places: tuple[Unused, ...]) -> int:
     return number
 
 
-def _bits(fields: Any, column: Column) -> int:
+def _encode_field(fields: Any, column: Column) -> int:
     """Return the bits of a field. Raises RangeError if its value does not fit."""
     name, width = column.field or column.name, column.width
     if column.kind == "digits":
@@ -96,12 +96,12 @@ def _bits(fields: Any, column: Column) -> int:
         case "signed":
             return check_signed(name, value, width) & (1 << width) - 1
         case "number" | "choice":
-            return _number_bits(name, value, column)
+            return _encode_number(name, value, column)
         case _:
             assert_never(column.kind)
 
 
-def _number_bits(name: str, value: Any, column: Column) -> int:
+def _encode_number(name: str, value: Any, column: Column) -> int:
     """Return the bits of an unsigned number, which may be limited to certain values."""
     width = column.width
     if isinstance(column.values, type):

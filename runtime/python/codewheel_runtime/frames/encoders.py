@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple, cast
 
 from ..codec import make_crc_tables
 from ..encoder import Encoder
-from .descriptions import described, shape_of
+from .descriptions import find_description, shape_of
 from .encode import crc_of, number_of
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ _TABLE_WIDTH: Final = 8
 def encoder_of_class(frame: Any) -> Encode:
     """Return the function that encodes frames of the same class for the same encoder and the same answers."""
     kind = cast(type, frame.__class__)
-    needed = described(kind)[1]
+    needed = find_description(kind)[1]
     # The encoder is the same in all frames that the function encodes. The answers can differ.
     first, count = sum(issubclass(argument_type, Encoder) for argument_type in needed), len(needed)
     # Raises an error if a field is not an encoder or an answer.
@@ -36,6 +36,7 @@ def encoder_of_class(frame: Any) -> Encode:
     by_answers: dict[tuple[Any, ...], Encode] = {frame[first:count]: encode_first}
 
     def encode(frame: Any) -> Any:
+        """Encode a frame with the function for its answers."""
         answers = frame[first:count]
         try:
             encode_frame = by_answers[answers]
@@ -53,11 +54,12 @@ def make_encoder(kind: type, arguments: tuple[Any, ...]) -> Encode:
     shape = shape_of(kind, *arguments)
 
     def encode_any(frame: Any) -> int | bytes:
+        """Encode a frame with any values, and raise an error if one does not fit."""
         number = number_of(frame, shape, arguments)
         return number.to_bytes(shape.length, shape.order) if shape.length else number
 
     fields = cast("tuple[str, ...]", cast(Any, kind)._fields)
-    if shape.limited is not None or any(_usual_bits(column) is None for column in shape.columns):
+    if shape.limited is not None or any(_describe_usual_bits(column) is None for column in shape.columns):
         return encode_any
     source = _FunctionText(shape, fields)
     source.names["encode_any"] = encode_any
@@ -73,7 +75,7 @@ class _Bits(NamedTuple):
     bits: str
 
 
-def _usual_bits(column: Column) -> _Bits | None:
+def _describe_usual_bits(column: Column) -> _Bits | None:
     """Return the condition and the bits of a field, or None if ``number_of`` must handle it."""
     width = column.width
     if column.zero_means or column.power_of_two:
@@ -116,7 +118,8 @@ class _FunctionText:
         self._add_result(shape)
 
     def _add_column(self, column: Column) -> None:
-        usual = _usual_bits(column)
+        """Add the condition on a field, and its bits."""
+        usual = _describe_usual_bits(column)
         if usual is None:
             return
         name = self._fields[column.name]
@@ -127,6 +130,7 @@ class _FunctionText:
             self.names[f"kind_of_{name}"] = column.values
 
     def _add_unused(self, shape: Shape) -> None:
+        """Add the condition on unused bits, and their values in the manual."""
         if shape.others is None and not shape.unused:
             return
         name = self._fields["unused"]
@@ -138,6 +142,7 @@ class _FunctionText:
         self._terms += [f"{unused.value << unused.low:#x}" for unused in shape.unused if unused.value]
 
     def _add_limits(self, shape: Shape) -> None:
+        """Add the checks of the limits of fields."""
         for index, check in enumerate(shape.checks):
             if check.limit is not None:
                 self.names[f"is_within_{index}"] = check.is_within
@@ -156,7 +161,7 @@ class _FunctionText:
         if crc is None:
             result = "number"
         elif crc.low == 0 and crc.width <= _TABLE_WIDTH:
-            tables = _tables_of(crc, shape.bits)
+            tables = _make_tables(crc, shape.bits)
             self.names.update({f"table_{index}": table for index, table in enumerate(tables)})
             entries = [f"table_{index}[number >> {16 * index} & 0xFFFF]" for index in range(len(tables))]
             result = f"number ^ {' ^ '.join(entries)}"
@@ -180,7 +185,7 @@ class _FunctionText:
         return "\n".join([*lines, "    return encode_any(frame)"])
 
 
-def _tables_of(crc: CrcOf, bits: int) -> tuple[Any, ...]:
+def _make_tables(crc: CrcOf, bits: int) -> tuple[Any, ...]:
     """Return tables for 16 bits of a frame each. The XOR of their entries is the CRC."""
 
     def crc_of_number(covered: int, _: int) -> int:

@@ -55,20 +55,20 @@ def encode_many(columns: Mapping[str, Any] | Table, shape: Shape) -> Any:
     other_names: Iterable[str] = ()
     if isinstance(columns, Table):
         other_names, columns = columns.others, columns.columns
-    arrays = _arrays_of(columns, shape, other_names)
+    arrays = _read_arrays(columns, shape, other_names)
     # All arrays have the same length.
     count = max(map(len, arrays.values()), default=0)
     frames = np.empty((count, shape.length), np.uint8) if shape.length else np.empty(count, np.uint64)
     for start in range(0, count, CHUNK):
         rows = slice(start, start + CHUNK)
         first_error = FirstError()
-        limbs = _encoded({name: column[rows] for name, column in arrays.items()}, shape, first_error)
+        limbs = _encode_rows({name: column[rows] for name, column in arrays.items()}, shape, first_error)
         first_error.raise_first(start)
-        frames[rows] = _rows(limbs, shape) if shape.length else limbs[0]
+        frames[rows] = _convert_to_rows(limbs, shape) if shape.length else limbs[0]
     return frames
 
 
-def _arrays_of(columns: Mapping[str, Any], shape: Shape, other_names: Iterable[str]) -> dict[str, Any]:
+def _read_arrays(columns: Mapping[str, Any], shape: Shape, other_names: Iterable[str]) -> dict[str, Any]:
     """Return the required columns as arrays of equal length. A single value applies to all rows."""
     if not hasattr(columns, "keys"):
         raise TypeError(f"columns must be a mapping of names to arrays, got {type(columns).__name__}")
@@ -126,7 +126,7 @@ def names_of(column: Column) -> tuple[str, ...]:
     return tuple(name for name, _, _ in column.runs) or (column.name,)
 
 
-def _encoded(arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> list[Any]:
+def _encode_rows(arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> list[Any]:
     """Return the frames as numbers, in 64-bit limbs."""
     count = len(next(iter(arrays.values())))
     limbs = [np.full(count, shape.fixed >> low & (1 << 64) - 1, np.uint64) for low in range(0, shape.bits, 64)]
@@ -134,7 +134,7 @@ def _encoded(arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -
         first_error.add(arrays["fault"] != 0, "fault", arrays["fault"], "0 (a frame with an error has no values)")
     for column in shape.columns:
         if all(name in arrays for name in names_of(column)):
-            for low, width, bits in _bits(arrays, column, first_error):
+            for low, width, bits in _encode_field(arrays, column, first_error):
                 _insert(limbs, low, width, bits)
         elif column.kind == "not_flag":
             _insert(limbs, column.low, column.width, np.ones(count, np.uint64))
@@ -156,7 +156,7 @@ def _insert(limbs: list[Any], low: int, width: int, bits: Any) -> None:
         limbs[at + 1] |= bits >> np.uint64(64 - shift)
 
 
-def _bits(arrays: Mapping[str, Any], column: Column, first_error: FirstError) -> Iterator[tuple[int, int, Any]]:
+def _encode_field(arrays: Mapping[str, Any], column: Column, first_error: FirstError) -> Iterator[tuple[int, int, Any]]:
     """Yield the pieces of a field: lowest bit, width and bits."""
     values = arrays[names_of(column)[0]]
     match column.kind:
@@ -169,11 +169,11 @@ def _bits(arrays: Mapping[str, Any], column: Column, first_error: FirstError) ->
         case "digits":
             number = np.zeros(len(values), np.uint64)
             for name, divisor, modulus in column.runs:
-                digits = _unsigned(arrays[name], first_error, name, modulus - 1)
+                digits = _check_unsigned(arrays[name], first_error, name, modulus - 1)
                 number += digits * np.uint64(divisor)
-            yield column.low, column.width, _fitting(number, column.width, number, first_error, column.name)
+            yield column.low, column.width, _check_fit(number, column.width, number, first_error, column.name)
         case "text":
-            yield from _text(values, column, first_error)
+            yield from _encode_text(values, column, first_error)
         case "signed":
             top = 1 << column.width >> 1
             high = max(top, 1) - 1
@@ -183,12 +183,12 @@ def _bits(arrays: Mapping[str, Any], column: Column, first_error: FirstError) ->
             first_error.add(is_wrong, column.name, values, f"{-top} to {top - 1}")
             yield column.low, column.width, values.astype(np.int64).view(np.uint64) & np.uint64((1 << column.width) - 1)
         case "number" | "choice":
-            yield column.low, column.width, _number(values, column, first_error)
+            yield column.low, column.width, _encode_number(values, column, first_error)
         case _:
             assert_never(column.kind)
 
 
-def _number(values: Any, column: Column, first_error: FirstError) -> Any:
+def _encode_number(values: Any, column: Column, first_error: FirstError) -> Any:
     """Return the bits of an unsigned number."""
     if column.power_of_two:
         is_wrong = (values < 1) | (values & (values - values.dtype.type(1)) != 0)
@@ -196,10 +196,10 @@ def _number(values: Any, column: Column, first_error: FirstError) -> Any:
     if column.zero_means:
         first_error.add(values == 0, column.name, values, f"1 to {column.zero_means}")
         values = np.where(values == column.zero_means, values.dtype.type(0), values)
-    return _unsigned(values, first_error, column.name, (1 << column.width) - 1)
+    return _check_unsigned(values, first_error, column.name, (1 << column.width) - 1)
 
 
-def _unsigned(values: Any, first_error: FirstError, name: str, highest: int) -> Any:
+def _check_unsigned(values: Any, first_error: FirstError, name: str, highest: int) -> Any:
     """Return numbers that are at most ``highest`` as unsigned 64-bit numbers."""
     is_wrong = values < 0 if values.dtype.kind == "i" else np.zeros(len(values), bool)
     bits = values.astype(np.uint64)
@@ -209,14 +209,14 @@ def _unsigned(values: Any, first_error: FirstError, name: str, highest: int) -> 
     return bits
 
 
-def _fitting(bits: Any, width: int, values: Any, first_error: FirstError, name: str) -> Any:
+def _check_fit(bits: Any, width: int, values: Any, first_error: FirstError, name: str) -> Any:
     """Return bits after a check that they fit into ``width`` bits."""
     if width < 64:
         first_error.add(bits >> np.uint64(width) != 0, name, values, f"0 to {(1 << width) - 1}")
     return bits
 
 
-def _text(values: Any, column: Column, first_error: FirstError) -> Iterator[tuple[int, int, Any]]:
+def _encode_text(values: Any, column: Column, first_error: FirstError) -> Iterator[tuple[int, int, Any]]:
     """Yield the characters of a string, the first one most significant. Trailing NUL characters may be omitted."""
     length = column.width // 8
     kind = np.dtype(np.uint8 if values.dtype.kind == "S" else np.uint32)
@@ -235,7 +235,7 @@ def _insert_join(
 ) -> None:
     """Insert the fields of a joined number. Fields that are also given separately must agree with it."""
     width = width_of(shape, join)
-    whole = _unsigned(arrays[join.name], first_error, join.name, (1 << width) - 1)
+    whole = _check_unsigned(arrays[join.name], first_error, join.name, (1 << width) - 1)
     by_name = {column.name: column for column in shape.columns}
     for name, place in join.fields:
         column = by_name[name]
@@ -300,7 +300,7 @@ def _finish(limbs: list[Any], shape: Shape) -> None:
         _insert(limbs, shape.crc.low, shape.crc.width, crc_bits)
 
 
-def _rows(limbs: list[Any], shape: Shape) -> Any:
+def _convert_to_rows(limbs: list[Any], shape: Shape) -> Any:
     """Return the bytes of each frame in the order in which they are sent."""
     rows = np.stack([limb.astype("<u8").view(np.uint8).reshape(-1, 8) for limb in limbs], 1)
     rows = rows.reshape(len(limbs[0]), -1)[:, : shape.length]

@@ -198,7 +198,7 @@ def column_types(shape: Shape) -> dict[str, str]:
     types: dict[str, str] = {}
     for column in shape.columns:
         if column.name not in late:
-            types |= _types_of(column)
+            types |= _choose_types(column)
     for join in shape.joins:
         types[join.name] = "u8" if width_of(shape, join) == 64 else "i8"
     if shape.unused:
@@ -208,7 +208,7 @@ def column_types(shape: Shape) -> dict[str, str]:
     return types
 
 
-def _types_of(column: Column) -> dict[str, str]:
+def _choose_types(column: Column) -> dict[str, str]:
     """Return the NumPy types of the columns that a field becomes."""
     match column.kind:
         case "digits":
@@ -316,7 +316,7 @@ def quick_checks(shape: Shape) -> QuickChecks:
         if check.parity_of and shape.gray is not None:  # It is the parity of the bits before the conversion.
             remaining.append(check)
             continue
-        places = _bytes_of(check)
+        places = _split_into_bytes(check)
         fitting_values = [value for value in check.values if not value >> check.width]
         if len(places) == 1:
             by_byte.setdefault(places.pop(), []).append(check)
@@ -327,7 +327,7 @@ def quick_checks(shape: Shape) -> QuickChecks:
             remaining.append(check)
     byte_values: list[tuple[int, tuple[int, ...]]] = []
     for place, checks in by_byte.items():
-        allowed = [byte for byte in range(256) if _all_hold(byte << 8 * place, checks)]
+        allowed = [byte for byte in range(256) if _are_all_met(byte << 8 * place, checks)]
         constant_bits = 255
         for byte in allowed:
             constant_bits &= ~(byte ^ allowed[0])
@@ -343,7 +343,7 @@ def quick_checks(shape: Shape) -> QuickChecks:
     return QuickChecks(fixed=fixed, bytes=tuple(byte_values), remaining=tuple(remaining))
 
 
-def _bytes_of(check: Check) -> set[int]:
+def _split_into_bytes(check: Check) -> set[int]:
     """Return the indices of the bytes that a check looks at."""
     places: set[int] = set()
     for low, width in ((check.low, check.width), *check.parity_of):
@@ -351,7 +351,7 @@ def _bytes_of(check: Check) -> set[int]:
     return places
 
 
-def _all_hold(number: int, checks: list[Check]) -> bool:
+def _are_all_met(number: int, checks: list[Check]) -> bool:
     return all(holds(number, check) for check in checks)
 
 

@@ -23,7 +23,7 @@ from .inputs import FileKind, Source, Stored
 from .layouts import Layout, layout_of, layouts_of, shape_for
 from .partitions import PartitionDecoder, check_apart
 from .sinks import SINKS, Plan, Sink, TargetKind, target_kind
-from .sources import opened
+from .sources import open_source
 
 np: Any = load("numpy")
 
@@ -70,15 +70,15 @@ class Summary(NamedTuple):
     def __str__(self) -> str:
         valid = self.frames - sum(self.faults.values())
         verdicts = ", ".join(f"{count} {kind.value.replace('_', ' ')}" for kind, count in self.verdicts.items())
-        parts = [counted(self.frames, "frame"), f"{valid} valid" + (f" ({verdicts})" if verdicts else "")]
+        parts = [count_units(self.frames, "frame"), f"{valid} valid" + (f" ({verdicts})" if verdicts else "")]
         for kind, count in self.faults.items():
             parts.append(f"{count} with a {'CRC' if kind is ErrorKind.CRC else kind.name.lower()} error")
         if self.lost:
-            parts.append(f"{counted(self.lost, 'cell')} of other columns left empty")
+            parts.append(f"{count_units(self.lost, 'cell')} of other columns left empty")
         return ", ".join(parts)
 
 
-def counted(count: int, word: str) -> str:
+def count_units(count: int, word: str) -> str:
     """Return a number followed by its noun."""
     return f"{count} {word}{'' if count == 1 else 's'}"
 
@@ -150,7 +150,7 @@ class Files(NamedTuple):
             UsageError: The arguments are wrong or incompatible with each other.
             OSError: A file cannot be read or written.
         """
-        encoder = self._encoder(encoder)
+        encoder = self._find_encoder(encoder)
         shape = shape_for(encoder, layout, answers)
         output = Output(os.fspath(target), target_format(target, to), columns, raw, force, si)
         wanted = (*columns, "time") if si and columns else columns
@@ -194,11 +194,12 @@ class Files(NamedTuple):
             TypeError: ``part`` is not a partition of a supported type.
             UsageError: The arguments are wrong or incompatible with each other.
         """
-        encoder = self._encoder(encoder)
+        encoder = self._find_encoder(encoder)
         decoder = PartitionDecoder(encoder, shape_for(encoder, layout, answers), column, digits, raw)
         return cast(_Part, decoder.decode(part))
 
-    def _encoder(self, encoder: Encoder | str) -> Encoder:
+    def _find_encoder(self, encoder: Encoder | str) -> Encoder:
+        """Return the encoder for a label. An encoder is returned unchanged."""
         if isinstance(encoder, Encoder):
             return encoder
         variant: Encoder = import_module(self.package).lookup(encoder)
@@ -242,6 +243,7 @@ def _decode_file(
     limit: int | None,
     progress: Callable[[int, int | None, int], None] | None,
 ) -> Summary:
+    """Decode a file into a file of columns, part by part."""
     empty = decode_many([], shape, encoder)
     derived = Derived("time", source) if output.si else None
     fields = empty if derived is None else derived.check(empty.with_columns(time=np.zeros(0)))
@@ -250,8 +252,8 @@ def _decode_file(
         return float(decode_many(frames, shape, encoder).ok.mean())
 
     with (
-        opened(source, stored, shape, share) as read,
-        written(output.target, [source], output.force) as file,
+        open_source(source, stored, shape, share) as read,
+        open_for_writing(output.target, [source], output.force) as file,
     ):
         if derived is not None:
             if "time" not in read.empty_columns:
@@ -259,10 +261,10 @@ def _decode_file(
             check_apart(read.empty_columns, [name for name in fields.others if name != "time"], source)
         plan = plan_of(fields, read, output.columns, source, output.raw)
         with SINKS[output.kind](file, plan) as sink:
-            return decoded(read, shape, encoder, sink, limit, progress, derived)
+            return decode_parts(read, shape, encoder, sink, limit, progress, derived)
 
 
-def decoded(
+def decode_parts(
     read: Source,
     shape: Shape,
     encoder: FrameSource | None,
@@ -361,7 +363,7 @@ def plan_of(empty: Table, read: Source, columns: Sequence[str], source: str, raw
 
 
 @contextmanager
-def written(target: str, sources: Iterable[str | os.PathLike[str]], force: bool) -> Generator[Any, None, None]:
+def open_for_writing(target: str, sources: Iterable[str | os.PathLike[str]], force: bool) -> Generator[Any, None, None]:
     """Open a temporary file. It is renamed to ``target`` when complete, and removed after an error."""
     if target == "-":
         yield None
