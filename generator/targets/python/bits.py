@@ -122,6 +122,9 @@ class Reader:
 
     def exclusive_or(self, parts: Sequence[Bits], counted: int) -> Expr:
         """Return the XOR of these fields. Its parity is that of all their bits, or of those in the mask ``counted``."""
+        if not counted and self.codec.by_word and all(bits.are_fixed for bits in parts):
+            # The parity of the XOR of several fields is that of all their bits.
+            return Operation(Atom(self.source), "&", mask(sum(mask_in_place(bits) for bits in parts)))
         difference = joined("^", [self.bits(bits) for bits in parts])
         return Operation(difference, "&", mask(counted)) if counted else difference
 
@@ -177,6 +180,11 @@ class Reader:
         if self.codec.by_word or len(places) < len(bits.pieces) or not _are_ascending(places):
             return ""
         return f"data[{places[0]}:{places[-1] + 1}]"
+
+
+def mask_in_place(bits: Bits) -> int:
+    """Return the mask of bits whose position does not depend on the order code."""
+    return ((1 << bits.width.constant) - 1) << bits.low.constant
 
 
 def place_in_bytes(pieces: Sequence[Piece]) -> str:

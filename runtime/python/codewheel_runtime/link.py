@@ -24,7 +24,7 @@ from .link_errors import (
     WrongEncoderError,
 )
 from .reports import Interface
-from .session import Session, Statistics, Work, rs485_facts
+from .session import Session, Statistics, Work, load_rs485_facts
 from .steps import Step
 
 __all__ = [
@@ -303,7 +303,7 @@ def serial_transport(port: str, encoder: Encoder, *, rs485: bool = False) -> Ser
     Raises:
         PortError: The port cannot be opened, or pyserial is not installed.
     """
-    port_facts = rs485_facts(encoder).port
+    port_facts = load_rs485_facts(encoder).port
     return SerialTransport(port, port_facts.baud, rs485=rs485, parity=port_facts.parity, stop_bits=port_facts.stop_bits)
 
 

@@ -210,7 +210,7 @@ class OrderCode(NamedTuple):
                 names.append(part.name)
         listed = " and ".join(f"{name} '{part_texts[name]}'" for name in names) or "its parts"
         first_name = names[0] if names else ""
-        return OrderCodeError(text, first_name, f"has {listed}, which cannot be combined", nearest(codes, text))
+        return OrderCodeError(text, first_name, f"has {listed}, which cannot be combined", find_nearest(codes, text))
 
     def _make_expression(self, any_for: str = "") -> str:
         """Return a regular expression for the whole code, with any text allowed for the part ``any_for``."""
@@ -241,8 +241,8 @@ class OrderCode(NamedTuple):
             _, part, part_text = min(candidates, key=lambda candidate: (candidate[0], candidate[2] != ""))
             problem = f"has {part.name} '{part_text}'" if part_text else f"has no {part.name}"
             valid = ", ".join(value.text for value in part.values)
-            return OrderCodeError(text, part.name, f"{problem}; valid values: {valid}", nearest(codes, text))
-        return OrderCodeError(text, "", f"is not an order code of {family}", nearest(codes, text))
+            return OrderCodeError(text, part.name, f"{problem}; valid values: {valid}", find_nearest(codes, text))
+        return OrderCodeError(text, "", f"is not an order code of {family}", find_nearest(codes, text))
 
 
 def check_label(label: str) -> str:
@@ -260,7 +260,7 @@ def check_label(label: str) -> str:
     return _remove_blanks(label).upper()
 
 
-def nearest(codes: Iterable[str], text: str) -> tuple[str, ...]:
+def find_nearest(codes: Iterable[str], text: str) -> tuple[str, ...]:
     """Return the three codes most similar to ``text``, or to the part of it before a tail."""
     from difflib import SequenceMatcher
 

@@ -37,7 +37,7 @@ from .bulk.shape import Shape, holds
 from .encoder import Encoder, Exchanged, Frame, PositionFrame
 from .errors import FrameError, InterfaceError
 from .frames.decoders import cached_decoder, raise_error
-from .frames.descriptions import any_shape
+from .frames.descriptions import find_any_shape
 from .link_errors import (
     BusyError,
     DisturbedError,
@@ -48,7 +48,7 @@ from .link_errors import (
     SecondDeviceError,
     WrongEncoderError,
 )
-from .replies import FoundReply, PendingRequest, ReplyKind, error_in, find_reply, split_replies, xor_of
+from .replies import FoundReply, PendingRequest, ReplyKind, compute_xor, find_error, find_reply, split_replies
 from .reports import Interface
 from .running import StepError
 from .steps import Send, Step, Wait
@@ -66,7 +66,7 @@ __all__ = [
     "Statistics",
     "Work",
     "WrongEncoderError",
-    "rs485_facts",
+    "load_rs485_facts",
 ]
 
 _Result = TypeVar("_Result")
@@ -172,7 +172,7 @@ class Session:
             raise ValueError(f"settle_s must be at least 0, got {settle_s}")
         if settle_s == 0 and len(self._capture_controls) < _KINDS:
             raise ValueError(f"settle_s must be more than 0, because {encoder.code} has too few kinds of requests")
-        port = rs485_facts(encoder).port
+        port = load_rs485_facts(encoder).port
         bits_per_byte = 1 + port.data_bits + (port.parity != "none") + port.stop_bits
         self._byte_s = bits_per_byte / port.baud
         #: First byte of the last request, if it failed.
@@ -239,7 +239,7 @@ class Session:
     def _find_difference(self, pending: PendingRequest, frame: Frame) -> str:
         """Return how a reply differs from the values of its request, such as an address, or an empty string."""
         fields = getattr(pending.request, "_fields", ())
-        joins = any_shape(pending.request.__class__, self.encoder).joins if fields else ()
+        joins = find_any_shape(pending.request.__class__, self.encoder).joins if fields else ()
         for name in (*fields, *(join.name for join in joins)):
             reply_value, sent_value = getattr(frame, name, None), getattr(pending.request, name)
             if name not in pending.answers and reply_value is not None and reply_value != sent_value:
@@ -494,16 +494,16 @@ class Session:
             text = f"incomplete reply to {request_text}: {len(received)} of {pending.kind.length} bytes, {bytes_text}"
             return DisturbedError(text, received)
         reply = received[-pending.kind.length :]
-        differs = self._find_difference(pending, pending.decode(reply)) if error_in(reply, pending) is None else ""
+        differs = self._find_difference(pending, pending.decode(reply)) if find_error(reply, pending) is None else ""
         return DisturbedError(differs or f"no valid reply to {request_text} in {bytes_text}", received)
 
     def _find_sign_of_other_encoder(self, received: bytes, pending: PendingRequest) -> str:
         """Return why the bytes look like a reply from another kind of encoder, or an empty string."""
-        if received[0] != pending.kind.control or len(received) < 3 or xor_of(received):
+        if received[0] != pending.kind.control or len(received) < 3 or compute_xor(received):
             return ""
         if len(received) != pending.kind.length:
             return f"it has a valid CRC, but {len(received)} bytes instead of {pending.kind.length}"
-        return str(error_in(received, pending))
+        return str(find_error(received, pending))
 
     def _make_pending(self, request: Any) -> PendingRequest:
         """Return a request: bytes, an object of the encoder's module, or a member of its ``DataId``."""
@@ -538,7 +538,7 @@ class Session:
             name = exchange.request.__name__
             if exchange.reply is None:
                 raise LinkError(f"{self.encoder.code} does not answer {name}: send its bytes with 'send'")
-            shape, data = any_shape(exchange.reply, self.encoder), request.encode()
+            shape, data = find_any_shape(exchange.reply, self.encoder), request.encode()
             kind = ReplyKind(
                 name=name,
                 control=data[0],
@@ -569,9 +569,9 @@ def _find_request_kinds(encoder: Encoder) -> dict[int, ReplyKind]:
     """Return the requests of an encoder by their first byte."""
     module: Any = import_module(type(encoder).__module__)
     reply_classes = get_args(module.Reply) or (module.Reply,)
-    replies = [(reply_class, any_shape(reply_class, encoder)) for reply_class in reply_classes]
+    replies = [(reply_class, find_any_shape(reply_class, encoder)) for reply_class in reply_classes]
     kinds: dict[int, ReplyKind] = {}
-    for data_id in rs485_facts(encoder).data_ids:
+    for data_id in load_rs485_facts(encoder).data_ids:
         # Of several classes of replies, the first one that may begin with this byte is the reply.
         fitting_replies = [(reply_class, shape) for reply_class, shape in replies if _may_begin(shape, data_id)]
         if not fitting_replies:
@@ -601,7 +601,7 @@ def _may_begin(shape: Shape, data_id: Any) -> bool:
     return True
 
 
-def rs485_facts(encoder: Encoder) -> Any:
+def load_rs485_facts(encoder: Encoder) -> Any:
     """Return the facts about the RS-485 interface of an encoder."""
     return import_module(type(encoder).__module__).RS485
 

@@ -10,7 +10,17 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Final
 
-from codewheel_runtime.bulk.shape import Column, CrcOf, Fold, Join, Shape, Speaks, Tells, Unused, compare_bits
+from codewheel_runtime.bulk.shape import (
+    Column,
+    CrcOf,
+    Fold,
+    Join,
+    ReportCause,
+    Shape,
+    Unused,
+    VerdictCause,
+    compare_bits,
+)
 from codewheel_runtime.codec import BitField
 from codewheel_runtime.reports import Verdict
 from ..am36 import (
@@ -38,13 +48,14 @@ from ..am36 import (
 
 @lru_cache(maxsize=None)
 def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
-    """Return the shape of ``SsiWord``."""
+    """Return the description of ``SsiWord`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=variant.singleturn_bits + variant.multiturn_bits,
         columns=(
             Column("multiturn", low=variant.singleturn_bits, width=variant.multiturn_bits),
             Column("singleturn", low=0, width=variant.singleturn_bits),
         ),
+        # Numbers that consist of several fields, each with its lowest bit in the number.
         joins=(
             Join("position", fields=(("singleturn", 0), ("multiturn", variant.singleturn_bits))),
         ),
@@ -52,35 +63,41 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
             BitField("multiturn", low=variant.singleturn_bits, width=variant.multiturn_bits),
             BitField("singleturn", low=0, width=variant.singleturn_bits),
         ),
+        # Lowest bit and width of the number in Gray code.
         gray=(0, variant.multiturn_bits + variant.singleturn_bits) if variant.ssi_gray else None,
         excess=0,
         position="position",
-        otherwise=Verdict.UNKNOWN,
+        # Verdict while these conditions are false.
+        default_verdict=Verdict.UNKNOWN,
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
-    """Return the shape of ``SingleCycleData``."""
+    """Return the description of ``SingleCycleData`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=variant.used_singleturn_bits + variant.used_multiturn_bits + 8,
         columns=(
             Column("multiturn", low=variant.used_singleturn_bits + 8, width=variant.used_multiturn_bits),
             Column("singleturn", low=8, width=variant.used_singleturn_bits),
         ),
+        # Numbers that consist of several fields, each with its lowest bit in the number.
         joins=(
             Join("position", fields=(("singleturn", 0), ("multiturn", variant.used_singleturn_bits))),
         ),
+        # Bits that the manual leaves unused. A bit that differs is 1 in the column, from bit `place` on.
         unused=(
             Unused(low=6, width=1, value=1, place=0),
             Unused(low=7, width=1, value=1, place=1),
         ),
-        speaks=(
-            Speaks(Verdict.NOT_USABLE, mask=2),
+        # Conditions of each verdict, the most severe first.
+        verdict_causes=(
+            VerdictCause(Verdict.NOT_USABLE, mask=2),
         ),
-        tells=(
-            Tells("warning", mask=1),
-            Tells("error", mask=2),
+        # Conditions of each report.
+        report_causes=(
+            ReportCause("warning", mask=1),
+            ReportCause("error", mask=2),
         ),
         fields=(
             BitField("multiturn", low=variant.used_singleturn_bits + 8, width=variant.used_multiturn_bits),
@@ -89,6 +106,7 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
             BitField("warning", low=6, width=1),
             BitField("crc", low=0, width=6),
         ),
+        # The steps fold the bits that the CRC covers, which computes it for many frames at once.
         crc=CrcOf(
             low=0,
             width=6,
@@ -105,16 +123,18 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
                 Fold(shift=6, mask=0x3F, back=1),
             ),
         ),
+        # Lowest bit and width of the number in Gray code.
         gray=(8, variant.used_multiturn_bits + variant.used_singleturn_bits) if variant.biss_gray else None,
         excess=0,
         position="position",
-        otherwise=Verdict.UNKNOWN,
+        # Verdict while these conditions are false.
+        default_verdict=Verdict.UNKNOWN,
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_profile_id() -> Shape:
-    """Return the shape of ``ProfileId``."""
+    """Return the description of ``ProfileId`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,
@@ -130,7 +150,7 @@ def shape_of_register_profile_id() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_serial_number() -> Shape:
-    """Return the shape of ``SerialNumber``."""
+    """Return the description of ``SerialNumber`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
@@ -150,7 +170,7 @@ def shape_of_register_serial_number() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_configuration() -> Shape:
-    """Return the shape of ``Configuration``."""
+    """Return the description of ``Configuration`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -173,7 +193,7 @@ def shape_of_register_configuration() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_information_per_revolution() -> Shape:
-    """Return the shape of ``InformationPerRevolution``."""
+    """Return the description of ``InformationPerRevolution`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=24,
         length=3,
@@ -190,7 +210,7 @@ def shape_of_register_information_per_revolution() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_number_of_revolutions() -> Shape:
-    """Return the shape of ``NumberOfRevolutions``."""
+    """Return the description of ``NumberOfRevolutions`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,
@@ -207,7 +227,7 @@ def shape_of_register_number_of_revolutions() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_preset(variant: BissEncoder) -> Shape:
-    """Return the shape of ``Preset``."""
+    """Return the description of ``Preset`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=40,
         length=5,
@@ -226,7 +246,7 @@ def shape_of_register_preset(variant: BissEncoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_device_type() -> Shape:
-    """Return the shape of ``DeviceType``."""
+    """Return the description of ``DeviceType`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -242,7 +262,7 @@ def shape_of_register_device_type() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_singleturn_bits_used() -> Shape:
-    """Return the shape of ``SingleturnBitsUsed``."""
+    """Return the description of ``SingleturnBitsUsed`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -258,7 +278,7 @@ def shape_of_register_singleturn_bits_used() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_multiturn_bits_used() -> Shape:
-    """Return the shape of ``MultiturnBitsUsed``."""
+    """Return the description of ``MultiturnBitsUsed`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -274,7 +294,7 @@ def shape_of_register_multiturn_bits_used() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_device_id() -> Shape:
-    """Return the shape of ``DeviceId``."""
+    """Return the description of ``DeviceId`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=48,
         length=6,
@@ -296,7 +316,7 @@ def shape_of_register_device_id() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_manufacturer_id() -> Shape:
-    """Return the shape of ``ManufacturerId``."""
+    """Return the description of ``ManufacturerId`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,

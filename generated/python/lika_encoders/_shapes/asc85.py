@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Final
 
-from codewheel_runtime.bulk.shape import Check, Column, CrcOf, Fold, Shape, Speaks, Tells, compare_bits
+from codewheel_runtime.bulk.shape import Check, Column, CrcOf, Fold, ReportCause, Shape, VerdictCause, compare_bits
 from codewheel_runtime.codec import BitField
 from codewheel_runtime.errors import ErrorKind
 from codewheel_runtime.reports import Verdict
@@ -34,7 +34,7 @@ from ..asc85 import (
 
 @lru_cache(maxsize=None)
 def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
-    """Return the shape of ``SsiWord``."""
+    """Return the description of ``SsiWord`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=variant.position_bits,
         columns=(
@@ -43,16 +43,18 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
         fields=(
             BitField("position", low=0, width=variant.position_bits),
         ),
+        # Lowest bit and width of the number in Gray code.
         gray=(0, variant.position_bits) if variant.ssi_gray else None,
         excess=0,
         position="position",
-        otherwise=Verdict.UNKNOWN,
+        # Verdict while these conditions are false.
+        default_verdict=Verdict.UNKNOWN,
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_single_cycle_data(variant: BissEncoder, zero_bit: ZeroBit) -> Shape:
-    """Return the shape of ``SingleCycleData``."""
+    """Return the description of ``SingleCycleData`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=zero_bit.zero_bits + variant.position_bits + 8,
         columns=(
@@ -60,16 +62,19 @@ def shape_of_single_cycle_data(variant: BissEncoder, zero_bit: ZeroBit) -> Shape
             Column("error", low=7, width=1, kind="not_flag"),
             Column("warning", low=6, width=1, kind="not_flag"),
         ),
+        # Constants, parity bits and limits.
         checks=(
             Check(low=8, width=zero_bit.zero_bits, fault=ErrorKind.CONSTANT, values=(0,)),
         ),
-        speaks=(
-            Speaks(Verdict.NOT_USABLE, flag="error"),
-            Speaks(Verdict.USABLE_WITH_WARNING, flag="warning"),
+        # Conditions of each verdict, the most severe first.
+        verdict_causes=(
+            VerdictCause(Verdict.NOT_USABLE, flag="error"),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, flag="warning"),
         ),
-        tells=(
-            Tells("error", flag="error"),
-            Tells("warning", flag="warning"),
+        # Conditions of each report.
+        report_causes=(
+            ReportCause("error", flag="error"),
+            ReportCause("warning", flag="warning"),
         ),
         fields=(
             BitField("position", low=zero_bit.zero_bits + 8, width=variant.position_bits),
@@ -78,6 +83,7 @@ def shape_of_single_cycle_data(variant: BissEncoder, zero_bit: ZeroBit) -> Shape
             BitField("warning", low=6, width=1),
             BitField("crc", low=0, width=6),
         ),
+        # The steps fold the bits that the CRC covers, which computes it for many frames at once.
         crc=CrcOf(
             low=0,
             width=6,
@@ -91,13 +97,14 @@ def shape_of_single_cycle_data(variant: BissEncoder, zero_bit: ZeroBit) -> Shape
             ),
         ),
         position="position",
-        otherwise=Verdict.USABLE,
+        # Verdict while these conditions are false.
+        default_verdict=Verdict.USABLE,
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_profile_id() -> Shape:
-    """Return the shape of ``ProfileId``."""
+    """Return the description of ``ProfileId`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,
@@ -115,7 +122,7 @@ def shape_of_register_profile_id() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_serial_number() -> Shape:
-    """Return the shape of ``SerialNumber``."""
+    """Return the description of ``SerialNumber`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
@@ -131,7 +138,7 @@ def shape_of_register_serial_number() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_diagnostic_data() -> Shape:
-    """Return the shape of ``DiagnosticData``."""
+    """Return the description of ``DiagnosticData`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -161,7 +168,7 @@ def shape_of_register_diagnostic_data() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_status() -> Shape:
-    """Return the shape of ``Status``."""
+    """Return the description of ``Status`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -191,7 +198,7 @@ def shape_of_register_status() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_position(variant: BissEncoder) -> Shape:
-    """Return the shape of ``Position``."""
+    """Return the description of ``Position`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
@@ -203,13 +210,14 @@ def shape_of_register_position(variant: BissEncoder) -> Shape:
             BitField("position", low=32 - variant.position_bits, width=variant.position_bits),
         ),
         position="position",
-        others=0xFFFFFFFF & ~(((1 << variant.position_bits) - 1) << (32 - variant.position_bits)),
+        # All other bits, which are kept.
+        kept_mask=0xFFFFFFFF & ~(((1 << variant.position_bits) - 1) << (32 - variant.position_bits)),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_error_register() -> Shape:
-    """Return the shape of ``ErrorRegister``."""
+    """Return the description of ``ErrorRegister`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -230,13 +238,14 @@ def shape_of_register_error_register() -> Shape:
             BitField("signal_error", low=1, width=1),
             BitField("control_error", low=0, width=1),
         ),
-        others=0x84,
+        # All other bits, which are kept.
+        kept_mask=0x84,
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_device_id() -> Shape:
-    """Return the shape of ``DeviceId``."""
+    """Return the description of ``DeviceId`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=48,
         length=6,
@@ -254,7 +263,7 @@ def shape_of_register_device_id() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_manufacturer_id() -> Shape:
-    """Return the shape of ``ManufacturerId``."""
+    """Return the description of ``ManufacturerId`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,

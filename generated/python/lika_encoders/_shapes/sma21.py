@@ -13,10 +13,10 @@ from codewheel_runtime.bulk.shape import (
     Column,
     CrcOf,
     Fold,
+    ReportCause,
     Shape,
-    Speaks,
-    Tells,
     Unused,
+    VerdictCause,
     compare_bits,
     compare_bytes,
 )
@@ -54,33 +54,37 @@ from ..sma21 import (
 
 @lru_cache(maxsize=None)
 def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
-    """Return the shape of ``SsiWord``."""
+    """Return the description of ``SsiWord`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=variant.position_bits + 1,
         columns=(
             Column("position", low=1, width=variant.position_bits),
             Column("error", low=0, width=1, kind="not_flag"),
         ),
-        speaks=(
-            Speaks(Verdict.NOT_USABLE, flag="error"),
+        # Conditions of each verdict, the most severe first.
+        verdict_causes=(
+            VerdictCause(Verdict.NOT_USABLE, flag="error"),
         ),
-        tells=(
-            Tells("error", flag="error"),
+        # Conditions of each report.
+        report_causes=(
+            ReportCause("error", flag="error"),
         ),
         fields=(
             BitField("position", low=1, width=variant.position_bits),
             BitField("error", low=0, width=1),
         ),
+        # Lowest bit and width of the number in Gray code.
         gray=(1, variant.position_bits) if variant.ssi_gray else None,
         excess=0,
         position="position",
-        otherwise=Verdict.USABLE,
+        # Verdict while these conditions are false.
+        default_verdict=Verdict.USABLE,
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
-    """Return the shape of ``SingleCycleData``."""
+    """Return the description of ``SingleCycleData`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=variant.position_bits + variant.scd_padding_bits + 8,
         columns=(
@@ -88,6 +92,7 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
             Column("error", low=7, width=1, kind="not_flag"),
             Column("warning", low=6, width=1, kind="not_flag"),
         ),
+        # Constants, parity bits and limits.
         checks=(
             Check(
                 low=variant.scd_value_bits + 8,
@@ -96,13 +101,15 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
                 values=(0,),
             ),
         ),
-        speaks=(
-            Speaks(Verdict.NOT_USABLE, flag="error"),
-            Speaks(Verdict.USABLE_WITH_WARNING, flag="warning"),
+        # Conditions of each verdict, the most severe first.
+        verdict_causes=(
+            VerdictCause(Verdict.NOT_USABLE, flag="error"),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, flag="warning"),
         ),
-        tells=(
-            Tells("error", flag="error"),
-            Tells("warning", flag="warning"),
+        # Conditions of each report.
+        report_causes=(
+            ReportCause("error", flag="error"),
+            ReportCause("warning", flag="warning"),
         ),
         fields=(
             BitField(
@@ -115,6 +122,7 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
             BitField("warning", low=6, width=1),
             BitField("crc", low=0, width=6),
         ),
+        # The steps fold the bits that the CRC covers, which computes it for many frames at once.
         crc=CrcOf(
             low=0,
             width=6,
@@ -127,16 +135,18 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
                 Fold(shift=6, mask=0x3F, back=1),
             ),
         ),
+        # Lowest bit and width of the number in Gray code.
         gray=(8, variant.scd_value_bits) if variant.biss_gray else None,
         excess=0,
         position="position",
-        otherwise=Verdict.USABLE,
+        # Verdict while these conditions are false.
+        default_verdict=Verdict.USABLE,
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_data_request() -> Shape:
-    """Return the shape of ``DataRequest``."""
+    """Return the description of ``DataRequest`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -144,11 +154,13 @@ def shape_of_data_request() -> Shape:
         columns=(
             Column("data_id", low=3, width=4, kind="choice", values=(4, 5, 10, 11, 15)),
         ),
+        # Constants, parity bits and limits.
         checks=(
             Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
             Check(low=3, width=4, fault=ErrorKind.RANGE, values=(4, 5, 10, 11, 15)),
         ),
+        # Parity bits, which are computed last.
         parities=(
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
         ),
@@ -157,13 +169,14 @@ def shape_of_data_request() -> Shape:
             BitField("data_id", low=3, width=4),
             BitField("parity", low=7, width=1),
         ),
+        # Bits that are 1 in every frame.
         fixed=0x2 << 0,
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_position_reply(variant: Rs485Encoder) -> Shape:
-    """Return the shape of ``PositionReply``."""
+    """Return the description of ``PositionReply`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=56,
         length=7,
@@ -182,10 +195,12 @@ def shape_of_position_reply(variant: Rs485Encoder) -> Shape:
             Column("signal_strength_alarm", low=46, width=1, kind="flag"),
             Column("temperature_alarm", low=47, width=1, kind="flag"),
         ),
+        # Bits that the manual leaves unused. A bit that differs is 1 in the column, from bit `place` on.
         unused=(
             Unused(low=8, width=4, value=0, place=0),
             Unused(low=14, width=2, value=0, place=6),
         ),
+        # Constants, parity bits and limits.
         checks=(
             Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
@@ -197,36 +212,39 @@ def shape_of_position_reply(variant: Rs485Encoder) -> Shape:
             ),
             Check(low=3, width=4, fault=ErrorKind.RANGE, values=(4, 11, 15)),
         ),
+        # Parity bits, which are computed last.
         parities=(
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
         ),
-        speaks=(
-            Speaks(Verdict.NOT_USABLE, flag="status_error"),
-            Speaks(Verdict.NOT_USABLE, flag="overspeed"),
-            Speaks(Verdict.NOT_USABLE, flag="initialization_error"),
-            Speaks(Verdict.NOT_USABLE, flag="hardware_error"),
-            Speaks(Verdict.NOT_USABLE, flag="encoder_inharmonious_error"),
-            Speaks(Verdict.NOT_USABLE, flag="higher_track_error"),
-            Speaks(Verdict.NOT_USABLE, flag="low_amplitude_error"),
-            Speaks(Verdict.USABLE_WITH_WARNING, flag="status_alarm"),
-            Speaks(Verdict.USABLE_WITH_WARNING, flag="signal_strength_alarm"),
-            Speaks(Verdict.USABLE_WITH_WARNING, flag="temperature_alarm"),
-            Speaks(Verdict.USABLE_WITH_WARNING, mask=15),
-            Speaks(Verdict.USABLE_WITH_WARNING, mask=192),
+        # Conditions of each verdict, the most severe first.
+        verdict_causes=(
+            VerdictCause(Verdict.NOT_USABLE, flag="status_error"),
+            VerdictCause(Verdict.NOT_USABLE, flag="overspeed"),
+            VerdictCause(Verdict.NOT_USABLE, flag="initialization_error"),
+            VerdictCause(Verdict.NOT_USABLE, flag="hardware_error"),
+            VerdictCause(Verdict.NOT_USABLE, flag="encoder_inharmonious_error"),
+            VerdictCause(Verdict.NOT_USABLE, flag="higher_track_error"),
+            VerdictCause(Verdict.NOT_USABLE, flag="low_amplitude_error"),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, flag="status_alarm"),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, flag="signal_strength_alarm"),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, flag="temperature_alarm"),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, mask=15),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, mask=192),
         ),
-        tells=(
-            Tells("status_alarm", flag="status_alarm"),
-            Tells("status_error", flag="status_error"),
-            Tells("overspeed", flag="overspeed"),
-            Tells("initialization_error", flag="initialization_error"),
-            Tells("hardware_error", flag="hardware_error"),
-            Tells("encoder_inharmonious_error", flag="encoder_inharmonious_error"),
-            Tells("higher_track_error", flag="higher_track_error"),
-            Tells("low_amplitude_error", flag="low_amplitude_error"),
-            Tells("signal_strength_alarm", flag="signal_strength_alarm"),
-            Tells("temperature_alarm", flag="temperature_alarm"),
-            Tells("status_info", mask=15),
-            Tells("status_zero", mask=192),
+        # Conditions of each report.
+        report_causes=(
+            ReportCause("status_alarm", flag="status_alarm"),
+            ReportCause("status_error", flag="status_error"),
+            ReportCause("overspeed", flag="overspeed"),
+            ReportCause("initialization_error", flag="initialization_error"),
+            ReportCause("hardware_error", flag="hardware_error"),
+            ReportCause("encoder_inharmonious_error", flag="encoder_inharmonious_error"),
+            ReportCause("higher_track_error", flag="higher_track_error"),
+            ReportCause("low_amplitude_error", flag="low_amplitude_error"),
+            ReportCause("signal_strength_alarm", flag="signal_strength_alarm"),
+            ReportCause("temperature_alarm", flag="temperature_alarm"),
+            ReportCause("status_info", mask=15),
+            ReportCause("status_zero", mask=192),
         ),
         fields=(
             BitField("sync", low=0, width=3),
@@ -248,6 +266,7 @@ def shape_of_position_reply(variant: Rs485Encoder) -> Shape:
             BitField("temperature_alarm", low=47, width=1),
             BitField("crc", low=48, width=8),
         ),
+        # The steps fold the bits that the CRC covers, which computes it for many frames at once.
         crc=CrcOf(
             low=48,
             width=8,
@@ -255,16 +274,18 @@ def shape_of_position_reply(variant: Rs485Encoder) -> Shape:
             xorout=0,
             is_xor=True,
         ),
+        # Bits that are 1 in every frame.
         fixed=0x2 << 0,
         position="position",
-        otherwise=Verdict.USABLE,
+        # Verdict while these conditions are false.
+        default_verdict=Verdict.USABLE,
         frame="position_reply",
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_wide_position_reply() -> Shape:
-    """Return the shape of ``WidePositionReply``."""
+    """Return the description of ``WidePositionReply`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=72,
         length=9,
@@ -274,26 +295,30 @@ def shape_of_wide_position_reply() -> Shape:
             Column("status_error", low=13, width=1, kind="flag"),
             Column("position", low=16, width=48, kind="signed"),
         ),
+        # Bits that the manual leaves unused. A bit that differs is 1 in the column, from bit `place` on.
         unused=(
             Unused(low=8, width=4, value=0, place=0),
             Unused(low=14, width=2, value=0, place=6),
         ),
+        # Constants, parity bits and limits.
         checks=(
             Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
             Check(low=3, width=4, fault=ErrorKind.RANGE, values=(5,)),
         ),
-        speaks=(
-            Speaks(Verdict.NOT_USABLE, flag="status_error"),
-            Speaks(Verdict.USABLE_WITH_WARNING, flag="status_alarm"),
-            Speaks(Verdict.USABLE_WITH_WARNING, mask=15),
-            Speaks(Verdict.USABLE_WITH_WARNING, mask=192),
+        # Conditions of each verdict, the most severe first.
+        verdict_causes=(
+            VerdictCause(Verdict.NOT_USABLE, flag="status_error"),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, flag="status_alarm"),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, mask=15),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, mask=192),
         ),
-        tells=(
-            Tells("status_alarm", flag="status_alarm"),
-            Tells("status_error", flag="status_error"),
-            Tells("status_info", mask=15),
-            Tells("status_zero", mask=192),
+        # Conditions of each report.
+        report_causes=(
+            ReportCause("status_alarm", flag="status_alarm"),
+            ReportCause("status_error", flag="status_error"),
+            ReportCause("status_info", mask=15),
+            ReportCause("status_zero", mask=192),
         ),
         fields=(
             BitField("sync", low=0, width=3),
@@ -306,6 +331,7 @@ def shape_of_wide_position_reply() -> Shape:
             BitField("position", low=16, width=48),
             BitField("crc", low=64, width=8),
         ),
+        # The steps fold the bits that the CRC covers, which computes it for many frames at once.
         crc=CrcOf(
             low=64,
             width=8,
@@ -313,16 +339,18 @@ def shape_of_wide_position_reply() -> Shape:
             xorout=0,
             is_xor=True,
         ),
+        # Bits that are 1 in every frame.
         fixed=(0x2 << 0) | (0x5 << 3),
         position="position",
-        otherwise=Verdict.USABLE,
+        # Verdict while these conditions are false.
+        default_verdict=Verdict.USABLE,
         frame="wide_position_reply",
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_identification_reply(variant: Rs485Encoder) -> Shape:
-    """Return the shape of ``IdentificationReply``."""
+    """Return the description of ``IdentificationReply`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=72,
         length=9,
@@ -340,10 +368,12 @@ def shape_of_identification_reply(variant: Rs485Encoder) -> Shape:
             Column("signal_strength_alarm", low=62, width=1, kind="flag"),
             Column("temperature_alarm", low=63, width=1, kind="flag"),
         ),
+        # Bits that the manual leaves unused. A bit that differs is 1 in the column, from bit `place` on.
         unused=(
             Unused(low=8, width=4, value=0, place=0),
             Unused(low=14, width=2, value=0, place=6),
         ),
+        # Constants, parity bits and limits.
         checks=(
             Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
@@ -357,33 +387,35 @@ def shape_of_identification_reply(variant: Rs485Encoder) -> Shape:
             Check(low=48, width=8, fault=ErrorKind.CONSTANT, values=(0,)),
             Check(low=3, width=4, fault=ErrorKind.RANGE, values=(10,)),
         ),
-        speaks=(
-            Speaks(Verdict.NOT_USABLE, flag="status_error"),
-            Speaks(Verdict.NOT_USABLE, flag="overspeed"),
-            Speaks(Verdict.NOT_USABLE, flag="initialization_error"),
-            Speaks(Verdict.NOT_USABLE, flag="hardware_error"),
-            Speaks(Verdict.NOT_USABLE, flag="encoder_inharmonious_error"),
-            Speaks(Verdict.NOT_USABLE, flag="higher_track_error"),
-            Speaks(Verdict.NOT_USABLE, flag="low_amplitude_error"),
-            Speaks(Verdict.USABLE_WITH_WARNING, flag="status_alarm"),
-            Speaks(Verdict.USABLE_WITH_WARNING, flag="signal_strength_alarm"),
-            Speaks(Verdict.USABLE_WITH_WARNING, flag="temperature_alarm"),
-            Speaks(Verdict.USABLE_WITH_WARNING, mask=15),
-            Speaks(Verdict.USABLE_WITH_WARNING, mask=192),
+        # Conditions of each verdict, the most severe first.
+        verdict_causes=(
+            VerdictCause(Verdict.NOT_USABLE, flag="status_error"),
+            VerdictCause(Verdict.NOT_USABLE, flag="overspeed"),
+            VerdictCause(Verdict.NOT_USABLE, flag="initialization_error"),
+            VerdictCause(Verdict.NOT_USABLE, flag="hardware_error"),
+            VerdictCause(Verdict.NOT_USABLE, flag="encoder_inharmonious_error"),
+            VerdictCause(Verdict.NOT_USABLE, flag="higher_track_error"),
+            VerdictCause(Verdict.NOT_USABLE, flag="low_amplitude_error"),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, flag="status_alarm"),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, flag="signal_strength_alarm"),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, flag="temperature_alarm"),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, mask=15),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, mask=192),
         ),
-        tells=(
-            Tells("status_alarm", flag="status_alarm"),
-            Tells("status_error", flag="status_error"),
-            Tells("overspeed", flag="overspeed"),
-            Tells("initialization_error", flag="initialization_error"),
-            Tells("hardware_error", flag="hardware_error"),
-            Tells("encoder_inharmonious_error", flag="encoder_inharmonious_error"),
-            Tells("higher_track_error", flag="higher_track_error"),
-            Tells("low_amplitude_error", flag="low_amplitude_error"),
-            Tells("signal_strength_alarm", flag="signal_strength_alarm"),
-            Tells("temperature_alarm", flag="temperature_alarm"),
-            Tells("status_info", mask=15),
-            Tells("status_zero", mask=192),
+        # Conditions of each report.
+        report_causes=(
+            ReportCause("status_alarm", flag="status_alarm"),
+            ReportCause("status_error", flag="status_error"),
+            ReportCause("overspeed", flag="overspeed"),
+            ReportCause("initialization_error", flag="initialization_error"),
+            ReportCause("hardware_error", flag="hardware_error"),
+            ReportCause("encoder_inharmonious_error", flag="encoder_inharmonious_error"),
+            ReportCause("higher_track_error", flag="higher_track_error"),
+            ReportCause("low_amplitude_error", flag="low_amplitude_error"),
+            ReportCause("signal_strength_alarm", flag="signal_strength_alarm"),
+            ReportCause("temperature_alarm", flag="temperature_alarm"),
+            ReportCause("status_info", mask=15),
+            ReportCause("status_zero", mask=192),
         ),
         fields=(
             BitField("sync", low=0, width=3),
@@ -407,6 +439,7 @@ def shape_of_identification_reply(variant: Rs485Encoder) -> Shape:
             BitField("temperature_alarm", low=63, width=1),
             BitField("crc", low=64, width=8),
         ),
+        # The steps fold the bits that the CRC covers, which computes it for many frames at once.
         crc=CrcOf(
             low=64,
             width=8,
@@ -414,16 +447,18 @@ def shape_of_identification_reply(variant: Rs485Encoder) -> Shape:
             xorout=0,
             is_xor=True,
         ),
+        # Bits that are 1 in every frame.
         fixed=(0x2 << 0) | (0xa << 3) | (0x51 << 40),
         position="position",
-        otherwise=Verdict.USABLE,
+        # Verdict while these conditions are false.
+        default_verdict=Verdict.USABLE,
         frame="identification_reply",
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_profile_id(variant: BissEncoder) -> Shape:
-    """Return the shape of ``ProfileId``."""
+    """Return the description of ``ProfileId`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,
@@ -439,7 +474,7 @@ def shape_of_register_profile_id(variant: BissEncoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_serial_number() -> Shape:
-    """Return the shape of ``SerialNumber``."""
+    """Return the description of ``SerialNumber`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
@@ -459,7 +494,7 @@ def shape_of_register_serial_number() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_configuration() -> Shape:
-    """Return the shape of ``Configuration``."""
+    """Return the description of ``Configuration`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -484,7 +519,7 @@ def shape_of_register_configuration() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_absolute_resolution(variant: BissEncoder) -> Shape:
-    """Return the shape of ``AbsoluteResolution``."""
+    """Return the description of ``AbsoluteResolution`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -500,7 +535,7 @@ def shape_of_register_absolute_resolution(variant: BissEncoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_preset_offset() -> Shape:
-    """Return the shape of ``PresetOffset``."""
+    """Return the description of ``PresetOffset`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
@@ -517,7 +552,7 @@ def shape_of_register_preset_offset() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_device_type() -> Shape:
-    """Return the shape of ``DeviceType``."""
+    """Return the description of ``DeviceType`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -533,7 +568,7 @@ def shape_of_register_device_type() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_sine_cosine_resolution() -> Shape:
-    """Return the shape of ``SineCosineResolution``."""
+    """Return the description of ``SineCosineResolution`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -549,7 +584,7 @@ def shape_of_register_sine_cosine_resolution() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_position_check() -> Shape:
-    """Return the shape of ``PositionCheck``."""
+    """Return the description of ``PositionCheck`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -565,7 +600,7 @@ def shape_of_register_position_check() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_device_id() -> Shape:
-    """Return the shape of ``DeviceId``."""
+    """Return the description of ``DeviceId`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=48,
         length=6,
@@ -583,7 +618,7 @@ def shape_of_register_device_id() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_manufacturer_id() -> Shape:
-    """Return the shape of ``ManufacturerId``."""
+    """Return the description of ``ManufacturerId`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,

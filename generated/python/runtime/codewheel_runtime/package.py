@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, NoReturn
 
 from .codec import Data
 from .encoder import Encoder
-from .order_codes import OrderCodeError, check_label, nearest
+from .order_codes import OrderCodeError, check_label, find_nearest
 
 
 class Package(NamedTuple):
@@ -71,4 +71,4 @@ class Package(NamedTuple):
                 if error.part:
                     raise
         codes = [code for module in modules for code in module.VARIANTS]
-        raise OrderCodeError(text, "", "is not an order code of these encoders", nearest(codes, text))
+        raise OrderCodeError(text, "", "is not an order code of these encoders", find_nearest(codes, text))

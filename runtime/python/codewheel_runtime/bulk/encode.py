@@ -8,9 +8,9 @@ from typing import Any, Final
 
 from ..codec import NO_SUCH_FLAG, assert_never
 from ..errors import RangeError
-from .chunk import Chunk, crc_difference, np, parity_bits, within
+from .chunk import Chunk, are_within, compare_crc, compute_parity, np
 from .decode import CHUNK
-from .shape import Column, Join, Shape, scales, width_of
+from .shape import Column, Join, Shape, find_width, scales
 from .table import Table
 
 #: Kinds of NumPy arrays for a field, as ``dtype.kind``, unless they are integers. Bools are not numbers.
@@ -74,7 +74,7 @@ def _read_arrays(columns: Mapping[str, Any], shape: Shape, other_names: Iterable
         raise TypeError(f"columns must be a mapping of names to arrays, got {type(columns).__name__}")
     fields: dict[str, Column] = {}
     for column in shape.columns:
-        fields |= dict.fromkeys(names_of(column), column)
+        fields |= dict.fromkeys(list_names(column), column)
     _check_names([*columns], fields, shape, other_names)
     joined_names = [join.name for join in shape.joins]
     needed = [name for name in (*fields, *joined_names, "unused", "fault") if name in columns]
@@ -121,7 +121,7 @@ def _check_names(
         raise TypeError(f"missing columns: {missing}; unknown columns: {unknown}")
 
 
-def names_of(column: Column) -> tuple[str, ...]:
+def list_names(column: Column) -> tuple[str, ...]:
     """Return the names of a field's columns: one for each group of its decimal digits, or just the field."""
     return tuple(name for name, _, _ in column.runs) or (column.name,)
 
@@ -133,7 +133,7 @@ def _encode_rows(arrays: Mapping[str, Any], shape: Shape, first_error: FirstErro
     if "fault" in arrays:
         first_error.add(arrays["fault"] != 0, "fault", arrays["fault"], "0 (a frame with an error has no values)")
     for column in shape.columns:
-        if all(name in arrays for name in names_of(column)):
+        if all(name in arrays for name in list_names(column)):
             for low, width, bits in _encode_field(arrays, column, first_error):
                 _insert(limbs, low, width, bits)
         elif column.kind == "not_flag":
@@ -158,7 +158,7 @@ def _insert(limbs: list[Any], low: int, width: int, bits: Any) -> None:
 
 def _encode_field(arrays: Mapping[str, Any], column: Column, first_error: FirstError) -> Iterator[tuple[int, int, Any]]:
     """Yield the pieces of a field: lowest bit, width and bits."""
-    values = arrays[names_of(column)[0]]
+    values = arrays[list_names(column)[0]]
     match column.kind:
         case "flag" | "not_flag":
             if values.dtype.kind != "b":
@@ -234,7 +234,7 @@ def _insert_join(
     limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, join: Join, first_error: FirstError
 ) -> None:
     """Insert the fields of a joined number. Fields that are also given separately must agree with it."""
-    width = width_of(shape, join)
+    width = find_width(shape, join)
     whole = _check_unsigned(arrays[join.name], first_error, join.name, (1 << width) - 1)
     by_name = {column.name: column for column in shape.columns}
     for name, place in join.fields:
@@ -242,7 +242,7 @@ def _insert_join(
         if not column.width:
             continue
         bits = whole >> np.uint64(place) & np.uint64((1 << column.width) - 1)
-        if all(field_name in arrays for field_name in names_of(column)):
+        if all(field_name in arrays for field_name in list_names(column)):
             separate_bits = Chunk(limbs, shape.bits).take(column.low, column.width)
             first_error.add(separate_bits != bits, join.name, arrays[join.name], "equal to its fields")
         else:
@@ -277,7 +277,7 @@ def _check_values(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, fir
             values = arrays.get(column.name, bits)
             first_error.add(~np.isin(bits, possible_values), column.name, values, allowed)
             continue
-        is_within = within(bits, check, check.limit)
+        is_within = are_within(bits, check, check.limit)
         if column.kind == "signed":
             first_error.add(~is_within, column.name, arrays[column.name], f"{check.lowest} to {check.limit}")
         else:
@@ -294,9 +294,9 @@ def _finish(limbs: list[Any], shape: Shape) -> None:
         limbs[0] ^= number >> np.uint64(1) << np.uint64(low)
     chunk = Chunk(limbs, shape.bits)
     for check in shape.parities:
-        _insert(limbs, check.low, check.width, parity_bits(chunk, check).astype(np.uint64))
+        _insert(limbs, check.low, check.width, compute_parity(chunk, check).astype(np.uint64))
     if shape.crc is not None:
-        crc_bits = crc_difference(Chunk(limbs, shape.bits), shape.crc).astype(np.uint64)
+        crc_bits = compare_crc(Chunk(limbs, shape.bits), shape.crc).astype(np.uint64)
         _insert(limbs, shape.crc.low, shape.crc.width, crc_bits)
 
 

@@ -15,8 +15,8 @@ from ..errors import ErrorKind, RangeError
 from ..facts import Scale
 from ..packages import load
 from ..reports import Movement, Verdict
-from .conversion import none_where
-from .shape import Tells
+from .conversion import insert_none
+from .shape import ReportCause
 
 #: Units for positions and speeds.
 Unit = Literal["counts", "turns", "degrees", "radians", "micrometres", "millimetres", "metres"]
@@ -109,13 +109,14 @@ class Table(_TableOf[_Name, _Unit]):
         verdict: Any,
         position: str,
         parts: Mapping[str, tuple[str, int, int]],
-        tells: tuple[Tells, ...] = (),
+        report_causes: tuple[ReportCause, ...] = (),
         measured: frozenset[str] = frozenset(),
         scales: Mapping[str, tuple[str, Scale]] = _NOTHING,
         other_columns: Mapping[str, Any] = _NOTHING,
         frame: str = "",
     ) -> None:
-        self.encoder, self._tells, self._measured, self._others = encoder, tells, measured, other_columns
+        self.encoder, self._measured, self._others = encoder, measured, other_columns
+        self._report_causes = report_causes
         self._columns, self._scales, self._frame = columns, scales, frame
         self._fault, self._verdict, self._position, self._parts = fault, verdict, position, parts
         verdict_names = ["verdict"] if verdict is not None else []
@@ -173,11 +174,11 @@ class Table(_TableOf[_Name, _Unit]):
     def reports(self) -> dict[str, Any]:
         """Arrays by name of the report. Each is True for the valid frames with that report."""
         reports: dict[str, Any] = {}
-        for condition in self._tells:
+        for condition in self._report_causes:
             reports[condition.report] = self._find_active(condition) & self.ok
         return reports
 
-    def _find_active(self, condition: Tells) -> Any:
+    def _find_active(self, condition: ReportCause) -> Any:
         """Return an array that is True for the frames to which a report applies, valid or not."""
         if condition.when:
             return all_match(self, condition.when)
@@ -236,7 +237,7 @@ class Table(_TableOf[_Name, _Unit]):
             verdict=verdict,
             position=self._position,
             parts=self._parts,
-            tells=self._tells,
+            report_causes=self._report_causes,
             measured=self._measured,
             scales=self._scales,
             other_columns=other_columns,
@@ -288,7 +289,7 @@ class Table(_TableOf[_Name, _Unit]):
             return [verdicts[cell] for cell in cells]
         hidden = self.hidden(name)
         if hidden is not None:
-            cells = none_where(hidden[rows].tolist(), cells)
+            cells = insert_none(hidden[rows].tolist(), cells)
         return [cell.decode("latin-1") if isinstance(cell, bytes) else cell for cell in cells]
 
     def _find_column(self, name: str) -> Any:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, Final, NamedTuple
 
-from ..bulk.shape import Check, Column, CrcOf, Join, Shape, Speaks, Unused, compare_bits
+from ..bulk.shape import Check, Column, CrcOf, Join, Shape, Unused, VerdictCause, compare_bits
 from ..bulk.words import short
 from ..codec import PositionRange, crc_of_bits
 from ..errors import ErrorKind, UsageError
@@ -163,8 +163,8 @@ def _make_shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tupl
         checks=tuple(checks),
         crc=crc,
         position="position" if "position" in widths else "",
-        otherwise=Verdict.USABLE if _FLAGS.keys() & widths.keys() else Verdict.UNKNOWN,
-        speaks=tuple(Speaks(verdict, flag) for flag, verdict in _FLAGS.items() if flag in widths),
+        default_verdict=Verdict.USABLE if _FLAGS.keys() & widths.keys() else Verdict.UNKNOWN,
+        verdict_causes=tuple(VerdictCause(verdict, flag) for flag, verdict in _FLAGS.items() if flag in widths),
     )
 
 

@@ -18,9 +18,18 @@ from ..bulk.table import Table
 from ..encoder import Encoder
 from ..errors import InputError, UsageError
 from ..files.inputs import Part, Source
-from ..files.layouts import layout_of, layouts_of, shape_for
+from ..files.layouts import find_layout, find_shape, list_layouts
 from ..files.sinks import SINKS, TargetKind
-from ..files.stream import Derived, Output, Summary, count_units, decode_parts, open_for_writing, plan_of, target_format
+from ..files.stream import (
+    Derived,
+    Output,
+    Summary,
+    count_units,
+    decode_parts,
+    find_target_format,
+    make_plan,
+    open_for_writing,
+)
 from ..packages import load
 from ..reports import Interface
 from .accesses import Access, Accesses
@@ -244,7 +253,7 @@ def _find_frames(
         opened = _find_replies(encoder, line, name, probes, layout, answers)
         return opened._replace(time=time, total=signals.total)
     if isinstance(encoder, Encoder):
-        shape, is_biss = shape_for(encoder, layout, answers), encoder.interface is Interface.BISS
+        shape, is_biss = find_shape(encoder, layout, answers), encoder.interface is Interface.BISS
     else:
         shape, is_biss = encoder.shape, True
     if shape.bits > 64:
@@ -263,11 +272,11 @@ def _prepend(
 
 def _find_frame_kinds(encoder: Encoder, layout: str, answers: Mapping[str, Any]) -> Kinds:
     """Return all kinds of frames on a serial line. Those with unanswered questions are left out, unless requested."""
-    wanted = layout_of(encoder, layout).name if layout else ""
+    wanted = find_layout(encoder, layout).name if layout else ""
     shapes: dict[str, dict[str, Shape]] = {"encoder": {}, "master": {}}
-    for frame_layout in layouts_of(encoder):
+    for frame_layout in list_layouts(encoder):
         if frame_layout.name == wanted or not frame_layout.answers:
-            shapes[frame_layout.sender][frame_layout.name] = shape_for(
+            shapes[frame_layout.sender][frame_layout.name] = find_shape(
                 encoder, frame_layout.name, answers if frame_layout.name == wanted else {}
             )
     return Kinds(shapes["encoder"], shapes["master"], wanted)
@@ -371,7 +380,7 @@ class Captures(NamedTuple):
             InputError, UsageError, OSError: See ``read_capture``.
         """
         chosen = self._find_encoder(encoder)
-        output = Output(os.fspath(target), target_format(target, to), columns, raw, force, si)
+        output = Output(os.fspath(target), find_target_format(target, to), columns, raw, force, si)
         sources = _list_paths(source)
         probes = Probes(clock, data, rate, rest, baud, threshold)
         opening = _open_capture(chosen, source, probes, layout, answers)
@@ -453,7 +462,7 @@ def _decode_capture(
         if derived is not None:
             empty = derived.check(empty)
         read = Source(_convert_stretches(opened, log), opened.total, (time,), time_columns)
-        plan = plan_of(empty, read, output.columns, sources[0], output.raw)
+        plan = make_plan(empty, read, output.columns, sources[0], output.raw)
         with SINKS[output.kind](file, plan) as sink:
             try:
                 frames = decode_parts(read, opened.shape, encoder, sink, limit, progress, derived)

@@ -20,7 +20,7 @@ from typing import Any, BinaryIO, Final, NamedTuple
 from ..bulk.words import listed, short
 from ..errors import InputError, UsageError
 from ..packages import load
-from .signal_text import HEADER, HINT, rate_of, size_of, table_signals, vcd_signals
+from .signal_text import HEADER, HINT, measure_size, parse_rate, read_table_signals, read_vcd_signals
 from .signals import SAMPLES, Names, Signals, merge_edges, pack_bits, read_array, read_samples
 
 np: Any = load("numpy")
@@ -84,8 +84,8 @@ def _open_single_file(
     if b"\0" in head:
         raise InputError(path, "", f"this is not a capture: {HINT}")
     if head.lstrip().startswith(b"$"):
-        return vcd_signals(file, path, names)
-    return table_signals(file, path, head, names, rate, threshold)
+        return read_vcd_signals(file, path, names)
+    return read_table_signals(file, path, head, names, rate, threshold)
 
 
 # sigrok sessions
@@ -128,7 +128,7 @@ def _read_session(stack: ExitStack, file: BinaryIO, path: str, names: Names, rat
     entries = _list_sample_files(archive, stem)
     if not entries:
         raise InputError(path, "", "this sigrok session has no samples")
-    sample_rate = rate or rate_of(device.get("samplerate", ""))
+    sample_rate = rate or parse_rate(device.get("samplerate", ""))
     total = sum(info.file_size for info in entries)
     if total > _MOST_UNPACKED:
         sizes = f"{total / 1e9:.1f} GB unpacked, and at most {_MOST_UNPACKED / 1e9:.1f} GB are read"
@@ -338,4 +338,4 @@ def _read_saleae(files: Sequence[BinaryIO], paths: Sequence[str]) -> Signals:
     readers = [_Saleae(file, path) for file, path in zip(files, paths, strict=True)]
     edge_streams = [reader.edges() for reader in readers]
     edges = merge_edges(edge_streams, end=lambda: max(reader.end for reader in readers))
-    return Signals(edges, 1.0, False, sum(map(size_of, files)))
+    return Signals(edges, 1.0, False, sum(map(measure_size, files)))

@@ -28,7 +28,7 @@ _RATE: Final = re.compile(r"\s*([0-9]{1,12}(?:\.[0-9]{1,9})?)\s*([kKMG]?)(?:Hz|S
 _PREFIXES: Final = {"": 1.0, "k": 1e3, "K": 1e3, "M": 1e6, "G": 1e9}
 
 
-def rate_of(text: str) -> float | None:
+def parse_rate(text: str) -> float | None:
     """Return a sample rate such as ``24 MHz`` in samples per second, or None if the text is not one."""
     match = _RATE.fullmatch(text)
     if match is None:
@@ -36,7 +36,7 @@ def rate_of(text: str) -> float | None:
     return float(match[1]) * _PREFIXES[match[2]] or None
 
 
-def size_of(file: BinaryIO) -> int:
+def measure_size(file: BinaryIO) -> int:
     """Return the size of a file in bytes."""
     at = file.tell()
     size = file.seek(0, io.SEEK_END)
@@ -95,7 +95,7 @@ class _TableForm(NamedTuple):
     is_stamped: bool = False
 
 
-def table_signals(
+def read_table_signals(
     file: BinaryIO, path: str, head: bytes, names: Names, rate: float | None, threshold: float | None = None
 ) -> Signals:
     """Return the signals of a table: columns of 0 and 1, with one row per sample or a time in the first column.
@@ -107,7 +107,7 @@ def table_signals(
     offset = int(form.unit is not None)
     parts = _read_table_parts(file, path, form, [offset + place for place in places], threshold)
     edges = read_samples(parts, tuple(1 << index for index in range(len(places))))
-    total = size_of(file)
+    total = measure_size(file)
     if form.unit:
         return Signals(edges, seconds=form.unit, is_sampled=False, total=total)
     sample_rate = rate or form.rate
@@ -148,7 +148,7 @@ def _find_table_form(path: str, head: bytes) -> _TableForm:
         between=between,
         channels=labels if len(labels) == len(channels) else channels,
         unit=unit,
-        rate=rate_of(_find_comment(comments, "Samplerate")),
+        rate=parse_rate(_find_comment(comments, "Samplerate")),
         skipped=head.count(b"\n", 0, _start(head, header_count)),
         is_stamped=is_stamped,
     )
@@ -379,9 +379,9 @@ _VAR: Final = re.compile(r"\$var\s+\S+\s+(\d+)\s+(\S+)\s+(.*?)\s*\$end", re.DOTA
 _SCALE: Final = re.compile(r"\$timescale\s+(1|10|100)\s*(s|ms|us|ns|ps|fs)\s+\$end")
 
 
-def vcd_signals(file: BinaryIO, path: str, names: Names) -> Signals:
+def read_vcd_signals(file: BinaryIO, path: str, names: Names) -> Signals:
     """Return the signals of a value change dump."""
-    size = size_of(file)
+    size = measure_size(file)
     head = file.read(_BLOCK)
     end = re.search(rb"\$enddefinitions\s+\$end", head)
     header = head[: end.start()].decode("ascii", "replace") if end is not None else ""

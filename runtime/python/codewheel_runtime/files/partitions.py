@@ -15,7 +15,7 @@ from ..bulk.words import DigitKind
 from ..encoder import Encoder
 from ..errors import InputError, UsageError
 from ..packages import load
-from .inputs import column_of
+from .inputs import find_column
 
 #: Name of a partition in messages.
 _NAME = "the partition"
@@ -52,7 +52,7 @@ class PartitionDecoder(NamedTuple):
     def _decode_arrow(self, partition: Any) -> Any:
         """Return a table of Arrow with the decoded columns in place of the frames."""
         names = list(partition.schema.names)
-        column = column_of(names, self.column, _NAME)
+        column = find_column(names, self.column, _NAME)
         try:
             frames = read_arrow(partition.column(names.index(column)), self.shape, self.digits)
             table = decode_many(frames, self.shape, self.encoder)
@@ -67,7 +67,7 @@ class PartitionDecoder(NamedTuple):
     def _decode_pandas(self, partition: Any) -> Any:
         """Return a table of pandas with the decoded columns in place of the frames."""
         names = list(map(str, partition.columns))
-        column = column_of(names, self.column, _NAME)
+        column = find_column(names, self.column, _NAME)
         try:
             frames = _read_series(partition.iloc[:, names.index(column)], self.shape, self.digits)
             table = decode_many(frames, self.shape, self.encoder)

@@ -12,7 +12,7 @@ from pathlib import PurePath
 from types import TracebackType
 from typing import Any, Final, Literal, NamedTuple, Protocol, cast
 
-from ..bulk.conversion import WORDS, arrow_columns, texts_of
+from ..bulk.conversion import WORDS, arrow_columns, list_texts
 from ..bulk.table import Table
 from ..packages import load
 
@@ -32,7 +32,7 @@ _ROWS: Final = 1 << 14
 _FEW_ROWS: Final = 1000
 
 
-def target_kind(path: str) -> TargetKind:
+def find_target_kind(path: str) -> TargetKind:
     """Return the format of a file according to its extension."""
     return _SUFFIXES.get(PurePath(path).suffix.lower(), "csv")
 
@@ -252,7 +252,7 @@ def _format_cells(name: str, column: Any, hidden: Any) -> list[Any]:
         return [words[index] for index in cells]
     if column.dtype.kind == "f":
         return ["" if cell != cell else cell for cell in cells]
-    return texts_of(column) if column.dtype.kind == "S" else cells
+    return list_texts(column) if column.dtype.kind == "S" else cells
 
 
 class _ArrowFormatter:

@@ -16,9 +16,9 @@ from ..bulk.words import WORDS, WordKind, numbers
 from ..errors import InputError, UsageError
 from ..packages import load
 from . import inputs
-from .csv_text import csv_rows
+from .csv_text import read_csv_rows
 from .inputs import FIRST, FileKind, Part, Share, Source, Stored, check_form
-from .parquet import parquet_batches
+from .parquet import read_parquet_batches
 
 np: Any = load("numpy")
 
@@ -31,7 +31,7 @@ _SUFFIXES: Final[dict[str, FileKind]] = {
 }
 
 
-def kind_of(path: str) -> FileKind:
+def find_kind(path: str) -> FileKind:
     """Return the format of a file according to its extension."""
     return _SUFFIXES.get(PurePath(path).suffix.lower(), "binary")
 
@@ -39,7 +39,7 @@ def kind_of(path: str) -> FileKind:
 @contextmanager
 def open_source(path: str, stored: Stored, shape: Shape, share: Share) -> Generator[Source, None, None]:
     """Open a file of frames, or standard input for ``-``. ``share`` returns the fraction of valid frames."""
-    kind = stored.kind or kind_of(path)
+    kind = stored.kind or find_kind(path)
     if not shape.length:
         if shape.bits > 64:
             raise UsageError(f"frames of {shape.bits} bits do not fit into words of 64")
@@ -76,9 +76,9 @@ def _choose_source(
 ) -> Source:
     """Return the source of frames in a file of this kind."""
     if kind == "parquet":
-        return parquet_batches(file, name, stored, shape)
+        return read_parquet_batches(file, name, stored, shape)
     if kind == "csv":
-        return csv_rows(file, name, size, stored, shape, share)
+        return read_csv_rows(file, name, size, stored, shape, share)
     return Source(_read_binary(file, name, size, stored, shape, share), size)
 
 

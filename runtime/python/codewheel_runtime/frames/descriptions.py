@@ -26,7 +26,7 @@ def shape_of(kind: type, *arguments: object) -> Shape:
     return make(*arguments)
 
 
-def any_shape(kind: type, encoder: Encoder) -> Shape:
+def find_any_shape(kind: type, encoder: Encoder) -> Shape:
     """Return the description of a class for an encoder, with any answer to each open question."""
     make, needed = find_description(kind)
     arguments: list[object] = []
@@ -36,7 +36,7 @@ def any_shape(kind: type, encoder: Encoder) -> Shape:
     return make(*arguments)
 
 
-def kinds_of(encoder: Encoder) -> tuple[type, ...]:
+def find_kinds(encoder: Encoder) -> tuple[type, ...]:
     """Return the classes of the frames that an encoder sends."""
     package, _, family = type(encoder).__module__.rpartition(".")
     module = import_module(f"{package}._shapes.{family}")

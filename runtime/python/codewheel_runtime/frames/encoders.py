@@ -1,7 +1,7 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
 """Encoders of one frame: a function for each class and encoder, made from the description of the frame.
 
-The function handles fields of the usual types that fit. ``number_of`` handles all others, and raises the errors.
+The function handles fields of the usual types that fit. ``encode_number`` handles all others, and raises the errors.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple, cast
 from ..codec import make_crc_tables
 from ..encoder import Encoder
 from .descriptions import find_description, shape_of
-from .encode import crc_of, number_of
+from .encode import compute_crc, encode_number
 
 if TYPE_CHECKING:
     from ..bulk.shape import Column, CrcOf, Shape
@@ -23,7 +23,7 @@ Encode = Callable[[Any], Any]
 _TABLE_WIDTH: Final = 8
 
 
-def encoder_of_class(frame: Any) -> Encode:
+def find_class_encoder(frame: Any) -> Encode:
     """Return the function that encodes frames of the same class for the same encoder and the same answers."""
     kind = cast(type, frame.__class__)
     needed = find_description(kind)[1]
@@ -55,7 +55,7 @@ def make_encoder(kind: type, arguments: tuple[Any, ...]) -> Encode:
 
     def encode_any(frame: Any) -> int | bytes:
         """Encode a frame with any values, and raise an error if one does not fit."""
-        number = number_of(frame, shape, arguments)
+        number = encode_number(frame, shape, arguments)
         return number.to_bytes(shape.length, shape.order) if shape.length else number
 
     fields = cast("tuple[str, ...]", cast(Any, kind)._fields)
@@ -76,7 +76,7 @@ class _Bits(NamedTuple):
 
 
 def _describe_usual_bits(column: Column) -> _Bits | None:
-    """Return the condition and the bits of a field, or None if ``number_of`` must handle it."""
+    """Return the condition and the bits of a field, or None if ``encode_number`` must handle it."""
     width = column.width
     if column.zero_means or column.power_of_two:
         return None
@@ -131,11 +131,11 @@ class _FunctionText:
 
     def _add_unused(self, shape: Shape) -> None:
         """Add the condition on unused bits, and their values in the manual."""
-        if shape.others is None and not shape.unused:
+        if shape.kept_mask is None and not shape.unused:
             return
         name = self._fields["unused"]
-        if shape.others is not None:
-            self._conditions.append(f"type({name}) is int and not {name} & ~{shape.others:#x}")
+        if shape.kept_mask is not None:
+            self._conditions.append(f"type({name}) is int and not {name} & ~{shape.kept_mask:#x}")
             self._terms.append(name)
             return
         self._conditions.append(f"type({name}) is int and {name} == 0")
@@ -166,8 +166,8 @@ class _FunctionText:
             entries = [f"table_{index}[number >> {16 * index} & 0xFFFF]" for index in range(len(tables))]
             result = f"number ^ {' ^ '.join(entries)}"
         else:
-            self.names.update(crc_of=crc_of, crc=crc)
-            result = f"number | crc_of(number, crc) << {crc.low}"
+            self.names.update(compute_crc=compute_crc, crc=crc)
+            result = f"number | compute_crc(number, crc) << {crc.low}"
         if shape.length:
             result = f"({result}).to_bytes({shape.length}, {shape.order!r})"
         self._statements.append(f"return {result}")
@@ -189,6 +189,6 @@ def _make_tables(crc: CrcOf, bits: int) -> tuple[Any, ...]:
     """Return tables for 16 bits of a frame each. The XOR of their entries is the CRC."""
 
     def crc_of_number(covered: int, _: int) -> int:
-        return crc_of(covered << crc.width, crc)
+        return compute_crc(covered << crc.width, crc)
 
     return make_crc_tables(crc_of_number, bits - crc.width, crc.width, (bits + 15) // 16)

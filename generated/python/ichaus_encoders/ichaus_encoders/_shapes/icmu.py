@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Final
 
-from codewheel_runtime.bulk.shape import Check, Column, CrcOf, Fold, Shape, Speaks, Tells, compare_bits
+from codewheel_runtime.bulk.shape import Check, Column, CrcOf, Fold, ReportCause, Shape, VerdictCause, compare_bits
 from codewheel_runtime.codec import BitField
 from codewheel_runtime.errors import ErrorKind
 from codewheel_runtime.reports import Verdict
@@ -38,7 +38,7 @@ from ..icmu import (
 
 @lru_cache(maxsize=None)
 def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
-    """Return the shape of ``SingleCycleData``."""
+    """Return the description of ``SingleCycleData`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=variant.zero_bits + variant.position_bits + 8,
         columns=(
@@ -46,16 +46,19 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
             Column("error", low=7, width=1, kind="not_flag"),
             Column("warning", low=6, width=1, kind="not_flag"),
         ),
+        # Constants, parity bits and limits.
         checks=(
             Check(low=8, width=variant.zero_bits, fault=ErrorKind.CONSTANT, values=(0,)),
         ),
-        speaks=(
-            Speaks(Verdict.NOT_USABLE, flag="error"),
-            Speaks(Verdict.USABLE_WITH_WARNING, flag="warning"),
+        # Conditions of each verdict, the most severe first.
+        verdict_causes=(
+            VerdictCause(Verdict.NOT_USABLE, flag="error"),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, flag="warning"),
         ),
-        tells=(
-            Tells("error", flag="error"),
-            Tells("warning", flag="warning"),
+        # Conditions of each report.
+        report_causes=(
+            ReportCause("error", flag="error"),
+            ReportCause("warning", flag="warning"),
         ),
         fields=(
             BitField("position", low=variant.zero_bits + 8, width=variant.position_bits),
@@ -64,6 +67,7 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
             BitField("warning", low=6, width=1),
             BitField("crc", low=0, width=6),
         ),
+        # The steps fold the bits that the CRC covers, which computes it for many frames at once.
         crc=CrcOf(
             low=0,
             width=6,
@@ -78,13 +82,14 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
             ),
         ),
         position="position",
-        otherwise=Verdict.USABLE,
+        # Verdict while these conditions are false.
+        default_verdict=Verdict.USABLE,
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_mode() -> Shape:
-    """Return the shape of ``Mode``."""
+    """Return the description of ``Mode`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -95,13 +100,14 @@ def shape_of_register_mode() -> Shape:
         fields=(
             BitField("modea", low=0, width=3),
         ),
-        others=0xF8,
+        # All other bits, which are kept.
+        kept_mask=0xF8,
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_output_length() -> Shape:
-    """Return the shape of ``OutputLength``."""
+    """Return the description of ``OutputLength`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -119,7 +125,7 @@ def shape_of_register_output_length() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_output_selection() -> Shape:
-    """Return the shape of ``OutputSelection``."""
+    """Return the description of ``OutputSelection`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -141,7 +147,7 @@ def shape_of_register_output_selection() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_bank() -> Shape:
-    """Return the shape of ``Bank``."""
+    """Return the description of ``Bank`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -152,13 +158,14 @@ def shape_of_register_bank() -> Shape:
         fields=(
             BitField("bank", low=0, width=5),
         ),
-        others=0xE0,
+        # All other bits, which are kept.
+        kept_mask=0xE0,
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_eds_bank() -> Shape:
-    """Return the shape of ``EdsBank``."""
+    """Return the description of ``EdsBank`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -174,7 +181,7 @@ def shape_of_register_eds_bank() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_profile_id() -> Shape:
-    """Return the shape of ``ProfileId``."""
+    """Return the description of ``ProfileId`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,
@@ -190,7 +197,7 @@ def shape_of_register_profile_id() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_serial_number() -> Shape:
-    """Return the shape of ``SerialNumber``."""
+    """Return the description of ``SerialNumber`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
@@ -206,7 +213,7 @@ def shape_of_register_serial_number() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_event_count() -> Shape:
-    """Return the shape of ``EventCount``."""
+    """Return the description of ``EventCount`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -222,7 +229,7 @@ def shape_of_register_event_count() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_hardware_revision() -> Shape:
-    """Return the shape of ``HardwareRevision``."""
+    """Return the description of ``HardwareRevision`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -238,7 +245,7 @@ def shape_of_register_hardware_revision() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_status0() -> Shape:
-    """Return the shape of ``Status0``."""
+    """Return the description of ``Status0`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -257,13 +264,14 @@ def shape_of_register_status0() -> Shape:
             BitField("am_max", low=1, width=1),
             BitField("am_min", low=0, width=1),
         ),
-        others=0xE0,
+        # All other bits, which are kept.
+        kept_mask=0xE0,
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_status1() -> Shape:
-    """Return the shape of ``Status1``."""
+    """Return the description of ``Status1`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -293,7 +301,7 @@ def shape_of_register_status1() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_device_id() -> Shape:
-    """Return the shape of ``DeviceId``."""
+    """Return the description of ``DeviceId`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=48,
         length=6,
@@ -309,7 +317,7 @@ def shape_of_register_device_id() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_manufacturer_id() -> Shape:
-    """Return the shape of ``ManufacturerId``."""
+    """Return the description of ``ManufacturerId`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,

@@ -10,7 +10,7 @@ from ..errors import InputError
 from ..packages import load
 from .cells import Cells
 from .shape import Shape
-from .words import DigitKind, numbers, of_floats
+from .words import DigitKind, numbers, read_floats
 
 np: Any = load("numpy")
 
@@ -56,7 +56,7 @@ def read_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, done: 
     if kinds.is_integer(kind):
         return _read_integers(array, shape)
     if kinds.is_float64(kind) and not shape.length:
-        return of_floats(array.to_numpy(zero_copy_only=False), shape.bits, done)
+        return read_floats(array.to_numpy(zero_copy_only=False), shape.bits, done)
     if kinds.is_string(kind) or kinds.is_large_string(kind):
         return _read_each(array.to_pylist(), shape, digits, not done)
     if not (kinds.is_binary(kind) or kinds.is_large_binary(kind) or kinds.is_fixed_size_binary(kind)):

@@ -125,7 +125,7 @@ def _take_from_bytes(rows: Any, kind: str, is_little: bool) -> Any:
     return limb
 
 
-def within(bits: Any, check: Check, limit: int) -> Any:
+def are_within(bits: Any, check: Check, limit: int) -> Any:
     """Return whether each number is from ``lowest`` to ``limit``. Negative ones are in two's complement."""
     kind, mask = bits.dtype.type, (1 << check.width) - 1
     if check.lowest:
@@ -133,7 +133,7 @@ def within(bits: Any, check: Check, limit: int) -> Any:
     return bits <= kind(limit - check.lowest)
 
 
-def parity_bits(chunk: Chunk, check: Check) -> Any:
+def compute_parity(chunk: Chunk, check: Check) -> Any:
     """Return the parity bit of each frame, of the bits as they were sent, or 0 if the encoder does not send it."""
     if not check.width:
         return np.zeros(len(chunk.limbs[0]), np.uint8)
@@ -154,7 +154,7 @@ def parity_bits(chunk: Chunk, check: Check) -> Any:
     return bits & kind(1) ^ kind(check.odd)
 
 
-def crc_difference(chunk: Chunk, crc: CrcOf) -> Any:
+def compare_crc(chunk: Chunk, crc: CrcOf) -> Any:
     """Return the bits in which each CRC differs from the computed one, 0 if it matches."""
     if crc.steps:
         return _fold(chunk.limbs[0], crc, chunk.bits)

@@ -230,7 +230,7 @@ class _Replies:
         request_lengths = self._find_request_lengths()
         starts, gaps, end = self._walk(until, names, self._find_reply_kinds(names), request_lengths)
         if not self.wanted:
-            candidates = [name for name in names if starts[name] and shapes[name].otherwise is not None]
+            candidates = [name for name in names if starts[name] and shapes[name].default_verdict is not None]
             if candidates:
                 self.wanted = max((len(starts[name]), name) for name in candidates)[1]
         stretch = self._collect_frames(starts, gaps, request_lengths)

@@ -19,9 +19,9 @@ from ..captures.capture import Captures, CaptureSummary, Lost
 from ..encoder import Encoder
 from ..errors import InputError, UsageError
 from ..files.inputs import Stored
-from ..files.layouts import shape_for
-from ..files.sources import kind_of, open_source
-from ..files.stream import seconds_of
+from ..files.layouts import find_shape
+from ..files.sources import find_kind, open_source
+from ..files.stream import read_seconds
 from ..reports import Interface
 from .common import USAGE, Failed, find_encoder, missing_package_error, show_progress
 
@@ -72,7 +72,7 @@ def plot(package: str, chosen: argparse.Namespace) -> None:
 
 def _has_frames(path: str) -> bool:
     """Return whether a file has a column of frames, and is not a capture."""
-    kind = kind_of(path)
+    kind = find_kind(path)
     if kind != "csv":
         return kind == "parquet"
     with open(path, encoding="utf-8-sig", errors="replace") as file:
@@ -82,7 +82,10 @@ def _has_frames(path: str) -> bool:
 
 def _read_frames(encoder: Encoder | BissLayout, chosen: argparse.Namespace) -> Table:
     """Return the frames of a file with the columns ``time`` and ``word`` or ``frame``."""
-    shape = encoder.shape if isinstance(encoder, BissLayout) else shape_for(encoder, chosen.layout, dict(chosen.choose))
+    if isinstance(encoder, BissLayout):
+        shape = encoder.shape
+    else:
+        shape = find_shape(encoder, chosen.layout, dict(chosen.choose))
     path = chosen.files[0]
     frames: list[Any] = []
     times: list[Any] = []
@@ -90,7 +93,7 @@ def _read_frames(encoder: Encoder | BissLayout, chosen: argparse.Namespace) -> T
         if "time" not in read.empty_columns:
             raise InputError(path, "", "no column 'time'; a plot needs the time of each frame in seconds")
         for part in read.parts:
-            times.append(seconds_of(part.other_columns["time"], path))
+            times.append(read_seconds(part.other_columns["time"], path))
             frames += _list_rows(part.frames) if shape.length else _list_numbers(part.frames)
     return decode_many(frames, shape, encoder).with_columns(time=np.concatenate([np.zeros(0), *times]))
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Final, cast, get_args, get_type_hints
 from ..encoder import Encoder
 from ..errors import FrameError, LengthError
 from ..frames.decoders import cached_decoder, raise_error
-from ..frames.descriptions import any_shape, kinds_of
+from ..frames.descriptions import find_any_shape, find_kinds
 from ..reports import Interface, Verdict
 from .common import (
     DONE,
@@ -259,7 +259,7 @@ def _parse_frame(text: str, encoder: Encoder) -> int | bytes | str | None:
     if re.fullmatch("0b[01]+", packed):
         return packed
     # Frames of more than 64 bits are decoded from bytes.
-    in_bytes = all(any_shape(kind, encoder).length for kind in kinds_of(encoder))
+    in_bytes = all(find_any_shape(kind, encoder).length for kind in find_kinds(encoder))
     if in_bytes and re.fullmatch("([0-9a-fA-F]{2})+", packed):
         return bytes.fromhex(packed)
     return int(packed, 16) if re.fullmatch("(0x)?[0-9a-fA-F]{1,64}", packed) else None
@@ -269,7 +269,7 @@ def _list_others(encoder: Encoder, frame: int | bytes | str, result: Any) -> str
     """Return the other frames that a frame can be, in words, or an empty string. ``result`` can be its error."""
     hint = get_type_hints(type(encoder).try_decode)["return"]
     decoded = [kind for kind in get_args(hint) or (hint,) if not issubclass(kind, FrameError)]
-    names = [kind.__name__ for kind in kinds_of(encoder) if _can_be(kind, decoded, encoder, frame, result)]
+    names = [kind.__name__ for kind in find_kinds(encoder) if _can_be(kind, decoded, encoder, frame, result)]
     if not names:
         return ""
     words = "This can be another frame" if isinstance(result, FrameError) else "This can also be another frame"
@@ -282,7 +282,7 @@ def _can_be(kind: Any, decoded: Sequence[type], encoder: Encoder, frame: int | b
     if len(decoded) != 1 or kind in decoded:
         return False
     # Hex digits imply leading zeros, so without this, a short frame would be valid as a long one.
-    has_length = any_shape(kind, encoder).bits == any_shape(decoded[0], encoder).bits
+    has_length = find_any_shape(kind, encoder).bits == find_any_shape(decoded[0], encoder).bits
     if not has_length and not isinstance(result, LengthError):
         return False
     try:

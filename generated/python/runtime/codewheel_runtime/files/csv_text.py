@@ -9,7 +9,7 @@ from collections.abc import Callable, Generator, Iterable, Iterator
 from itertools import chain, islice
 from typing import BinaryIO, Final
 
-from ..bulk.cells import Cells, of_text
+from ..bulk.cells import Cells, read_text
 from ..bulk.shape import Shape
 from ..bulk.words import DigitKind, listed, short
 from ..errors import InputError
@@ -21,7 +21,7 @@ from .inputs import FIRST, Part, Share, Source, Stored, check_form, kept_columns
 _LONGEST: Final = 1 << 20
 
 
-def csv_rows(file: BinaryIO, name: str, size: int | None, stored: Stored, shape: Shape, share: Share) -> Source:
+def read_csv_rows(file: BinaryIO, name: str, size: int | None, stored: Stored, shape: Shape, share: Share) -> Source:
     """Return the frames and the other columns of a CSV file."""
     blocks = whole_lines(b"", file)
     head = next(blocks, b"")
@@ -222,7 +222,7 @@ def _place(first: list[str], name: str, stored: Stored, shape: Shape) -> tuple[i
 def _is_frame(text: str, shape: Shape) -> bool:
     """Return whether the text can be a frame, and is not a header."""
     try:
-        of_text(text, shape, "hex")
+        read_text(text, shape, "hex")
     except ValueError:
         return False
     # 'face' is a header, although it is also hexadecimal.

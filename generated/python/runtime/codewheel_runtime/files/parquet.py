@@ -13,19 +13,19 @@ from ..bulk.words import short
 from ..errors import InputError
 from ..packages import load
 from . import inputs
-from .inputs import Part, Source, Stored, column_of, kept_columns
+from .inputs import Part, Source, Stored, find_column, kept_columns
 
 #: Number of bytes of a Parquet column that are read at once.
 _BUFFER: Final = 1 << 20
 
 
-def parquet_batches(file: BinaryIO, name: str, stored: Stored, shape: Shape) -> Source:
+def read_parquet_batches(file: BinaryIO, name: str, stored: Stored, shape: Shape) -> Source:
     """Return the frames and the other columns of a Parquet file."""
     with _convert_to_readable(name):
         # Without a buffer, a whole column is read at once.
         opened_file = load("pyarrow.parquet").ParquetFile(file, buffer_size=_BUFFER, pre_buffer=False)
         schema = opened_file.schema_arrow
-        column = column_of(list(schema.names), stored.column, name)
+        column = find_column(list(schema.names), stored.column, name)
         total = int(opened_file.metadata.num_rows)
     other_names = tuple(column_name for column_name in schema.names if column_name != column)
     pa: Any = load("pyarrow")

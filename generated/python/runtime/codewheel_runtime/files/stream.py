@@ -20,9 +20,9 @@ from ..errors import ErrorKind, InputError, UsageError
 from ..packages import load
 from ..reports import Verdict
 from .inputs import FileKind, Source, Stored
-from .layouts import Layout, layout_of, layouts_of, shape_for
+from .layouts import Layout, find_shape
 from .partitions import PartitionDecoder, check_apart
-from .sinks import SINKS, Plan, Sink, TargetKind, target_kind
+from .sinks import SINKS, Plan, Sink, TargetKind, find_target_kind
 from .sources import open_source
 
 np: Any = load("numpy")
@@ -33,8 +33,6 @@ __all__ = [
     "Layout",
     "Summary",
     "UsageError",
-    "layout_of",
-    "layouts_of",
 ]
 
 _Part = TypeVar("_Part")
@@ -151,8 +149,8 @@ class Files(NamedTuple):
             OSError: A file cannot be read or written.
         """
         encoder = self._find_encoder(encoder)
-        shape = shape_for(encoder, layout, answers)
-        output = Output(os.fspath(target), target_format(target, to), columns, raw, force, si)
+        shape = find_shape(encoder, layout, answers)
+        output = Output(os.fspath(target), find_target_format(target, to), columns, raw, force, si)
         wanted = (*columns, "time") if si and columns else columns
         stored = Stored(kind, words, column, digits, cut, wanted)
         return _decode_file(encoder, shape, os.fspath(source), stored, output, limit, progress)
@@ -195,7 +193,7 @@ class Files(NamedTuple):
             UsageError: The arguments are wrong or incompatible with each other.
         """
         encoder = self._find_encoder(encoder)
-        decoder = PartitionDecoder(encoder, shape_for(encoder, layout, answers), column, digits, raw)
+        decoder = PartitionDecoder(encoder, find_shape(encoder, layout, answers), column, digits, raw)
         return cast(_Part, decoder.decode(part))
 
     def _find_encoder(self, encoder: Encoder | str) -> Encoder:
@@ -226,9 +224,9 @@ class Output(NamedTuple):
     si: bool
 
 
-def target_format(target: str | os.PathLike[str], to: TargetKind | None) -> TargetKind:
+def find_target_format(target: str | os.PathLike[str], to: TargetKind | None) -> TargetKind:
     """Return the format to write: the requested one, or that of the file name."""
-    kind = to or target_kind(os.fspath(target))
+    kind = to or find_target_kind(os.fspath(target))
     if os.fspath(target) == "-" and kind != "csv":
         raise UsageError("only CSV can be written to standard output")
     return kind
@@ -259,7 +257,7 @@ def _decode_file(
             if "time" not in read.empty_columns:
                 raise UsageError(f"{source} has no column 'time', which speeds in SI units need")
             check_apart(read.empty_columns, [name for name in fields.others if name != "time"], source)
-        plan = plan_of(fields, read, output.columns, source, output.raw)
+        plan = make_plan(fields, read, output.columns, source, output.raw)
         with SINKS[output.kind](file, plan) as sink:
             return decode_parts(read, shape, encoder, sink, limit, progress, derived)
 
@@ -306,7 +304,7 @@ class Derived:
             raise UsageError(f"no SI units: {error}") from None
 
     def __call__(self, table: Table, other_columns: Mapping[str, Any]) -> Table:
-        times = seconds_of(other_columns[self._time], self._source)
+        times = read_seconds(other_columns[self._time], self._source)
         extended = table.with_columns(**{self._time: times}).in_si(self._last)
         usable_rows = np.flatnonzero(table.usable)
         if len(usable_rows):
@@ -315,7 +313,7 @@ class Derived:
         return extended
 
 
-def seconds_of(cells: Any, source: str) -> Any:
+def read_seconds(cells: Any, source: str) -> Any:
     """Return the cells of a column of times as an array of seconds. An empty cell becomes NaN."""
     if hasattr(cells, "dtype"):
         return cells
@@ -352,7 +350,7 @@ class _Counts:
         return Summary(self.frames, dict(sorted(self._faults.items())), verdicts, lost)
 
 
-def plan_of(empty: Table, read: Source, columns: Sequence[str], source: str, raw: bool) -> Plan:
+def make_plan(empty: Table, read: Source, columns: Sequence[str], source: str, raw: bool) -> Plan:
     """Return the columns to write: the requested ones, or the other columns of the file and all fields."""
     unknown = [name for name in columns if name not in (*read.names, *empty.names)]
     if unknown:

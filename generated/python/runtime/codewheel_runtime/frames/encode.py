@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from ..bulk.shape import Check, Column, CrcOf, Shape, Unused
 
 
-def number_of(fields: Any, shape: Shape, arguments: tuple[Any, ...]) -> int:
+def encode_number(fields: Any, shape: Shape, arguments: tuple[Any, ...]) -> int:
     """Return the number that the fields of a frame form. ``arguments`` are the encoder and the answers that it needs.
 
     Raises:
@@ -40,8 +40,8 @@ def number_of(fields: Any, shape: Shape, arguments: tuple[Any, ...]) -> int:
         bits = number >> check.low & (1 << check.width) - 1
         if not check.is_within(bits):
             raise _limit_error(shape, check, bits)
-    if shape.others is not None:
-        number |= check_bits("unused", fields.unused, shape.others)
+    if shape.kept_mask is not None:
+        number |= check_bits("unused", fields.unused, shape.kept_mask)
     elif shape.unused:
         number |= _encode_unused_bits(fields.unused, shape.unused)
     if shape.limited is not None:
@@ -51,7 +51,7 @@ def number_of(fields: Any, shape: Shape, arguments: tuple[Any, ...]) -> int:
     for check in shape.parities:
         number |= check.parity(number) << check.low
     if shape.crc is not None:
-        number |= crc_of(number, shape.crc) << shape.crc.low
+        number |= compute_crc(number, shape.crc) << shape.crc.low
     return number
 
 
@@ -118,7 +118,7 @@ def _encode_number(name: str, value: Any, column: Column) -> int:
     return number
 
 
-def crc_of(number: int, crc: CrcOf) -> int:
+def compute_crc(number: int, crc: CrcOf) -> int:
     """Return the CRC of a number whose CRC bits are 0."""
     if not crc.steps:
         return crc.differs(number)
