@@ -70,6 +70,10 @@ __all__ = [
 
 #: Number of zeros that precede a control frame, and that end one at any time.
 ZEROS: Final = 14
+#: Number of bits of a control frame after S up to the CRC of the address, up to W, and of a byte with its CRC.
+ADDRESS_BITS: Final = 15
+HEADER_BITS: Final = 17
+BYTE_BITS: Final = 12
 #: Number of IDs that slaves can take. ID 0 is the only slave, or the last of a chain, whose SLI is 0.
 IDS: Final = 8
 #: Number of registers that one control frame can reach: 00h to 3Fh or 40h to 7Fh.
@@ -113,8 +117,10 @@ def crc(value: int, bits: int) -> int:
     """
     value, register = index(value), 0
     for place in range(bits - 1, -1, -1):
-        out = (register >> 3 ^ value >> place) & 1
-        register = register << 1 & 0xF ^ out * 0x3
+        feedback = (register >> 3 ^ value >> place) & 1
+        # The polynomial x^4 + x + 1 without its highest term is 0b0011.
+        register = register << 1 & 0xF ^ feedback * 0x3
+    # The CRC is sent inverted.
     return register ^ 0xF
 
 
@@ -323,7 +329,7 @@ class Master:
         self._phase = _Phase.WAIT
         self._requests: tuple[Request, ...] = ()
         self._zeros = 0
-        self._at = 0
+        self._bit_count = 0
         self._busy = 0
         self._busy_limit = 0
         self._sending = 0
@@ -371,7 +377,7 @@ class Master:
         if not 0 < len(values) <= count_limit:
             raise RangeError("the number of registers", len(values), f"1 to {count_limit} from address {address:02X}h")
         self.outcome = Outcome.RUNNING
-        self.slaves = self.done = self._at = self._answers = 0
+        self.slaves = self.done = self._bit_count = self._answers = 0
         self.data = b""
         self._phase = _Phase.WAIT
         self._requests = tuple(Request(slave_id, address + index, value) for index, value in enumerate(values))
@@ -416,9 +422,9 @@ class Master:
     def _follow_header(self, cds: int) -> int:
         """Return the bits of steps 2 and 3 (CTS to W), then S once R W is answered."""
         self._answers = self._answers << 1 | cds
-        self._at += 1
-        if self._at <= 17:
-            return self._sending >> 17 - self._at & 1
+        self._bit_count += 1
+        if self._bit_count <= HEADER_BITS:
+            return self._sending >> HEADER_BITS - self._bit_count & 1
         self.slaves = _count_slaves(self._answers >> 2)
         echo = self._requests[0]._judge_echo(self._answers)
         if echo is not Outcome.RUNNING:
@@ -439,19 +445,19 @@ class Master:
             self._busy += 1
             return 1
         self._phase = _Phase.BYTE
-        self._at = self._answers = 0
+        self._bit_count = self._answers = 0
         value = self._requests[self.done].value
         self._sending = 0 if value is None else encode_byte(value)
         return self._sending >> 11 & 1
 
     def _follow_byte(self, cds: int) -> int:
         """Return the bits of steps 5 to 7: the rest of DATA and CRC, P, and S if a register follows."""
-        if self._at == 12:
+        if self._bit_count == BYTE_BITS:
             return self._end(Outcome.REFUSED) if cds else self._look_up_register()
         self._answers = self._answers << 1 | cds
-        self._at += 1
-        if self._at < 12:
-            return self._sending >> 11 - self._at & 1
+        self._bit_count += 1
+        if self._bit_count < BYTE_BITS:
+            return self._sending >> BYTE_BITS - 1 - self._bit_count & 1
         outcome, value = self._requests[self.done]._judge_data(self._answers)
         if outcome is not Outcome.DONE:
             return self._end(outcome)
@@ -565,7 +571,7 @@ class Slave:
         self._byte_to_send: int | None = None
         self._current = 0
         self._zeros = 0
-        self._at = 0
+        self._bit_count = 0
         self._received = 0
 
     def give(self, value: int) -> None:
@@ -611,7 +617,7 @@ class Slave:
         if not cdm or not ready:
             return upstream
         self._phase = _Phase.HEADER
-        self._at = self._received = 0
+        self._bit_count = self._received = 0
         self.slave_id = None
         self._locked = False
         return self._take_id(upstream)
@@ -641,27 +647,27 @@ class Slave:
 
     def _take_id(self, upstream: int) -> int:
         """Take the first IDL bit that no slave further from the master has taken."""
-        if upstream or self._locked or self._at > IDS:
+        if upstream or self._locked or self._bit_count > IDS:
             return upstream
         self._locked = True
         # IDL8 only shows that there are more slaves than IDs.
-        self.slave_id = self._at if self._at < IDS else None
+        self.slave_id = self._bit_count if self._bit_count < IDS else None
         return 1
 
     def _follow_header(self, cdm: int, upstream: int) -> int:
         """Return the answers of steps 2 and 3, after S."""
         self._received = self._received << 1 | cdm
-        self._at += 1
-        if self._at <= 15:
+        self._bit_count += 1
+        if self._bit_count <= ADDRESS_BITS:
             cds = self._take_id(upstream)
-            if self._at < 15:
+            if self._bit_count < ADDRESS_BITS:
                 return cds
             head, received = self._received >> 4, self._received & 0xF
             if not head >> 10 or received != crc(head, 11) or head >> 7 & 0x7 != self.slave_id:
                 return self._leave(cds)
             self._current = head & 0x7F
             return cds
-        if self._at == 16:
+        if self._bit_count == HEADER_BITS - 1:
             return cdm
         self._writes = bool(cdm)
         if self._received >> 1 & 1 == cdm:
@@ -680,14 +686,14 @@ class Slave:
         if self.wants is not Wants.NOTHING:
             return 0
         self._phase = _Phase.BYTE
-        self._at = self._received = 0
+        self._bit_count = self._received = 0
         return 1
 
     def _follow_byte(self, cdm: int) -> int:
         """Return the answers of steps 5 and 6: the byte, then P."""
         self._received = self._received << 1 | cdm
-        self._at += 1
-        if self._at > 12:
+        self._bit_count += 1
+        if self._bit_count > BYTE_BITS:
             last = self._current & 0x3F == 0x3F
             self._current += not last
             if cdm or last or not self._is_allowed():
@@ -695,8 +701,8 @@ class Slave:
             self._await_start()
             return 0
         if self._byte_to_send is not None:
-            return self._byte_to_send >> 12 - self._at & 1
-        if self._at == 12:
+            return self._byte_to_send >> BYTE_BITS - self._bit_count & 1
+        if self._bit_count == BYTE_BITS:
             try:
                 self.value = decode_byte(self._received)
             except CrcError:

@@ -439,11 +439,14 @@ class Session:
         """Count the replies in bytes that arrived without a request. Raises an error if a second device answers."""
         last = self._last_request
         replies = split_replies(data, last, self.kinds) if last is not None else []
-        self._single_replies *= not replies
+        if replies:
+            self._single_replies = 0
         # The reply of a second device to one request can arrive after the reply to the next one.
-        self._foreign_replies *= self._single_replies < _SINGLE_REPLIES
-        extra = self._count_extra(len(replies))
-        self._count_foreign(self._find_foreign(replies)[:extra], data, _LATE_FOREIGN_REPLIES)
+        if self._single_replies >= _SINGLE_REPLIES:
+            self._foreign_replies = 0
+        extra_count = self._count_extra(len(replies))
+        foreign = self._find_foreign(replies)[:extra_count]
+        self._count_foreign(foreign, data, _LATE_FOREIGN_REPLIES)
 
     def _count_extra(self, count: int) -> int:
         """Count replies beyond those that are used. Return their number without late replies to failed requests."""

@@ -276,17 +276,20 @@ def from_gray(number: int, low: int, width: int, excess: int = 0) -> int:
     """Convert the ``width`` bits of ``number`` that start at bit ``low`` from Gray code to binary, minus ``excess``."""
     mask = (1 << width) - 1
     gray = number >> low & mask
+    # Each bit of the binary number is the XOR of all Gray bits from it up to the highest.
     binary = gray
     while gray := gray >> 1:
         binary ^= gray
-    return number & ~(mask << low) | (binary - excess & mask) << low
+    other_bits = number & ~(mask << low)
+    return other_bits | (binary - excess & mask) << low
 
 
 def to_gray(number: int, low: int, width: int, excess: int = 0) -> int:
     """Convert the ``width`` bits of ``number`` that start at bit ``low``, plus ``excess``, from binary to Gray code."""
     mask = (1 << width) - 1
     binary = (number >> low) + excess & mask
-    return number & ~(mask << low) | (binary ^ binary >> 1) << low
+    other_bits = number & ~(mask << low)
+    return other_bits | (binary ^ binary >> 1) << low
 
 
 def unwrap(

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-from ..biss import ZEROS, Outcome, Request, crc, decode_byte
+from ..biss import ADDRESS_BITS, BYTE_BITS, HEADER_BITS, ZEROS, Outcome, Request, crc, decode_byte
 from ..errors import CrcError
 from ..packages import load
 
@@ -54,7 +54,7 @@ class Accesses:
     """Finder of accesses. It follows the bits of successive cycles on both sides, master and slave."""
 
     def __init__(self) -> None:
-        self._zeros = self._at = self._sent = self._answers = 0
+        self._zeros = self._bit_count = self._sent = self._answers = 0
         self._state = self._follow_idle
         self._time, self._head = 0.0, 0
         self._is_write, self._is_free = False, True
@@ -91,7 +91,7 @@ class Accesses:
     def _begin_access(self, time: float) -> None:
         """Start a control frame at this time."""
         self._time, self._is_free = time, False
-        self._at = self._sent = self._answers = self._head = 0
+        self._bit_count = self._sent = self._answers = self._head = 0
         self._state = self._follow_header
 
     def _end_access(self) -> None:
@@ -115,28 +115,37 @@ class Accesses:
     def _is_known(self) -> bool:
         """Return whether the address of an unfinished access has been transmitted."""
         if self._state == self._follow_byte:
-            return self._at < 12
-        return self._state != self._follow_header or self._at >= 15
+            return self._bit_count < BYTE_BITS
+        return self._state != self._follow_header or self._bit_count >= ADDRESS_BITS
 
     def _make_access(self, value: int | None, result: str, done: bool = False) -> Access:
         """Return the access with the ID and the address that were transmitted."""
-        head = self._head if self._state != self._follow_header or self._at > 15 else self._sent >> 4
-        return Access(self._time, head >> 7 & 7, head & 0x7F, self._is_write, value, done, result)
+        is_head_complete = self._state != self._follow_header or self._bit_count > ADDRESS_BITS
+        head = self._head if is_head_complete else self._sent >> 4
+        return Access(
+            time=self._time,
+            slave_id=head >> 7 & 7,
+            address=head & 0x7F,
+            is_write=self._is_write,
+            value=value,
+            done=done,
+            result=result,
+        )
 
     def _follow_header(self, cds: int, cdm: int) -> Iterator[Access]:
         """Follow the header: start bit, CTS, ID, address, CRC and the kind of access."""
-        self._at += 1
+        self._bit_count += 1
         self._answers = self._answers << 1 | cds
-        if self._at <= 17:
+        if self._bit_count <= HEADER_BITS:
             self._sent = self._sent << 1 | cdm
-        if self._at == 15:
+        if self._bit_count == ADDRESS_BITS:
             self._head = self._sent >> 4
             # Commands have no registers, and a damaged header reaches no slave.
             if self._sent & 0xF != crc(self._head, 11) or not self._head >> 10:
                 self._end_access()
-        elif self._at == 17:
+        elif self._bit_count == HEADER_BITS:
             self._is_write = self._sent & 0b11 == 0b01
-        elif self._at == 18:
+        elif self._bit_count == HEADER_BITS + 1:
             request = Request(self._head >> 7 & 7, self._head & 0x7F, 0 if self._is_write else None)
             outcome = request._judge_echo(self._answers)
             if outcome is not Outcome.RUNNING:
@@ -150,17 +159,17 @@ class Accesses:
     def _follow_start(self, cds: int, cdm: int) -> Iterator[Access]:
         """Follow the bits before a byte. The slave is busy until its start bit."""
         if cds:
-            self._state, self._at, self._sent, self._answers = self._follow_byte, 0, cdm, 0
+            self._state, self._bit_count, self._sent, self._answers = self._follow_byte, 0, cdm, 0
         elif not cdm:
             yield self._make_access(None, Outcome.BUSY.value)
             self._end_access()
 
     def _follow_byte(self, cds: int, cdm: int) -> Iterator[Access]:
         """Follow a byte on both sides: eight bits and their CRC, which the other side repeats, and a stop bit."""
-        self._at += 1
-        if self._at < 12:
+        self._bit_count += 1
+        if self._bit_count < BYTE_BITS:
             self._answers, self._sent = self._answers << 1 | cds, self._sent << 1 | cdm
-        elif self._at == 12:
+        elif self._bit_count == BYTE_BITS:
             self._answers = self._answers << 1 | cds
             value = _decode_value(self._sent if self._is_write else self._answers)
             if self._is_write:

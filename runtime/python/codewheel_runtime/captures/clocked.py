@@ -289,11 +289,13 @@ class _CycleFinder:
     def _find_biss_bits(self, cycles: _Cycles) -> _Bits:
         """Return the bits after the start bit, which is the first rise of the data line after its first fall."""
         clock, falls, ends, last, period = self._clock, cycles.falls, cycles.ends, cycles.last, cycles.period
+        # The data line goes low as an acknowledgement (down), and rises with the start bit (up).
         index = np.searchsorted(self._data, cycles.begin, "left")
         level = self._levels[1] ^ (index & 1)
         padded = np.append(self._data, [np.inf, np.inf])
         down, up = padded[index], padded[index + 1]
         first = (np.searchsorted(clock, up, "right") - falls) // 2 - 1
+        # A delayed data line shifts the start bit by whole periods.
         start_bit = falls + 1 + 2 * np.maximum(first, 0)
         second = clock[np.minimum(falls + 3, ends - 1)]
         late = np.maximum(np.floor((np.where(np.isfinite(down), down, 0) - second) / period), 0)
@@ -344,6 +346,7 @@ class _CycleFinder:
         falls, rises, period = cycles.falls[good], cycles.rises[good], cycles.period[good]
         delay = bits.delay[good]
         clock, data = self._clock, self._data
+        # The rising edge of each bit. After the last one, the period of the clock continues.
         order = bits.skipped[good][:, None] + np.arange(count)[None, :]
         beyond = np.maximum(order - (rises - 1)[:, None], 0)
         places = falls[:, None] + 1 + 2 * (order - beyond)
@@ -355,7 +358,9 @@ class _CycleFinder:
         if self._early and len(period) and period.min() < _COARSE:
             times, delay, half = self._refine_delays(times, beyond == 0, delay, period)
         times += (delay + half)[:, None]
-        return (np.searchsorted(data, times.ravel(), "right").reshape(times.shape) & 1) ^ self._levels[1]
+        # An odd number of edges before a time inverts the first level.
+        edge_counts = np.searchsorted(data, times.ravel(), "right").reshape(times.shape)
+        return edge_counts & 1 ^ self._levels[1]
 
     def _refine_delays(self, times: Any, has_edge: Any, delay: Any, period: Any) -> tuple[Any, Any, Any]:
         """Refine the times of the clock's edges, the delay, and half a bit, if there are few samples per period.

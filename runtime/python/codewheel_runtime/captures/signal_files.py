@@ -308,6 +308,7 @@ class _Saleae:
 
     def _read_chunk(self) -> tuple[int, int]:
         """Return the first level and the number of edges of the next chunk."""
+        # First level, sample rate in version 1, begin, end and number of edges.
         header = struct.Struct("<IdddQ" if self._has_rate else "<IddQ")
         level, *_, begin, end, count = header.unpack(self._read_exactly(header.size))
         if not (np.isfinite(begin) and np.isfinite(end)) or level > 1:

@@ -8,6 +8,7 @@ import io
 import sys
 from collections.abc import Callable, Mapping
 from functools import cached_property
+from math import isnan
 from pathlib import PurePath
 from types import TracebackType
 from typing import Any, Final, Literal, NamedTuple, Protocol, cast
@@ -186,10 +187,11 @@ class CsvSink:
     def __init__(self, file: Any, plan: Plan) -> None:
         # CSV keeps every cell as text, so none is ever lost.
         self._plan, self.lost = plan, 0
-        self._own = io.TextIOWrapper(file, "utf-8", newline="") if file is not None else None
-        out = self._own or sys.stdout
-        self._flush, self._put, self._rows = out.flush, out.write, csv.writer(out, lineterminator="\n").writerows
-        self._rows([plan.names])
+        # Without a file, the rows go to standard output.
+        self._own_file = io.TextIOWrapper(file, "utf-8", newline="") if file is not None else None
+        self._out = self._own_file or sys.stdout
+        self._writer = csv.writer(self._out, lineterminator="\n")
+        self._writer.writerow(plan.names)
 
     def __enter__(self) -> CsvSink:
         return self
@@ -198,10 +200,10 @@ class CsvSink:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         if kind is None:
-            self._flush()
-        if self._own is not None:
+            self._out.flush()
+        if self._own_file is not None:
             # The caller closes the file.
-            self._own.detach()
+            self._own_file.detach()
 
     @cached_property
     def _formatter(self) -> _ArrowFormatter | None:
@@ -224,7 +226,7 @@ class CsvSink:
             if text is None:
                 self._write_rows(part, columns)
             else:
-                self._put(text)
+                self._out.write(text)
 
     def _write_rows(self, table: Table, other_columns: Mapping[str, Any]) -> None:
         """Append the rows one by one, with quotes where they are needed."""
@@ -235,13 +237,14 @@ class CsvSink:
             else:
                 hidden = None if self._plan.raw else table.hidden(name)
                 columns.append(_format_cells(name, table[name], hidden))
-        self._rows(zip(*columns, strict=False))
+        self._writer.writerows(zip(*columns, strict=False))
 
 
 def _format_cells(name: str, column: Any, hidden: Any) -> list[Any]:
     """Return the cells of a decoded column for CSV."""
     cells: list[Any] = column.tolist()
     if column.dtype.kind == "O":
+        # Decimals, without an exponent.
         cells = [f"{cell:f}" for cell in cells]
     if column.dtype.kind == "b":
         cells = [_BOOLS[cell] for cell in cells]
@@ -251,7 +254,7 @@ def _format_cells(name: str, column: Any, hidden: Any) -> list[Any]:
         words = WORDS[name]
         return [words[index] for index in cells]
     if column.dtype.kind == "f":
-        return ["" if cell != cell else cell for cell in cells]
+        return ["" if isnan(cell) else cell for cell in cells]
     return list_texts(column) if column.dtype.kind == "S" else cells
 
 
@@ -284,8 +287,10 @@ class _ArrowFormatter:
         """Return a decoded column for CSV."""
         column, hidden = table[name], None if self._plan.raw else table.hidden(name)
         if name in WORDS:
+            # A fault or a verdict is the index of its word.
             return self._pa.array(WORDS[name], self._pa.string()).take(self._pa.array(column))
-        if column.dtype.kind in "bui":
+        is_bool_or_integer = column.dtype.kind in "bui"
+        if is_bool_or_integer:
             return self._pa.array(column, mask=hidden)
         return self._format_texts(_format_cells(name, column, hidden))
 

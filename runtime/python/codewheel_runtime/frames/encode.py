@@ -122,7 +122,10 @@ def compute_crc(number: int, crc: CrcOf) -> int:
     """Return the CRC of a number whose CRC bits are 0."""
     if not crc.steps:
         return crc.differs(number)
-    for shift, mask, shift_back in crc.steps:
-        high = number >> shift
-        number = number & mask ^ high ^ (high << shift_back if shift_back else 0)
+    # Each step folds the high bits of the number onto lower ones. The remainder is the CRC.
+    for step in crc.steps:
+        high = number >> step.shift
+        number = number & step.mask ^ high
+        if step.back:
+            number ^= high << step.back
     return number ^ crc.xorout

@@ -76,7 +76,10 @@ class _Bits(NamedTuple):
 
 
 def _describe_usual_bits(column: Column) -> _Bits | None:
-    """Return the condition and the bits of a field, or None if ``encode_number`` must handle it."""
+    """Return the condition and the bits of a field, or None if ``encode_number`` must handle it.
+
+    They are texts of code, in which ``{0}`` stands for the variable of the value.
+    """
     width = column.width
     if column.zero_means or column.power_of_two:
         return None

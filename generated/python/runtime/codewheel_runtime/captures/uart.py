@@ -216,8 +216,10 @@ class _Replies:
         if count >= length:
             windows = np.lib.stride_tricks.sliding_window_view(self._values, length)
             is_valid[: len(windows)] = decode_many(np.ascontiguousarray(windows), shape, None).fault == 0
+            # A frame has no pause between its bytes. The pauses before each byte are counted.
             gaps = np.concatenate([[0], np.cumsum(np.diff(self._times) > self._pause)])
             is_valid[: len(windows)] &= gaps[length - 1 :] == gaps[: len(windows)]
+            # All of its bytes have a stop bit. The bytes without one before each byte are counted.
             faulty_counts = np.concatenate([[0], np.cumsum(~self._has_stop_bit)])
             is_valid[: len(windows)] &= faulty_counts[length:] == faulty_counts[: len(windows)]
         return is_valid

@@ -88,13 +88,13 @@ def _read_series(series: Any, shape: Shape, digits: DigitKind | None) -> Any:
     missing = series.isna().tolist()
     cell_frames: list[Any] = []
     for row, cell in enumerate(frames.tolist()):
-        cell_frames.append(None if missing[row] else _find_frame_column(cell, shape, cells, row))
+        cell_frames.append(None if missing[row] else _read_cell(cell, shape, cells, row))
     if cells.are_mostly_unread:
         raise ValueError(f"row {cells.place + 1}: {cells.error}")
     return cell_frames
 
 
-def _find_frame_column(cell: object, shape: Shape, cells: Cells, row: int) -> Any:
+def _read_cell(cell: object, shape: Shape, cells: Cells, row: int) -> Any:
     """Return a frame from a column of objects."""
     if isinstance(cell, str):
         return cells.read(cell, row)
