@@ -80,6 +80,7 @@ from codewheel_runtime.codec import (
 from codewheel_runtime.encoder import (
     ErrorHandler,
     Positioned,
+    SerialEncoder,
     check_encoder,
     load_fact,
     look_up,
@@ -452,7 +453,7 @@ class BissEncoder(Variant):
         return encode_many(columns, SingleCycleData, variant=self)
 
 
-class Rs485Encoder(Variant):
+class Rs485Encoder(Variant, SerialEncoder):
     """Encoder with RS-485. Its attributes are documented in ``Variant``."""
 
     interface: ClassVar[Interface] = _RS485

@@ -69,8 +69,8 @@ PACKAGE: Mapping[str, tuple[str, ...]] = _runtime_modules(
         "codec": """BitField Data PositionRange Rows Word Words as_bytes as_member as_word check_kind check_limits
             check_signed check_width crc_by_xor crc_of_bits crc_of_bytes create from_gray make_crc_tables
             require_answer signed text_number too_long_error wrong_answer_error zero_for""",
-        "encoder": """Encoder ErrorHandler Exchanged Positioned check_encoder load_fact look_up raise_frame_error
-            return_frame_error wrong_encoder_error""",
+        "encoder": """Encoder ErrorHandler Exchanged Positioned SerialEncoder check_encoder load_fact look_up
+            raise_frame_error return_frame_error wrong_encoder_error""",
         "measures": "FineLinear Linear Rotary Wrapping",
         "errors": "ConstantError CrcError FrameError LengthError RangeError",
         "frames.base": """BitsOf BytesOf FixedBits FixedBytes FixedLimitedRegister FixedRegister ForEncoder InBits

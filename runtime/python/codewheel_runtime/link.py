@@ -11,7 +11,7 @@ from threading import RLock
 from time import monotonic
 from typing import Any, Protocol, TypeVar
 
-from .encoder import Encoder, Frame, PositionFrame
+from .encoder import Encoder, Frame, PositionFrame, SerialEncoder
 from .errors import InterfaceError
 from .link_errors import (
     BusyError,
@@ -320,7 +320,7 @@ class Ports:
     def open_encoder(
         self,
         port: str,
-        label: str | Encoder,
+        label: str | SerialEncoder,
         *,
         timeout_s: float = 0.05,
         retries: int = 3,
@@ -333,7 +333,7 @@ class Ports:
 
         Args:
             port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a pyserial URL.
-            label: Order code on the label, or the encoder.
+            label: Order code on the label, or an encoder whose class shows that it has RS-485.
             timeout_s: Time in seconds in which a reply must be complete.
             retries: Number of further attempts after a failure.
             settle_s: Time in seconds for which the line must be quiet after a reply. The default depends on the baud

@@ -285,6 +285,10 @@ class Encoder:
         return f"<{self.code}{self.special_code}>"
 
 
+class SerialEncoder(Encoder):
+    """Encoder with RS-485, which a serial port can reach. Type checkers reject others for ``open_encoder``."""
+
+
 class _BoundDecoder:
     """Method ``decode`` or ``try_decode`` of an encoder. The first access replaces it with the encoder's decoder.
 

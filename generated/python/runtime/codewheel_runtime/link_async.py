@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from inspect import isawaitable
 from typing import Any, Protocol, TypeVar
 
-from .encoder import Encoder, Frame, PositionFrame
+from .encoder import Encoder, Frame, PositionFrame, SerialEncoder
 from .link import Transport, serial_transport
 from .link_errors import PortError
 from .session import Session, Statistics, Work
@@ -195,7 +195,7 @@ class AsyncPorts:
     def open_async(
         self,
         port: str,
-        label: str | Encoder,
+        label: str | SerialEncoder,
         *,
         timeout_s: float = 0.05,
         retries: int = 3,
@@ -207,7 +207,7 @@ class AsyncPorts:
 
         Args:
             port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a pyserial URL.
-            label: Order code on the label, or the encoder.
+            label: Order code on the label, or an encoder whose class shows that it has RS-485.
             timeout_s: Time in seconds in which a reply must be complete.
             retries: Number of further attempts after a failure.
             settle_s: Time in seconds for which the line must be quiet after a reply. The default depends on the baud
