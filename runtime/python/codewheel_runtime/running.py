@@ -113,18 +113,19 @@ class _Procedure:
         from logging import getLogger
 
         logger, count = getLogger("codewheel_runtime"), len(steps)
-        for at, step in enumerate(steps):
-            logger.debug("step %d of %d: %r", at + 1, count, step)
+        for index, step in enumerate(steps):
+            logger.debug("step %d of %d: %r", index + 1, count, step)
             try:
                 if progress is not None:
-                    progress(at, count, step)
+                    progress(index, count, step)
                 self.do(step)
             except BaseException as error:
-                left_open = self.restore(steps[at:])
-                logger.warning("step %d of %d failed: %r; left open: %s", at + 1, count, error, left_open or "nothing")
+                left_open = self.restore(steps[index:])
+                open_text = left_open or "nothing"
+                logger.warning("step %d of %d failed: %r; left open: %s", index + 1, count, error, open_text)
                 if not isinstance(error, Exception):
                     raise
-                raise StepError(step, at, tuple(steps[:at]), left_open, str(error) or repr(error)) from error
+                raise StepError(step, index, tuple(steps[:index]), left_open, str(error) or repr(error)) from error
 
     def do(self, step: Step) -> None:
         """Carry out one step, and remember what it changed."""

@@ -248,7 +248,7 @@ class Session:
 
     def run(self, steps: Sequence[Step]) -> Work[None]:
         """Carry out the steps of a procedure. If a request in a series fails, the series starts again."""
-        for at, step in enumerate(steps):
+        for index, step in enumerate(steps):
             try:
                 if isinstance(step, Wait):
                     yield from self.pause(step.microseconds / 1e6)
@@ -257,7 +257,7 @@ class Session:
                 else:
                     raise LinkError(f"RS-485 has no registers for {type(step).__name__}")
             except LinkError as error:
-                raise StepError(step, at, tuple(steps[:at]), (), str(error)) from error
+                raise StepError(step, index, tuple(steps[:index]), (), str(error)) from error
 
     def pause(self, seconds: float) -> Work[None]:
         """Wait, and discard all bytes that arrive."""

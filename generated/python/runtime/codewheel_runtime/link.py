@@ -109,7 +109,7 @@ class Link:
             NotUsableError: The encoder reports that its position is not usable.
             LinkError: There is no valid reply. The subclass indicates the reason.
         """
-        return self._do(self.session.position(request))
+        return self._carry_out(self.session.position(request))
 
     def read(self, request: Any = None) -> PositionFrame:
         """Return a frame with the position. Check its ``verdict`` before you use the position.
@@ -120,7 +120,7 @@ class Link:
         Raises:
             LinkError: There is no valid reply. The subclass indicates the reason.
         """
-        return self._do(self.session.read(request))
+        return self._carry_out(self.session.read(request))
 
     def exchange(self, request: Any) -> Frame:
         """Send a request, and return the reply to it.
@@ -134,7 +134,7 @@ class Link:
         Raises:
             LinkError: There is no valid reply, or no such request. The subclass indicates the reason.
         """
-        return self._do(self.session.exchange(request))
+        return self._carry_out(self.session.exchange(request))
 
     def run(self, steps: Sequence[Step]) -> None:
         """Carry out a procedure, such as a reset. If a request in a series fails, the series starts again.
@@ -145,12 +145,12 @@ class Link:
         Raises:
             StepError: A step failed. Its ``__cause__`` is the reason.
         """
-        self._do(self.session.run(steps))
+        self._carry_out(self.session.run(steps))
 
     def drain(self) -> None:
         """Discard all bytes that were received but not read, until the line is quiet."""
         with self.lock:
-            self._do(self.session.drain())
+            self._carry_out(self.session.drain())
 
     def send(self, request: bytes, /) -> None:
         """Send one request."""
@@ -177,7 +177,7 @@ class Link:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _do(self, work: Work[_Result]) -> _Result:
+    def _carry_out(self, work: Work[_Result]) -> _Result:
         """Carry out a task of the session: send its requests, and pass the received bytes on."""
         with self.lock:
             try:

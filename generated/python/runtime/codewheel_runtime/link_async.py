@@ -114,19 +114,19 @@ class AsyncLink:
 
     async def position(self, request: Any = None) -> int:
         """Return the position in counts, requested by ``request`` or with factory defaults."""
-        return await self._do(self.session.position(request))
+        return await self._carry_out(self.session.position(request))
 
     async def read(self, request: Any = None) -> PositionFrame:
         """Return a frame with the position, requested by ``request`` or with factory defaults."""
-        return await self._do(self.session.read(request))
+        return await self._carry_out(self.session.read(request))
 
     async def exchange(self, request: Any) -> Frame:
         """Send a request, and return the reply to it."""
-        return await self._do(self.session.exchange(request))
+        return await self._carry_out(self.session.exchange(request))
 
     async def run(self, steps: Sequence[Step]) -> None:
         """Carry out a procedure, such as a reset."""
-        await self._do(self.session.run(steps))
+        await self._carry_out(self.session.run(steps))
 
     async def close(self) -> None:
         """Close the transport, if it can be closed."""
@@ -140,7 +140,7 @@ class AsyncLink:
     async def __aexit__(self, *_: object) -> None:
         await self.close()
 
-    async def _do(self, work: Work[_Result]) -> _Result:
+    async def _carry_out(self, work: Work[_Result]) -> _Result:
         """Carry out a task of the session: send its requests, and pass the received bytes on."""
         async with self._lock:
             try:

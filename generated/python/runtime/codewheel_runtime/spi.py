@@ -235,9 +235,9 @@ class RegisterBus:
             FrameError: A word is damaged.
         """
         reading = self._line._make_read_request(address)
-        answer = self._sent(reading)
+        answer = self._send_request(reading)
         if self._line._late:  # The reply comes with a further word, which can be the same request.
-            answer = self._sent(reading)
+            answer = self._send_request(reading)
         data: int = answer.reply.data
         return data.to_bytes(length, "big")
 
@@ -248,8 +248,8 @@ class RegisterBus:
             FrameError: A word is damaged.
         """
         for request in self._line._make_write_requests(address, data):
-            self._sent(request)
+            self._send_request(request)
 
-    def _sent(self, request: Request) -> Any:
+    def _send_request(self, request: Request) -> Any:
         """Send a request, and return the answer that arrives meanwhile."""
         return self._line.take(self._exchange(self._line._start_request(request, None)))

@@ -83,6 +83,7 @@ def _read_rows(array: Any, length: int) -> Any:
     kind, count = array.type, len(array)
     if not count:
         return np.zeros((0, length), np.uint8)
+    # Arrow stores the bytes of all strings in one buffer. Without a fixed size, another one has their offsets.
     buffers = array.buffers()
     if load("pyarrow").types.is_fixed_size_binary(kind):
         if kind.byte_width != length:

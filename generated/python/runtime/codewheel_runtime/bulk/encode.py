@@ -149,11 +149,11 @@ def _encode_rows(arrays: Mapping[str, Any], shape: Shape, first_error: FirstErro
 
 def _insert(limbs: list[Any], low: int, width: int, bits: Any) -> None:
     """Insert bits at a position where all bits are still 0."""
-    at, shift = divmod(low, 64)
+    limb_index, shift = divmod(low, 64)
     if width:
-        limbs[at] |= bits << np.uint64(shift)
+        limbs[limb_index] |= bits << np.uint64(shift)
     if shift + width > 64:
-        limbs[at + 1] |= bits >> np.uint64(64 - shift)
+        limbs[limb_index + 1] |= bits >> np.uint64(64 - shift)
 
 
 def _encode_field(arrays: Mapping[str, Any], column: Column, first_error: FirstError) -> Iterator[tuple[int, int, Any]]:

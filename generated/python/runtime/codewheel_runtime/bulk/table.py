@@ -397,7 +397,7 @@ class Table(_TableOf[_Name, _Unit]):
             ValueError: The encoder does not measure in this unit, or the manual does not give the size of a count.
         """
         positions = self.position if counts is None else counts
-        unit_size, parts = self._unit(unit)
+        unit_size, parts = self._find_unit_size(unit)
         if unit in ("degrees", "radians"):
             positions = positions % parts
         values = positions * unit_size / parts
@@ -433,7 +433,7 @@ class Table(_TableOf[_Name, _Unit]):
         if previous is not None:
             rows_with_speed = usable_rows
             positions, times = np.insert(positions, 0, previous[0]), np.insert(times, 0, previous[1])
-        unit_size, parts = self._unit("turns" if unit == "rpm" else unit)
+        unit_size, parts = self._find_unit_size("turns" if unit == "rpm" else unit)
         per_minute = 60 if unit == "rpm" else 1
         column = np.full(self.count, np.nan)
         column[rows_with_speed] = np.diff(positions) * (per_minute * unit_size) / parts / np.diff(times)
@@ -472,7 +472,7 @@ class Table(_TableOf[_Name, _Unit]):
         columns = {unit: table.in_units(unit), f"{unit}_per_second": self._compute_speed(None, unit, previous)}
         return self.with_columns(**columns)
 
-    def _unit(self, unit: str) -> tuple[float, int]:
+    def _find_unit_size(self, unit: str) -> tuple[float, int]:
         """Return the size of one count in a unit, as numerator and denominator."""
         if unit == "counts":
             return 1, 1

@@ -312,12 +312,13 @@ class _CycleFinder:
     def _find_ssi_bits(self, cycles: _Cycles) -> _Bits:
         """Return the bits, one for each rising edge. The first change of the data line shows its delay."""
         clock, falls, ends, period = self._clock, cycles.falls, cycles.ends, cycles.period
+        # The first change of the data line after the first rising edge of the clock, and the rising edge before it.
         padded = np.append(self._data, [np.inf, np.inf])
         first_rise = clock[np.minimum(falls + 1, ends - 1)]
         change = padded[np.searchsorted(self._data, first_rise, "left")]
         rises_before = (np.searchsorted(clock, change, "right") - falls) // 2
-        near = falls + 1 + 2 * np.maximum(rises_before - 1, 0)
-        delay = np.where(change < cycles.last + period, change - clock[np.minimum(near, ends - 1)], 0.0)
+        nearest_rise = falls + 1 + 2 * np.maximum(rises_before - 1, 0)
+        delay = np.where(change < cycles.last + period, change - clock[np.minimum(nearest_rise, ends - 1)], 0.0)
         delay = np.where(delay < period, delay, 0.0)
         reasons = np.zeros(len(falls), np.int64)
         reasons[cycles.rises < self._bits] = _SHORT

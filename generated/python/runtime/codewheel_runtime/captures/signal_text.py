@@ -87,7 +87,7 @@ class _TableForm(NamedTuple):
     which are converted to seconds from the first one.
     """
 
-    between: str | None
+    delimiter: str | None
     channels: list[str]
     unit: float | None
     rate: float | None
@@ -123,16 +123,16 @@ def _find_table_form(path: str, head: bytes) -> _TableForm:
     rows = [line for line in lines if line.strip() and line[:1] not in (";", "#")]
     if not rows:
         raise InputError(path, "", f"this is not a capture: {HINT}")
-    between = max(",;\t", key=rows[0].count) if re.search("[,;\t]", rows[0]) else None
-    cells = _split_cells(rows[0], between)
+    delimiter = max(",;\t", key=rows[0].count) if re.search("[,;\t]", rows[0]) else None
+    cells = _split_cells(rows[0], delimiter)
     has_header = not _is_row(cells)
     # An oscilloscope has a second header, with units.
-    unit_cells = _split_cells(rows[1], between) if has_header and len(rows) > 2 else []
-    has_units = bool(unit_cells) and not _is_row(unit_cells) and _is_row(_split_cells(rows[2], between))
+    unit_cells = _split_cells(rows[1], delimiter) if has_header and len(rows) > 2 else []
+    has_units = bool(unit_cells) and not _is_row(unit_cells) and _is_row(_split_cells(rows[2], delimiter))
     header_count = has_header + has_units
-    if has_header and len(rows) > header_count and not _is_row(_split_cells(rows[header_count], between)):
+    if has_header and len(rows) > header_count and not _is_row(_split_cells(rows[header_count], delimiter)):
         raise InputError(path, "", f"this is not a capture: {HINT}")
-    first_rows = [_split_cells(row, between) for row in rows[header_count : header_count + 4]]
+    first_rows = [_split_cells(row, delimiter) for row in rows[header_count : header_count + 4]]
     is_stamped = bool(first_rows) and bool(first_rows[0]) and _is_stamp(first_rows[0][0])
     unit = _find_unit(unit_cells[0].lower() if has_units else cells[0]) if has_header else None
     if is_stamped:
@@ -145,7 +145,7 @@ def _find_table_form(path: str, head: bytes) -> _TableForm:
     channels = cells[unit is not None :]
     labels = [label.strip() for label in _find_comment(comments, "Channels").split(",") if label.strip()]
     return _TableForm(
-        between=between,
+        delimiter=delimiter,
         channels=labels if len(labels) == len(channels) else channels,
         unit=unit,
         rate=parse_rate(_find_comment(comments, "Samplerate")),
@@ -207,9 +207,9 @@ def _start(head: bytes, header_count: int) -> int:
     return at
 
 
-def _split_cells(line: str, between: str | None) -> list[str]:
+def _split_cells(line: str, delimiter: str | None) -> list[str]:
     """Return the cells of a line. A separator at its end is ignored."""
-    cells = [cell.strip().strip('"') for cell in line.split(between)]
+    cells = [cell.strip().strip('"') for cell in line.split(delimiter)]
     return cells[:-1] if cells and not cells[-1] else cells
 
 
@@ -272,7 +272,8 @@ class _RowReader:
     def _read_numbers(self, block: bytes, line: int, columns: list[int]) -> Any:
         """Return the numbers in these columns."""
         try:
-            return np.loadtxt(io.BytesIO(block), delimiter=self._form.between, usecols=columns, ndmin=2, comments=None)
+            text = io.BytesIO(block)
+            return np.loadtxt(text, delimiter=self._form.delimiter, usecols=columns, ndmin=2, comments=None)
         except (ValueError, IndexError) as error:
             reason = str(error).splitlines()[0]
             if b"X" in block:
@@ -284,7 +285,7 @@ class _RowReader:
         has_time = bool(self._form.unit)
         if not has_time:
             if self._voltages is None:
-                levels = _read_regular_rows(block, self._form.between, self._columns)
+                levels = _read_regular_rows(block, self._form.delimiter, self._columns)
                 if levels is not None:
                     return None, levels
             return None, self._levels(self._read_numbers(block, line, self._columns), line)
@@ -307,7 +308,7 @@ class _RowReader:
 
     def _split_off_stamps(self, block: bytes, line: int) -> tuple[Any, bytes]:
         """Return the time stamps as seconds from the first one, and the rows with 0 in their place."""
-        delimiter = (self._form.between or " ").encode()
+        delimiter = (self._form.delimiter or " ").encode()
         stamp_texts: list[str] = []
         rows_without_stamps: list[bytes] = []
         for row in block.splitlines():
@@ -349,13 +350,13 @@ class _Voltages:
         return levels.astype(np.uint8)
 
 
-def _read_regular_rows(block: bytes, between: str | None, columns: list[int]) -> Any:
+def _read_regular_rows(block: bytes, delimiter: str | None, columns: list[int]) -> Any:
     """Return the levels if all rows have the same form, or None."""
     first_row = block[: block.index(b"\n") + 1]
     row_bytes = len(first_row)
     if len(block) % row_bytes:
         return None
-    cells = first_row.rstrip(b"\r\n").split((between or " ").encode())
+    cells = first_row.rstrip(b"\r\n").split((delimiter or " ").encode())
     if any(column >= len(cells) or len(cells[column]) != 1 for column in columns):
         return None
     # Each cell is followed by one byte: a delimiter, or the end of the line.

@@ -6,6 +6,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Sequence
 from importlib import import_module
+from math import ceil
 from pathlib import PurePath
 from typing import Any, Final, NamedTuple
 
@@ -170,11 +171,13 @@ def _thin_out(times: Any, values: Any) -> tuple[Any, Any]:
     times, values = times[is_finite], values[is_finite]
     if len(values) <= _POINTS:
         return times, values
-    size = -(-len(values) // (_POINTS // 2))
-    whole = len(values) // size * size
-    rows = values[:whole].reshape(-1, size)
-    starts = np.arange(len(rows)) * size
-    places = np.unique(np.concatenate([starts + rows.argmin(axis=1), starts + rows.argmax(axis=1), [len(values) - 1]]))
+    # Each stretch has two points.
+    stretch_size = ceil(len(values) / (_POINTS // 2))
+    whole_size = len(values) // stretch_size * stretch_size
+    stretches = values[:whole_size].reshape(-1, stretch_size)
+    starts = np.arange(len(stretches)) * stretch_size
+    lowest, highest = starts + stretches.argmin(axis=1), starts + stretches.argmax(axis=1)
+    places = np.unique(np.concatenate([lowest, highest, [len(values) - 1]]))
     return times[places], values[places]
 
 
