@@ -657,6 +657,9 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
             variant: The encoder.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
+        Returns:
+            The frame.
+
         Raises:
             LengthError: There are too many or too few bits.
             FamilyError: The encoder belongs to another family.
@@ -807,6 +810,9 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
             variant: The encoder.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
+        Returns:
+            The frame. Check its ``verdict`` before you use the position.
+
         Raises:
             LengthError: There are too many or too few bits.
             CrcError: The CRC does not match.
@@ -927,6 +933,9 @@ class ProfileId(FixedRegister, _ProfileId):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -976,6 +985,9 @@ class SerialNumber(FixedRegister, _SerialNumber):
 
         Args:
             data: Bytes of the register, in ascending order of address.
+
+        Returns:
+            The register.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -1095,6 +1107,9 @@ class Configuration(FixedRegister, _Configuration):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
             ConstantError: A constant or a parity bit has the wrong value.
@@ -1104,13 +1119,13 @@ class Configuration(FixedRegister, _Configuration):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        zero_above_counting_direction = data[0] >> 7  # bit 7
+        zero_above_counting_direction = data[0] >> 7  # bit 7: Always zero
         if zero_above_counting_direction:
             raise ConstantError("zero_above_counting_direction", zero_above_counting_direction, 0)
-        zero_below_output_code = data[0] >> 3 & 0x3  # bits 4:3
+        zero_below_output_code = data[0] >> 3 & 0x3  # bits 4:3: Always zero
         if zero_below_output_code:
             raise ConstantError("zero_below_output_code", zero_below_output_code, 0)
-        zero_below_enable_preset = data[0] & 0x3  # bits 1:0
+        zero_below_enable_preset = data[0] & 0x3  # bits 1:0: Always zero
         if zero_below_enable_preset:
             raise ConstantError("zero_below_enable_preset", zero_below_enable_preset, 0)
         counting_direction = as_member(CountingDirection, "counting_direction", data[0] >> 6 & 0x1)  # bit 6
@@ -1157,6 +1172,9 @@ class InformationPerRevolution(FixedLimitedRegister, _InformationPerRevolution):
 
         Args:
             data: Bytes of the register, in ascending order of address.
+
+        Returns:
+            The register.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -1215,6 +1233,9 @@ class NumberOfRevolutions(FixedLimitedRegister, _NumberOfRevolutions):
 
         Args:
             data: Bytes of the register, in ascending order of address.
+
+        Returns:
+            The register.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -1281,6 +1302,9 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
             data: Bytes of the register, in ascending order of address.
             variant: The encoder.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
             ConstantError: A constant or a parity bit has the wrong value.
@@ -1293,7 +1317,7 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
             data = as_bytes(data)
         if len(data) != 5:
             raise LengthError(5, len(data))
-        zero_above_position = data[0] >> 4  # bits 7:4
+        zero_above_position = data[0] >> 4  # bits 7:4: Always zero
         if zero_above_position:
             raise ConstantError("zero_above_position", zero_above_position, 0)
         values = (
@@ -1346,6 +1370,9 @@ class DeviceType(FixedRegister, _DeviceType):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -1390,6 +1417,9 @@ class SingleturnBitsUsed(FixedRegister, _SingleturnBitsUsed):
 
         Args:
             data: Bytes of the register, in ascending order of address.
+
+        Returns:
+            The register.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -1437,6 +1467,9 @@ class MultiturnBitsUsed(FixedRegister, _MultiturnBitsUsed):
 
         Args:
             data: Bytes of the register, in ascending order of address.
+
+        Returns:
+            The register.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -1499,6 +1532,9 @@ class DeviceId(FixedRegister, _DeviceId):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -1551,6 +1587,9 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
 
         Args:
             data: Bytes of the register, in ascending order of address.
+
+        Returns:
+            The register.
 
         Raises:
             LengthError: There are too many or too few bytes.

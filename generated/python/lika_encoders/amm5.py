@@ -804,6 +804,9 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
             variant: The encoder.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
+        Returns:
+            The frame.
+
         Raises:
             LengthError: There are too many or too few bits.
             FamilyError: The encoder belongs to another family.
@@ -970,6 +973,9 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
             variant: The encoder.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
+        Returns:
+            The frame. Check its ``verdict`` before you use the position.
+
         Raises:
             LengthError: There are too many or too few bits.
             CrcError: The CRC does not match.
@@ -1057,6 +1063,9 @@ class DataRequest(FixedBytes, _DataRequest):
         Args:
             data: Bytes of the frame, in the order in which they are sent.
 
+        Returns:
+            The frame.
+
         Raises:
             LengthError: There are too many or too few bytes.
             ConstantError: A constant or a parity bit has the wrong value.
@@ -1074,7 +1083,7 @@ class DataRequest(FixedBytes, _DataRequest):
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 1:
                     raise LengthError(1, len(data))
-                sync = data[0] & 0x7  # bits 2:0
+                sync = data[0] & 0x7  # bits 2:0: Start of a frame, binary 010
                 if sync != 0x2:
                     raise ConstantError("sync", sync, 0x2)
                 data_id = data[0] >> 3 & 0xF  # bits 6:3
@@ -1148,6 +1157,9 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
             data: Bytes of the frame, in the order in which they are sent.
             eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
 
+        Returns:
+            The frame.
+
         Raises:
             LengthError: There are too many or too few bytes.
             CrcError: The CRC does not match.
@@ -1172,7 +1184,7 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
                 if not isinstance(eeprom_address, EepromAddress):
                     raise wrong_answer_error(EepromAddress, eeprom_address)
                 number = int.from_bytes(data, "little")
-                sync = number & 0x7  # bits 2:0
+                sync = number & 0x7  # bits 2:0: Start of a frame, binary 010
                 if sync != 0x2:
                     raise ConstantError("sync", sync, 0x2)
                 data_id = number >> 3 & 0xF  # bits 6:3
@@ -1181,7 +1193,7 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
                 expected_parity = data_id.bit_count() & 1
                 if parity != expected_parity:
                     raise ConstantError("parity", parity, expected_parity)
-                mem_busy = number >> (eeprom_address.mem_busy_bit + 8) & 0x1
+                mem_busy = number >> (eeprom_address.mem_busy_bit + 8) & 0x1  # Always 0 when sent by the master
                 if mem_busy:
                     raise ConstantError("mem_busy", mem_busy, 0)
                 # 6 is EEPROM_WRITE.
@@ -1283,6 +1295,9 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
             data: Bytes of the frame, in the order in which they are sent.
             eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
 
+        Returns:
+            The frame.
+
         Raises:
             LengthError: There are too many or too few bytes.
             CrcError: The CRC does not match.
@@ -1307,7 +1322,7 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
                 if not isinstance(eeprom_address, EepromAddress):
                     raise wrong_answer_error(EepromAddress, eeprom_address)
                 number = int.from_bytes(data, "little")
-                sync = number & 0x7  # bits 2:0
+                sync = number & 0x7  # bits 2:0: Start of a frame, binary 010
                 if sync != 0x2:
                     raise ConstantError("sync", sync, 0x2)
                 data_id = number >> 3 & 0xF  # bits 6:3
@@ -1316,7 +1331,7 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
                 expected_parity = data_id.bit_count() & 1
                 if parity != expected_parity:
                     raise ConstantError("parity", parity, expected_parity)
-                mem_busy = number >> (eeprom_address.mem_busy_bit + 8) & 0x1
+                mem_busy = number >> (eeprom_address.mem_busy_bit + 8) & 0x1  # Always 0 when sent by the master
                 if mem_busy:
                     raise ConstantError("mem_busy", mem_busy, 0)
                 # 0xD is EEPROM_READ.
@@ -1456,6 +1471,9 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
             data: Bytes of the frame, in the order in which they are sent.
             variant: The encoder.
 
+        Returns:
+            The frame. Check its ``verdict`` before you use the position.
+
         Raises:
             LengthError: There are too many or too few bytes.
             CrcError: The CRC does not match.
@@ -1493,7 +1511,7 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
                 singleturn = b2 | b3 << 8 | b4 << 16  # low byte first
                 # The first byte is compared as a whole. If any constant is wrong, the first wrong field is reported.
                 if singleturn >> singleturn_bits or b0 not in valid_first_bytes:
-                    sync = b0 & 0x7  # bits 2:0
+                    sync = b0 & 0x7  # bits 2:0: Start of a frame, binary 010
                     if sync != 0x2:
                         raise ConstantError("sync", sync, 0x2)
                     data_id = b0 >> 3 & 0xF  # bits 6:3
@@ -1612,6 +1630,9 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
             data: Bytes of the frame, in the order in which they are sent.
             variant: The encoder.
 
+        Returns:
+            The frame. Check its ``verdict`` before you use the position.
+
         Raises:
             LengthError: There are too many or too few bytes.
             CrcError: The CRC does not match.
@@ -1642,7 +1663,7 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
                 multiturn = b2 | b3 << 8 | b4 << 16  # low byte first
                 # The first byte is compared as a whole. If any constant is wrong, the first wrong field is reported.
                 if multiturn >> multiturn_bits or b0 != 0x8A:
-                    sync = b0 & 0x7  # bits 2:0
+                    sync = b0 & 0x7  # bits 2:0: Start of a frame, binary 010
                     if sync != 0x2:
                         raise ConstantError("sync", sync, 0x2)
                     data_id = b0 >> 3 & 0xF  # bits 6:3
@@ -1741,6 +1762,9 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
         Args:
             data: Bytes of the frame, in the order in which they are sent.
 
+        Returns:
+            The frame.
+
         Raises:
             LengthError: There are too many or too few bytes.
             CrcError: The CRC does not match.
@@ -1765,7 +1789,7 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
                     raise CrcError(b3, computed_crc)
                 # The first byte is compared as a whole. If any constant is wrong, the first wrong field is reported.
                 if b0 != 0x92:
-                    sync = b0 & 0x7  # bits 2:0
+                    sync = b0 & 0x7  # bits 2:0: Start of a frame, binary 010
                     if sync != 0x2:
                         raise ConstantError("sync", sync, 0x2)
                     data_id = b0 >> 3 & 0xF  # bits 6:3
@@ -1979,6 +2003,9 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
             data: Bytes of the frame, in the order in which they are sent.
             variant: The encoder.
 
+        Returns:
+            The frame. Check its ``verdict`` before you use the position.
+
         Raises:
             LengthError: There are too many or too few bytes.
             CrcError: The CRC does not match.
@@ -2011,7 +2038,7 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
                 multiturn = b6 | b7 << 8 | b8 << 16  # low byte first
                 # The first byte is compared as a whole. If any constant is wrong, the first wrong field is reported.
                 if singleturn >> singleturn_bits or multiturn >> multiturn_bits or b0 != 0x1A:
-                    sync = b0 & 0x7  # bits 2:0
+                    sync = b0 & 0x7  # bits 2:0: Start of a frame, binary 010
                     if sync != 0x2:
                         raise ConstantError("sync", sync, 0x2)
                     data_id = b0 >> 3 & 0xF  # bits 6:3
@@ -2103,6 +2130,9 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
             data: Bytes of the frame, in the order in which they are sent.
             eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
 
+        Returns:
+            The frame.
+
         Raises:
             LengthError: There are too many or too few bytes.
             CrcError: The CRC does not match.
@@ -2127,7 +2157,7 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
                 if not isinstance(eeprom_address, EepromAddress):
                     raise wrong_answer_error(EepromAddress, eeprom_address)
                 number = int.from_bytes(data, "little")
-                sync = number & 0x7  # bits 2:0
+                sync = number & 0x7  # bits 2:0: Start of a frame, binary 010
                 if sync != 0x2:
                     raise ConstantError("sync", sync, 0x2)
                 data_id = number >> 3 & 0xF  # bits 6:3
@@ -2240,6 +2270,9 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
             data: Bytes of the frame, in the order in which they are sent.
             eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
 
+        Returns:
+            The frame.
+
         Raises:
             LengthError: There are too many or too few bytes.
             CrcError: The CRC does not match.
@@ -2264,7 +2297,7 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
                 if not isinstance(eeprom_address, EepromAddress):
                     raise wrong_answer_error(EepromAddress, eeprom_address)
                 number = int.from_bytes(data, "little")
-                sync = number & 0x7  # bits 2:0
+                sync = number & 0x7  # bits 2:0: Start of a frame, binary 010
                 if sync != 0x2:
                     raise ConstantError("sync", sync, 0x2)
                 data_id = number >> 3 & 0xF  # bits 6:3
@@ -2556,6 +2589,9 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
             data: Bytes of the register, in ascending order of address.
             variant: The encoder.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
             ConstantError: A constant or a parity bit has the wrong value.
@@ -2569,13 +2605,13 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
         if len(data) != 7:
             raise LengthError(7, len(data))
         number = int.from_bytes(data, "little")
-        zero_above_multiturn = number >> 49  # bits 55:49
+        zero_above_multiturn = number >> 49  # bits 55:49: Always zero
         if zero_above_multiturn:
             raise ConstantError("zero_above_multiturn", zero_above_multiturn, 0)
-        zero_below_multiturn = number >> 33 & ((1 << (16 - variant.multiturn_bits)) - 1)
+        zero_below_multiturn = number >> 33 & ((1 << (16 - variant.multiturn_bits)) - 1)  # Always zero
         if zero_below_multiturn:
             raise ConstantError("zero_below_multiturn", zero_below_multiturn, 0)
-        zero_below_singleturn = number & ((1 << (33 - variant.singleturn_bits)) - 1)
+        zero_below_singleturn = number & ((1 << (33 - variant.singleturn_bits)) - 1)  # Always zero
         if zero_below_singleturn:
             raise ConstantError("zero_below_singleturn", zero_below_singleturn, 0)
         values = (
@@ -2676,6 +2712,9 @@ class SerialNumber(FixedRegister, _SerialNumber):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
             RangeError: A field has an undefined value.
@@ -2774,6 +2813,9 @@ class DeviceId(FixedRegister, _DeviceId):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -2819,6 +2861,9 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
 
         Args:
             data: Bytes of the register, in ascending order of address.
+
+        Returns:
+            The register.
 
         Raises:
             LengthError: There are too many or too few bytes.

@@ -537,6 +537,9 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
             variant: The encoder.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
+        Returns:
+            The frame.
+
         Raises:
             LengthError: There are too many or too few bits.
             FamilyError: The encoder belongs to another family.
@@ -652,6 +655,9 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
             zero_bit: Answer to a question that the manual leaves open, as a member of ``ZeroBit``.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
+        Returns:
+            The frame. Check its ``verdict`` before you use the position.
+
         Raises:
             LengthError: There are too many or too few bits.
             CrcError: The CRC does not match.
@@ -688,7 +694,7 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
                     received_crc = word & 0x3F
                     computed_crc = received_crc ^ difference
                     raise CrcError(received_crc, computed_crc)
-                zero = word >> 8 & ((1 << zero_bit.zero_bits) - 1)
+                zero = word >> 8 & ((1 << zero_bit.zero_bits) - 1)  # Always 0, between position and error bit
                 if zero:
                     raise ConstantError("zero", zero, 0)
                 values = (
@@ -817,6 +823,9 @@ class ProfileId(FixedRegister, _ProfileId):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -860,6 +869,9 @@ class SerialNumber(FixedRegister, _SerialNumber):
 
         Args:
             data: Bytes of the register, in ascending order of address.
+
+        Returns:
+            The register.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -927,6 +939,9 @@ class DiagnosticData(FixedRegister, _DiagnosticData):
 
         Args:
             data: Bytes of the register, in ascending order of address.
+
+        Returns:
+            The register.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -1077,6 +1092,9 @@ class Status(FixedRegister, _Status):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -1143,6 +1161,9 @@ class Position(RegisterOf["BissEncoder"], _Position):
         Args:
             data: Bytes of the register, in ascending order of address.
             variant: The encoder.
+
+        Returns:
+            The register.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -1221,6 +1242,9 @@ class ErrorRegister(FixedRegister, _ErrorRegister):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -1279,6 +1303,9 @@ class DeviceId(FixedRegister, _DeviceId):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -1324,6 +1351,9 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
 
         Args:
             data: Bytes of the register, in ascending order of address.
+
+        Returns:
+            The register.
 
         Raises:
             LengthError: There are too many or too few bytes.

@@ -828,6 +828,9 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
             variant: The encoder.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
+        Returns:
+            The frame. Check its ``verdict`` before you use the position.
+
         Raises:
             LengthError: There are too many or too few bits.
             FamilyError: The encoder belongs to another family.
@@ -954,6 +957,9 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
             variant: The encoder.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
+        Returns:
+            The frame. Check its ``verdict`` before you use the position.
+
         Raises:
             LengthError: There are too many or too few bits.
             CrcError: The CRC does not match.
@@ -993,7 +999,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
                     raise CrcError(received_crc, computed_crc)
                 if variant.biss_gray:
                     word = from_gray(word, low=8, width=position_bits)
-                padding_ = word >> padding_low
+                padding_ = word >> padding_low  # Zeros above the position, part of the manual's Posizione
                 if padding_:
                     raise ConstantError("padding", padding_, 0)
                 values = (
@@ -1046,6 +1052,9 @@ class DataRequest(FixedBytes, _DataRequest):
         Args:
             data: Bytes of the frame, in the order in which they are sent.
 
+        Returns:
+            The frame.
+
         Raises:
             LengthError: There are too many or too few bytes.
             ConstantError: A constant or a parity bit has the wrong value.
@@ -1063,7 +1072,7 @@ class DataRequest(FixedBytes, _DataRequest):
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 1:
                     raise LengthError(1, len(data))
-                sync = data[0] & 0x7  # bits 2:0
+                sync = data[0] & 0x7  # bits 2:0: Sync code, binary 010
                 if sync != 0x2:
                     raise ConstantError("sync", sync, 0x2)
                 data_id = data[0] >> 3 & 0xF  # bits 6:3
@@ -1229,6 +1238,9 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
             data: Bytes of the frame, in the order in which they are sent.
             variant: The encoder.
 
+        Returns:
+            The frame. Check its ``verdict`` before you use the position.
+
         Raises:
             LengthError: There are too many or too few bytes.
             CrcError: The CRC does not match.
@@ -1261,7 +1273,7 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
                 position = b2 | b3 << 8 | b4 << 16  # low byte first
                 # The first byte is compared as a whole. If any constant is wrong, the first wrong field is reported.
                 if position >> position_bits or b0 not in valid_first_bytes:
-                    sync = b0 & 0x7  # bits 2:0
+                    sync = b0 & 0x7  # bits 2:0: Sync code, binary 010
                     if sync != 0x2:
                         raise ConstantError("sync", sync, 0x2)
                     data_id = b0 >> 3 & 0xF  # bits 6:3
@@ -1401,6 +1413,9 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
         Args:
             data: Bytes of the frame, in the order in which they are sent.
 
+        Returns:
+            The frame. Check its ``verdict`` before you use the position.
+
         Raises:
             LengthError: There are too many or too few bytes.
             CrcError: The CRC does not match.
@@ -1425,7 +1440,7 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
                     raise CrcError(b8, computed_crc)
                 # The first byte is compared as a whole. If any constant is wrong, the first wrong field is reported.
                 if b0 != 0x2A:
-                    sync = b0 & 0x7  # bits 2:0
+                    sync = b0 & 0x7  # bits 2:0: Sync code, binary 010
                     if sync != 0x2:
                         raise ConstantError("sync", sync, 0x2)
                     data_id = b0 >> 3 & 0xF  # bits 6:3
@@ -1592,6 +1607,9 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
             data: Bytes of the frame, in the order in which they are sent.
             variant: The encoder.
 
+        Returns:
+            The frame. Check its ``verdict`` before you use the position.
+
         Raises:
             LengthError: There are too many or too few bytes.
             CrcError: The CRC does not match.
@@ -1622,7 +1640,7 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
                 position = b2 | b3 << 8 | b4 << 16  # low byte first
                 # The first byte is compared as a whole. If any constant is wrong, the first wrong field is reported.
                 if position >> position_bits or b5 != 0x51 or b6 or b0 != 0x52:
-                    sync = b0 & 0x7  # bits 2:0
+                    sync = b0 & 0x7  # bits 2:0: Sync code, binary 010
                     if sync != 0x2:
                         raise ConstantError("sync", sync, 0x2)
                     data_id = b0 >> 3 & 0xF  # bits 6:3
@@ -1637,7 +1655,7 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
                     encoder_id_1 = b5
                     if encoder_id_1 != 0x51:
                         raise ConstantError("encoder_id_1", encoder_id_1, 0x51)
-                    encoder_id_2 = b6
+                    encoder_id_2 = b6  # Encoder ID, second byte, fixed
                     if encoder_id_2:
                         raise ConstantError("encoder_id_2", encoder_id_2, 0)
                     # 0xA is IDENTIFICATION.
@@ -1843,6 +1861,9 @@ class ProfileId(RegisterOf["BissEncoder"], _ProfileId):
             data: Bytes of the register, in ascending order of address.
             variant: The encoder.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
             FamilyError: The encoder belongs to another family.
@@ -1894,6 +1915,9 @@ class SerialNumber(FixedRegister, _SerialNumber):
 
         Args:
             data: Bytes of the register, in ascending order of address.
+
+        Returns:
+            The register.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -1997,6 +2021,9 @@ class Configuration(FixedRegister, _Configuration):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
             ConstantError: A constant or a parity bit has the wrong value.
@@ -2006,13 +2033,13 @@ class Configuration(FixedRegister, _Configuration):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        unused_7 = data[0] >> 7  # bit 7
+        unused_7 = data[0] >> 7  # bit 7: Not used
         if unused_7:
             raise ConstantError("unused_7", unused_7, 0)
-        unused_3_4 = data[0] >> 3 & 0x3  # bits 4:3
+        unused_3_4 = data[0] >> 3 & 0x3  # bits 4:3: Not used
         if unused_3_4:
             raise ConstantError("unused_3_4", unused_3_4, 0)
-        unused_0 = data[0] & 0x1  # bit 0
+        unused_0 = data[0] & 0x1  # bit 0: Not used
         if unused_0:
             raise ConstantError("unused_0", unused_0, 0)
         counting_direction = as_member(CountingDirection, "counting_direction", data[0] >> 6 & 0x1)  # bit 6
@@ -2057,6 +2084,9 @@ class AbsoluteResolution(RegisterOf["BissEncoder"], _AbsoluteResolution):
         Args:
             data: Bytes of the register, in ascending order of address.
             variant: The encoder.
+
+        Returns:
+            The register.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -2122,6 +2152,9 @@ class PresetOffset(FixedLimitedRegister, _PresetOffset):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -2184,6 +2217,9 @@ class DeviceType(FixedRegister, _DeviceType):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -2229,6 +2265,9 @@ class SineCosineResolution(FixedRegister, _SineCosineResolution):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -2272,6 +2311,9 @@ class PositionCheck(FixedRegister, _PositionCheck):
 
         Args:
             data: Bytes of the register, in ascending order of address.
+
+        Returns:
+            The register.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -2323,6 +2365,9 @@ class DeviceId(FixedRegister, _DeviceId):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -2368,6 +2413,9 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
 
         Args:
             data: Bytes of the register, in ascending order of address.
+
+        Returns:
+            The register.
 
         Raises:
             LengthError: There are too many or too few bytes.

@@ -11,6 +11,7 @@ from ...model.lookup import assert_never
 from ...plan.codec import Codec, ShiftedBits, moved_bits
 from ...plan.operations import Bits, Reserved, Whole
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
+from ...say.plain_text import plain
 from .literals import Atom, Expr, Not, Operation, Scope, call, joined, mask, moved, number, times
 from .names import ClassNames
 
@@ -195,6 +196,13 @@ def place_in_bytes(pieces: Sequence[Piece]) -> str:
     if len(pieces) > 1:
         return "low byte first" if first.byte < pieces[-1].byte else "high byte first"
     return "" if first.mask == 0xFF else bit_numbers(first.right, first.mask.bit_length())
+
+
+def purpose(field: Field, place: str) -> str:
+    """Return the place of a constant with the first sentence of its meaning, for a short comment."""
+    meaning = " ".join(plain(field.meaning).split()).partition(". ")[0].rstrip(".")
+    comment = ": ".join(filter(None, [place, meaning]))
+    return comment if len(comment) < 60 else place
 
 
 def bit_numbers(low: int, width: int) -> str:

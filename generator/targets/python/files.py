@@ -22,7 +22,7 @@ from ...say.plain_text import plain
 from ...say.text import sentence
 from .. import NO_OPTIONS, Library, Options, Target, has_biss, main_manufacturer
 from ..registry import copied, licence_in, our_runtime
-from .bits import place_in_bytes
+from .bits import place_in_bytes, purpose
 from .docstrings import docstring, of_answer, of_crc, of_value
 from .literals import Expr, broken, coded, constant, grouped, literal, mask, quoted, table
 from .module import Enumeration, Module
@@ -59,6 +59,7 @@ FILTERS: Mapping[str, Callable[..., object]] = {
     "names_of": names_of,
     "operand": operand,
     "place_in_bytes": place_in_bytes,
+    "purpose": purpose,
     "sentence": sentence,
 }
 FUNCTIONS: Mapping[str, Callable[..., object]] = {
