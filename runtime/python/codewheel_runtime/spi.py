@@ -158,13 +158,14 @@ class Pipeline:
         """
         if self._sent is None:
             raise RuntimeError("no request has been sent since the last word was taken")
-        answered = self._before if self._late else self._sent
+        # A late reply belongs to the request before the last one.
+        answered_request = self._before if self._late else self._sent
         length = self._sent.bits
         self._before, self._sent = self._sent, None
         number = as_word(word, length, bits)
-        if answered is None or answered.bits != length:
+        if answered_request is None or answered_request.bits != length:
             return None
-        request, register, _ = answered
+        request, register, _ = answered_request
         reply = self._replies[type(request)](number)
         # Some encoders answer a write without its value.
         has_value = register is not None and "data" in reply._fields

@@ -180,7 +180,9 @@ def _fold(number: Any, crc: CrcOf, bits: int) -> Any:
             continue
         high = remainder >> word_type(step.shift)
         remainder = remainder & word_type(step.mask)
+        # The width of the remainder: that of the low bits, or of the folded high bits.
         bits = max(step.shift, bits - step.shift + step.back)
+        # Operations on 32 bits take half the time.
         if word_type is np.uint64 and bits <= 32:
             remainder, high, word_type = remainder.astype(np.uint32), high.astype(np.uint32), np.uint32
         remainder ^= high

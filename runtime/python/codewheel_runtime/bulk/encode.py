@@ -254,12 +254,12 @@ def _insert_unused(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, fi
     values = arrays.get("unused", np.zeros(len(limbs[0]), np.uint8))
     bits = values.astype(np.uint64)
     unused_mask = sum(((1 << unused.width) - 1) << unused.place for unused in shape.unused)
-    first_error.add(
-        bits & np.uint64(~unused_mask & (1 << 64) - 1) != 0, "unused", values, f"within the mask {unused_mask:#x}"
-    )
+    is_outside = bits & np.uint64(~unused_mask & (1 << 64) - 1) != 0
+    first_error.add(is_outside, "unused", values, f"within the mask {unused_mask:#x}")
     for unused in shape.unused:
-        mask = np.uint64((1 << unused.width) - 1)
-        _insert(limbs, unused.low, unused.width, (bits >> np.uint64(unused.place) ^ np.uint64(unused.value)) & mask)
+        differing = bits >> np.uint64(unused.place)
+        sent = (differing ^ np.uint64(unused.value)) & np.uint64((1 << unused.width) - 1)
+        _insert(limbs, unused.low, unused.width, sent)
 
 
 def _check_values(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> None:

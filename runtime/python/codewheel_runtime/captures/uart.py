@@ -213,15 +213,17 @@ class _Replies:
         """Return whether a valid frame begins at each byte."""
         count, length = len(self._values), shape.length
         is_valid = np.zeros(count + 1, bool)
-        if count >= length:
-            windows = np.lib.stride_tricks.sliding_window_view(self._values, length)
-            is_valid[: len(windows)] = decode_many(np.ascontiguousarray(windows), shape, None).fault == 0
-            # A frame has no pause between its bytes. The pauses before each byte are counted.
-            gaps = np.concatenate([[0], np.cumsum(np.diff(self._times) > self._pause)])
-            is_valid[: len(windows)] &= gaps[length - 1 :] == gaps[: len(windows)]
-            # All of its bytes have a stop bit. The bytes without one before each byte are counted.
-            faulty_counts = np.concatenate([[0], np.cumsum(~self._has_stop_bit)])
-            is_valid[: len(windows)] &= faulty_counts[length:] == faulty_counts[: len(windows)]
+        if count < length:
+            return is_valid
+        windows = np.lib.stride_tricks.sliding_window_view(self._values, length)
+        start_count = len(windows)
+        has_no_error = decode_many(np.ascontiguousarray(windows), shape, None).fault == 0
+        # The bytes of a frame follow each other without a pause, and each has its stop bit.
+        pauses_before = _count_before(np.diff(self._times) > self._pause)
+        has_no_pause = pauses_before[length - 1 :] == pauses_before[:start_count]
+        damaged_before = _count_before(~self._has_stop_bit)
+        has_stop_bits = damaged_before[length:] == damaged_before[:start_count]
+        is_valid[:start_count] = has_no_error & has_no_pause & has_stop_bits
         return is_valid
 
     def _find(self, until: int) -> CapturedFrames:
@@ -329,3 +331,8 @@ class _Replies:
         if request_lengths[first] == end - first:
             return f"no reply to the request {bytes_text}"
         return f"{count_units(len(data), 'byte')} without a valid reply: {bytes_text}"
+
+
+def _count_before(conditions: Any) -> Any:
+    """Return how many of the conditions before each index are true."""
+    return np.concatenate([[0], np.cumsum(conditions)])

@@ -100,7 +100,17 @@ def _describe_usual_bits(column: Column) -> _Bits | None:
 
 
 class _FunctionText:
-    """Text of the function that encodes a frame, and the names in it. Fields are named by their index."""
+    """Text of the function that encodes a frame, and the names in it. Fields are named by their index.
+
+    For a position of 20 bits and an active-low error bit, the text is::
+
+        def encode(frame):
+            field_0, field_1, = frame
+            if type(field_0) is int and not field_0 >> 20 and type(field_1) is bool:
+                number = field_0 << 1 | (not field_1)
+                return number
+            return encode_any(frame)
+    """
 
     def __init__(self, shape: Shape, fields: tuple[str, ...]) -> None:
         self._fields = {name: f"field_{index}" for index, name in enumerate(fields)}
@@ -121,7 +131,7 @@ class _FunctionText:
         self._add_result(shape)
 
     def _add_column(self, column: Column) -> None:
-        """Add the condition on a field, and its bits."""
+        """Add the condition on a field, and its bits, as code."""
         usual = _describe_usual_bits(column)
         if usual is None:
             return
@@ -133,7 +143,7 @@ class _FunctionText:
             self.names[f"kind_of_{name}"] = column.values
 
     def _add_unused(self, shape: Shape) -> None:
-        """Add the condition on unused bits, and their values in the manual."""
+        """Add the condition on unused bits, and their values in the manual, as code."""
         if shape.kept_mask is None and not shape.unused:
             return
         name = self._fields["unused"]
@@ -145,7 +155,7 @@ class _FunctionText:
         self._terms += [f"{unused.value << unused.low:#x}" for unused in shape.unused if unused.value]
 
     def _add_limits(self, shape: Shape) -> None:
-        """Add the checks of the limits of fields."""
+        """Add the checks of the limits of fields, as code."""
         for index, check in enumerate(shape.checks):
             if check.limit is not None:
                 self.names[f"is_within_{index}"] = check.is_within
