@@ -680,9 +680,8 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
         def decode(frame: Any, bits: int | None = None) -> SsiWord:
             try:
-                word = frame
-                if type(frame) is not int or bits is not None:
-                    word = as_word(frame, frame_bits, bits)
+                # An int is used as it is, which is faster.
+                word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
                 if variant.ssi_gray:
@@ -837,9 +836,8 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
 
         def decode(frame: Any, bits: int | None = None) -> SingleCycleData:
             try:
-                word = frame
-                if type(frame) is not int or bits is not None:
-                    word = as_word(frame, frame_bits, bits)
+                # An int is used as it is, which is faster.
+                word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
                 # The CRC is looked up 16 bits at a time. The XOR of the entries is 0 if it is correct.

@@ -557,9 +557,8 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
         def decode(frame: Any, bits: int | None = None) -> SsiWord:
             try:
-                word = frame
-                if type(frame) is not int or bits is not None:
-                    word = as_word(frame, frame_bits, bits)
+                # An int is used as it is, which is faster.
+                word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
                 if variant.ssi_gray:
@@ -681,9 +680,8 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
                 if not isinstance(zero_bit, ZeroBit):
                     raise wrong_answer_error(ZeroBit, zero_bit)
                 length = zero_bit.zero_bits + variant.position_bits + 8
-                word = frame
-                if type(frame) is not int or bits is not None:
-                    word = as_word(frame, length, bits)
+                # An int is used as it is, which is faster.
+                word = frame if type(frame) is int and bits is None else as_word(frame, length, bits)
                 if word >> length:
                     raise too_long_error(word, length)
                 # The CRC is looked up 16 bits at a time. The XOR of the entries is 0 if it is correct.
