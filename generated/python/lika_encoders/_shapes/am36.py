@@ -67,7 +67,6 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
         gray=(0, variant.multiturn_bits + variant.singleturn_bits) if variant.ssi_gray else None,
         excess=0,
         position="position",
-        # Verdict while these conditions are false.
         default_verdict=Verdict.UNKNOWN,
     )
 

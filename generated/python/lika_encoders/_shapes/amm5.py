@@ -67,7 +67,6 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
             BitField("singleturn", low=0, width=variant.singleturn_bits),
         ),
         position="position",
-        # Verdict while these conditions are false.
         default_verdict=Verdict.UNKNOWN,
     )
 

@@ -47,7 +47,6 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
         gray=(0, variant.position_bits) if variant.ssi_gray else None,
         excess=0,
         position="position",
-        # Verdict while these conditions are false.
         default_verdict=Verdict.UNKNOWN,
     )
 

@@ -114,8 +114,10 @@ def find_error(reply: bytes, pending: PendingRequest) -> FrameError | None:
         pending.decode(reply)
     except FrameError as error:
         return error
-    except TypeError:  # Other fields need an answer. The CRC is an XOR.
-        return CrcError(reply[-1], reply[-1] ^ compute_xor(reply)) if compute_xor(reply) else None
+    except TypeError:
+        # Fields that need an answer cannot be decoded here. The last byte is the XOR of all others.
+        difference = compute_xor(reply)
+        return CrcError(reply[-1], reply[-1] ^ difference) if difference else None
     return None
 
 

@@ -173,8 +173,12 @@ def compare_crc(chunk: Chunk, crc: CrcOf) -> Any:
 
 
 def _fold(number: Any, crc: CrcOf, bits: int) -> Any:
-    """Return remainders. Each step folds high bits onto lower ones, in 32 bits as soon as the numbers fit."""
-    remainder, word_type = number ^ np.uint64(crc.xorout) if crc.xorout else number, np.uint64
+    """Return the remainders of numbers with their CRC, 0 if it matches.
+
+    Each step folds the high bits onto lower ones, in 32 bits as soon as the numbers fit.
+    """
+    remainder = number ^ np.uint64(crc.xorout) if crc.xorout else number
+    word_type = np.uint64
     for step in crc.steps:
         if bits <= step.shift:
             continue
