@@ -23,7 +23,7 @@ from codewheel.plan.operations import Bits
 from codewheel.targets import Library, Target
 from codewheel_runtime.bulk import decode as bulk_decode
 from codewheel_runtime.bulk import encode as bulk_encode
-from codewheel_runtime.bulk.shape import Column, Shape, column_types
+from codewheel_runtime.bulk.shape import Column, Shape, list_column_types
 from codewheel_runtime.frames import encode as frame_encode
 
 ROOT = Path(__file__).parents[2]
@@ -192,10 +192,10 @@ def test_an_unknown_kind_is_refused(decision: str) -> None:
 LEVEL = Column("level", 0, 8, kind=cast("Any", "unknown"))
 #: Parts of the Python runtime that go by the kind of a column.
 INTERPRETERS: dict[str, Callable[[], object]] = {
-    "types": lambda: column_types(Shape(8, columns=(LEVEL,))),
-    "encode": lambda: frame_encode._bits(SimpleNamespace(level=1), LEVEL),
+    "types": lambda: list_column_types(Shape(8, columns=(LEVEL,))),
+    "encode": lambda: frame_encode._encode_field(SimpleNamespace(level=1), LEVEL),
     "decode_many": lambda: bulk_decode._write_column(cast("Any", None), LEVEL, {}),
-    "encode_many": lambda: list(bulk_encode._bits({"level": [1]}, LEVEL, cast("Any", None))),
+    "encode_many": lambda: list(bulk_encode._encode_field({"level": [1]}, LEVEL, cast("Any", None))),
 }
 
 

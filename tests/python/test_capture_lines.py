@@ -20,7 +20,7 @@ from codewheel_runtime.captures import signals
 from codewheel_runtime.captures.any_biss import biss_layout
 from codewheel_runtime.captures.capture import Captures
 from codewheel_runtime.captures.signals import Edges, Signals
-from codewheel_runtime.captures.uart import serial_bytes
+from codewheel_runtime.captures.uart import read_serial_bytes
 from codewheel_runtime.commands.main import main
 from lines import Biss, Wave, biss_word, serial
 
@@ -329,7 +329,7 @@ def test_the_bytes_of_a_stretch_come_before_the_next_is_read() -> None:
             edges = numpy.arange(begin + 10, begin + 20)
             yield Edges(levels=(1,), times=(edges,), begin=begin, end=begin + 100)
 
-    pieces = serial_bytes(Signals(stretches(), seconds=1.0, is_sampled=False), baud=1.0)
+    pieces = read_serial_bytes(Signals(stretches(), seconds=1.0, is_sampled=False), baud=1.0)
     assert next(pieces).values.tolist() == [0x55]
     assert read == [0.0]
     assert next(pieces).values.tolist() == [0x55]

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy
 import pytest
-from codewheel_runtime.captures.clocked import Lost, clocked
-from codewheel_runtime.captures.signals import Names, of_array
+from codewheel_runtime.captures.clocked import Lost, find_clocked_frames
+from codewheel_runtime.captures.signals import Names, read_array
 from lines import Biss, Wave, biss_word, ssi
 
 BITS = 40
@@ -20,10 +20,10 @@ NAMES = Names("1", "2")
 def read(
     wave: Wave, rate: float, bits: int = BITS, kind: Any = "biss", shift: float = 0.0
 ) -> tuple[list[int], list[Lost]]:
-    signals = of_array(numpy.array(wave.samples(rate, shift), numpy.uint8), NAMES)
+    signals = read_array(numpy.array(wave.samples(rate, shift), numpy.uint8), NAMES)
     words: list[int] = []
     lost: list[Lost] = []
-    for clocked_part in clocked(signals, "a capture", kind, bits):
+    for clocked_part in find_clocked_frames(signals, "a capture", kind, bits):
         words += clocked_part.frames.tolist()
         lost += clocked_part.lost
     return words, lost
@@ -163,7 +163,7 @@ def test_capture_that_begins_or_ends_within_a_cycle(kind: str) -> None:
 
 def _read_samples(samples: Any, kind: Any) -> tuple[list[int], list[str]]:
     words_and_reasons: tuple[list[int], list[str]] = ([], [])
-    for part in clocked(of_array(numpy.array(samples, numpy.uint8), NAMES), "a capture", kind, BITS):
+    for part in find_clocked_frames(read_array(numpy.array(samples, numpy.uint8), NAMES), "a capture", kind, BITS):
         words_and_reasons[0].extend(part.frames.tolist())
         words_and_reasons[1].extend(lost_cycle.reason for lost_cycle in part.lost)
     return words_and_reasons

@@ -112,7 +112,7 @@ def test_only_the_block_with_an_unusual_cell_is_read_row_by_row(decoded: Any, mo
 def test_both_writers_write_the_same(generated_python: tuple[Path, ModuleType], tmp_path: Path) -> None:
     """Numbers, flags, words, quantities, empty cells and other columns of every type."""
     from codewheel_runtime.files.inputs import Source
-    from codewheel_runtime.files.stream import plan_of
+    from codewheel_runtime.files.stream import make_plan
 
     lika: Any = generated_python[1]
     encoder = lika.lookup(CODE)
@@ -130,7 +130,7 @@ def test_both_writers_write_the_same(generated_python: tuple[Path, ModuleType], 
     texts: list[str] = []
     for few in (0, 1000):
         output = io.BytesIO()
-        plan = plan_of(table, Source(iter(()), None, tuple(others), others), (), "in", False)  # type: ignore[arg-type]
+        plan = make_plan(table, Source(iter(()), None, tuple(others), others), (), "in", False)  # type: ignore[arg-type]
         previous, sinks._FEW_ROWS = sinks._FEW_ROWS, few  # type: ignore[misc]
         try:
             with sinks.CsvSink(output, plan) as sink:

@@ -26,7 +26,7 @@ def remainder(number: int) -> int:
 def encoders(families: Mapping[str, Family], request: pytest.FixtureRequest) -> list[Any]:
     """Return new encoders, for which nothing was encoded yet."""
     lookup = families["asc85"].module.lookup
-    return [lookup(code)._replaced() for code in request.param]
+    return [lookup(code)._with_changes() for code in request.param]
 
 
 def test_each_encoder_has_its_own_width(families: Mapping[str, Family], encoders: list[Any]) -> None:
@@ -52,7 +52,7 @@ def test_a_frame_without_an_encoder_is_refused(families: Mapping[str, Family], w
 
 def test_a_frame_with_a_wrong_answer_is_refused(families: Mapping[str, Family]) -> None:
     asc85 = families["asc85"].module
-    encoder = asc85.lookup("ASC8525/SC1")._replaced()
+    encoder = asc85.lookup("ASC8525/SC1")._with_changes()
     for wrong in (None, 1, []):
         frame = asc85.SingleCycleData(encoder, wrong, 1, error=False, warning=False)
         with pytest.raises(TypeError, match="the manual leaves this open"):

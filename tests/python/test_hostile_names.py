@@ -195,7 +195,7 @@ def _check_package(hostile_words: list[str], folder: Path, import_generated: Cal
                 getattr(module, f"own_set_{index}")(encoder, 2 ** variant.parameters["own_bits"], 9)
         assert encoder.turns(3) > 0
         # Some of its frames have signed positions, so their ranges differ.
-        kinds = [kind for kind in descriptions.kinds_of(encoder) if hasattr(kind, "usable_position")]
+        kinds = [kind for kind in descriptions.find_kinds(encoder) if hasattr(kind, "usable_position")]
         assert kinds
         assert {encoder.range_of(kind).unwrap(0, 1) for kind in kinds} == {1}
 

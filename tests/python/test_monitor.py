@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 from codewheel_runtime.commands import monitor
-from codewheel_runtime.commands.record import recording
+from codewheel_runtime.commands.record import open_recorder
 
 GOOD, SPOILT = 0x55BCD15E2, 0x55BCD1564
 
@@ -77,7 +77,7 @@ def test_a_terminal_shows_angle_and_speed(encoder: Any) -> None:
 
 
 def record(encoder: Any, target: Path, *readings: Any) -> monitor.Readings:
-    with recording(str(target), None, force=False) as recorder:
+    with open_recorder(str(target), None, force=False) as recorder:
         return monitor.watch(
             Readings(*readings), encoder, "COM3", count=len(readings), out=io.StringIO(), recorder=recorder
         )

@@ -7,6 +7,7 @@ import copy
 import importlib
 import json
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Callable, Mapping
@@ -19,6 +20,7 @@ import pytest
 from codewheel.language.problems import Report
 from codewheel.language.read import read_document
 from codewheel.loading.library import load_library
+from codewheel.model import Device, Flag
 from codewheel.model.steps import has_steps
 from codewheel.targets import Library
 from codewheel.targets.python.files import generate
@@ -105,6 +107,30 @@ def test_lines_are_of_a_length_to_read(files: Mapping[str, str]) -> None:
         if path.endswith(".py"):
             too_long = [line for line in text.splitlines() if len(line) > 120 and "http" not in line]
             assert not too_long, (path, too_long[:3])
+
+
+#: A value in a decoder with the name of its attribute, and the place of its bits in a word or in a byte.
+COMMENT = re.compile(r"  # (\w+), bits? (\d+)(?::(\d+))?(, active low)?$", re.MULTILINE)
+
+
+def test_comments_name_the_bits_of_the_spec(files: Mapping[str, str], devices: Mapping[str, Device]) -> None:
+    compared = 0
+    for device in devices.values():
+        classes = files[f"python/lika_encoders/{device.name}.py"].split("\nclass ")
+        layouts = [*(layout for _, layout in device.layouts()), *(register.layout for register in device.registers)]
+        texts = {text.partition("(")[0]: text for text in classes}
+        for layout in layouts:
+            text = texts.get("".join(word.capitalize() for word in layout.name.split("_")), "")
+            fields = {field.name: field for field in layout.fields}
+            for name, high, low, is_low in COMMENT.findall(text):
+                field = fields[name.rstrip("_")]
+                first = field.low.constant
+                last = first + field.width.constant - 1
+                place = (int(high), int(low or high))
+                assert place in ((last, first), (last % 8, first % 8)), (device.name, layout.name, name)
+                assert bool(is_low) == (isinstance(field.kind, Flag) and field.kind.active_low), (device.name, name)
+                compared += 1
+    assert compared > 60
 
 
 @pytest.mark.slow

@@ -12,7 +12,7 @@ from typing import Any
 import numpy
 import pytest
 from codewheel_runtime.frames.descriptions import shape_of
-from codewheel_runtime.frames.encode import number_of
+from codewheel_runtime.frames.encode import encode_number
 
 MULTITURN, SINGLETURN = "AMM5A21/65KSC1", "AMM5A21/1SC1"
 
@@ -83,7 +83,7 @@ def test_positions_beyond_one_turn(amm5: Any) -> None:
 
 def test_the_compiled_function_encodes_like_the_description(generated_python: tuple[Path, ModuleType]) -> None:
     """Frames of every layout with random values of every type: the same number, or the same error."""
-    from codewheel_runtime.frames.descriptions import kinds_of
+    from codewheel_runtime.frames.descriptions import find_kinds
 
     lika: Any = generated_python[1]
     source = random.Random(3)
@@ -93,7 +93,7 @@ def test_the_compiled_function_encodes_like_the_description(generated_python: tu
             encoder = lika.lookup(code)
         except ValueError:
             continue
-        for kind in kinds_of(encoder):
+        for kind in find_kinds(encoder):
             fields: Any = kind
             if fields._fields[0] != "variant":
                 continue
@@ -108,7 +108,7 @@ def test_the_compiled_function_encodes_like_the_description(generated_python: tu
 
 def _described(frame: Any, encoder: Any) -> object:
     shape = shape_of(type(frame), encoder)
-    number = number_of(frame, shape, (encoder,))
+    number = encode_number(frame, shape, (encoder,))
     return number.to_bytes(shape.length, shape.order) if shape.length else number
 
 

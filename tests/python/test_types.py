@@ -128,6 +128,16 @@ def worth(frame: amm5.SingleCycleData) -> str:
         'Missing named argument "zero_bit" for "decode" of "BissEncoder"',
         'Argument missing for parameter "zero_bit"',
     ),
+    "a serial port for an encoder that needs a clock": Mistake(
+        "open_encoder('/dev/ttyUSB0', lookup('AMM5A21/65KSC1'))",
+        'Argument 2 has incompatible type "BissEncoder"; expected "str | SerialEncoder"',
+        'Argument of type "BissEncoder" cannot be assigned to parameter "label" of type "str | SerialEncoder"',
+    ),
+    "a serial port for an encoder that needs a clock, with asyncio": Mistake(
+        "open_async('/dev/ttyUSB0', lookup('AMM5A23/65KBG1'))",
+        'Argument 2 has incompatible type "SsiEncoder"; expected "str | SerialEncoder"',
+        'Argument of type "SsiEncoder" cannot be assigned to parameter "label" of type "str | SerialEncoder"',
+    ),
     "the bits of a frame that is made of bytes": Mistake(
         "print(lookup('AMM5A23/65KJP1').frame_bits)",
         '"Rs485Encoder" has no attribute "frame_bits"',
@@ -137,12 +147,15 @@ def worth(frame: amm5.SingleCycleData) -> str:
         "amm5.NOTHING", 'Module has no attribute "NOTHING"', '"NOTHING" is not a known attribute of module'
     ),
 }
-HEAD = "from lika_encoders import Verdict, am36, amm5, lookup\n\n_ = (Verdict, am36, amm5, lookup)\n"
+NAMES = "Verdict, am36, amm5, lookup, open_async, open_encoder"
+HEAD = f"from lika_encoders import {NAMES}\n\n_ = ({NAMES})\n"
 SOUND = """
 encoder = lookup('AMM5A21/65KSC1')
 frame = encoder.try_decode(encoder.decode(5).encode())
 if isinstance(frame, amm5.SingleCycleData) and frame.verdict is not Verdict.NOT_USABLE:
     print(frame.position, frame.error)
+open_encoder('/dev/ttyUSB0', lookup('AMM5A23/65KJP1')).close()
+open_encoder('/dev/ttyUSB0', 'AMM5A23/65KJP1').close()
 """
 #: Settings of pyright. Examples may show a value that is not used, and import names for the next example.
 STRICT = {

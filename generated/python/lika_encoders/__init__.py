@@ -163,19 +163,26 @@ _LATE: Final = {
     "WrongEncoderError": "link_errors",
 }
 
+#: Methods that are imported on first use: the module of the runtime, the class, and its argument.
+_LATE_METHODS: Final = {
+    "decode_capture": ("captures.capture", "Captures", __name__),
+    "decode_file": ("files.stream", "Files", __name__),
+    "decode_partition": ("files.stream", "Files", __name__),
+    "open_async": ("link_async", "AsyncPorts", _PACKAGE.lookup),
+    "open_encoder": ("link", "Ports", _PACKAGE.lookup),
+    "read_capture": ("captures.capture", "Captures", __name__),
+}
+
 if not TYPE_CHECKING:
 
     def __getattr__(name: str) -> object:
+        """Return a public name. The first access imports its module."""
         if name == "FAMILIES":
             return tuple(import_module(f".{family}", __name__).FAMILY for family in _FAMILIES)
-        if name in ("decode_file", "decode_partition"):
-            return getattr(import_module("codewheel_runtime.files.stream").Files(__name__), name)
-        if name == "open_async":
-            return import_module("codewheel_runtime.link_async").AsyncPorts(_PACKAGE.lookup).open_async
-        if name == "open_encoder":
-            return import_module("codewheel_runtime.link").Ports(_PACKAGE.lookup).open_encoder
-        if name in ("decode_capture", "read_capture"):
-            return getattr(import_module("codewheel_runtime.captures.capture").Captures(__name__), name)
+        if name in _LATE_METHODS:
+            module, provider, argument = _LATE_METHODS[name]
+            provider_class = getattr(import_module(f"codewheel_runtime.{module}"), provider)
+            return getattr(provider_class(argument), name)
         if name in _LATE:
             return getattr(import_module(f"codewheel_runtime.{_LATE[name]}"), name)
         if name in __all__:

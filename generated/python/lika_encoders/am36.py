@@ -52,13 +52,13 @@ from codewheel_runtime.codec import (
     Word,
     Words,
     as_bytes,
+    as_member,
     as_word,
     check_width,
-    choice,
     crc_of_bits,
-    crc_tables,
     create,
     from_gray,
+    make_crc_tables,
     too_long_error,
 )
 from codewheel_runtime.encoder import (
@@ -81,19 +81,19 @@ from codewheel_runtime.frames.base import (
     Sent,
     decode_many,
     encode_many,
-    with_bytes,
+    keep_bytes,
 )
 from codewheel_runtime.frames.decoders import cached_decoder, raise_error
 from codewheel_runtime.registers import (
     RegisterParameter,
     bytes_by_address,
     encode_register,
+    format_parameters,
     is_consistent,
-    parameters_in,
-    parameters_text,
+    read_parameters,
 )
 from codewheel_runtime.reports import Family, Interface, Movement, Verdict
-from codewheel_runtime.steps import Modify, Read, Step, Verify, Wait, byte_writes
+from codewheel_runtime.steps import Modify, Read, Step, Verify, Wait, write_bytes
 
 if TYPE_CHECKING:
     from typing import Literal as _Literal
@@ -294,7 +294,7 @@ class Variant(Rotary, Wrapping):
             RangeError: The value of a register is not allowed.
             ValueError: A register does not affect this encoder.
         """
-        return self._replaced(**parameters_in(_REGISTER_PARAMETERS, contents, self))
+        return self._with_changes(**read_parameters(_REGISTER_PARAMETERS, contents, self))
 
     @property
     def counts_per_turn(self) -> int:
@@ -311,7 +311,7 @@ class Variant(Rotary, Wrapping):
         return (1 << self.used_singleturn_bits) * self.used_revolutions
 
     def __repr__(self) -> str:
-        return f"<{self.code}{self.special_code}{parameters_text(_REGISTER_PARAMETERS, self)}>"
+        return f"<{self.code}{self.special_code}{format_parameters(_REGISTER_PARAMETERS, self)}>"
 
 
 class SsiEncoder(Variant):
@@ -579,6 +579,8 @@ class EnablePreset(IntEnum):
 
 
 class _SsiWord(NamedTuple):
+    """Fields of ``SsiWord``."""
+
     variant: SsiEncoder
     multiturn: int
     singleturn: int
@@ -622,7 +624,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name.
+        # Fields are read by index, which is faster than by name: 0 is variant, 1 is multiturn, 2 is singleturn.
         return self[1] << self[0].singleturn_bits | self[2]
 
     @property
@@ -655,6 +657,9 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
             variant: The encoder.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
+        Returns:
+            The frame.
+
         Raises:
             LengthError: There are too many or too few bits.
             FamilyError: The encoder belongs to another family.
@@ -675,6 +680,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
         def decode(frame: Any, bits: int | None = None) -> SsiWord:
             try:
+                # An int is used as it is, which is faster.
                 word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
@@ -696,6 +702,8 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
 
 class _SingleCycleData(NamedTuple):
+    """Fields of ``SingleCycleData``."""
+
     variant: BissEncoder
     multiturn: int
     singleturn: int
@@ -764,7 +772,8 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name.
+        # Fields are read by index, which is faster than by name: 0 is variant, 1 is multiturn, 2 is singleturn, 3 is
+        # unused.
         if self[3] & 0x2:
             return None
         return self[1] << self[0].used_singleturn_bits | self[2]
@@ -800,6 +809,9 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
             variant: The encoder.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
+        Returns:
+            The frame. Check its ``verdict`` before you use the position.
+
         Raises:
             LengthError: There are too many or too few bits.
             CrcError: The CRC does not match.
@@ -820,26 +832,29 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         multiturn_low = variant.used_singleturn_bits + 8  # 8 = error (1) + warning (1) + crc (6)
         singleturn_mask = (1 << variant.used_singleturn_bits) - 1
         # A table for each 16 bits of the frame. The XOR of their entries is 0 if the CRC is correct.
-        table_0, table_1, table_2 = crc_tables(crc_biss_6, covered=38, width=6, count=3)
+        table_0, table_1, table_2 = make_crc_tables(crc_biss_6, covered=38, width=6, count=3)
 
         def decode(frame: Any, bits: int | None = None) -> SingleCycleData:
             try:
+                # An int is used as it is, which is faster.
                 word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
+                # The CRC is looked up 16 bits at a time. The XOR of the entries is 0 if it is correct.
                 low = word & 0xFFFF
                 high = word >> 16
                 difference = table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]
                 if difference:
                     received_crc = word & 0x3F
-                    raise CrcError(received_crc, received_crc ^ difference)
+                    computed_crc = received_crc ^ difference
+                    raise CrcError(received_crc, computed_crc)
                 if variant.biss_gray:
                     word = from_gray(word, low=8, width=gray_bits)
                 values = (
                     variant,
                     word >> multiturn_low,  # multiturn
                     word >> 8 & singleturn_mask,  # singleturn
-                    word >> 6 & 0x3 ^ 0x3,  # unused
+                    word >> 6 & 0x3 ^ 0x3,  # unused, 1 where a bit differs from the manual
                 )
                 return create(cls, values)
             except (FrameError, TypeError) as exception:
@@ -876,6 +891,8 @@ class Address:
 
 
 class _ProfileId(NamedTuple):
+    """Fields of ``ProfileId``."""
+
     profile: int
 
 
@@ -914,6 +931,9 @@ class ProfileId(FixedRegister, _ProfileId):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -922,12 +942,14 @@ class ProfileId(FixedRegister, _ProfileId):
         if len(data) != 2:
             raise LengthError(2, len(data))
         values = (
-            data[0] << 8 | data[1],  # profile
+            data[0] << 8 | data[1],  # profile, high byte first
         )
         return create(cls, values)
 
 
 class _SerialNumber(NamedTuple):
+    """Fields of ``SerialNumber``."""
+
     year: int
     week: int
     number: int
@@ -962,6 +984,9 @@ class SerialNumber(FixedRegister, _SerialNumber):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -972,7 +997,7 @@ class SerialNumber(FixedRegister, _SerialNumber):
         values = (
             data[0],  # year
             data[1],  # week
-            data[2] << 8 | data[3],  # number
+            data[2] << 8 | data[3],  # number, high byte first
         )
         return create(cls, values)
 
@@ -1024,7 +1049,7 @@ class Command(IntEnum):
         data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return choice(cls, "Command", int.from_bytes(data, "big"))
+        return as_member(cls, "Command", int.from_bytes(data, "big"))
 
     def encode(self) -> bytes:
         """Return the bytes of the register."""
@@ -1032,6 +1057,8 @@ class Command(IntEnum):
 
 
 class _Configuration(NamedTuple):
+    """Fields of ``Configuration``."""
+
     counting_direction: CountingDirection
     output_code: OutputCode
     enable_preset: EnablePreset
@@ -1078,6 +1105,9 @@ class Configuration(FixedRegister, _Configuration):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
             ConstantError: A constant or a parity bit has the wrong value.
@@ -1087,22 +1117,24 @@ class Configuration(FixedRegister, _Configuration):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        zero_above_counting_direction = data[0] >> 7
+        zero_above_counting_direction = data[0] >> 7  # bit 7: Always zero
         if zero_above_counting_direction:
             raise ConstantError("zero_above_counting_direction", zero_above_counting_direction, 0)
-        zero_below_output_code = data[0] >> 3 & 0x3
+        zero_below_output_code = data[0] >> 3 & 0x3  # bits 4:3: Always zero
         if zero_below_output_code:
             raise ConstantError("zero_below_output_code", zero_below_output_code, 0)
-        zero_below_enable_preset = data[0] & 0x3
+        zero_below_enable_preset = data[0] & 0x3  # bits 1:0: Always zero
         if zero_below_enable_preset:
             raise ConstantError("zero_below_enable_preset", zero_below_enable_preset, 0)
-        counting_direction = choice(CountingDirection, "counting_direction", data[0] >> 6 & 0x1)
-        output_code = choice(OutputCode, "output_code", data[0] >> 5 & 0x1)
-        enable_preset = choice(EnablePreset, "enable_preset", data[0] >> 2 & 0x1)
+        counting_direction = as_member(CountingDirection, "counting_direction", data[0] >> 6 & 0x1)  # bit 6
+        output_code = as_member(OutputCode, "output_code", data[0] >> 5 & 0x1)  # bit 5
+        enable_preset = as_member(EnablePreset, "enable_preset", data[0] >> 2 & 0x1)  # bit 2
         return create(cls, (counting_direction, output_code, enable_preset))
 
 
 class _InformationPerRevolution(NamedTuple):
+    """Fields of ``InformationPerRevolution``."""
+
     steps: int
 
 
@@ -1139,6 +1171,9 @@ class InformationPerRevolution(FixedLimitedRegister, _InformationPerRevolution):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -1147,9 +1182,9 @@ class InformationPerRevolution(FixedLimitedRegister, _InformationPerRevolution):
         if len(data) != 3:
             raise LengthError(3, len(data))
         values = (
-            data[0] << 16 | data[1] << 8 | data[2],  # steps
+            data[0] << 16 | data[1] << 8 | data[2],  # steps, high byte first
         )
-        return with_bytes(create(cls, values), data)
+        return keep_bytes(create(cls, values), data)
 
     @staticmethod
     def limits() -> tuple[int, int]:
@@ -1158,6 +1193,8 @@ class InformationPerRevolution(FixedLimitedRegister, _InformationPerRevolution):
 
 
 class _NumberOfRevolutions(NamedTuple):
+    """Fields of ``NumberOfRevolutions``."""
+
     revolutions: int
 
 
@@ -1195,6 +1232,9 @@ class NumberOfRevolutions(FixedLimitedRegister, _NumberOfRevolutions):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -1203,9 +1243,9 @@ class NumberOfRevolutions(FixedLimitedRegister, _NumberOfRevolutions):
         if len(data) != 2:
             raise LengthError(2, len(data))
         values = (
-            (data[0] << 8 | data[1]) or 65_536,  # revolutions
+            (data[0] << 8 | data[1]) or 65_536,  # revolutions, high byte first
         )
-        return with_bytes(create(cls, values), data)
+        return keep_bytes(create(cls, values), data)
 
     @staticmethod
     def limits() -> tuple[int, int]:
@@ -1214,6 +1254,8 @@ class NumberOfRevolutions(FixedLimitedRegister, _NumberOfRevolutions):
 
 
 class _Preset(NamedTuple):
+    """Fields of ``Preset``."""
+
     variant: BissEncoder
     position: int
 
@@ -1258,6 +1300,9 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
             data: Bytes of the register, in ascending order of address.
             variant: The encoder.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
             ConstantError: A constant or a parity bit has the wrong value.
@@ -1270,14 +1315,14 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
             data = as_bytes(data)
         if len(data) != 5:
             raise LengthError(5, len(data))
-        zero_above_position = data[0] >> 4
+        zero_above_position = data[0] >> 4  # bits 7:4: Always zero
         if zero_above_position:
             raise ConstantError("zero_above_position", zero_above_position, 0)
         values = (
             variant,
-            (data[0] & 0xF) << 32 | data[1] << 24 | data[2] << 16 | data[3] << 8 | data[4],  # position
+            (data[0] & 0xF) << 32 | data[1] << 24 | data[2] << 16 | data[3] << 8 | data[4],  # position, high byte first
         )
-        return with_bytes(create(cls, values), data)
+        return keep_bytes(create(cls, values), data)
 
     @staticmethod
     def limits(variant: BissEncoder) -> tuple[int, int]:
@@ -1287,6 +1332,8 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
 
 
 class _DeviceType(NamedTuple):
+    """Fields of ``DeviceType``."""
+
     device_type: int
 
 
@@ -1321,6 +1368,9 @@ class DeviceType(FixedRegister, _DeviceType):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -1335,6 +1385,8 @@ class DeviceType(FixedRegister, _DeviceType):
 
 
 class _SingleturnBitsUsed(NamedTuple):
+    """Fields of ``SingleturnBitsUsed``."""
+
     bits: int
 
 
@@ -1364,6 +1416,9 @@ class SingleturnBitsUsed(FixedRegister, _SingleturnBitsUsed):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -1378,6 +1433,8 @@ class SingleturnBitsUsed(FixedRegister, _SingleturnBitsUsed):
 
 
 class _MultiturnBitsUsed(NamedTuple):
+    """Fields of ``MultiturnBitsUsed``."""
+
     bits: int
 
 
@@ -1409,6 +1466,9 @@ class MultiturnBitsUsed(FixedRegister, _MultiturnBitsUsed):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -1423,6 +1483,8 @@ class MultiturnBitsUsed(FixedRegister, _MultiturnBitsUsed):
 
 
 class _DeviceId(NamedTuple):
+    """Fields of ``DeviceId``."""
+
     model: str
     interface_code: str
     enclosure: str
@@ -1468,6 +1530,9 @@ class DeviceId(FixedRegister, _DeviceId):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -1476,8 +1541,8 @@ class DeviceId(FixedRegister, _DeviceId):
         if len(data) != 6:
             raise LengthError(6, len(data))
         values = (
-            data[0:2].decode("latin-1"),  # model
-            data[2:4].decode("latin-1"),  # interface_code
+            data[0:2].decode("latin-1"),  # model, high byte first
+            data[2:4].decode("latin-1"),  # interface_code, high byte first
             data[4:5].decode("latin-1"),  # enclosure
             data[5:6].decode("latin-1"),  # software_version
         )
@@ -1485,6 +1550,8 @@ class DeviceId(FixedRegister, _DeviceId):
 
 
 class _ManufacturerId(NamedTuple):
+    """Fields of ``ManufacturerId``."""
+
     name: str
 
 
@@ -1519,6 +1586,9 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -1527,7 +1597,7 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
         if len(data) != 2:
             raise LengthError(2, len(data))
         values = (
-            data[0:2].decode("latin-1"),  # name
+            data[0:2].decode("latin-1"),  # name, high byte first
         )
         return create(cls, values)
 
@@ -1620,14 +1690,29 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
 def _has_registers(variant: BissEncoder, contents: Mapping[int, int]) -> bool:
     """Return whether the registers of an encoder can have these contents, bytes keyed by address."""
     return (
-        is_consistent(contents, Address.PROFILE_ID, 2, lambda data: ProfileId.decode(data).is_as_documented)
-        and is_consistent(contents, Address.DEVICE_TYPE, 1, lambda data: DeviceType.decode(data).is_as_documented)
-        and is_consistent(contents, Address.DEVICE_ID, 6, lambda data: DeviceId.decode(data).is_as_documented)
+        is_consistent(
+            contents,
+            Address.PROFILE_ID,
+            length=2,
+            is_expected=lambda data: ProfileId.decode(data).is_as_documented,
+        )
+        and is_consistent(
+            contents,
+            Address.DEVICE_TYPE,
+            length=1,
+            is_expected=lambda data: DeviceType.decode(data).is_as_documented,
+        )
+        and is_consistent(
+            contents,
+            Address.DEVICE_ID,
+            length=6,
+            is_expected=lambda data: DeviceId.decode(data).is_as_documented,
+        )
         and is_consistent(
             contents,
             Address.MANUFACTURER_ID,
-            2,
-            lambda data: ManufacturerId.decode(data).is_as_documented,
+            length=2,
+            is_expected=lambda data: ManufacturerId.decode(data).is_as_documented,
         )
     )
 
@@ -1673,15 +1758,15 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     Configuration.decode(encode_register("configuration", Configuration, configuration, 1, "big"))
     return (
-        *byte_writes(
+        *write_bytes(
             "configuration",
             Address.CONFIGURATION,
             encode_register("configuration", Configuration, configuration, 1, "big"),
-            "takes effect immediately",
+            meaning="takes effect immediately",
         ),
         Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0xFF),
-        *byte_writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save it"),
-        Wait(30_000, "EEPROM writing time"),
+        *write_bytes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), meaning="save it"),
+        Wait(microseconds=30_000, meaning="EEPROM writing time"),
     )
 
 
@@ -1710,6 +1795,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     """
     check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
+        # Mask and value are those of enable_preset.
         Modify(
             Address.CONFIGURATION,
             length=1,
@@ -1718,21 +1804,21 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
             value=0x00,
             meaning="enable writing of the Preset registers",
         ),
-        *byte_writes(
+        *write_bytes(
             "preset",
             Address.PRESET,
             Preset(variant, position=position).encode(),
-            "write the five Preset registers",
+            meaning="write the five Preset registers",
         ),
         Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0x04),
         Verify(Address.PRESET, length=5, register="preset", mask=0xFFFFFFFFFF, order="big"),
-        *byte_writes(
+        *write_bytes(
             "command",
             Address.COMMAND,
             Command.SAVE_AND_ACTIVATE_PRESET.encode(),
-            "save and activate the preset",
+            meaning="save and activate the preset",
         ),
-        Wait(30_000, "EEPROM writing time"),
+        Wait(microseconds=30_000, meaning="EEPROM writing time"),
     )
 
 
@@ -1760,6 +1846,7 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     """
     check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
+        # Mask and value are those of enable_preset.
         Modify(
             Address.CONFIGURATION,
             length=1,
@@ -1768,16 +1855,16 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
             value=0x00,
             meaning="enable writing of the Preset registers",
         ),
-        *byte_writes(
+        *write_bytes(
             "preset",
             Address.PRESET,
             Preset(variant, position=position).encode(),
-            "write the five Preset registers",
+            meaning="write the five Preset registers",
         ),
         Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0x04),
         Verify(Address.PRESET, length=5, register="preset", mask=0xFFFFFFFFFF, order="big"),
-        *byte_writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save the preset"),
-        Wait(30_000, "EEPROM writing time"),
+        *write_bytes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), meaning="save the preset"),
+        Wait(microseconds=30_000, meaning="EEPROM writing time"),
     )
 
 
@@ -1799,8 +1886,8 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        *byte_writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode()),
-        Wait(30_000, "EEPROM writing time"),
+        *write_bytes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode()),
+        Wait(microseconds=30_000, meaning="EEPROM writing time"),
     )
 
 
@@ -1825,8 +1912,8 @@ def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        *byte_writes("command", Address.COMMAND, Command.SAVE_AND_ACTIVATE_PRESET.encode()),
-        Wait(30_000, "EEPROM writing time"),
+        *write_bytes("command", Address.COMMAND, Command.SAVE_AND_ACTIVATE_PRESET.encode()),
+        Wait(microseconds=30_000, meaning="EEPROM writing time"),
     )
 
 
@@ -1858,8 +1945,8 @@ def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        *byte_writes("command", Address.COMMAND, Command.RESTORE_DEFAULTS.encode()),
-        Wait(30_000, "EEPROM writing time"),
+        *write_bytes("command", Address.COMMAND, Command.RESTORE_DEFAULTS.encode()),
+        Wait(microseconds=30_000, meaning="EEPROM writing time"),
     )
 
 
@@ -1904,13 +1991,18 @@ def set_resolution(
     check_encoder(variant, Variant, _BISS, _PROCEDURES)
     content = InformationPerRevolution(steps=information_per_revolution).encode()
     before: tuple[Step, ...] = (
-        *byte_writes("information_per_revolution", Address.INFORMATION_PER_REVOLUTION, content, "clears the preset"),
+        *write_bytes(
+            "information_per_revolution",
+            Address.INFORMATION_PER_REVOLUTION,
+            content,
+            meaning="clears the preset",
+        ),
     )
     variant = variant.with_registers(dict(enumerate(content, Address.INFORMATION_PER_REVOLUTION)))
     content = NumberOfRevolutions(revolutions=number_of_revolutions).encode()
     before = (
         *before,
-        *byte_writes("number_of_revolutions", Address.NUMBER_OF_REVOLUTIONS, content, "clears the preset"),
+        *write_bytes("number_of_revolutions", Address.NUMBER_OF_REVOLUTIONS, content, meaning="clears the preset"),
     )
     variant = variant.with_registers(dict(enumerate(content, Address.NUMBER_OF_REVOLUTIONS)))
     return (
@@ -1923,13 +2015,14 @@ def set_resolution(
             order="big",
         ),
         Verify(Address.NUMBER_OF_REVOLUTIONS, length=2, register="number_of_revolutions", mask=0xFFFF, order="big"),
-        *byte_writes(
+        *write_bytes(
             "command",
             Address.COMMAND,
             Command.SAVE_PARAMETERS.encode(),
-            "save the resolution first, separately from the preset",
+            meaning="save the resolution first, separately from the preset",
         ),
-        Wait(30_000, "EEPROM writing time"),
+        Wait(microseconds=30_000, meaning="EEPROM writing time"),
+        # Mask and value are those of enable_preset.
         Modify(
             Address.CONFIGURATION,
             length=1,
@@ -1938,21 +2031,21 @@ def set_resolution(
             value=0x00,
             meaning="enable writing of the Preset registers",
         ),
-        *byte_writes(
+        *write_bytes(
             "preset",
             Address.PRESET,
             Preset(variant, position=position).encode(),
-            "write the preset again, since it was set to zero",
+            meaning="write the preset again, since it was set to zero",
         ),
         Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0x04),
         Verify(Address.PRESET, length=5, register="preset", mask=0xFFFFFFFFFF, order="big"),
-        *byte_writes(
+        *write_bytes(
             "command",
             Address.COMMAND,
             Command.SAVE_AND_ACTIVATE_PRESET.encode(),
-            "save and activate the preset",
+            meaning="save and activate the preset",
         ),
-        Wait(30_000, "EEPROM writing time"),
+        Wait(microseconds=30_000, meaning="EEPROM writing time"),
         Read(
             Address.SINGLETURN_BITS_USED,
             length=1,

@@ -65,14 +65,14 @@ from codewheel_runtime.codec import (
     Word,
     Words,
     as_bytes,
+    as_member,
     as_word,
     check_kind,
     check_width,
-    choice,
     crc_by_xor,
     crc_of_bits,
-    crc_tables,
     create,
+    make_crc_tables,
     require_answer,
     too_long_error,
     wrong_answer_error,
@@ -80,6 +80,7 @@ from codewheel_runtime.codec import (
 from codewheel_runtime.encoder import (
     ErrorHandler,
     Positioned,
+    SerialEncoder,
     check_encoder,
     load_fact,
     look_up,
@@ -99,13 +100,13 @@ from codewheel_runtime.frames.base import (
     Sent,
     decode_many,
     encode_many,
-    with_bytes,
+    keep_bytes,
 )
 from codewheel_runtime.frames.decoders import cached_decoder, raise_error
 from codewheel_runtime.frames.descriptions import shape_of
 from codewheel_runtime.registers import bytes_by_address, is_consistent
 from codewheel_runtime.reports import Family, Interface, Movement, Verdict
-from codewheel_runtime.steps import Send, Step, Verify, Wait, byte_writes
+from codewheel_runtime.steps import Send, Step, Verify, Wait, write_bytes
 
 if TYPE_CHECKING:
     from typing import Literal as _Literal
@@ -285,7 +286,7 @@ class Variant(Rotary, Wrapping):
             TypeError: An answer belongs to another class.
         """
         require_answer(WarningCause, warning_cause)
-        return self._replaced(
+        return self._with_changes(
             low_battery_only=warning_cause.low_battery_only,
         )
 
@@ -452,7 +453,7 @@ class BissEncoder(Variant):
         return encode_many(columns, SingleCycleData, variant=self)
 
 
-class Rs485Encoder(Variant):
+class Rs485Encoder(Variant, SerialEncoder):
     """Encoder with RS-485. Its attributes are documented in ``Variant``."""
 
     interface: ClassVar[Interface] = _RS485
@@ -683,9 +684,9 @@ class EepromAddress(Enum):
             it, and a write overwrites other data there. Read and compare before you write.
     """
 
-    AS_PRINTED = (1, 0)
+    AS_PRINTED = (1, 0)  # eeprom_address_bit, mem_busy_bit
     """Bits 7:1, with MEM BUSY in bit 0, as the manual prints it [7.5 p.46]."""
-    AS_T_FORMAT = (0, 7)
+    AS_T_FORMAT = (0, 7)  # eeprom_address_bit, mem_busy_bit
     """Bits 6:0, as in public T-format stacks. MEM BUSY is then the remaining bit, 7 [hpm_sdk:
     samples/drivers/sei/slave/tamagawa/README_en.rst, ti_sdk:
     tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c].
@@ -711,11 +712,11 @@ class WarningCause(Enum):
             carries these four flags (data ID 3), they decide instead.
     """
 
-    EITHER_CAUSE = (0,)
+    EITHER_CAUSE = (0,)  # low_battery_only
     """An error in the magnetic multiturn system or a low battery, the two causes that the manual lists. The number
     of revolutions may be wrong, so the position is not usable [6.2.1 p.33].
     """
-    LOW_BATTERY = (1,)
+    LOW_BATTERY = (1,)  # low_battery_only
     """Only a low battery, with which the position is kept, as over RS-485. The position is usable with a warning
     [6.2.1 p.33, 4.3.1 p.23, 7.4.1 p.44].
     """
@@ -728,6 +729,8 @@ class WarningCause(Enum):
 
 
 class _SsiWord(NamedTuple):
+    """Fields of ``SsiWord``."""
+
     variant: SsiEncoder
     multiturn: int
     singleturn: int
@@ -768,7 +771,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name.
+        # Fields are read by index, which is faster than by name: 0 is variant, 1 is multiturn, 2 is singleturn.
         return self[1] << self[0].singleturn_bits | self[2]
 
     @property
@@ -801,6 +804,9 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
             variant: The encoder.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
+        Returns:
+            The frame.
+
         Raises:
             LengthError: There are too many or too few bits.
             FamilyError: The encoder belongs to another family.
@@ -820,6 +826,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
         def decode(frame: Any, bits: int | None = None) -> SsiWord:
             try:
+                # An int is used as it is, which is faster.
                 word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
@@ -839,6 +846,8 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
 
 class _SingleCycleData(NamedTuple):
+    """Fields of ``SingleCycleData``."""
+
     variant: BissEncoder
     multiturn: int
     singleturn: int
@@ -919,7 +928,8 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name.
+        # Fields are read by index, which is faster than by name: 0 is variant, 1 is multiturn, 2 is singleturn, 3 is
+        # error, 4 is warning.
         if self[3] or (self[4] and self[0].multiturn_bits and not self[0].low_battery_only):
             return None
         return self[1] << self[0].singleturn_bits | self[2]
@@ -962,6 +972,9 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
             variant: The encoder.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
+        Returns:
+            The frame. Check its ``verdict`` before you use the position.
+
         Raises:
             LengthError: There are too many or too few bits.
             CrcError: The CRC does not match.
@@ -980,25 +993,28 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         multiturn_low = variant.singleturn_bits + 8  # 8 = error (1) + warning (1) + crc (6)
         singleturn_mask = (1 << variant.singleturn_bits) - 1
         # A table for each 16 bits of the frame. The XOR of their entries is 0 if the CRC is correct.
-        table_0, table_1, table_2 = crc_tables(crc_biss_6, covered=41, width=6, count=3)
+        table_0, table_1, table_2 = make_crc_tables(crc_biss_6, covered=41, width=6, count=3)
 
         def decode(frame: Any, bits: int | None = None) -> SingleCycleData:
             try:
+                # An int is used as it is, which is faster.
                 word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
+                # The CRC is looked up 16 bits at a time. The XOR of the entries is 0 if it is correct.
                 low = word & 0xFFFF
                 high = word >> 16
                 difference = table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]
                 if difference:
                     received_crc = word & 0x3F
-                    raise CrcError(received_crc, received_crc ^ difference)
+                    computed_crc = received_crc ^ difference
+                    raise CrcError(received_crc, computed_crc)
                 values = (
                     variant,
                     word >> multiturn_low,  # multiturn
                     word >> 8 & singleturn_mask,  # singleturn
-                    not low & 0x80,  # error
-                    not low & 0x40,  # warning
+                    not low & 0x80,  # error, bit 7, active low
+                    not low & 0x40,  # warning, bit 6, active low
                 )
                 return create(cls, values)
             except (FrameError, TypeError) as exception:
@@ -1011,6 +1027,8 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
 
 
 class _DataRequest(NamedTuple):
+    """Fields of ``DataRequest``."""
+
     data_id: DataId
 
 
@@ -1043,6 +1061,9 @@ class DataRequest(FixedBytes, _DataRequest):
         Args:
             data: Bytes of the frame, in the order in which they are sent.
 
+        Returns:
+            The frame.
+
         Raises:
             LengthError: There are too many or too few bytes.
             ConstantError: A constant or a parity bit has the wrong value.
@@ -1060,14 +1081,17 @@ class DataRequest(FixedBytes, _DataRequest):
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 1:
                     raise LengthError(1, len(data))
-                sync = data[0] & 0x7
+                sync = data[0] & 0x7  # bits 2:0: Start of a frame, binary 010
                 if sync != 0x2:
                     raise ConstantError("sync", sync, 0x2)
-                data_id = data[0] >> 3 & 0xF
-                parity = data[0] >> 7
+                data_id = data[0] >> 3 & 0xF  # bits 6:3
+                parity = data[0] >> 7  # bit 7
+                # Even parity over data_id.
                 expected_parity = data_id.bit_count() & 1
                 if parity != expected_parity:
                     raise ConstantError("parity", parity, expected_parity)
+                # 0 is SINGLETURN, 1 is MULTITURN, 2 is ENCODER_ID, 3 is ALL_DATA, 7 is RESET_ERRORS, 8 is
+                # RESET_SINGLETURN_AND_MULTITURN, 0xC is RESET_MULTITURN_AND_ERRORS.
                 if data_id not in (0, 1, 2, 3, 7, 8, 0xC):
                     raise RangeError("data_id", data_id, "one of 0h, 1h, 2h, 3h, 7h, 8h, Ch")
                 values = (
@@ -1081,6 +1105,8 @@ class DataRequest(FixedBytes, _DataRequest):
 
 
 class _EepromWriteRequest(NamedTuple):
+    """Fields of ``EepromWriteRequest``."""
+
     eeprom_address: EepromAddress
     address: int
     data: int
@@ -1129,6 +1155,9 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
             data: Bytes of the frame, in the order in which they are sent.
             eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
 
+        Returns:
+            The frame.
+
         Raises:
             LengthError: There are too many or too few bytes.
             CrcError: The CRC does not match.
@@ -1153,23 +1182,25 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
                 if not isinstance(eeprom_address, EepromAddress):
                     raise wrong_answer_error(EepromAddress, eeprom_address)
                 number = int.from_bytes(data, "little")
-                sync = number & 0x7
+                sync = number & 0x7  # bits 2:0: Start of a frame, binary 010
                 if sync != 0x2:
                     raise ConstantError("sync", sync, 0x2)
-                data_id = number >> 3 & 0xF
-                parity = number >> 7 & 0x1
+                data_id = number >> 3 & 0xF  # bits 6:3
+                parity = number >> 7 & 0x1  # bit 7
+                # Even parity over data_id.
                 expected_parity = data_id.bit_count() & 1
                 if parity != expected_parity:
                     raise ConstantError("parity", parity, expected_parity)
-                mem_busy = number >> (eeprom_address.mem_busy_bit + 8) & 0x1
+                mem_busy = number >> (eeprom_address.mem_busy_bit + 8) & 0x1  # Always 0 when sent by the master
                 if mem_busy:
                     raise ConstantError("mem_busy", mem_busy, 0)
+                # 6 is EEPROM_WRITE.
                 if data_id != 6:
                     raise RangeError("data_id", data_id, "6h")
                 values = (
                     eeprom_address,
                     number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F,  # address
-                    number >> 16 & 0xFF,  # data
+                    number >> 16 & 0xFF,  # data, bits 23:16
                 )
                 return create(cls, values)
             except (FrameError, TypeError) as exception:
@@ -1214,6 +1245,8 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
 
 
 class _EepromReadRequest(NamedTuple):
+    """Fields of ``EepromReadRequest``."""
+
     eeprom_address: EepromAddress
     address: int
 
@@ -1260,6 +1293,9 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
             data: Bytes of the frame, in the order in which they are sent.
             eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
 
+        Returns:
+            The frame.
+
         Raises:
             LengthError: There are too many or too few bytes.
             CrcError: The CRC does not match.
@@ -1284,17 +1320,19 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
                 if not isinstance(eeprom_address, EepromAddress):
                     raise wrong_answer_error(EepromAddress, eeprom_address)
                 number = int.from_bytes(data, "little")
-                sync = number & 0x7
+                sync = number & 0x7  # bits 2:0: Start of a frame, binary 010
                 if sync != 0x2:
                     raise ConstantError("sync", sync, 0x2)
-                data_id = number >> 3 & 0xF
-                parity = number >> 7 & 0x1
+                data_id = number >> 3 & 0xF  # bits 6:3
+                parity = number >> 7 & 0x1  # bit 7
+                # Even parity over data_id.
                 expected_parity = data_id.bit_count() & 1
                 if parity != expected_parity:
                     raise ConstantError("parity", parity, expected_parity)
-                mem_busy = number >> (eeprom_address.mem_busy_bit + 8) & 0x1
+                mem_busy = number >> (eeprom_address.mem_busy_bit + 8) & 0x1  # Always 0 when sent by the master
                 if mem_busy:
                     raise ConstantError("mem_busy", mem_busy, 0)
+                # 0xD is EEPROM_READ.
                 if data_id != 0xD:
                     raise RangeError("data_id", data_id, "Dh")
                 values = (
@@ -1344,6 +1382,8 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
 
 
 class _SingleturnReply(NamedTuple):
+    """Fields of ``SingleturnReply``."""
+
     variant: Rs485Encoder
     data_id: DataId
     status_st_error: bool
@@ -1429,6 +1469,9 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
             data: Bytes of the frame, in the order in which they are sent.
             variant: The encoder.
 
+        Returns:
+            The frame. Check its ``verdict`` before you use the position.
+
         Raises:
             LengthError: There are too many or too few bytes.
             CrcError: The CRC does not match.
@@ -1463,29 +1506,32 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
                 computed_crc = b0 ^ b1 ^ b2 ^ b3 ^ b4
                 if computed_crc != b5:
                     raise CrcError(b5, computed_crc)
-                singleturn = b2 | b3 << 8 | b4 << 16
+                singleturn = b2 | b3 << 8 | b4 << 16  # low byte first
+                # The first byte is compared as a whole. If any constant is wrong, the first wrong field is reported.
                 if singleturn >> singleturn_bits or b0 not in valid_first_bytes:
-                    # The first wrong field is reported.
-                    sync = b0 & 0x7
+                    sync = b0 & 0x7  # bits 2:0: Start of a frame, binary 010
                     if sync != 0x2:
                         raise ConstantError("sync", sync, 0x2)
-                    data_id = b0 >> 3 & 0xF
-                    parity = b0 >> 7
+                    data_id = b0 >> 3 & 0xF  # bits 6:3
+                    parity = b0 >> 7  # bit 7
+                    # Even parity over data_id.
                     expected_parity = data_id.bit_count() & 1
                     if parity != expected_parity:
                         raise ConstantError("parity", parity, expected_parity)
                     padding = singleturn >> singleturn_bits
                     if padding:
                         raise ConstantError("singleturn_padding", padding, 0)
+                    # 0 is SINGLETURN, 7 is RESET_ERRORS, 8 is RESET_SINGLETURN_AND_MULTITURN, 0xC is
+                    # RESET_MULTITURN_AND_ERRORS.
                     if data_id not in (0, 7, 8, 0xC):
                         raise RangeError("data_id", data_id, "one of 0h, 7h, 8h, Ch")
                 values = (
                     variant,
-                    valid_first_bytes[b0],  # data_id
-                    (b1 & 0x10) != 0,  # status_st_error
-                    (b1 & 0x20) != 0,  # status_other_error
+                    valid_first_bytes[b0],  # data_id, bits 6:3
+                    (b1 & 0x10) != 0,  # status_st_error, bit 4
+                    (b1 & 0x20) != 0,  # status_other_error, bit 5
                     singleturn,
-                    b1 & 0xCF,  # unused
+                    b1 & 0xCF,  # unused, 1 where a bit differs from the manual
                 )
                 return create(cls, values)
             except (FrameError, TypeError) as exception:
@@ -1495,6 +1541,8 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
 
 
 class _MultiturnReply(NamedTuple):
+    """Fields of ``MultiturnReply``."""
+
     variant: Rs485Encoder
     status_st_error: bool
     status_other_error: bool
@@ -1580,6 +1628,9 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
             data: Bytes of the frame, in the order in which they are sent.
             variant: The encoder.
 
+        Returns:
+            The frame. Check its ``verdict`` before you use the position.
+
         Raises:
             LengthError: There are too many or too few bytes.
             CrcError: The CRC does not match.
@@ -1607,28 +1658,30 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
                 computed_crc = b0 ^ b1 ^ b2 ^ b3 ^ b4
                 if computed_crc != b5:
                     raise CrcError(b5, computed_crc)
-                multiturn = b2 | b3 << 8 | b4 << 16
+                multiturn = b2 | b3 << 8 | b4 << 16  # low byte first
+                # The first byte is compared as a whole. If any constant is wrong, the first wrong field is reported.
                 if multiturn >> multiturn_bits or b0 != 0x8A:
-                    # The first wrong field is reported.
-                    sync = b0 & 0x7
+                    sync = b0 & 0x7  # bits 2:0: Start of a frame, binary 010
                     if sync != 0x2:
                         raise ConstantError("sync", sync, 0x2)
-                    data_id = b0 >> 3 & 0xF
-                    parity = b0 >> 7
+                    data_id = b0 >> 3 & 0xF  # bits 6:3
+                    parity = b0 >> 7  # bit 7
+                    # Even parity over data_id.
                     expected_parity = data_id.bit_count() & 1
                     if parity != expected_parity:
                         raise ConstantError("parity", parity, expected_parity)
                     padding = multiturn >> multiturn_bits
                     if padding:
                         raise ConstantError("multiturn_padding", padding, 0)
+                    # 1 is MULTITURN.
                     if data_id != 1:
                         raise RangeError("data_id", data_id, "1h")
                 values = (
                     variant,
-                    (b1 & 0x10) != 0,  # status_st_error
-                    (b1 & 0x20) != 0,  # status_other_error
+                    (b1 & 0x10) != 0,  # status_st_error, bit 4
+                    (b1 & 0x20) != 0,  # status_other_error, bit 5
                     multiturn,
-                    b1 & 0xCF,  # unused
+                    b1 & 0xCF,  # unused, 1 where a bit differs from the manual
                 )
                 return create(cls, values)
             except (FrameError, TypeError) as exception:
@@ -1638,6 +1691,8 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
 
 
 class _EncoderIdReply(NamedTuple):
+    """Fields of ``EncoderIdReply``."""
+
     status_st_error: bool = False
     status_other_error: bool = False
     encoder_id: int = 0x23
@@ -1705,6 +1760,9 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
         Args:
             data: Bytes of the frame, in the order in which they are sent.
 
+        Returns:
+            The frame.
+
         Raises:
             LengthError: There are too many or too few bytes.
             CrcError: The CRC does not match.
@@ -1727,23 +1785,25 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
                 computed_crc = b0 ^ b1 ^ b2
                 if computed_crc != b3:
                     raise CrcError(b3, computed_crc)
+                # The first byte is compared as a whole. If any constant is wrong, the first wrong field is reported.
                 if b0 != 0x92:
-                    # The first wrong field is reported.
-                    sync = b0 & 0x7
+                    sync = b0 & 0x7  # bits 2:0: Start of a frame, binary 010
                     if sync != 0x2:
                         raise ConstantError("sync", sync, 0x2)
-                    data_id = b0 >> 3 & 0xF
-                    parity = b0 >> 7
+                    data_id = b0 >> 3 & 0xF  # bits 6:3
+                    parity = b0 >> 7  # bit 7
+                    # Even parity over data_id.
                     expected_parity = data_id.bit_count() & 1
                     if parity != expected_parity:
                         raise ConstantError("parity", parity, expected_parity)
+                    # 2 is ENCODER_ID.
                     if data_id != 2:
                         raise RangeError("data_id", data_id, "2h")
                 values = (
-                    (b1 & 0x10) != 0,  # status_st_error
-                    (b1 & 0x20) != 0,  # status_other_error
+                    (b1 & 0x10) != 0,  # status_st_error, bit 4
+                    (b1 & 0x20) != 0,  # status_other_error, bit 5
                     b2,  # encoder_id
-                    b1 & 0xCF,  # unused
+                    b1 & 0xCF,  # unused, 1 where a bit differs from the manual
                 )
                 return create(cls, values)
             except (FrameError, TypeError) as exception:
@@ -1753,6 +1813,8 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
 
 
 class _CompleteReply(NamedTuple):
+    """Fields of ``CompleteReply``."""
+
     variant: Rs485Encoder
     status_st_error: bool
     status_other_error: bool
@@ -1874,7 +1936,9 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name.
+        # Fields are read by index, which is faster than by name: 0 is variant, 1 is status_st_error, 2 is
+        # status_other_error, 3 is singleturn, 5 is multiturn, 6 is busy, 7 is st_error, 8 is ps_error, 9 is mt_error,
+        # 10 is battery_alarm.
         if (
             self[1]
             or (self[2] and not (self[10] or self[9]))
@@ -1937,6 +2001,9 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
             data: Bytes of the frame, in the order in which they are sent.
             variant: The encoder.
 
+        Returns:
+            The frame. Check its ``verdict`` before you use the position.
+
         Raises:
             LengthError: There are too many or too few bytes.
             CrcError: The CRC does not match.
@@ -1965,15 +2032,16 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
                 computed_crc = b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 ^ b6 ^ b7 ^ b8 ^ b9
                 if computed_crc != b10:
                     raise CrcError(b10, computed_crc)
-                singleturn = b2 | b3 << 8 | b4 << 16
-                multiturn = b6 | b7 << 8 | b8 << 16
+                singleturn = b2 | b3 << 8 | b4 << 16  # low byte first
+                multiturn = b6 | b7 << 8 | b8 << 16  # low byte first
+                # The first byte is compared as a whole. If any constant is wrong, the first wrong field is reported.
                 if singleturn >> singleturn_bits or multiturn >> multiturn_bits or b0 != 0x1A:
-                    # The first wrong field is reported.
-                    sync = b0 & 0x7
+                    sync = b0 & 0x7  # bits 2:0: Start of a frame, binary 010
                     if sync != 0x2:
                         raise ConstantError("sync", sync, 0x2)
-                    data_id = b0 >> 3 & 0xF
-                    parity = b0 >> 7
+                    data_id = b0 >> 3 & 0xF  # bits 6:3
+                    parity = b0 >> 7  # bit 7
+                    # Even parity over data_id.
                     expected_parity = data_id.bit_count() & 1
                     if parity != expected_parity:
                         raise ConstantError("parity", parity, expected_parity)
@@ -1983,21 +2051,22 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
                     padding = multiturn >> multiturn_bits
                     if padding:
                         raise ConstantError("multiturn_padding", padding, 0)
+                    # 3 is ALL_DATA.
                     if data_id != 3:
                         raise RangeError("data_id", data_id, "3h")
                 values = (
                     variant,
-                    (b1 & 0x10) != 0,  # status_st_error
-                    (b1 & 0x20) != 0,  # status_other_error
+                    (b1 & 0x10) != 0,  # status_st_error, bit 4
+                    (b1 & 0x20) != 0,  # status_other_error, bit 5
                     singleturn,
                     b5,  # encoder_id
                     multiturn,
-                    (b9 & 0x02) != 0,  # busy
-                    (b9 & 0x04) != 0,  # st_error
-                    (b9 & 0x20) != 0,  # ps_error
-                    (b9 & 0x40) != 0,  # mt_error
-                    (b9 & 0x80) != 0,  # battery_alarm
-                    b1 & 0xCF | (b9 & 0x19) << 8,  # unused
+                    (b9 & 0x02) != 0,  # busy, bit 1
+                    (b9 & 0x04) != 0,  # st_error, bit 2
+                    (b9 & 0x20) != 0,  # ps_error, bit 5
+                    (b9 & 0x40) != 0,  # mt_error, bit 6
+                    (b9 & 0x80) != 0,  # battery_alarm, bit 7
+                    b1 & 0xCF | (b9 & 0x19) << 8,  # unused, 1 where a bit differs from the manual
                 )
                 return create(cls, values)
             except (FrameError, TypeError) as exception:
@@ -2007,6 +2076,8 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
 
 
 class _EepromWriteReply(NamedTuple):
+    """Fields of ``EepromWriteReply``."""
+
     eeprom_address: EepromAddress
     address: int
     mem_busy: bool
@@ -2057,6 +2128,9 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
             data: Bytes of the frame, in the order in which they are sent.
             eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
 
+        Returns:
+            The frame.
+
         Raises:
             LengthError: There are too many or too few bytes.
             CrcError: The CRC does not match.
@@ -2081,21 +2155,23 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
                 if not isinstance(eeprom_address, EepromAddress):
                     raise wrong_answer_error(EepromAddress, eeprom_address)
                 number = int.from_bytes(data, "little")
-                sync = number & 0x7
+                sync = number & 0x7  # bits 2:0: Start of a frame, binary 010
                 if sync != 0x2:
                     raise ConstantError("sync", sync, 0x2)
-                data_id = number >> 3 & 0xF
-                parity = number >> 7 & 0x1
+                data_id = number >> 3 & 0xF  # bits 6:3
+                parity = number >> 7 & 0x1  # bit 7
+                # Even parity over data_id.
                 expected_parity = data_id.bit_count() & 1
                 if parity != expected_parity:
                     raise ConstantError("parity", parity, expected_parity)
+                # 6 is EEPROM_WRITE.
                 if data_id != 6:
                     raise RangeError("data_id", data_id, "6h")
                 values = (
                     eeprom_address,
                     number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F,  # address
                     (number >> (eeprom_address.mem_busy_bit + 8) & 1) != 0,  # mem_busy
-                    number >> 16 & 0xFF,  # data
+                    number >> 16 & 0xFF,  # data, bits 23:16
                 )
                 return create(cls, values)
             except (FrameError, TypeError) as exception:
@@ -2140,6 +2216,8 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
 
 
 class _EepromReadReply(NamedTuple):
+    """Fields of ``EepromReadReply``."""
+
     eeprom_address: EepromAddress
     address: int
     mem_busy: bool
@@ -2190,6 +2268,9 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
             data: Bytes of the frame, in the order in which they are sent.
             eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
 
+        Returns:
+            The frame.
+
         Raises:
             LengthError: There are too many or too few bytes.
             CrcError: The CRC does not match.
@@ -2214,21 +2295,23 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
                 if not isinstance(eeprom_address, EepromAddress):
                     raise wrong_answer_error(EepromAddress, eeprom_address)
                 number = int.from_bytes(data, "little")
-                sync = number & 0x7
+                sync = number & 0x7  # bits 2:0: Start of a frame, binary 010
                 if sync != 0x2:
                     raise ConstantError("sync", sync, 0x2)
-                data_id = number >> 3 & 0xF
-                parity = number >> 7 & 0x1
+                data_id = number >> 3 & 0xF  # bits 6:3
+                parity = number >> 7 & 0x1  # bit 7
+                # Even parity over data_id.
                 expected_parity = data_id.bit_count() & 1
                 if parity != expected_parity:
                     raise ConstantError("parity", parity, expected_parity)
+                # 0xD is EEPROM_READ.
                 if data_id != 0xD:
                     raise RangeError("data_id", data_id, "Dh")
                 values = (
                     eeprom_address,
                     number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F,  # address
                     (number >> (eeprom_address.mem_busy_bit + 8) & 1) != 0,  # mem_busy
-                    number >> 16 & 0xFF,  # data
+                    number >> 16 & 0xFF,  # data, bits 23:16
                 )
                 return create(cls, values)
             except (FrameError, TypeError) as exception:
@@ -2310,8 +2393,12 @@ def _make_request_decoder(variant: Rs485Encoder, handle_error: ErrorHandler) -> 
     """Create the function that decodes any request of one encoder. ``handle_error`` raises or returns an error."""
     # The decoder of each class, by the value of data_id.
     decoders: dict[int, Callable[..., Request]] = {
+        # 0 is SINGLETURN, 1 is MULTITURN, 2 is ENCODER_ID, 3 is ALL_DATA, 7 is RESET_ERRORS, 8 is
+        # RESET_SINGLETURN_AND_MULTITURN, 0xC is RESET_MULTITURN_AND_ERRORS.
         **dict.fromkeys((0, 1, 2, 3, 7, 8, 0xC), DataRequest._make_decoder(variant, handle_error)),
+        # 6 is EEPROM_WRITE.
         6: EepromWriteRequest._make_decoder(variant, handle_error),
+        # 0xD is EEPROM_READ.
         0xD: EepromReadRequest._make_decoder(variant, handle_error),
     }
 
@@ -2371,11 +2458,17 @@ def _make_reply_decoder(variant: Rs485Encoder, handle_error: ErrorHandler) -> Ca
     """Create the function that decodes any reply of one encoder. ``handle_error`` raises or returns an error."""
     # The decoder of each class, by the value of data_id.
     decoders: dict[int, Callable[..., Reply]] = {
+        # 0 is SINGLETURN, 7 is RESET_ERRORS, 8 is RESET_SINGLETURN_AND_MULTITURN, 0xC is RESET_MULTITURN_AND_ERRORS.
         **dict.fromkeys((0, 7, 8, 0xC), SingleturnReply._make_decoder(variant, handle_error)),
+        # 1 is MULTITURN.
         1: MultiturnReply._make_decoder(variant, handle_error),
+        # 2 is ENCODER_ID.
         2: EncoderIdReply._make_decoder(variant, handle_error),
+        # 3 is ALL_DATA.
         3: CompleteReply._make_decoder(variant, handle_error),
+        # 6 is EEPROM_WRITE.
         6: EepromWriteReply._make_decoder(variant, handle_error),
+        # 0xD is EEPROM_READ.
         0xD: EepromReadReply._make_decoder(variant, handle_error),
     }
 
@@ -2422,6 +2515,8 @@ class Address:
 
 
 class _Preset(NamedTuple):
+    """Fields of ``Preset``."""
+
     variant: BissEncoder
     multiturn: int
     singleturn: int
@@ -2492,6 +2587,9 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
             data: Bytes of the register, in ascending order of address.
             variant: The encoder.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
             ConstantError: A constant or a parity bit has the wrong value.
@@ -2505,13 +2603,13 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
         if len(data) != 7:
             raise LengthError(7, len(data))
         number = int.from_bytes(data, "little")
-        zero_above_multiturn = number >> 49
+        zero_above_multiturn = number >> 49  # bits 55:49: Always zero
         if zero_above_multiturn:
             raise ConstantError("zero_above_multiturn", zero_above_multiturn, 0)
-        zero_below_multiturn = number >> 33 & ((1 << (16 - variant.multiturn_bits)) - 1)
+        zero_below_multiturn = number >> 33 & ((1 << (16 - variant.multiturn_bits)) - 1)  # Always zero
         if zero_below_multiturn:
             raise ConstantError("zero_below_multiturn", zero_below_multiturn, 0)
-        zero_below_singleturn = number & ((1 << (33 - variant.singleturn_bits)) - 1)
+        zero_below_singleturn = number & ((1 << (33 - variant.singleturn_bits)) - 1)  # Always zero
         if zero_below_singleturn:
             raise ConstantError("zero_below_singleturn", zero_below_singleturn, 0)
         values = (
@@ -2519,7 +2617,7 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
             number >> (49 - variant.multiturn_bits) & ((1 << variant.multiturn_bits) - 1),  # multiturn
             number >> (33 - variant.singleturn_bits) & ((1 << variant.singleturn_bits) - 1),  # singleturn
         )
-        return with_bytes(create(cls, values), data)
+        return keep_bytes(create(cls, values), data)
 
     @staticmethod
     def limits(variant: BissEncoder) -> tuple[int, int]:
@@ -2561,7 +2659,7 @@ class PresetSettingEnable(IntEnum):
         data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return choice(cls, "PresetSettingEnable", int.from_bytes(data, "big"))
+        return as_member(cls, "PresetSettingEnable", int.from_bytes(data, "big"))
 
     def encode(self) -> bytes:
         """Return the bytes of the register."""
@@ -2569,6 +2667,8 @@ class PresetSettingEnable(IntEnum):
 
 
 class _SerialNumber(NamedTuple):
+    """Fields of ``SerialNumber``."""
+
     year: int
     week: int
     number: int
@@ -2610,6 +2710,9 @@ class SerialNumber(FixedRegister, _SerialNumber):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
             RangeError: A field has an undefined value.
@@ -2618,7 +2721,7 @@ class SerialNumber(FixedRegister, _SerialNumber):
             data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
-        serial = int.from_bytes(data, "big")
+        serial = int.from_bytes(data, "big")  # high byte first
         if serial > 999_999_999:
             raise RangeError("serial", serial, "at most 999999999")
         values = (
@@ -2663,7 +2766,7 @@ class Command(IntEnum):
         data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return choice(cls, "Command", int.from_bytes(data, "big"))
+        return as_member(cls, "Command", int.from_bytes(data, "big"))
 
     def encode(self) -> bytes:
         """Return the bytes of the register."""
@@ -2671,6 +2774,8 @@ class Command(IntEnum):
 
 
 class _DeviceId(NamedTuple):
+    """Fields of ``DeviceId``."""
+
     name: str
     release: int
 
@@ -2706,6 +2811,9 @@ class DeviceId(FixedRegister, _DeviceId):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -2714,13 +2822,15 @@ class DeviceId(FixedRegister, _DeviceId):
         if len(data) != 6:
             raise LengthError(6, len(data))
         values = (
-            data[0:4].decode("latin-1"),  # name
-            data[4] << 8 | data[5],  # release
+            data[0:4].decode("latin-1"),  # name, high byte first
+            data[4] << 8 | data[5],  # release, high byte first
         )
         return create(cls, values)
 
 
 class _ManufacturerId(NamedTuple):
+    """Fields of ``ManufacturerId``."""
+
     name: str
 
 
@@ -2750,6 +2860,9 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -2758,7 +2871,7 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
         if len(data) != 2:
             raise LengthError(2, len(data))
         values = (
-            data[0:2].decode("latin-1"),  # name
+            data[0:2].decode("latin-1"),  # name, high byte first
         )
         return create(cls, values)
 
@@ -2790,12 +2903,17 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
 def _has_registers(variant: BissEncoder, contents: Mapping[int, int]) -> bool:
     """Return whether the registers of an encoder can have these contents, bytes keyed by address."""
     return (
-        is_consistent(contents, Address.DEVICE_ID, 6, lambda data: DeviceId.decode(data).is_as_documented)
+        is_consistent(
+            contents,
+            Address.DEVICE_ID,
+            length=6,
+            is_expected=lambda data: DeviceId.decode(data).is_as_documented,
+        )
         and is_consistent(
             contents,
             Address.MANUFACTURER_ID,
-            2,
-            lambda data: ManufacturerId.decode(data).is_as_documented,
+            length=2,
+            is_expected=lambda data: ManufacturerId.decode(data).is_as_documented,
         )
     )
 
@@ -2833,30 +2951,30 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     """
     check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        *byte_writes(
+        *write_bytes(
             "preset_setting_enable",
             Address.PRESET_SETTING_ENABLE,
             PresetSettingEnable.ENABLE.encode(),
-            "open the Preset registers",
+            meaning="open the Preset registers",
         ),
-        *byte_writes(
+        *write_bytes(
             "preset",
             Address.PRESET,
             Preset.from_position(variant, position).encode(),
-            "write the seven Preset registers",
+            meaning="write the seven Preset registers",
         ),
         Verify(Address.PRESET, length=7, register="preset", mask=0xFFFFFFFFFFFFFF, order="little"),
-        *byte_writes(
+        *write_bytes(
             "preset_setting_enable",
             Address.PRESET_SETTING_ENABLE,
             PresetSettingEnable.DISABLE.encode(),
-            "close the Preset registers before saving",
+            meaning="close the Preset registers before saving",
             closes=True,
         ),
-        *byte_writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save the preset"),
-        Wait(30_000, "EEPROM writing time"),
-        *byte_writes("command", Address.COMMAND, Command.ACTIVATE_PRESET.encode(), "activate the preset"),
-        Wait(30_000, "EEPROM writing time"),
+        *write_bytes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), meaning="save the preset"),
+        Wait(microseconds=30_000, meaning="EEPROM writing time"),
+        *write_bytes("command", Address.COMMAND, Command.ACTIVATE_PRESET.encode(), meaning="activate the preset"),
+        Wait(microseconds=30_000, meaning="EEPROM writing time"),
     )
 
 
@@ -2883,28 +3001,28 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     """
     check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        *byte_writes(
+        *write_bytes(
             "preset_setting_enable",
             Address.PRESET_SETTING_ENABLE,
             PresetSettingEnable.ENABLE.encode(),
-            "open the Preset registers",
+            meaning="open the Preset registers",
         ),
-        *byte_writes(
+        *write_bytes(
             "preset",
             Address.PRESET,
             Preset.from_position(variant, position).encode(),
-            "write the seven Preset registers",
+            meaning="write the seven Preset registers",
         ),
         Verify(Address.PRESET, length=7, register="preset", mask=0xFFFFFFFFFFFFFF, order="little"),
-        *byte_writes(
+        *write_bytes(
             "preset_setting_enable",
             Address.PRESET_SETTING_ENABLE,
             PresetSettingEnable.DISABLE.encode(),
-            "close the Preset registers before saving",
+            meaning="close the Preset registers before saving",
             closes=True,
         ),
-        *byte_writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save the preset"),
-        Wait(30_000, "EEPROM writing time"),
+        *write_bytes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), meaning="save the preset"),
+        Wait(microseconds=30_000, meaning="EEPROM writing time"),
     )
 
 
@@ -2930,8 +3048,8 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        *byte_writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode()),
-        Wait(30_000, "EEPROM writing time"),
+        *write_bytes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode()),
+        Wait(microseconds=30_000, meaning="EEPROM writing time"),
     )
 
 
@@ -2959,8 +3077,8 @@ def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        *byte_writes("command", Address.COMMAND, Command.ACTIVATE_PRESET.encode()),
-        Wait(30_000, "EEPROM writing time"),
+        *write_bytes("command", Address.COMMAND, Command.ACTIVATE_PRESET.encode()),
+        Wait(microseconds=30_000, meaning="EEPROM writing time"),
     )
 
 
@@ -2996,7 +3114,7 @@ def reset_singleturn_and_multiturn(variant: Rs485Encoder | None = None) -> tuple
         check_encoder(variant, Variant, _RS485, _PROCEDURES)
     return (
         Send(b"\xc2", times=10, every_us=40, in_succession=True, reply_length=6, reply_ends_in_xor=True),
-        Wait(18_000, "execution takes at most 18 ms, including the write to the EEPROM"),
+        Wait(microseconds=18_000, meaning="execution takes at most 18 ms, including the write to the EEPROM"),
     )
 
 
@@ -3032,7 +3150,7 @@ def reset_multiturn_and_errors(variant: Rs485Encoder | None = None) -> tuple[Ste
         check_encoder(variant, Variant, _RS485, _PROCEDURES)
     return (
         Send(b"\x62", times=10, every_us=40, in_succession=True, reply_length=6, reply_ends_in_xor=True),
-        Wait(2000, "the BUSY flag is set for at most 2 ms"),
+        Wait(microseconds=2000, meaning="the BUSY flag is set for at most 2 ms"),
     )
 
 
@@ -3068,7 +3186,7 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
         check_encoder(variant, Variant, _RS485, _PROCEDURES)
     return (
         Send(b"\xba", times=10, every_us=40, in_succession=True, reply_length=6, reply_ends_in_xor=True),
-        Wait(2000, "the BUSY flag is set for at most 2 ms"),
+        Wait(microseconds=2000, meaning="the BUSY flag is set for at most 2 ms"),
     )
 
 

@@ -50,12 +50,12 @@ from codewheel_runtime.codec import (
     Word,
     Words,
     as_bytes,
+    as_member,
     as_word,
-    choice,
     crc_of_bits,
-    crc_tables,
     create,
     from_gray,
+    make_crc_tables,
     too_long_error,
     wrong_answer_error,
 )
@@ -85,7 +85,7 @@ from codewheel_runtime.frames.decoders import cached_decoder, raise_error
 from codewheel_runtime.frames.descriptions import shape_of
 from codewheel_runtime.registers import bytes_by_address, is_consistent
 from codewheel_runtime.reports import Family, Interface, Movement, Verdict
-from codewheel_runtime.steps import Poll, Read, Step, byte_writes
+from codewheel_runtime.steps import Poll, Read, Step, write_bytes
 
 if TYPE_CHECKING:
     from typing import Literal as _Literal
@@ -471,9 +471,9 @@ class ZeroBit(Enum):
             likely.
     """
 
-    AS_PRINTED = (1,)
+    AS_PRINTED = (1,)  # zero_bits
     """Sent, as the manual prints it. The frame has position_bits + 9 bits, 34 at 25 bits of resolution [6.2.1 p.20]."""
-    LEFT_OUT = (0,)
+    LEFT_OUT = (0,)  # zero_bits
     """Not sent, as in the one public driver for this encoder. The frame has position_bits + 8 bits, 33 at 25 bits of
     resolution [onstepx: src/lib/encoder/bissc/Asc85.cpp].
     """
@@ -486,6 +486,8 @@ class ZeroBit(Enum):
 
 
 class _SsiWord(NamedTuple):
+    """Fields of ``SsiWord``."""
+
     variant: SsiEncoder
     position: int
 
@@ -523,7 +525,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name.
+        # Fields are read by index, which is faster than by name: 1 is position.
         return self[1]
 
     @classmethod
@@ -534,6 +536,9 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
             word: A number whose most significant bit was sent first, or a string of 0 and 1.
             variant: The encoder.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
+
+        Returns:
+            The frame.
 
         Raises:
             LengthError: There are too many or too few bits.
@@ -552,6 +557,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
         def decode(frame: Any, bits: int | None = None) -> SsiWord:
             try:
+                # An int is used as it is, which is faster.
                 word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
@@ -572,6 +578,8 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
 
 class _SingleCycleData(NamedTuple):
+    """Fields of ``SingleCycleData``."""
+
     variant: BissEncoder
     zero_bit: ZeroBit
     position: int
@@ -631,7 +639,7 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name.
+        # Fields are read by index, which is faster than by name: 2 is position, 3 is error.
         if self[3]:
             return None
         return self[2]
@@ -645,6 +653,9 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
             variant: The encoder.
             zero_bit: Answer to a question that the manual leaves open, as a member of ``ZeroBit``.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
+
+        Returns:
+            The frame. Check its ``verdict`` before you use the position.
 
         Raises:
             LengthError: There are too many or too few bits.
@@ -662,31 +673,34 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
     def _make_decoder(cls, variant: BissEncoder, handle_error: ErrorHandler) -> Callable[..., SingleCycleData]:
         """Create the function that decodes frames of one encoder. ``handle_error`` raises or returns an error."""
         # A table for each 16 bits of the frame. The XOR of their entries is 0 if the CRC is correct.
-        table_0, table_1, table_2 = crc_tables(crc_biss_6, covered=28, width=6, count=3)
+        table_0, table_1, table_2 = make_crc_tables(crc_biss_6, covered=28, width=6, count=3)
 
         def decode(frame: Any, bits: int | None = None, zero_bit: ZeroBit | None = None) -> SingleCycleData:
             try:
                 if not isinstance(zero_bit, ZeroBit):
                     raise wrong_answer_error(ZeroBit, zero_bit)
                 length = zero_bit.zero_bits + variant.position_bits + 8
+                # An int is used as it is, which is faster.
                 word = frame if type(frame) is int and bits is None else as_word(frame, length, bits)
                 if word >> length:
                     raise too_long_error(word, length)
+                # The CRC is looked up 16 bits at a time. The XOR of the entries is 0 if it is correct.
                 low = word & 0xFFFF
                 high = word >> 16
                 difference = table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]
                 if difference:
                     received_crc = word & 0x3F
-                    raise CrcError(received_crc, received_crc ^ difference)
-                zero = word >> 8 & ((1 << zero_bit.zero_bits) - 1)
+                    computed_crc = received_crc ^ difference
+                    raise CrcError(received_crc, computed_crc)
+                zero = word >> 8 & ((1 << zero_bit.zero_bits) - 1)  # Always 0, between position and error bit
                 if zero:
                     raise ConstantError("zero", zero, 0)
                 values = (
                     variant,
                     zero_bit,
                     word >> (zero_bit.zero_bits + 8),  # position
-                    not low & 0x80,  # error
-                    not low & 0x40,  # warning
+                    not low & 0x80,  # error, bit 7, active low
+                    not low & 0x40,  # warning, bit 6, active low
                 )
                 return create(cls, values)
             except (FrameError, TypeError) as exception:
@@ -762,6 +776,8 @@ class Address:
 
 
 class _ProfileId(NamedTuple):
+    """Fields of ``ProfileId``."""
+
     variant_: int
     data_length: int
 
@@ -805,6 +821,9 @@ class ProfileId(FixedRegister, _ProfileId):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -820,6 +839,8 @@ class ProfileId(FixedRegister, _ProfileId):
 
 
 class _SerialNumber(NamedTuple):
+    """Fields of ``SerialNumber``."""
+
     serial: int
 
 
@@ -847,6 +868,9 @@ class SerialNumber(FixedRegister, _SerialNumber):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -855,12 +879,14 @@ class SerialNumber(FixedRegister, _SerialNumber):
         if len(data) != 4:
             raise LengthError(4, len(data))
         values = (
-            int.from_bytes(data, "big"),  # serial
+            int.from_bytes(data, "big"),  # serial, high byte first
         )
         return create(cls, values)
 
 
 class _DiagnosticData(NamedTuple):
+    """Fields of ``DiagnosticData``."""
+
     amplitude_control_maximum_current: bool = False
     signal_level_maximum_amplitude: bool = False
     dc_maximum_offset: bool = False
@@ -912,6 +938,9 @@ class DiagnosticData(FixedRegister, _DiagnosticData):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -920,14 +949,14 @@ class DiagnosticData(FixedRegister, _DiagnosticData):
         if len(data) != 1:
             raise LengthError(1, len(data))
         values = (
-            (data[0] & 0x80) != 0,  # amplitude_control_maximum_current
-            (data[0] & 0x40) != 0,  # signal_level_maximum_amplitude
-            (data[0] & 0x20) != 0,  # dc_maximum_offset
-            (data[0] & 0x10) != 0,  # ac_maximum_amplitude
-            (data[0] & 0x08) != 0,  # amplitude_control_minimum_current
-            (data[0] & 0x04) != 0,  # signal_level_minimum_amplitude
-            (data[0] & 0x02) != 0,  # dc_minimum_offset
-            (data[0] & 0x01) != 0,  # ac_minimum_amplitude
+            (data[0] & 0x80) != 0,  # amplitude_control_maximum_current, bit 7
+            (data[0] & 0x40) != 0,  # signal_level_maximum_amplitude, bit 6
+            (data[0] & 0x20) != 0,  # dc_maximum_offset, bit 5
+            (data[0] & 0x10) != 0,  # ac_maximum_amplitude, bit 4
+            (data[0] & 0x08) != 0,  # amplitude_control_minimum_current, bit 3
+            (data[0] & 0x04) != 0,  # signal_level_minimum_amplitude, bit 2
+            (data[0] & 0x02) != 0,  # dc_minimum_offset, bit 1
+            (data[0] & 0x01) != 0,  # ac_minimum_amplitude, bit 0
         )
         return create(cls, values)
 
@@ -990,7 +1019,7 @@ class Command(IntEnum):
         data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return choice(cls, "Command", int.from_bytes(data, "big"))
+        return as_member(cls, "Command", int.from_bytes(data, "big"))
 
     def encode(self) -> bytes:
         """Return the bytes of the register."""
@@ -998,6 +1027,8 @@ class Command(IntEnum):
 
 
 class _Status(NamedTuple):
+    """Fields of ``Status``."""
+
     configuration_completed: bool = False
     error_message: bool = False
     warning_message: bool = False
@@ -1059,6 +1090,9 @@ class Status(FixedRegister, _Status):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -1067,19 +1101,21 @@ class Status(FixedRegister, _Status):
         if len(data) != 1:
             raise LengthError(1, len(data))
         values = (
-            (data[0] & 0x80) != 0,  # configuration_completed
-            (data[0] & 0x40) != 0,  # error_message
-            (data[0] & 0x20) != 0,  # warning_message
-            (data[0] & 0x10) != 0,  # conf_write_access
-            (data[0] & 0x08) != 0,  # eds_write_access
-            (data[0] & 0x04) != 0,  # internal_data_bus_busy
-            (data[0] & 0x02) != 0,  # absolute_data_valid
-            (data[0] & 0x01) != 0,  # position_data_valid
+            (data[0] & 0x80) != 0,  # configuration_completed, bit 7
+            (data[0] & 0x40) != 0,  # error_message, bit 6
+            (data[0] & 0x20) != 0,  # warning_message, bit 5
+            (data[0] & 0x10) != 0,  # conf_write_access, bit 4
+            (data[0] & 0x08) != 0,  # eds_write_access, bit 3
+            (data[0] & 0x04) != 0,  # internal_data_bus_busy, bit 2
+            (data[0] & 0x02) != 0,  # absolute_data_valid, bit 1
+            (data[0] & 0x01) != 0,  # position_data_valid, bit 0
         )
         return create(cls, values)
 
 
 class _Position(NamedTuple):
+    """Fields of ``Position``."""
+
     variant: BissEncoder
     position: int
     unused: int = 0
@@ -1124,6 +1160,9 @@ class Position(RegisterOf["BissEncoder"], _Position):
             data: Bytes of the register, in ascending order of address.
             variant: The encoder.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
             FamilyError: The encoder belongs to another family.
@@ -1139,12 +1178,15 @@ class Position(RegisterOf["BissEncoder"], _Position):
         values = (
             variant,
             number >> (32 - variant.position_bits),  # position
-            number & (0xFFFFFFFF & ~(((1 << variant.position_bits) - 1) << (32 - variant.position_bits))),  # unused
+            # unused, all other bits
+            number & (0xFFFFFFFF & ~(((1 << variant.position_bits) - 1) << (32 - variant.position_bits))),
         )
         return create(cls, values)
 
 
 class _ErrorRegister(NamedTuple):
+    """Fields of ``ErrorRegister``."""
+
     absolute_data_error: bool = False
     interpolation_error: bool = False
     configuration_error: bool = False
@@ -1198,6 +1240,9 @@ class ErrorRegister(FixedRegister, _ErrorRegister):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -1206,18 +1251,20 @@ class ErrorRegister(FixedRegister, _ErrorRegister):
         if len(data) != 1:
             raise LengthError(1, len(data))
         values = (
-            (data[0] & 0x40) != 0,  # absolute_data_error
-            (data[0] & 0x20) != 0,  # interpolation_error
-            (data[0] & 0x10) != 0,  # configuration_error
-            (data[0] & 0x08) != 0,  # synchronization_error
-            (data[0] & 0x02) != 0,  # signal_error
-            (data[0] & 0x01) != 0,  # control_error
-            data[0] & 0x84,  # unused
+            (data[0] & 0x40) != 0,  # absolute_data_error, bit 6
+            (data[0] & 0x20) != 0,  # interpolation_error, bit 5
+            (data[0] & 0x10) != 0,  # configuration_error, bit 4
+            (data[0] & 0x08) != 0,  # synchronization_error, bit 3
+            (data[0] & 0x02) != 0,  # signal_error, bit 1
+            (data[0] & 0x01) != 0,  # control_error, bit 0
+            data[0] & 0x84,  # unused, all other bits
         )
         return create(cls, values)
 
 
 class _DeviceId(NamedTuple):
+    """Fields of ``DeviceId``."""
+
     name: str
     release: str
 
@@ -1254,6 +1301,9 @@ class DeviceId(FixedRegister, _DeviceId):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -1262,13 +1312,15 @@ class DeviceId(FixedRegister, _DeviceId):
         if len(data) != 6:
             raise LengthError(6, len(data))
         values = (
-            data[0:4].decode("latin-1"),  # name
-            data[4:6].decode("latin-1"),  # release
+            data[0:4].decode("latin-1"),  # name, high byte first
+            data[4:6].decode("latin-1"),  # release, high byte first
         )
         return create(cls, values)
 
 
 class _ManufacturerId(NamedTuple):
+    """Fields of ``ManufacturerId``."""
+
     name: str
 
 
@@ -1298,6 +1350,9 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -1306,7 +1361,7 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
         if len(data) != 2:
             raise LengthError(2, len(data))
         values = (
-            data[0:2].decode("latin-1"),  # name
+            data[0:2].decode("latin-1"),  # name, high byte first
         )
         return create(cls, values)
 
@@ -1338,13 +1393,23 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
 def _has_registers(variant: BissEncoder, contents: Mapping[int, int]) -> bool:
     """Return whether the registers of an encoder can have these contents, bytes keyed by address."""
     return (
-        is_consistent(contents, Address.PROFILE_ID, 2, lambda data: ProfileId.decode(data).is_as_documented)
-        and is_consistent(contents, Address.DEVICE_ID, 6, lambda data: DeviceId.decode(data).is_as_documented)
+        is_consistent(
+            contents,
+            Address.PROFILE_ID,
+            length=2,
+            is_expected=lambda data: ProfileId.decode(data).is_as_documented,
+        )
+        and is_consistent(
+            contents,
+            Address.DEVICE_ID,
+            length=6,
+            is_expected=lambda data: DeviceId.decode(data).is_as_documented,
+        )
         and is_consistent(
             contents,
             Address.MANUFACTURER_ID,
-            2,
-            lambda data: ManufacturerId.decode(data).is_as_documented,
+            length=2,
+            is_expected=lambda data: ManufacturerId.decode(data).is_as_documented,
         )
     )
 
@@ -1388,7 +1453,8 @@ def request_position(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        *byte_writes("command", Address.COMMAND, Command.REQUEST_POSITION.encode()),
+        *write_bytes("command", Address.COMMAND, Command.REQUEST_POSITION.encode()),
+        # Mask and value are those of position_data_valid.
         Poll(
             Address.STATUS,
             length=1,
@@ -1427,7 +1493,8 @@ def save_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        *byte_writes("command", Address.COMMAND, Command.SAVE_CONFIGURATION.encode()),
+        *write_bytes("command", Address.COMMAND, Command.SAVE_CONFIGURATION.encode()),
+        # Mask and value are those of internal_data_bus_busy.
         Poll(
             Address.STATUS,
             length=1,
@@ -1472,7 +1539,8 @@ def read_absolute_data(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        *byte_writes("command", Address.COMMAND, Command.READ_ABSOLUTE_DATA.encode()),
+        *write_bytes("command", Address.COMMAND, Command.READ_ABSOLUTE_DATA.encode()),
+        # Mask and value are those of absolute_data_valid.
         Poll(Address.STATUS, length=1, register="status", mask=0x02, value=0x02, meaning="1 when the data were loaded"),
         Read(Address.ERROR_REGISTER, length=1, register="error_register", meaning="1 if the data were rejected"),
     )
@@ -1500,7 +1568,8 @@ def software_reset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        *byte_writes("command", Address.COMMAND, Command.SOFTWARE_RESET.encode()),
+        *write_bytes("command", Address.COMMAND, Command.SOFTWARE_RESET.encode()),
+        # Mask and value are those of configuration_completed.
         Poll(
             Address.STATUS,
             length=1,
@@ -1540,7 +1609,8 @@ def verify_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        *byte_writes("command", Address.COMMAND, Command.VERIFY_CONFIGURATION.encode()),
+        *write_bytes("command", Address.COMMAND, Command.VERIFY_CONFIGURATION.encode()),
+        # Mask and value are those of internal_data_bus_busy.
         Poll(Address.STATUS, length=1, register="status", mask=0x04, value=0x00, meaning="1 during the verification"),
         Read(
             Address.ERROR_REGISTER,
@@ -1569,7 +1639,7 @@ def simulate_error(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        *byte_writes("command", Address.COMMAND, Command.SIMULATE_ERROR.encode()),
+        *write_bytes("command", Address.COMMAND, Command.SIMULATE_ERROR.encode()),
         Read(Address.STATUS, length=1, register="status", meaning="1 while the error is simulated"),
     )
 
@@ -1592,7 +1662,7 @@ def clear_simulated_error(variant: BissEncoder | None = None) -> tuple[Step, ...
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        *byte_writes("command", Address.COMMAND, Command.CLEAR_SIMULATED_ERROR.encode()),
+        *write_bytes("command", Address.COMMAND, Command.CLEAR_SIMULATED_ERROR.encode()),
         Read(Address.STATUS, length=1, register="status", meaning="0 after the simulation"),
     )
 

@@ -60,21 +60,22 @@ from codewheel_runtime.codec import (
     Word,
     Words,
     as_bytes,
+    as_member,
     as_word,
     check_kind,
     check_limits,
-    choice,
     crc_by_xor,
     crc_of_bits,
-    crc_tables,
     create,
     from_gray,
+    make_crc_tables,
     signed,
     too_long_error,
 )
 from codewheel_runtime.encoder import (
     ErrorHandler,
     Positioned,
+    SerialEncoder,
     check_encoder,
     load_fact,
     look_up,
@@ -94,19 +95,19 @@ from codewheel_runtime.frames.base import (
     Sent,
     decode_many,
     encode_many,
-    with_bytes,
+    keep_bytes,
 )
 from codewheel_runtime.frames.decoders import cached_decoder, raise_error
 from codewheel_runtime.registers import (
     RegisterParameter,
     bytes_by_address,
     encode_register,
+    format_parameters,
     is_consistent,
-    parameters_in,
-    parameters_text,
+    read_parameters,
 )
 from codewheel_runtime.reports import Family, Interface, Movement, Verdict
-from codewheel_runtime.steps import Modify, Read, Send, Step, Verify, Wait, byte_writes
+from codewheel_runtime.steps import Modify, Read, Send, Step, Verify, Wait, write_bytes
 
 if TYPE_CHECKING:
     from typing import Literal as _Literal
@@ -316,7 +317,7 @@ class Variant(Linear, Wrapping):
             RangeError: The value of a register is not allowed.
             ValueError: A register does not affect this encoder.
         """
-        return self._replaced(**parameters_in(_REGISTER_PARAMETERS, contents, self))
+        return self._with_changes(**read_parameters(_REGISTER_PARAMETERS, contents, self))
 
     @property
     def step_um(self) -> int:
@@ -359,7 +360,7 @@ class Variant(Linear, Wrapping):
         raise ValueError(f"no highest over {self.interface.title}: it depends on the frame, see range_of()")
 
     def __repr__(self) -> str:
-        return f"<{self.code}{self.special_code}{parameters_text(_REGISTER_PARAMETERS, self)}>"
+        return f"<{self.code}{self.special_code}{format_parameters(_REGISTER_PARAMETERS, self)}>"
 
 
 class SsiEncoder(Variant):
@@ -514,7 +515,7 @@ class BissEncoder(Variant):
         return encode_many(columns, SingleCycleData, variant=self)
 
 
-class Rs485Encoder(Variant):
+class Rs485Encoder(Variant, SerialEncoder):
     """Encoder with RS-485. Its attributes are documented in ``Variant``."""
 
     interface: ClassVar[Interface] = _RS485
@@ -586,15 +587,24 @@ class Rs485Encoder(Variant):
         check_kind(kind, Reply)
         return encode_many(columns, kind, variant=self)
 
-    def _ranges(self) -> Mapping[str, PositionRange]:
+    def _position_ranges(self) -> Mapping[str, PositionRange]:
+        """Return the range of the positions in counts, by the names of frames."""
         return {
-            "position_reply": PositionRange(0, (1 << self.rs485_position_bits) - 1, 1 << self.rs485_position_bits),
-            "identification_reply": PositionRange(
-                0,
-                (1 << self.rs485_position_bits) - 1,
-                1 << self.rs485_position_bits,
+            "position_reply": PositionRange(
+                lowest=0,
+                highest=(1 << self.rs485_position_bits) - 1,
+                modulus=1 << self.rs485_position_bits,
             ),
-            "wide_position_reply": PositionRange(-140_737_488_355_328, 140_737_488_355_327, None),
+            "identification_reply": PositionRange(
+                lowest=0,
+                highest=(1 << self.rs485_position_bits) - 1,
+                modulus=1 << self.rs485_position_bits,
+            ),
+            "wide_position_reply": PositionRange(
+                lowest=-140_737_488_355_328,
+                highest=140_737_488_355_327,
+                modulus=None,
+            ),
         }
 
 
@@ -756,6 +766,8 @@ class SelectPresetOffset(IntEnum):
 
 
 class _SsiWord(NamedTuple):
+    """Fields of ``SsiWord``."""
+
     variant: SsiEncoder
     position: int
     error: bool = False
@@ -802,7 +814,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name.
+        # Fields are read by index, which is faster than by name: 1 is position, 2 is error.
         if self[2]:
             return None
         return self[1]
@@ -815,6 +827,9 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
             word: A number whose most significant bit was sent first, or a string of 0 and 1.
             variant: The encoder.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
+
+        Returns:
+            The frame. Check its ``verdict`` before you use the position.
 
         Raises:
             LengthError: There are too many or too few bits.
@@ -834,6 +849,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
         def decode(frame: Any, bits: int | None = None) -> SsiWord:
             try:
+                # An int is used as it is, which is faster.
                 word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
@@ -842,7 +858,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
                 values = (
                     variant,
                     word >> 1,  # position
-                    not word & 0x01,  # error
+                    not word & 0x01,  # error, bit 0, active low
                 )
                 return create(cls, values)
             except (FrameError, TypeError) as exception:
@@ -855,6 +871,8 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
 
 class _SingleCycleData(NamedTuple):
+    """Fields of ``SingleCycleData``."""
+
     variant: BissEncoder
     position: int
     error: bool = False
@@ -924,7 +942,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name.
+        # Fields are read by index, which is faster than by name: 1 is position, 2 is error.
         if self[2]:
             return None
         return self[1]
@@ -937,6 +955,9 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
             word: A number whose most significant bit was sent first, or a string of 0 and 1.
             variant: The encoder.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
+
+        Returns:
+            The frame. Check its ``verdict`` before you use the position.
 
         Raises:
             LengthError: There are too many or too few bits.
@@ -958,29 +979,32 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         padding_low = variant.scd_value_bits + 8  # 8 = error (1) + warning (1) + crc (6)
         position_mask = (1 << variant.scd_value_bits) - 1
         # A table for each 16 bits of the frame. The XOR of their entries is 0 if the CRC is correct.
-        table_0, table_1, table_2 = crc_tables(crc_biss_6, covered=27, width=6, count=3)
+        table_0, table_1, table_2 = make_crc_tables(crc_biss_6, covered=27, width=6, count=3)
 
         def decode(frame: Any, bits: int | None = None) -> SingleCycleData:
             try:
+                # An int is used as it is, which is faster.
                 word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
+                # The CRC is looked up 16 bits at a time. The XOR of the entries is 0 if it is correct.
                 low = word & 0xFFFF
                 high = word >> 16
                 difference = table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]
                 if difference:
                     received_crc = word & 0x3F
-                    raise CrcError(received_crc, received_crc ^ difference)
+                    computed_crc = received_crc ^ difference
+                    raise CrcError(received_crc, computed_crc)
                 if variant.biss_gray:
                     word = from_gray(word, low=8, width=position_bits)
-                padding_ = word >> padding_low
+                padding_ = word >> padding_low  # Zeros above the position, part of the manual's Posizione
                 if padding_:
                     raise ConstantError("padding", padding_, 0)
                 values = (
                     variant,
                     word >> 8 & position_mask,  # position
-                    not word & 0x80,  # error
-                    not word & 0x40,  # warning
+                    not word & 0x80,  # error, bit 7, active low
+                    not word & 0x40,  # warning, bit 6, active low
                 )
                 return create(cls, values)
             except (FrameError, TypeError) as exception:
@@ -993,6 +1017,8 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
 
 
 class _DataRequest(NamedTuple):
+    """Fields of ``DataRequest``."""
+
     data_id: DataId
 
 
@@ -1024,6 +1050,9 @@ class DataRequest(FixedBytes, _DataRequest):
         Args:
             data: Bytes of the frame, in the order in which they are sent.
 
+        Returns:
+            The frame.
+
         Raises:
             LengthError: There are too many or too few bytes.
             ConstantError: A constant or a parity bit has the wrong value.
@@ -1041,14 +1070,17 @@ class DataRequest(FixedBytes, _DataRequest):
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 1:
                     raise LengthError(1, len(data))
-                sync = data[0] & 0x7
+                sync = data[0] & 0x7  # bits 2:0: Sync code, binary 010
                 if sync != 0x2:
                     raise ConstantError("sync", sync, 0x2)
-                data_id = data[0] >> 3 & 0xF
-                parity = data[0] >> 7
+                data_id = data[0] >> 3 & 0xF  # bits 6:3
+                parity = data[0] >> 7  # bit 7
+                # Even parity over data_id.
                 expected_parity = data_id.bit_count() & 1
                 if parity != expected_parity:
                     raise ConstantError("parity", parity, expected_parity)
+                # 4 is POSITION, 5 is WIDE_POSITION, 0xA is IDENTIFICATION, 0xB is RESET_ERRORS, 0xF is
+                # RESET_POSITION.
                 if data_id not in (4, 5, 0xA, 0xB, 0xF):
                     raise RangeError("data_id", data_id, "one of 4h, 5h, Ah, Bh, Fh")
                 values = (
@@ -1062,6 +1094,8 @@ class DataRequest(FixedBytes, _DataRequest):
 
 
 class _PositionReply(NamedTuple):
+    """Fields of ``PositionReply``."""
+
     variant: Rs485Encoder
     data_id: DataId
     status_alarm: bool
@@ -1187,7 +1221,9 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name.
+        # Fields are read by index, which is faster than by name: 3 is status_error, 4 is position, 5 is overspeed, 6 is
+        # initialization_error, 7 is hardware_error, 8 is encoder_inharmonious_error, 9 is higher_track_error, 10 is
+        # low_amplitude_error.
         if self[3] or self[5] or self[6] or self[7] or self[8] or self[9] or self[10]:
             return None
         return self[4]
@@ -1199,6 +1235,9 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
         Args:
             data: Bytes of the frame, in the order in which they are sent.
             variant: The encoder.
+
+        Returns:
+            The frame. Check its ``verdict`` before you use the position.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -1229,37 +1268,39 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
                 computed_crc = b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5
                 if computed_crc != b6:
                     raise CrcError(b6, computed_crc)
-                position = b2 | b3 << 8 | b4 << 16
+                position = b2 | b3 << 8 | b4 << 16  # low byte first
+                # The first byte is compared as a whole. If any constant is wrong, the first wrong field is reported.
                 if position >> position_bits or b0 not in valid_first_bytes:
-                    # The first wrong field is reported.
-                    sync = b0 & 0x7
+                    sync = b0 & 0x7  # bits 2:0: Sync code, binary 010
                     if sync != 0x2:
                         raise ConstantError("sync", sync, 0x2)
-                    data_id = b0 >> 3 & 0xF
-                    parity = b0 >> 7
+                    data_id = b0 >> 3 & 0xF  # bits 6:3
+                    parity = b0 >> 7  # bit 7
+                    # Even parity over data_id.
                     expected_parity = data_id.bit_count() & 1
                     if parity != expected_parity:
                         raise ConstantError("parity", parity, expected_parity)
                     padding = position >> position_bits
                     if padding:
                         raise ConstantError("position_padding", padding, 0)
+                    # 4 is POSITION, 0xB is RESET_ERRORS, 0xF is RESET_POSITION.
                     if data_id not in (4, 0xB, 0xF):
                         raise RangeError("data_id", data_id, "one of 4h, Bh, Fh")
                 values = (
                     variant,
-                    valid_first_bytes[b0],  # data_id
-                    (b1 & 0x10) != 0,  # status_alarm
-                    (b1 & 0x20) != 0,  # status_error
+                    valid_first_bytes[b0],  # data_id, bits 6:3
+                    (b1 & 0x10) != 0,  # status_alarm, bit 4
+                    (b1 & 0x20) != 0,  # status_error, bit 5
                     position,
-                    (b5 & 0x01) != 0,  # overspeed
-                    (b5 & 0x02) != 0,  # initialization_error
-                    (b5 & 0x04) != 0,  # hardware_error
-                    (b5 & 0x08) != 0,  # encoder_inharmonious_error
-                    (b5 & 0x10) != 0,  # higher_track_error
-                    (b5 & 0x20) != 0,  # low_amplitude_error
-                    (b5 & 0x40) != 0,  # signal_strength_alarm
-                    (b5 & 0x80) != 0,  # temperature_alarm
-                    b1 & 0xCF,  # unused
+                    (b5 & 0x01) != 0,  # overspeed, bit 0
+                    (b5 & 0x02) != 0,  # initialization_error, bit 1
+                    (b5 & 0x04) != 0,  # hardware_error, bit 2
+                    (b5 & 0x08) != 0,  # encoder_inharmonious_error, bit 3
+                    (b5 & 0x10) != 0,  # higher_track_error, bit 4
+                    (b5 & 0x20) != 0,  # low_amplitude_error, bit 5
+                    (b5 & 0x40) != 0,  # signal_strength_alarm, bit 6
+                    (b5 & 0x80) != 0,  # temperature_alarm, bit 7
+                    b1 & 0xCF,  # unused, 1 where a bit differs from the manual
                 )
                 return create(cls, values)
             except (FrameError, TypeError) as exception:
@@ -1269,6 +1310,8 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
 
 
 class _WidePositionReply(NamedTuple):
+    """Fields of ``WidePositionReply``."""
+
     status_alarm: bool
     status_error: bool
     position: int
@@ -1356,7 +1399,7 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name.
+        # Fields are read by index, which is faster than by name: 1 is status_error, 2 is position.
         if self[1]:
             return None
         return self[2]
@@ -1367,6 +1410,9 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
 
         Args:
             data: Bytes of the frame, in the order in which they are sent.
+
+        Returns:
+            The frame. Check its ``verdict`` before you use the position.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -1390,23 +1436,25 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
                 computed_crc = b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 ^ b6 ^ b7
                 if computed_crc != b8:
                     raise CrcError(b8, computed_crc)
+                # The first byte is compared as a whole. If any constant is wrong, the first wrong field is reported.
                 if b0 != 0x2A:
-                    # The first wrong field is reported.
-                    sync = b0 & 0x7
+                    sync = b0 & 0x7  # bits 2:0: Sync code, binary 010
                     if sync != 0x2:
                         raise ConstantError("sync", sync, 0x2)
-                    data_id = b0 >> 3 & 0xF
-                    parity = b0 >> 7
+                    data_id = b0 >> 3 & 0xF  # bits 6:3
+                    parity = b0 >> 7  # bit 7
+                    # Even parity over data_id.
                     expected_parity = data_id.bit_count() & 1
                     if parity != expected_parity:
                         raise ConstantError("parity", parity, expected_parity)
+                    # 5 is WIDE_POSITION.
                     if data_id != 5:
                         raise RangeError("data_id", data_id, "5h")
                 values = (
-                    (b1 & 0x10) != 0,  # status_alarm
-                    (b1 & 0x20) != 0,  # status_error
-                    signed(int.from_bytes(data[2:8], "little"), 48),  # position
-                    b1 & 0xCF,  # unused
+                    (b1 & 0x10) != 0,  # status_alarm, bit 4
+                    (b1 & 0x20) != 0,  # status_error, bit 5
+                    signed(int.from_bytes(data[2:8], "little"), 48),  # position, low byte first
+                    b1 & 0xCF,  # unused, 1 where a bit differs from the manual
                 )
                 return create(cls, values)
             except (FrameError, TypeError) as exception:
@@ -1416,6 +1464,8 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
 
 
 class _IdentificationReply(NamedTuple):
+    """Fields of ``IdentificationReply``."""
+
     variant: Rs485Encoder
     status_alarm: bool
     status_error: bool
@@ -1540,7 +1590,9 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name.
+        # Fields are read by index, which is faster than by name: 2 is status_error, 3 is position, 4 is overspeed, 5 is
+        # initialization_error, 6 is hardware_error, 7 is encoder_inharmonious_error, 8 is higher_track_error, 9 is
+        # low_amplitude_error.
         if self[2] or self[4] or self[5] or self[6] or self[7] or self[8] or self[9]:
             return None
         return self[3]
@@ -1552,6 +1604,9 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
         Args:
             data: Bytes of the frame, in the order in which they are sent.
             variant: The encoder.
+
+        Returns:
+            The frame. Check its ``verdict`` before you use the position.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -1580,14 +1635,15 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
                 computed_crc = b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 ^ b6 ^ b7
                 if computed_crc != b8:
                     raise CrcError(b8, computed_crc)
-                position = b2 | b3 << 8 | b4 << 16
+                position = b2 | b3 << 8 | b4 << 16  # low byte first
+                # The first byte is compared as a whole. If any constant is wrong, the first wrong field is reported.
                 if position >> position_bits or b5 != 0x51 or b6 or b0 != 0x52:
-                    # The first wrong field is reported.
-                    sync = b0 & 0x7
+                    sync = b0 & 0x7  # bits 2:0: Sync code, binary 010
                     if sync != 0x2:
                         raise ConstantError("sync", sync, 0x2)
-                    data_id = b0 >> 3 & 0xF
-                    parity = b0 >> 7
+                    data_id = b0 >> 3 & 0xF  # bits 6:3
+                    parity = b0 >> 7  # bit 7
+                    # Even parity over data_id.
                     expected_parity = data_id.bit_count() & 1
                     if parity != expected_parity:
                         raise ConstantError("parity", parity, expected_parity)
@@ -1597,25 +1653,26 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
                     encoder_id_1 = b5
                     if encoder_id_1 != 0x51:
                         raise ConstantError("encoder_id_1", encoder_id_1, 0x51)
-                    encoder_id_2 = b6
+                    encoder_id_2 = b6  # Encoder ID, second byte, fixed
                     if encoder_id_2:
                         raise ConstantError("encoder_id_2", encoder_id_2, 0)
+                    # 0xA is IDENTIFICATION.
                     if data_id != 0xA:
                         raise RangeError("data_id", data_id, "Ah")
                 values = (
                     variant,
-                    (b1 & 0x10) != 0,  # status_alarm
-                    (b1 & 0x20) != 0,  # status_error
+                    (b1 & 0x10) != 0,  # status_alarm, bit 4
+                    (b1 & 0x20) != 0,  # status_error, bit 5
                     position,
-                    (b7 & 0x01) != 0,  # overspeed
-                    (b7 & 0x02) != 0,  # initialization_error
-                    (b7 & 0x04) != 0,  # hardware_error
-                    (b7 & 0x08) != 0,  # encoder_inharmonious_error
-                    (b7 & 0x10) != 0,  # higher_track_error
-                    (b7 & 0x20) != 0,  # low_amplitude_error
-                    (b7 & 0x40) != 0,  # signal_strength_alarm
-                    (b7 & 0x80) != 0,  # temperature_alarm
-                    b1 & 0xCF,  # unused
+                    (b7 & 0x01) != 0,  # overspeed, bit 0
+                    (b7 & 0x02) != 0,  # initialization_error, bit 1
+                    (b7 & 0x04) != 0,  # hardware_error, bit 2
+                    (b7 & 0x08) != 0,  # encoder_inharmonious_error, bit 3
+                    (b7 & 0x10) != 0,  # higher_track_error, bit 4
+                    (b7 & 0x20) != 0,  # low_amplitude_error, bit 5
+                    (b7 & 0x40) != 0,  # signal_strength_alarm, bit 6
+                    (b7 & 0x80) != 0,  # temperature_alarm, bit 7
+                    b1 & 0xCF,  # unused, 1 where a bit differs from the manual
                 )
                 return create(cls, values)
             except (FrameError, TypeError) as exception:
@@ -1655,6 +1712,7 @@ def _make_request_decoder(variant: Rs485Encoder, handle_error: ErrorHandler) -> 
     """Create the function that decodes any request of one encoder. ``handle_error`` raises or returns an error."""
     # The decoder of each class, by the value of data_id.
     decoders: dict[int, Callable[..., Request]] = {
+        # 4 is POSITION, 5 is WIDE_POSITION, 0xA is IDENTIFICATION, 0xB is RESET_ERRORS, 0xF is RESET_POSITION.
         **dict.fromkeys((4, 5, 0xA, 0xB, 0xF), DataRequest._make_decoder(variant, handle_error)),
     }
 
@@ -1708,8 +1766,11 @@ def _make_reply_decoder(variant: Rs485Encoder, handle_error: ErrorHandler) -> Ca
     """Create the function that decodes any reply of one encoder. ``handle_error`` raises or returns an error."""
     # The decoder of each class, by the value of data_id.
     decoders: dict[int, Callable[..., Reply]] = {
+        # 4 is POSITION, 0xB is RESET_ERRORS, 0xF is RESET_POSITION.
         **dict.fromkeys((4, 0xB, 0xF), PositionReply._make_decoder(variant, handle_error)),
+        # 5 is WIDE_POSITION.
         5: WidePositionReply._make_decoder(variant, handle_error),
+        # 0xA is IDENTIFICATION.
         0xA: IdentificationReply._make_decoder(variant, handle_error),
     }
 
@@ -1758,6 +1819,8 @@ class Address:
 
 
 class _ProfileId(NamedTuple):
+    """Fields of ``ProfileId``."""
+
     variant: BissEncoder
     profile_id: int
 
@@ -1796,6 +1859,9 @@ class ProfileId(RegisterOf["BissEncoder"], _ProfileId):
             data: Bytes of the register, in ascending order of address.
             variant: The encoder.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
             FamilyError: The encoder belongs to another family.
@@ -1809,12 +1875,14 @@ class ProfileId(RegisterOf["BissEncoder"], _ProfileId):
             raise LengthError(2, len(data))
         values = (
             variant,
-            data[0] << 8 | data[1],  # profile_id
+            data[0] << 8 | data[1],  # profile_id, high byte first
         )
         return create(cls, values)
 
 
 class _SerialNumber(NamedTuple):
+    """Fields of ``SerialNumber``."""
+
     year: int
     week: int
     number: int
@@ -1846,6 +1914,9 @@ class SerialNumber(FixedRegister, _SerialNumber):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -1856,7 +1927,7 @@ class SerialNumber(FixedRegister, _SerialNumber):
         values = (
             data[0],  # year
             data[1],  # week
-            data[2] << 8 | data[3],  # number
+            data[2] << 8 | data[3],  # number, high byte first
         )
         return create(cls, values)
 
@@ -1897,7 +1968,7 @@ class Command(IntEnum):
         data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return choice(cls, "Command", int.from_bytes(data, "big"))
+        return as_member(cls, "Command", int.from_bytes(data, "big"))
 
     def encode(self) -> bytes:
         """Return the bytes of the register."""
@@ -1905,6 +1976,8 @@ class Command(IntEnum):
 
 
 class _Configuration(NamedTuple):
+    """Fields of ``Configuration``."""
+
     counting_direction: CountingDirection
     output_code: OutputCode
     enable_preset_offset: EnablePresetOffset
@@ -1946,6 +2019,9 @@ class Configuration(FixedRegister, _Configuration):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
             ConstantError: A constant or a parity bit has the wrong value.
@@ -1955,23 +2031,25 @@ class Configuration(FixedRegister, _Configuration):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        unused_7 = data[0] >> 7
+        unused_7 = data[0] >> 7  # bit 7: Not used
         if unused_7:
             raise ConstantError("unused_7", unused_7, 0)
-        unused_3_4 = data[0] >> 3 & 0x3
+        unused_3_4 = data[0] >> 3 & 0x3  # bits 4:3: Not used
         if unused_3_4:
             raise ConstantError("unused_3_4", unused_3_4, 0)
-        unused_0 = data[0] & 0x1
+        unused_0 = data[0] & 0x1  # bit 0: Not used
         if unused_0:
             raise ConstantError("unused_0", unused_0, 0)
-        counting_direction = choice(CountingDirection, "counting_direction", data[0] >> 6 & 0x1)
-        output_code = choice(OutputCode, "output_code", data[0] >> 5 & 0x1)
-        enable_preset_offset = choice(EnablePresetOffset, "enable_preset_offset", data[0] >> 2 & 0x1)
-        select_preset_offset = choice(SelectPresetOffset, "select_preset_offset", data[0] >> 1 & 0x1)
+        counting_direction = as_member(CountingDirection, "counting_direction", data[0] >> 6 & 0x1)  # bit 6
+        output_code = as_member(OutputCode, "output_code", data[0] >> 5 & 0x1)  # bit 5
+        enable_preset_offset = as_member(EnablePresetOffset, "enable_preset_offset", data[0] >> 2 & 0x1)  # bit 2
+        select_preset_offset = as_member(SelectPresetOffset, "select_preset_offset", data[0] >> 1 & 0x1)  # bit 1
         return create(cls, (counting_direction, output_code, enable_preset_offset, select_preset_offset))
 
 
 class _AbsoluteResolution(NamedTuple):
+    """Fields of ``AbsoluteResolution``."""
+
     variant: BissEncoder
     absolute_resolution: int
 
@@ -2005,6 +2083,9 @@ class AbsoluteResolution(RegisterOf["BissEncoder"], _AbsoluteResolution):
             data: Bytes of the register, in ascending order of address.
             variant: The encoder.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
             FamilyError: The encoder belongs to another family.
@@ -2024,6 +2105,8 @@ class AbsoluteResolution(RegisterOf["BissEncoder"], _AbsoluteResolution):
 
 
 class _PresetOffset(NamedTuple):
+    """Fields of ``PresetOffset``."""
+
     preset_offset: int
 
 
@@ -2067,6 +2150,9 @@ class PresetOffset(FixedLimitedRegister, _PresetOffset):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -2075,9 +2161,9 @@ class PresetOffset(FixedLimitedRegister, _PresetOffset):
         if len(data) != 4:
             raise LengthError(4, len(data))
         values = (
-            int.from_bytes(data, "big"),  # preset_offset
+            int.from_bytes(data, "big"),  # preset_offset, high byte first
         )
-        return with_bytes(create(cls, values), data)
+        return keep_bytes(create(cls, values), data)
 
     @staticmethod
     def limits() -> tuple[int, int]:
@@ -2098,6 +2184,8 @@ class PresetOffset(FixedLimitedRegister, _PresetOffset):
 
 
 class _DeviceType(NamedTuple):
+    """Fields of ``DeviceType``."""
+
     type: int
 
 
@@ -2127,6 +2215,9 @@ class DeviceType(FixedRegister, _DeviceType):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -2141,6 +2232,8 @@ class DeviceType(FixedRegister, _DeviceType):
 
 
 class _SineCosineResolution(NamedTuple):
+    """Fields of ``SineCosineResolution``."""
+
     period: int
 
 
@@ -2170,6 +2263,9 @@ class SineCosineResolution(FixedRegister, _SineCosineResolution):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -2184,6 +2280,8 @@ class SineCosineResolution(FixedRegister, _SineCosineResolution):
 
 
 class _PositionCheck(NamedTuple):
+    """Fields of ``PositionCheck``."""
+
     position_check: int
 
 
@@ -2212,6 +2310,9 @@ class PositionCheck(FixedRegister, _PositionCheck):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -2226,6 +2327,8 @@ class PositionCheck(FixedRegister, _PositionCheck):
 
 
 class _DeviceId(NamedTuple):
+    """Fields of ``DeviceId``."""
+
     name: str
     release: int
 
@@ -2260,6 +2363,9 @@ class DeviceId(FixedRegister, _DeviceId):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -2268,13 +2374,15 @@ class DeviceId(FixedRegister, _DeviceId):
         if len(data) != 6:
             raise LengthError(6, len(data))
         values = (
-            data[0:4].decode("latin-1"),  # name
-            data[4] << 8 | data[5],  # release
+            data[0:4].decode("latin-1"),  # name, high byte first
+            data[4] << 8 | data[5],  # release, high byte first
         )
         return create(cls, values)
 
 
 class _ManufacturerId(NamedTuple):
+    """Fields of ``ManufacturerId``."""
+
     name: str
 
 
@@ -2304,6 +2412,9 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -2312,7 +2423,7 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
         if len(data) != 2:
             raise LengthError(2, len(data))
         values = (
-            data[0:2].decode("latin-1"),  # name
+            data[0:2].decode("latin-1"),  # name, high byte first
         )
         return create(cls, values)
 
@@ -2371,26 +2482,41 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
 def _has_registers(variant: BissEncoder, contents: Mapping[int, int]) -> bool:
     """Return whether the registers of an encoder can have these contents, bytes keyed by address."""
     return (
-        is_consistent(contents, Address.PROFILE_ID, 2, lambda data: ProfileId.decode(data, variant).is_as_documented)
+        is_consistent(
+            contents,
+            Address.PROFILE_ID,
+            length=2,
+            is_expected=lambda data: ProfileId.decode(data, variant).is_as_documented,
+        )
         and is_consistent(
             contents,
             Address.ABSOLUTE_RESOLUTION,
-            1,
-            lambda data: AbsoluteResolution.decode(data, variant).is_as_documented,
+            length=1,
+            is_expected=lambda data: AbsoluteResolution.decode(data, variant).is_as_documented,
         )
-        and is_consistent(contents, Address.DEVICE_TYPE, 1, lambda data: DeviceType.decode(data).is_as_documented)
+        and is_consistent(
+            contents,
+            Address.DEVICE_TYPE,
+            length=1,
+            is_expected=lambda data: DeviceType.decode(data).is_as_documented,
+        )
         and is_consistent(
             contents,
             Address.SINE_COSINE_RESOLUTION,
-            1,
-            lambda data: SineCosineResolution.decode(data).is_as_documented,
+            length=1,
+            is_expected=lambda data: SineCosineResolution.decode(data).is_as_documented,
         )
-        and is_consistent(contents, Address.DEVICE_ID, 6, lambda data: DeviceId.decode(data).is_as_documented)
+        and is_consistent(
+            contents,
+            Address.DEVICE_ID,
+            length=6,
+            is_expected=lambda data: DeviceId.decode(data).is_as_documented,
+        )
         and is_consistent(
             contents,
             Address.MANUFACTURER_ID,
-            2,
-            lambda data: ManufacturerId.decode(data).is_as_documented,
+            length=2,
+            is_expected=lambda data: ManufacturerId.decode(data).is_as_documented,
         )
     )
 
@@ -2433,15 +2559,15 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     Configuration.decode(encode_register("configuration", Configuration, configuration, 1, "big"))
     return (
-        *byte_writes(
+        *write_bytes(
             "configuration",
             Address.CONFIGURATION,
             encode_register("configuration", Configuration, configuration, 1, "big"),
-            "active immediately",
+            meaning="active immediately",
         ),
         Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0xFF),
-        *byte_writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save it permanently"),
-        Wait(30_000, "EEPROM writing time"),
+        *write_bytes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), meaning="save it permanently"),
+        Wait(microseconds=30_000, meaning="EEPROM writing time"),
     )
 
 
@@ -2468,20 +2594,20 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     check_encoder(variant, Variant, _BISS, _PROCEDURES)
     check_limits("position", position, PresetOffset.preset_limits(variant))
     return (
-        *byte_writes(
+        *write_bytes(
             "preset_offset",
             Address.PRESET_OFFSET,
             PresetOffset(preset_offset=position).encode(),
-            "write the four Preset / Offset registers",
+            meaning="write the four Preset / Offset registers",
         ),
         Verify(Address.PRESET_OFFSET, length=4, register="preset_offset", mask=0xFFFFFFFF, order="big"),
-        *byte_writes(
+        *write_bytes(
             "command",
             Address.COMMAND,
             Command.ACTIVATE_PRESET_OFFSET.encode(),
-            "save and activate the preset",
+            meaning="save and activate the preset",
         ),
-        Wait(30_000, "EEPROM writing time"),
+        Wait(microseconds=30_000, meaning="EEPROM writing time"),
     )
 
 
@@ -2503,12 +2629,14 @@ def select_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
+        # Mask and value are those of enable_preset_offset.
         Modify(Address.CONFIGURATION, length=1, register="configuration", mask=0x04, value=0x00),
+        # Mask and value are those of select_preset_offset.
         Modify(Address.CONFIGURATION, length=1, register="configuration", mask=0x02, value=0x00),
         Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0x04),
         Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0x02),
-        *byte_writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save it permanently"),
-        Wait(30_000, "EEPROM writing time"),
+        *write_bytes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), meaning="save it permanently"),
+        Wait(microseconds=30_000, meaning="EEPROM writing time"),
     )
 
 
@@ -2542,6 +2670,7 @@ def set_offset(variant: BissEncoder, offset: int) -> tuple[Step, ...]:
     check_encoder(variant, Variant, _BISS, _PROCEDURES)
     check_limits("offset", offset, PresetOffset.offset_limits(variant))
     return (
+        # Mask and value are those of enable_preset_offset.
         Modify(
             Address.CONFIGURATION,
             length=1,
@@ -2550,6 +2679,7 @@ def set_offset(variant: BissEncoder, offset: int) -> tuple[Step, ...]:
             value=0x00,
             meaning="enable preset and offset",
         ),
+        # Mask and value are those of select_preset_offset.
         Modify(
             Address.CONFIGURATION,
             length=1,
@@ -2560,27 +2690,27 @@ def set_offset(variant: BissEncoder, offset: int) -> tuple[Step, ...]:
         ),
         Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0x04),
         Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0x02),
-        *byte_writes(
+        *write_bytes(
             "command",
             Address.COMMAND,
             Command.SAVE_PARAMETERS.encode(),
-            "save the configuration permanently",
+            meaning="save the configuration permanently",
         ),
-        Wait(30_000, "EEPROM writing time"),
-        *byte_writes(
+        Wait(microseconds=30_000, meaning="EEPROM writing time"),
+        *write_bytes(
             "preset_offset",
             Address.PRESET_OFFSET,
             PresetOffset(preset_offset=offset).encode(),
-            "write the four Preset / Offset registers",
+            meaning="write the four Preset / Offset registers",
         ),
         Verify(Address.PRESET_OFFSET, length=4, register="preset_offset", mask=0xFFFFFFFF, order="big"),
-        *byte_writes(
+        *write_bytes(
             "command",
             Address.COMMAND,
             Command.ACTIVATE_PRESET_OFFSET.encode(),
-            "save and activate the offset",
+            meaning="save and activate the offset",
         ),
-        Wait(30_000, "EEPROM writing time"),
+        Wait(microseconds=30_000, meaning="EEPROM writing time"),
     )
 
 
@@ -2602,8 +2732,8 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        *byte_writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode()),
-        Wait(30_000, "EEPROM writing time"),
+        *write_bytes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode()),
+        Wait(microseconds=30_000, meaning="EEPROM writing time"),
     )
 
 
@@ -2627,8 +2757,8 @@ def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        *byte_writes("command", Address.COMMAND, Command.RESTORE_DEFAULTS.encode()),
-        Wait(30_000, "EEPROM writing time"),
+        *write_bytes("command", Address.COMMAND, Command.RESTORE_DEFAULTS.encode()),
+        Wait(microseconds=30_000, meaning="EEPROM writing time"),
     )
 
 

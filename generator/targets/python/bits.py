@@ -11,6 +11,7 @@ from ...model.lookup import assert_never
 from ...plan.codec import Codec, ShiftedBits, moved_bits
 from ...plan.operations import Bits, Reserved, Whole
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
+from ...say.plain_text import plain
 from .literals import Atom, Expr, Not, Operation, Scope, call, joined, mask, moved, number, times
 from .names import ClassNames
 
@@ -114,8 +115,17 @@ class Reader:
         on_top = bits.low + bits.width == self.codec.layout.bits
         return shifted if on_top else Operation(shifted, "&", self.scope.ones(bits.width))
 
+    def place(self, bits: Bits) -> str:
+        """Return the position of these bits, for a comment. Empty if it depends on the order code."""
+        if not self.codec.by_word:
+            return place_in_bytes(bits.pieces)
+        return bit_numbers(bits.low.constant, bits.width.constant) if bits.are_fixed else ""
+
     def exclusive_or(self, parts: Sequence[Bits], counted: int) -> Expr:
         """Return the XOR of these fields. Its parity is that of all their bits, or of those in the mask ``counted``."""
+        if not counted and self.codec.by_word and all(bits.are_fixed for bits in parts):
+            # The parity of the XOR of several fields is that of all their bits.
+            return Operation(Atom(self.source), "&", mask(sum(mask_in_place(bits) for bits in parts)))
         difference = joined("^", [self.bits(bits) for bits in parts])
         return Operation(difference, "&", mask(counted)) if counted else difference
 
@@ -171,6 +181,33 @@ class Reader:
         if self.codec.by_word or len(places) < len(bits.pieces) or not _are_ascending(places):
             return ""
         return f"data[{places[0]}:{places[-1] + 1}]"
+
+
+def mask_in_place(bits: Bits) -> int:
+    """Return the mask of bits whose position does not depend on the order code."""
+    return ((1 << bits.width.constant) - 1) << bits.low.constant
+
+
+def place_in_bytes(pieces: Sequence[Piece]) -> str:
+    """Return the order of the bytes of a field, or its position in a single byte. Empty if it fills the byte."""
+    if not pieces:
+        return ""
+    first = pieces[0]
+    if len(pieces) > 1:
+        return "low byte first" if first.byte < pieces[-1].byte else "high byte first"
+    return "" if first.mask == 0xFF else bit_numbers(first.right, first.mask.bit_length())
+
+
+def purpose(field: Field, place: str) -> str:
+    """Return the place of a constant with the first sentence of its meaning, for a short comment."""
+    meaning = " ".join(plain(field.meaning).split()).partition(". ")[0].rstrip(".")
+    comment = ": ".join(filter(None, [place, meaning]))
+    return comment if len(comment) < 60 else place
+
+
+def bit_numbers(low: int, width: int) -> str:
+    """Return the highest and the lowest bit of a field, for a comment."""
+    return f"bit {low}" if width == 1 else f"bits {low + width - 1}:{low}"
 
 
 def others(scope: Scope, codec: Codec) -> Expr:

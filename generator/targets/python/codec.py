@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -319,11 +320,22 @@ class Coder:
         by_index = FrameReports(reporting, self.plan, self.names, self.context.parameters, self.by_index)
         return by_index.not_usable
 
+    @property
+    def index_names(self) -> str:
+        """Names of the attributes that ``usable_position`` reads by index, for a comment."""
+        expressions = " ".join([*self.not_usable, self.usable])
+        indices = sorted(set(map(int, re.findall(r"self\[(\d+)\]", expressions))))
+        return ", ".join(f"{index} is {self._names_by_index[index]}" for index in indices)
+
     def by_index(self, name: str) -> str:
         """Return an expression that reads an attribute by its index, or by its name if it has none."""
-        other_names = (attribute_name for attribute_name, _ in self.encoder_and_answers)
-        names = [*other_names, *(attribute.name for attribute in self.attributes)]
+        names = self._names_by_index
         return f"self[{names.index(name)}]" if name in names else f"self.{name}"
+
+    @property
+    def _names_by_index(self) -> list[str]:
+        other_names = (attribute_name for attribute_name, _ in self.encoder_and_answers)
+        return [*other_names, *(attribute.name for attribute in self.attributes)]
 
     @cached_property
     def reports(self) -> FrameReports | None:

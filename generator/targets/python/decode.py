@@ -481,9 +481,9 @@ class Decoder:
         for part in self.codec.parts:
             self._add_values(part, decoded)
         if self.codec.reserved:
-            decoded.values.append((str(self.read.unused()), "unused"))
+            decoded.values.append((str(self.read.unused()), "unused, 1 where a bit differs from the manual"))
         elif self.codec.keeps_others:
-            decoded.values.append((str(self.read.others()), "unused"))
+            decoded.values.append((str(self.read.others()), "unused, all other bits"))
         return decoded
 
     def _add_values(self, part: Part, decoded: DecodedValues) -> None:
@@ -494,7 +494,16 @@ class Decoder:
         members: Sequence[Field | Digits] = runs or (part.field,)
         for member, value in zip(members, map(str, self.values(part)), strict=True):
             is_variable = value == self.local(member)
-            decoded.values.append((value, "" if is_variable else self.names.attribute(member.name)))
+            decoded.values.append((value, "" if is_variable else self._comment(part, member)))
+
+    def _comment(self, part: Part, member: Field | Digits) -> str:
+        """Return the name of an attribute, with the place of its bits if its expression reads them."""
+        name, meaning = self.names.attribute(member.name), meaning_of(part.field)
+        if part.field.name in self.assigned or isinstance(member, Digits):
+            return name
+        place = self.read.place(part.bits)
+        is_low = isinstance(meaning, Active) and meaning.low
+        return ", ".join(filter(None, [name, place, "active low" if is_low else ""]))
 
 
 class DecodedValues:
@@ -543,7 +552,7 @@ def assigned(scope: Scope, names: ClassNames, enum: str, field: Field, bits: Exp
         case Active(low):
             yield name(field.name), _bit_test(bits, low)
         case Named():
-            yield name(field.name), call("choice", enum, f'"{field.name}"', bits)
+            yield name(field.name), call("as_member", enum, f'"{field.name}"', bits)
         case DigitRuns(runs):
             yield from ((name(run.name), value) for run, value in digits(bits, runs))
         case Characters():

@@ -327,7 +327,15 @@ def _register(device: Device, register: Register) -> Call:
 
 
 #: Number of members that are printed without their names, by class.
-_POSITIONAL_COUNTS = {"BitField": 3, "Column": 1, "Join": 2, "Speaks": 1, "Tells": 1}
+_POSITIONAL_COUNTS = {"BitField": 1, "Column": 1, "Join": 1, "VerdictCause": 1, "ReportCause": 1}
+#: Names of classes and members in the runtime, if they differ from those of the plan.
+_RUNTIME_NAMES = {
+    "Speaks": "VerdictCause",
+    "Tells": "ReportCause",
+    "speaks": "verdict_causes",
+    "tells": "report_causes",
+    "answered": "chosen_verdict",
+}
 #: Members that say for which encoders a cause applies.
 _CONDITIONS = ("only", "chosen")
 
@@ -341,7 +349,8 @@ class Shape:
         self.name = f"shape_of_{'register_' if coder.register is not None else ''}{coder.layout.name}"
 
     #: Members whose items are on separate lines.
-    rows = ("columns", "joins", "unused", "checks", "parities", "speaks", "tells", "fields")
+    rows = ("columns", "joins", "unused", "checks", "parities", "verdict_causes", "report_causes", "fields")
+    _planned_rows = ("joins", "unused", "checks", "parities", "speaks", "tells", "fields")
 
     @property
     def members(self) -> list[tuple[str, Literal]]:
@@ -353,9 +362,10 @@ class Shape:
         data = {part.field.name for part in self.plan.parts}
         yield from (("bits", self._shown(described.bits)), ("length", described.length), ("order", described.order))
         yield "columns", tuple(self._column(column) for column in described.columns if column.name in data)
-        for name in self.rows[1:]:
+        for name in self._planned_rows:
             # The class of a register checks its values.
-            yield name, self._shown(getattr(described, name)) if name != "checks" or register is None else ()
+            values = self._shown(getattr(described, name)) if name != "checks" or register is None else ()
+            yield _RUNTIME_NAMES.get(name, name), values
         yield "crc", self._crc(described.crc) if described.crc is not None else None
         if described.gray is not None:
             bits = literal(self._shown((described.gray.low, described.gray.width)))
@@ -367,9 +377,9 @@ class Shape:
         yield "fixed", Code(" | ".join(terms)) if terms else None
         yield "position", coder.measured
         if self.plan.keeps_others:
-            yield "others", Code(str(others(coder.context.scope, self.plan)))
+            yield "kept_mask", Code(str(others(coder.context.scope, self.plan)))
         yield "limited", (register.limits_of, coder.limited) if register is not None and coder.limited else ()
-        yield "otherwise", self._otherwise
+        yield "default_verdict", self._otherwise
         yield "frame", self._frame
 
     @property
@@ -411,14 +421,16 @@ class Shape:
         crc, coder = frame_crc.crc, self.coder
         members: dict[str, Literal] = {"low": self._shown(frame_crc.bits.low), "width": crc.width}
         if coder.layout.crc_covers_bytes:
-            place = f'{self.plan.length}, {crc.width // 8}, "{byte_order(coder.layout)}"'
-            members["differs"] = Code(f"of_bytes({coder.crc_name}, {place})")
+            place = f'length={self.plan.length}, width={crc.width // 8}, order="{byte_order(coder.layout)}"'
+            members["differs"] = Code(f"compare_bytes({coder.crc_name}, {place})")
             members |= {"xorout": crc.xorout, "is_xor": True} if crc.is_xor else {}
         else:
-            gap = f", {frame_crc.gap}" if frame_crc.gap else ""
-            members["differs"] = Code(f"of_bits({coder.crc_name}, {coder.number(frame_crc.covered)}, {crc.width}{gap})")
+            gap = f", gap={frame_crc.gap}" if frame_crc.gap else ""
+            place = f"covered={coder.number(frame_crc.covered)}, width={crc.width}{gap}"
+            members["differs"] = Code(f"compare_bits({coder.crc_name}, {place})")
             folds = tuple(
-                literal_call("Fold", step.shift, Code(f"0x{step.mask:02X}"), step.back) for step in frame_crc.steps
+                Call("Fold", (("shift", step.shift), ("mask", Hex(step.mask)), ("back", step.back)))
+                for step in frame_crc.steps
             )
             members |= {"xorout": crc.xorout, "steps": folds} if folds else {}
         return Call("CrcOf", tuple(members.items()))
@@ -450,11 +462,12 @@ class Shape:
 
     def _record(self, part: Any) -> Call:
         """Return the call of the class of the same name. A cause other than a flag has no name."""
-        kind = type(part).__name__
+        kind = _RUNTIME_NAMES.get(type(part).__name__, type(part).__name__)
         is_flag = not getattr(part, "mask", 0) and not getattr(part, "when", ())
         omitted = _CONDITIONS if is_flag else (*_CONDITIONS, "flag")
         members = [(member, getattr(part, member.name)) for member in fields(part) if member.name not in omitted]
-        arguments = [(member.name, self._shown(value)) for member, value in members if value != member.default]
+        given_members = [(member.name, value) for member, value in members if value != member.default]
+        arguments = [(_RUNTIME_NAMES.get(name, name), self._shown(value)) for name, value in given_members]
         count = _POSITIONAL_COUNTS.get(kind, 0)
         positional = [("", value) for _, value in arguments[:count]]
         return Call(kind, (*positional, *arguments[count:]))

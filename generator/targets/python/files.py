@@ -22,6 +22,7 @@ from ...say.plain_text import plain
 from ...say.text import sentence
 from .. import NO_OPTIONS, Library, Options, Target, has_biss, main_manufacturer
 from ..registry import copied, licence_in, our_runtime
+from .bits import place_in_bytes, purpose
 from .docstrings import docstring, of_answer, of_crc, of_value
 from .literals import Expr, broken, coded, constant, grouped, literal, mask, quoted, table
 from .module import Enumeration, Module
@@ -37,6 +38,7 @@ from .names import (
     encoder_name,
     imports_of,
     interface_name,
+    names_of,
 )
 from .readme import ReadmeExample, start, virtual_examples
 
@@ -54,7 +56,10 @@ FILTERS: Mapping[str, Callable[..., object]] = {
     "grouped": grouped,
     "interface": interface_name,
     "mask": mask,
+    "names_of": names_of,
     "operand": operand,
+    "place_in_bytes": place_in_bytes,
+    "purpose": purpose,
     "sentence": sentence,
 }
 FUNCTIONS: Mapping[str, Callable[..., object]] = {

@@ -140,7 +140,7 @@ class Scope:
     def of(self, value: Expression) -> Expr:
         if value.is_constant:
             return number(value.constant)
-        terms = [(_sign(term.multiple), self._product(term)) for term in value.terms]
+        terms = [(_sign(term.multiple), self._product(term)) for term in _collected(value)]
         if value.constant:
             constant = Atom(str(abs(value.constant)))
             sign = _sign(value.constant)
@@ -168,6 +168,14 @@ class Scope:
     def _factor(self, factor: Factor) -> Expr:
         parameter = Atom(self.names[factor.parameter])
         return Operation(number(1), "<<", parameter) if factor.power else parameter
+
+
+def _collected(value: Expression) -> list[Term]:
+    """Return the terms, with those of equal factors added up."""
+    multiples: dict[tuple[Factor, ...], int] = {}
+    for term in value.terms:
+        multiples[term.factors] = multiples.get(term.factors, 0) + term.multiple
+    return [Term(multiple, factors) for factors, multiple in multiples.items()]
 
 
 WIDTH = 120

@@ -13,7 +13,7 @@ from ...plan.crcs import Carrier, CrcFunction, carriers, crc_functions
 from ...plan.values import is_named, meaning_of
 from ...plan.verdicts import Reporting, reportings
 from ...say.text import sentence
-from .literals import Scope
+from .literals import Scope, coded
 
 #: Names by the module that has them.
 Sources = Mapping[str, Sequence[str]]
@@ -66,21 +66,22 @@ def _runtime_modules(names: Mapping[str, str]) -> Mapping[str, tuple[str, ...]]:
 
 PACKAGE: Mapping[str, tuple[str, ...]] = _runtime_modules(
     {
-        "codec": """BitField Data PositionRange Rows Word Words as_bytes as_word check_kind check_limits check_signed
-            check_width choice crc_by_xor crc_of_bits crc_of_bytes crc_tables create from_gray require_answer
-            signed text_number too_long_error wrong_answer_error zero_for""",
-        "encoder": """Encoder ErrorHandler Exchanged Positioned check_encoder load_fact look_up raise_frame_error
-            return_frame_error wrong_encoder_error""",
+        "codec": """BitField Data PositionRange Rows Word Words as_bytes as_member as_word check_kind check_limits
+            check_signed check_width crc_by_xor crc_of_bits crc_of_bytes create from_gray make_crc_tables
+            require_answer signed text_number too_long_error wrong_answer_error zero_for""",
+        "encoder": """Encoder ErrorHandler Exchanged Positioned SerialEncoder check_encoder load_fact look_up
+            raise_frame_error return_frame_error wrong_encoder_error""",
         "measures": "FineLinear Linear Rotary Wrapping",
         "errors": "ConstantError CrcError FrameError LengthError RangeError",
         "frames.base": """BitsOf BytesOf FixedBits FixedBytes FixedLimitedRegister FixedRegister ForEncoder InBits
-            InBytes LimitedRegisterOf RegisterOf Sent decode_many encode_many with_bytes""",
+            InBytes LimitedRegisterOf RegisterOf Sent decode_many encode_many keep_bytes""",
         "frames.decoders": "cached_decoder raise_error",
         "frames.descriptions": "shape_of",
-        "registers": "RegisterParameter bytes_by_address encode_register is_consistent parameters_in parameters_text",
+        "registers": """RegisterParameter bytes_by_address encode_register format_parameters is_consistent
+            read_parameters""",
         "reports": "Family Interface Movement Report Verdict",
         "spi": "Pipeline",
-        "steps": "Modify Poll Read Send Step Verify Wait byte_writes write_whole",
+        "steps": "Modify Poll Read Send Step Verify Wait write_bytes write_whole",
     }
 )
 
@@ -100,7 +101,7 @@ FACTS: Mapping[str, tuple[str, ...]] = _runtime_modules(
 #: Names that the descriptions of frames can import, by source module.
 SHAPES: Mapping[str, tuple[str, ...]] = {
     "codewheel_runtime.bulk.shape": tuple(
-        "Check Column CrcOf Fold Join Shape Speaks Tells Unused of_bits of_bytes".split()
+        "Check Column CrcOf Fold Join ReportCause Shape Unused VerdictCause compare_bits compare_bytes".split()
     ),
     "codewheel_runtime.codec": ("BitField",),
     "codewheel_runtime.errors": ("ErrorKind",),
@@ -226,6 +227,12 @@ def decoder_maker(function: str) -> str:
 def byte_order(owner: Layout | Register) -> str:
     """Return the name that Python uses for the byte order."""
     return "little" if owner.byte_order == "low_byte_first" else "big"
+
+
+def names_of(field: Field, values: Sequence[int]) -> str:
+    """Return these values of a field with their names, for a comment. Empty unless all of them have a name."""
+    names = {value.value: value.name.upper() for value in field.values}
+    return ", ".join(f"{coded(value)} is {names[value]}" for value in values) if names.keys() >= set(values) else ""
 
 
 def is_one_choice(register: Register) -> bool:

@@ -37,7 +37,7 @@ from .bulk.shape import Shape, holds
 from .encoder import Encoder, Exchanged, Frame, PositionFrame
 from .errors import FrameError, InterfaceError
 from .frames.decoders import cached_decoder, raise_error
-from .frames.descriptions import any_shape
+from .frames.descriptions import find_any_shape
 from .link_errors import (
     BusyError,
     DisturbedError,
@@ -48,7 +48,7 @@ from .link_errors import (
     SecondDeviceError,
     WrongEncoderError,
 )
-from .replies import FoundReply, PendingRequest, ReplyKind, error_in, find_reply, split_replies, xor_of
+from .replies import FoundReply, PendingRequest, ReplyKind, compute_xor, find_error, find_reply, split_replies
 from .reports import Interface
 from .running import StepError
 from .steps import Send, Step, Wait
@@ -66,7 +66,7 @@ __all__ = [
     "Statistics",
     "Work",
     "WrongEncoderError",
-    "rs485_facts",
+    "load_rs485_facts",
 ]
 
 _Result = TypeVar("_Result")
@@ -165,14 +165,14 @@ class Session:
         self.encoder, self.timeout_s, self.retries, self.clock = encoder, timeout_s, retries, clock
         self.settle_s, self.statistics = settle_s, Statistics()
         self.exchanges = encoder.exchanges()
-        self.kinds = {} if self.exchanges else _request_kinds(encoder)
+        self.kinds = {} if self.exchanges else _find_request_kinds(encoder)
         captures = [kind for kind in self.kinds.values() if kind.purpose == "capture"]
         self._capture_controls = [kind.control for kind in captures]
         if settle_s is not None and not settle_s >= 0:
             raise ValueError(f"settle_s must be at least 0, got {settle_s}")
         if settle_s == 0 and len(self._capture_controls) < _KINDS:
             raise ValueError(f"settle_s must be more than 0, because {encoder.code} has too few kinds of requests")
-        port = rs485_facts(encoder).port
+        port = load_rs485_facts(encoder).port
         bits_per_byte = 1 + port.data_bits + (port.parity != "none") + port.stop_bits
         self._byte_s = bits_per_byte / port.baud
         #: First byte of the last request, if it failed.
@@ -202,10 +202,11 @@ class Session:
 
     def read(self, request: Any = None) -> Work[PositionFrame]:
         """Request a frame with the position, with ``request`` or with factory defaults."""
-        frame = yield from self.exchange(self._position_request() if request is None else request)
+        frame = yield from self.exchange(self._make_position_request() if request is None else request)
         return cast(PositionFrame, frame)
 
-    def _position_request(self) -> Any:
+    def _make_position_request(self) -> Any:
+        """Return the request for the position, with factory defaults."""
         if self._position is not None:
             return bytes([self._position.control])
         for exchange in self.exchanges:
@@ -219,7 +220,7 @@ class Session:
 
     def exchange(self, request: Any) -> Work[Frame]:
         """Send a request, and return the reply to it. A request to a busy memory is repeated."""
-        pending = self._pending(request)
+        pending = self._make_pending(request)
         kind = pending.kind
         end = self.clock() + _BUSY_S
         while True:
@@ -227,7 +228,7 @@ class Session:
             frame = cast(Frame, pending.decode(reply))
             busy = kind.purpose in ("read", "write") and any(getattr(frame, name) for name in kind.flags)
             if not busy:
-                differs = self._difference(pending, frame)
+                differs = self._find_difference(pending, frame)
                 if differs:
                     raise DisturbedError(differs)
                 return frame
@@ -235,10 +236,10 @@ class Session:
                 raise BusyError(f"the memory of {self.encoder.code} stayed busy for {_BUSY_S:g} s", reply)
             yield from self.pause(_BUSY_PAUSE_S)
 
-    def _difference(self, pending: PendingRequest, frame: Frame) -> str:
+    def _find_difference(self, pending: PendingRequest, frame: Frame) -> str:
         """Return how a reply differs from the values of its request, such as an address, or an empty string."""
         fields = getattr(pending.request, "_fields", ())
-        joins = any_shape(pending.request.__class__, self.encoder).joins if fields else ()
+        joins = find_any_shape(pending.request.__class__, self.encoder).joins if fields else ()
         for name in (*fields, *(join.name for join in joins)):
             reply_value, sent_value = getattr(frame, name, None), getattr(pending.request, name)
             if name not in pending.answers and reply_value is not None and reply_value != sent_value:
@@ -247,7 +248,7 @@ class Session:
 
     def run(self, steps: Sequence[Step]) -> Work[None]:
         """Carry out the steps of a procedure. If a request in a series fails, the series starts again."""
-        for at, step in enumerate(steps):
+        for index, step in enumerate(steps):
             try:
                 if isinstance(step, Wait):
                     yield from self.pause(step.microseconds / 1e6)
@@ -256,7 +257,7 @@ class Session:
                 else:
                     raise LinkError(f"RS-485 has no registers for {type(step).__name__}")
             except LinkError as error:
-                raise StepError(step, at, tuple(steps[:at]), (), str(error)) from error
+                raise StepError(step, index, tuple(steps[:index]), (), str(error)) from error
 
     def pause(self, seconds: float) -> Work[None]:
         """Wait, and discard all bytes that arrive."""
@@ -270,7 +271,8 @@ class Session:
         yield from self._discard_waiting()
 
     def _send_series(self, step: Send) -> Work[None]:
-        pending = self._pending(step.request)
+        """Send a request several times in succession, and start again after a failure."""
+        pending = self._make_pending(step.request)
         attempts_left = self.retries
         done = 0
         while done < step.times:
@@ -286,6 +288,7 @@ class Session:
                 attempts_left, done = attempts_left - 1, 0
 
     def _send_with_retries(self, pending: PendingRequest) -> Work[bytes]:
+        """Send a request, again after each failure, and return the reply."""
         attempts_left = self.retries
         while True:
             try:
@@ -317,7 +320,7 @@ class Session:
             if other_control == control:
                 continue
             try:
-                yield from self._send_once(self._pending(bytes([other_control])))
+                yield from self._send_once(self._make_pending(bytes([other_control])))
             except SecondDeviceError:
                 raise
             except LinkError:
@@ -353,18 +356,18 @@ class Session:
                 if not is_measured:
                     self._reply_times.append(self.clock() - begin)
                     is_measured = True
-                more = yield Ask(b"", self._quiet_s(received, found.reply, pending))
+                more = yield Ask(b"", self._find_quiet_s(received, found.reply, pending))
                 if not more:
-                    return self._unambiguous(found, received, pending)
+                    return self._take_reply(found, received, pending)
             else:
                 remaining_s = end - self.clock()
                 more = b"" if remaining_s <= 0 else (yield Ask(b"", remaining_s))
             received += more
             if not more or len(received) > _MOST_BYTES:
                 self._count_extra(len(split_replies(received[:_MOST_BYTES], pending, self.kinds)))
-                raise self._failure(received, pending)
+                raise self._failure_error(received, pending)
 
-    def _quiet_s(self, received: bytes, reply: bytes, pending: PendingRequest) -> float:
+    def _find_quiet_s(self, received: bytes, reply: bytes, pending: PendingRequest) -> float:
         """Return the time for which the line must be quiet after a reply."""
         # In this time, the reply to this request would follow if the reply were an extra one to an earlier request.
         settle_s = self._settle_s(pending)
@@ -387,7 +390,7 @@ class Session:
         third_quartile = times[3 * len(times) // 4]
         return max(reply_s, third_quartile)
 
-    def _unambiguous(self, found: FoundReply, received: bytes, pending: PendingRequest) -> bytes:
+    def _take_reply(self, found: FoundReply, received: bytes, pending: PendingRequest) -> bytes:
         """Return the reply, and count other replies. Raises an error if they differ."""
         extra_replies = [*found.same_kind, *found.other_kinds]
         if extra_replies:
@@ -395,19 +398,19 @@ class Session:
             counted_replies = self._count_extra(len(extra_replies))
             # One of the unknown ones is the reply to this request.
             unknown = {*found.same_kind, found.reply}.difference(self._recent_replies)
-            foreign = [*self._foreign(found.other_kinds), *sorted(unknown)[1:]]
+            foreign = [*self._find_foreign(found.other_kinds), *sorted(unknown)[1:]]
             self._count_foreign(foreign[:counted_replies], received, _FOREIGN_REPLIES)
         else:
             self._single_replies += 1
         if not found.is_ambiguous:
             return found.reply
         self.statistics.conflicts += 1
-        request_text = f"the request {_hex(pending.data)} to {self.encoder.code}"
+        request_text = f"the request {_format_hex(pending.data)} to {self.encoder.code}"
         different_replies = [reply for reply in found.same_kind if reply != found.reply]
-        replies_text = f"{_hex(different_replies[0])} and {_hex(found.reply)}"
+        replies_text = f"{_format_hex(different_replies[0])} and {_format_hex(found.reply)}"
         raise DisturbedError(f"two different replies to {request_text}, so neither is used: {replies_text}", received)
 
-    def _foreign(self, replies: Sequence[bytes]) -> list[bytes]:
+    def _find_foreign(self, replies: Sequence[bytes]) -> list[bytes]:
         """Return the replies that differ from all earlier ones."""
         return [reply for reply in replies if reply not in self._recent_replies]
 
@@ -419,7 +422,7 @@ class Session:
             count, code = self._foreign_replies, self.encoder.code
             text = f"{count} extra replies with other values came from the line to {code}, the last one"
             advice = "check whether a second device on the line answers, too"
-            raise SecondDeviceError(f"{text} {_hex(replies[-1])}; {advice}", received)
+            raise SecondDeviceError(f"{text} {_format_hex(replies[-1])}; {advice}", received)
 
     def _discard_waiting(self) -> Work[None]:
         """Discard the bytes that have arrived since the last request. Raises an error if a second device answers."""
@@ -436,11 +439,14 @@ class Session:
         """Count the replies in bytes that arrived without a request. Raises an error if a second device answers."""
         last = self._last_request
         replies = split_replies(data, last, self.kinds) if last is not None else []
-        self._single_replies *= not replies
+        if replies:
+            self._single_replies = 0
         # The reply of a second device to one request can arrive after the reply to the next one.
-        self._foreign_replies *= self._single_replies < _SINGLE_REPLIES
-        extra = self._count_extra(len(replies))
-        self._count_foreign(self._foreign(replies)[:extra], data, _LATE_FOREIGN_REPLIES)
+        if self._single_replies >= _SINGLE_REPLIES:
+            self._foreign_replies = 0
+        extra_count = self._count_extra(len(replies))
+        foreign = self._find_foreign(replies)[:extra_count]
+        self._count_foreign(foreign, data, _LATE_FOREIGN_REPLIES)
 
     def _count_extra(self, count: int) -> int:
         """Count replies beyond those that are used. Return their number without late replies to failed requests."""
@@ -450,10 +456,10 @@ class Session:
         self.statistics.extra_replies += count - late
         return count - late
 
-    def _failure(self, received: bytes, pending: PendingRequest) -> LinkError:
+    def _failure_error(self, received: bytes, pending: PendingRequest) -> LinkError:
         """Return the error for bytes without a valid reply."""
-        kind, request_text = pending.kind, f"the request {_hex(pending.data)} to {self.encoder.code}"
-        bytes_text = _hex(received[:24]) + (" ..." if len(received) > 24 else "")
+        kind, request_text = pending.kind, f"the request {_format_hex(pending.data)} to {self.encoder.code}"
+        bytes_text = _format_hex(received[:24]) + (" ..." if len(received) > 24 else "")
         if not received:
             milliseconds = f"{1000 * self.timeout_s:g} ms"
             text = f"no reply to {request_text} within {milliseconds}; check supply, wires A and B, and baud rate"
@@ -465,8 +471,8 @@ class Session:
             text = f"the line is low after {request_text}: only 00 arrives; check whether A and B are swapped"
             return DisturbedError(text, received)
         if self.exchanges:
-            return self._exchange_failure(received, pending, request_text, bytes_text)
-        odd = self._sign_of_other_encoder(received, pending)
+            return self._exchange_error(received, pending, request_text, bytes_text)
+        odd = self._find_sign_of_other_encoder(received, pending)
         # 1 in 256 corrupted replies has a valid CRC, so one odd reply proves nothing.
         self._odd_replies = self._odd_replies + 1 if odd else 0
         if self._odd_replies > 1:
@@ -483,7 +489,7 @@ class Session:
             return DisturbedError(text, received)
         return DisturbedError(f"no valid reply to {request_text} in {bytes_text}", received)
 
-    def _exchange_failure(
+    def _exchange_error(
         self, received: bytes, pending: PendingRequest, request_text: str, bytes_text: str
     ) -> LinkError:
         """Return the error for bytes without a valid reply of an exchange."""
@@ -491,21 +497,21 @@ class Session:
             text = f"incomplete reply to {request_text}: {len(received)} of {pending.kind.length} bytes, {bytes_text}"
             return DisturbedError(text, received)
         reply = received[-pending.kind.length :]
-        differs = self._difference(pending, pending.decode(reply)) if error_in(reply, pending) is None else ""
+        differs = self._find_difference(pending, pending.decode(reply)) if find_error(reply, pending) is None else ""
         return DisturbedError(differs or f"no valid reply to {request_text} in {bytes_text}", received)
 
-    def _sign_of_other_encoder(self, received: bytes, pending: PendingRequest) -> str:
+    def _find_sign_of_other_encoder(self, received: bytes, pending: PendingRequest) -> str:
         """Return why the bytes look like a reply from another kind of encoder, or an empty string."""
-        if received[0] != pending.kind.control or len(received) < 3 or xor_of(received):
+        if received[0] != pending.kind.control or len(received) < 3 or compute_xor(received):
             return ""
         if len(received) != pending.kind.length:
             return f"it has a valid CRC, but {len(received)} bytes instead of {pending.kind.length}"
-        return str(error_in(received, pending))
+        return str(find_error(received, pending))
 
-    def _pending(self, request: Any) -> PendingRequest:
+    def _make_pending(self, request: Any) -> PendingRequest:
         """Return a request: bytes, an object of the encoder's module, or a member of its ``DataId``."""
         if self.exchanges:
-            return self._pending_exchange(request)
+            return self._make_pending_exchange(request)
         answers: dict[str, object] = {}
         if isinstance(request, IntEnum):
             data = bytes(kind.control for kind in self.kinds.values() if kind.id == request)
@@ -521,21 +527,21 @@ class Session:
         request_kind = self.kinds.get(data[0]) if data else None
         if request_kind is None:
             requests = ", ".join(f"{kind.control:02X} ({kind.name})" for kind in self.kinds.values())
-            raise LinkError(f"{self.encoder.code} has no request '{_hex(data)}'; its requests are {requests}")
+            raise LinkError(f"{self.encoder.code} has no request '{_format_hex(data)}'; its requests are {requests}")
         decode = cast(Callable[..., Frame], self.encoder.decode)
         return PendingRequest(request, data, request_kind, partial(decode, **answers), answers)
 
-    def _pending_exchange(self, object_or_bytes: Any) -> PendingRequest:
+    def _make_pending_exchange(self, object_or_bytes: Any) -> PendingRequest:
         """Return a request: bytes, or an object of the encoder's module."""
         data = bytes(object_or_bytes) if isinstance(object_or_bytes, (bytes, bytearray)) else b""
         for exchange in self.exchanges:
-            request: Any = _request_in(exchange, data) if data else object_or_bytes
+            request: Any = _decode_request(exchange, data) if data else object_or_bytes
             if type(request) is not exchange.request:
                 continue
             name = exchange.request.__name__
             if exchange.reply is None:
                 raise LinkError(f"{self.encoder.code} does not answer {name}: send its bytes with 'send'")
-            shape, data = any_shape(exchange.reply, self.encoder), request.encode()
+            shape, data = find_any_shape(exchange.reply, self.encoder), request.encode()
             kind = ReplyKind(
                 name=name,
                 control=data[0],
@@ -550,24 +556,25 @@ class Session:
                 request, data, kind, cached_decoder(exchange.reply._make_decoder, self.encoder, raise_error)
             )
         requests = ", ".join(exchange.request.__name__ for exchange in self.exchanges)
-        request_text = _hex(data) or f"{object_or_bytes!r}"
+        request_text = _format_hex(data) or f"{object_or_bytes!r}"
         raise LinkError(f"{self.encoder.code} has no request '{request_text}'; its requests are {requests}")
 
 
-def _request_in(exchange: Exchanged, data: bytes) -> Any:
+def _decode_request(exchange: Exchanged, data: bytes) -> Any:
+    """Return the request that these bytes are, or None."""
     try:
         return exchange.request.decode(data)
     except FrameError:
         return None
 
 
-def _request_kinds(encoder: Encoder) -> dict[int, ReplyKind]:
+def _find_request_kinds(encoder: Encoder) -> dict[int, ReplyKind]:
     """Return the requests of an encoder by their first byte."""
     module: Any = import_module(type(encoder).__module__)
     reply_classes = get_args(module.Reply) or (module.Reply,)
-    replies = [(reply_class, any_shape(reply_class, encoder)) for reply_class in reply_classes]
+    replies = [(reply_class, find_any_shape(reply_class, encoder)) for reply_class in reply_classes]
     kinds: dict[int, ReplyKind] = {}
-    for data_id in rs485_facts(encoder).data_ids:
+    for data_id in load_rs485_facts(encoder).data_ids:
         # Of several classes of replies, the first one that may begin with this byte is the reply.
         fitting_replies = [(reply_class, shape) for reply_class, shape in replies if _may_begin(shape, data_id)]
         if not fitting_replies:
@@ -597,10 +604,11 @@ def _may_begin(shape: Shape, data_id: Any) -> bool:
     return True
 
 
-def rs485_facts(encoder: Encoder) -> Any:
+def load_rs485_facts(encoder: Encoder) -> Any:
     """Return the facts about the RS-485 interface of an encoder."""
     return import_module(type(encoder).__module__).RS485
 
 
-def _hex(data: bytes) -> str:
+def _format_hex(data: bytes) -> str:
+    """Return bytes as text, such as ``1A 2B``."""
     return data.hex(" ").upper()

@@ -30,13 +30,13 @@ def require(package: str, needed: str) -> str:
     Raises:
         ImportError: The runtime has another major version, or is older.
     """
-    installed, lowest = _numbers(__version__), _numbers(needed)
+    installed, lowest = _parse_numbers(__version__), _parse_numbers(needed)
     if installed[0] != lowest[0] or installed < lowest:
         message = f"{package} needs codewheel-runtime {needed} or a later {lowest[0]}.x, but {__version__} is installed"
         raise ImportError(message, name="codewheel_runtime")
     return __version__
 
 
-def _numbers(version: str) -> tuple[int, int]:
+def _parse_numbers(version: str) -> tuple[int, int]:
     major, minor = version.split(".")[:2]
     return int(major), int(minor)

@@ -47,12 +47,12 @@ from codewheel_runtime.codec import (
     Word,
     Words,
     as_bytes,
+    as_member,
     as_word,
-    choice,
     crc_of_bits,
     crc_of_bytes,
-    crc_tables,
     create,
+    make_crc_tables,
     too_long_error,
 )
 from codewheel_runtime.encoder import (
@@ -354,6 +354,8 @@ class ModeSt(IntEnum):
 
 
 class _SingleCycleData(NamedTuple):
+    """Fields of ``SingleCycleData``."""
+
     variant: BissEncoder
     position: int
     error: bool = False
@@ -393,7 +395,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name.
+        # Fields are read by index, which is faster than by name: 1 is position, 2 is error.
         if self[2]:
             return None
         return self[1]
@@ -406,6 +408,9 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
             word: A number whose most significant bit was sent first, or a string of 0 and 1.
             variant: The encoder.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
+
+        Returns:
+            The frame. Check its ``verdict`` before you use the position.
 
         Raises:
             LengthError: There are too many or too few bits.
@@ -426,27 +431,30 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         zero_mask = (1 << variant.zero_bits) - 1
         position_low = variant.zero_bits + 8  # 8 = error (1) + warning (1) + crc (6)
         # A table for each 16 bits of the frame. The XOR of their entries is 0 if the CRC is correct.
-        table_0, table_1, table_2, table_3 = crc_tables(crc_biss_6, covered=47, width=6, count=4)
+        table_0, table_1, table_2, table_3 = make_crc_tables(crc_biss_6, covered=47, width=6, count=4)
 
         def decode(frame: Any, bits: int | None = None) -> SingleCycleData:
             try:
+                # An int is used as it is, which is faster.
                 word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
+                # The CRC is looked up 16 bits at a time. The XOR of the entries is 0 if it is correct.
                 low = word & 0xFFFF
                 high = word >> 16
                 difference = table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16 & 0xFFFF] ^ table_3[high >> 32]
                 if difference:
                     received_crc = word & 0x3F
-                    raise CrcError(received_crc, received_crc ^ difference)
-                zero = word >> 8 & zero_mask
+                    computed_crc = received_crc ^ difference
+                    raise CrcError(received_crc, computed_crc)
+                zero = word >> 8 & zero_mask  # Zero bits
                 if zero:
                     raise ConstantError("zero", zero, 0)
                 values = (
                     variant,
                     word >> position_low,  # position
-                    not low & 0x80,  # error
-                    not low & 0x40,  # warning
+                    not low & 0x80,  # error, bit 7, active low
+                    not low & 0x40,  # warning, bit 6, active low
                 )
                 return create(cls, values)
             except (FrameError, TypeError) as exception:
@@ -482,6 +490,8 @@ class Address:
 
 
 class _Mode(NamedTuple):
+    """Fields of ``Mode``."""
+
     modea: Modea
     unused: int = 0
 
@@ -507,6 +517,9 @@ class Mode(FixedRegister, _Mode):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
             RangeError: A field has an undefined value.
@@ -515,15 +528,17 @@ class Mode(FixedRegister, _Mode):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        modea = choice(Modea, "modea", data[0] & 0x7)
+        modea = as_member(Modea, "modea", data[0] & 0x7)  # bits 2:0
         values = (
             modea,
-            data[0] & 0xF8,  # unused
+            data[0] & 0xF8,  # unused, all other bits
         )
         return create(cls, values)
 
 
 class _OutputLength(NamedTuple):
+    """Fields of ``OutputLength``."""
+
     out_zero: int
     out_msb: int
 
@@ -550,6 +565,9 @@ class OutputLength(FixedRegister, _OutputLength):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -558,13 +576,15 @@ class OutputLength(FixedRegister, _OutputLength):
         if len(data) != 1:
             raise LengthError(1, len(data))
         values = (
-            data[0] >> 5,  # out_zero
-            data[0] & 0x1F,  # out_msb
+            data[0] >> 5,  # out_zero, bits 7:5
+            data[0] & 0x1F,  # out_msb, bits 4:0
         )
         return create(cls, values)
 
 
 class _OutputSelection(NamedTuple):
+    """Fields of ``OutputSelection``."""
+
     gssi: bool
     rssi: bool
     mode_st: ModeSt
@@ -595,6 +615,9 @@ class OutputSelection(FixedRegister, _OutputSelection):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
             RangeError: A field has an undefined value.
@@ -603,17 +626,19 @@ class OutputSelection(FixedRegister, _OutputSelection):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        mode_st = choice(ModeSt, "mode_st", data[0] >> 4 & 0x3)
+        mode_st = as_member(ModeSt, "mode_st", data[0] >> 4 & 0x3)  # bits 5:4
         values = (
-            (data[0] & 0x80) != 0,  # gssi
-            (data[0] & 0x40) != 0,  # rssi
+            (data[0] & 0x80) != 0,  # gssi, bit 7
+            (data[0] & 0x40) != 0,  # rssi, bit 6
             mode_st,
-            data[0] & 0xF,  # out_lsb
+            data[0] & 0xF,  # out_lsb, bits 3:0
         )
         return create(cls, values)
 
 
 class _Bank(NamedTuple):
+    """Fields of ``Bank``."""
+
     bank: int
     unused: int = 0
 
@@ -637,6 +662,9 @@ class Bank(FixedRegister, _Bank):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -645,13 +673,15 @@ class Bank(FixedRegister, _Bank):
         if len(data) != 1:
             raise LengthError(1, len(data))
         values = (
-            data[0] & 0x1F,  # bank
-            data[0] & 0xE0,  # unused
+            data[0] & 0x1F,  # bank, bits 4:0
+            data[0] & 0xE0,  # unused, all other bits
         )
         return create(cls, values)
 
 
 class _EdsBank(NamedTuple):
+    """Fields of ``EdsBank``."""
+
     eds_bank: int
 
 
@@ -676,6 +706,9 @@ class EdsBank(FixedRegister, _EdsBank):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -690,6 +723,8 @@ class EdsBank(FixedRegister, _EdsBank):
 
 
 class _ProfileId(NamedTuple):
+    """Fields of ``ProfileId``."""
+
     profile_id: int
 
 
@@ -718,6 +753,9 @@ class ProfileId(FixedRegister, _ProfileId):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -726,12 +764,14 @@ class ProfileId(FixedRegister, _ProfileId):
         if len(data) != 2:
             raise LengthError(2, len(data))
         values = (
-            data[0] << 8 | data[1],  # profile_id
+            data[0] << 8 | data[1],  # profile_id, high byte first
         )
         return create(cls, values)
 
 
 class _SerialNumber(NamedTuple):
+    """Fields of ``SerialNumber``."""
+
     serial_number: int
 
 
@@ -760,6 +800,9 @@ class SerialNumber(FixedRegister, _SerialNumber):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -768,12 +811,14 @@ class SerialNumber(FixedRegister, _SerialNumber):
         if len(data) != 4:
             raise LengthError(4, len(data))
         values = (
-            int.from_bytes(data, "big"),  # serial_number
+            int.from_bytes(data, "big"),  # serial_number, high byte first
         )
         return create(cls, values)
 
 
 class _EventCount(NamedTuple):
+    """Fields of ``EventCount``."""
+
     event_count: int
 
 
@@ -795,6 +840,9 @@ class EventCount(FixedRegister, _EventCount):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -809,6 +857,8 @@ class EventCount(FixedRegister, _EventCount):
 
 
 class _HardwareRevision(NamedTuple):
+    """Fields of ``HardwareRevision``."""
+
     hardware_revision: int
 
 
@@ -829,6 +879,9 @@ class HardwareRevision(FixedRegister, _HardwareRevision):
 
         Args:
             data: Bytes of the register, in ascending order of address.
+
+        Returns:
+            The register.
 
         Raises:
             LengthError: There are too many or too few bytes.
@@ -896,7 +949,7 @@ class Command(IntEnum):
         data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return choice(cls, "Command", int.from_bytes(data, "big"))
+        return as_member(cls, "Command", int.from_bytes(data, "big"))
 
     def encode(self) -> bytes:
         """Return the bytes of the register."""
@@ -904,6 +957,8 @@ class Command(IntEnum):
 
 
 class _Status0(NamedTuple):
+    """Fields of ``Status0``."""
+
     stup: bool = False
     an_max: bool = False
     an_min: bool = False
@@ -935,6 +990,9 @@ class Status0(FixedRegister, _Status0):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -943,17 +1001,19 @@ class Status0(FixedRegister, _Status0):
         if len(data) != 1:
             raise LengthError(1, len(data))
         values = (
-            (data[0] & 0x10) != 0,  # stup
-            (data[0] & 0x08) != 0,  # an_max
-            (data[0] & 0x04) != 0,  # an_min
-            (data[0] & 0x02) != 0,  # am_max
-            (data[0] & 0x01) != 0,  # am_min
-            data[0] & 0xE0,  # unused
+            (data[0] & 0x10) != 0,  # stup, bit 4
+            (data[0] & 0x08) != 0,  # an_max, bit 3
+            (data[0] & 0x04) != 0,  # an_min, bit 2
+            (data[0] & 0x02) != 0,  # am_max, bit 1
+            (data[0] & 0x01) != 0,  # am_min, bit 0
+            data[0] & 0xE0,  # unused, all other bits
         )
         return create(cls, values)
 
 
 class _Status1(NamedTuple):
+    """Fields of ``Status1``."""
+
     crc_err: bool = False
     epr_err: bool = False
     mt_err: bool = False
@@ -989,6 +1049,9 @@ class Status1(FixedRegister, _Status1):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -997,19 +1060,21 @@ class Status1(FixedRegister, _Status1):
         if len(data) != 1:
             raise LengthError(1, len(data))
         values = (
-            (data[0] & 0x80) != 0,  # crc_err
-            (data[0] & 0x40) != 0,  # epr_err
-            (data[0] & 0x20) != 0,  # mt_err
-            (data[0] & 0x10) != 0,  # mt_ctr
-            (data[0] & 0x08) != 0,  # non_ctr
-            (data[0] & 0x04) != 0,  # frq_abz
-            (data[0] & 0x02) != 0,  # frq_cnv
-            (data[0] & 0x01) != 0,  # cmd_exe
+            (data[0] & 0x80) != 0,  # crc_err, bit 7
+            (data[0] & 0x40) != 0,  # epr_err, bit 6
+            (data[0] & 0x20) != 0,  # mt_err, bit 5
+            (data[0] & 0x10) != 0,  # mt_ctr, bit 4
+            (data[0] & 0x08) != 0,  # non_ctr, bit 3
+            (data[0] & 0x04) != 0,  # frq_abz, bit 2
+            (data[0] & 0x02) != 0,  # frq_cnv, bit 1
+            (data[0] & 0x01) != 0,  # cmd_exe, bit 0
         )
         return create(cls, values)
 
 
 class _DeviceId(NamedTuple):
+    """Fields of ``DeviceId``."""
+
     device_id: int
 
 
@@ -1038,6 +1103,9 @@ class DeviceId(FixedRegister, _DeviceId):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -1046,12 +1114,14 @@ class DeviceId(FixedRegister, _DeviceId):
         if len(data) != 6:
             raise LengthError(6, len(data))
         values = (
-            int.from_bytes(data, "big"),  # device_id
+            int.from_bytes(data, "big"),  # device_id, high byte first
         )
         return create(cls, values)
 
 
 class _ManufacturerId(NamedTuple):
+    """Fields of ``ManufacturerId``."""
+
     manufacturer_id: int
 
 
@@ -1080,6 +1150,9 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
         Args:
             data: Bytes of the register, in ascending order of address.
 
+        Returns:
+            The register.
+
         Raises:
             LengthError: There are too many or too few bytes.
         """
@@ -1088,7 +1161,7 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
         if len(data) != 2:
             raise LengthError(2, len(data))
         values = (
-            data[0] << 8 | data[1],  # manufacturer_id
+            data[0] << 8 | data[1],  # manufacturer_id, high byte first
         )
         return create(cls, values)
 

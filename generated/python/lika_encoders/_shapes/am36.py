@@ -10,7 +10,17 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Final
 
-from codewheel_runtime.bulk.shape import Column, CrcOf, Fold, Join, Shape, Speaks, Tells, Unused, of_bits
+from codewheel_runtime.bulk.shape import (
+    Column,
+    CrcOf,
+    Fold,
+    Join,
+    ReportCause,
+    Shape,
+    Unused,
+    VerdictCause,
+    compare_bits,
+)
 from codewheel_runtime.codec import BitField
 from codewheel_runtime.reports import Verdict
 from ..am36 import (
@@ -38,74 +48,92 @@ from ..am36 import (
 
 @lru_cache(maxsize=None)
 def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
-    """Return the shape of ``SsiWord``."""
+    """Return the description of ``SsiWord`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=variant.singleturn_bits + variant.multiturn_bits,
         columns=(
             Column("multiturn", low=variant.singleturn_bits, width=variant.multiturn_bits),
             Column("singleturn", low=0, width=variant.singleturn_bits),
         ),
+        # Numbers that consist of several fields, each with its lowest bit in the number.
         joins=(
-            Join("position", (("singleturn", 0), ("multiturn", variant.singleturn_bits))),
+            Join("position", fields=(("singleturn", 0), ("multiturn", variant.singleturn_bits))),
         ),
         fields=(
-            BitField("multiturn", variant.singleturn_bits, variant.multiturn_bits),
-            BitField("singleturn", 0, variant.singleturn_bits),
+            BitField("multiturn", low=variant.singleturn_bits, width=variant.multiturn_bits),
+            BitField("singleturn", low=0, width=variant.singleturn_bits),
         ),
+        # Lowest bit and width of the number in Gray code.
         gray=(0, variant.multiturn_bits + variant.singleturn_bits) if variant.ssi_gray else None,
         excess=0,
         position="position",
-        otherwise=Verdict.UNKNOWN,
+        default_verdict=Verdict.UNKNOWN,
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
-    """Return the shape of ``SingleCycleData``."""
+    """Return the description of ``SingleCycleData`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=variant.used_singleturn_bits + variant.used_multiturn_bits + 8,
         columns=(
             Column("multiturn", low=variant.used_singleturn_bits + 8, width=variant.used_multiturn_bits),
             Column("singleturn", low=8, width=variant.used_singleturn_bits),
         ),
+        # Numbers that consist of several fields, each with its lowest bit in the number.
         joins=(
-            Join("position", (("singleturn", 0), ("multiturn", variant.used_singleturn_bits))),
+            Join("position", fields=(("singleturn", 0), ("multiturn", variant.used_singleturn_bits))),
         ),
+        # Bits that the manual leaves unused. A bit that differs is 1 in the column, from bit `place` on.
         unused=(
             Unused(low=6, width=1, value=1, place=0),
             Unused(low=7, width=1, value=1, place=1),
         ),
-        speaks=(
-            Speaks(Verdict.NOT_USABLE, mask=2),
+        # Conditions of each verdict, the most severe first.
+        verdict_causes=(
+            VerdictCause(Verdict.NOT_USABLE, mask=2),
         ),
-        tells=(
-            Tells("warning", mask=1),
-            Tells("error", mask=2),
+        # Conditions of each report.
+        report_causes=(
+            ReportCause("warning", mask=1),
+            ReportCause("error", mask=2),
         ),
         fields=(
-            BitField("multiturn", variant.used_singleturn_bits + 8, variant.used_multiturn_bits),
-            BitField("singleturn", 8, variant.used_singleturn_bits),
-            BitField("error", 7, 1),
-            BitField("warning", 6, 1),
-            BitField("crc", 0, 6),
+            BitField("multiturn", low=variant.used_singleturn_bits + 8, width=variant.used_multiturn_bits),
+            BitField("singleturn", low=8, width=variant.used_singleturn_bits),
+            BitField("error", low=7, width=1),
+            BitField("warning", low=6, width=1),
+            BitField("crc", low=0, width=6),
         ),
+        # The steps fold the bits that the CRC covers, which computes it for many frames at once.
         crc=CrcOf(
             low=0,
             width=6,
-            differs=of_bits(crc_biss_6, variant.used_singleturn_bits + variant.used_multiturn_bits + 2, 6),
+            differs=compare_bits(
+                crc_biss_6,
+                covered=variant.used_singleturn_bits + variant.used_multiturn_bits + 2,
+                width=6,
+            ),
             xorout=63,
-            steps=(Fold(24, 0xFFFFFF, 4), Fold(12, 0xFFF, 2), Fold(6, 0x3F, 1), Fold(6, 0x3F, 1)),
+            steps=(
+                Fold(shift=24, mask=0xFFFFFF, back=4),
+                Fold(shift=12, mask=0xFFF, back=2),
+                Fold(shift=6, mask=0x3F, back=1),
+                Fold(shift=6, mask=0x3F, back=1),
+            ),
         ),
+        # Lowest bit and width of the number in Gray code.
         gray=(8, variant.used_multiturn_bits + variant.used_singleturn_bits) if variant.biss_gray else None,
         excess=0,
         position="position",
-        otherwise=Verdict.UNKNOWN,
+        # Verdict while these conditions are false.
+        default_verdict=Verdict.UNKNOWN,
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_profile_id() -> Shape:
-    """Return the shape of ``ProfileId``."""
+    """Return the description of ``ProfileId`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,
@@ -114,14 +142,14 @@ def shape_of_register_profile_id() -> Shape:
             Column("profile", low=0, width=16),
         ),
         fields=(
-            BitField("profile", 0, 16),
+            BitField("profile", low=0, width=16),
         ),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_serial_number() -> Shape:
-    """Return the shape of ``SerialNumber``."""
+    """Return the description of ``SerialNumber`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
@@ -132,16 +160,16 @@ def shape_of_register_serial_number() -> Shape:
             Column("number", low=0, width=16),
         ),
         fields=(
-            BitField("year", 24, 8),
-            BitField("week", 16, 8),
-            BitField("number", 0, 16),
+            BitField("year", low=24, width=8),
+            BitField("week", low=16, width=8),
+            BitField("number", low=0, width=16),
         ),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_configuration() -> Shape:
-    """Return the shape of ``Configuration``."""
+    """Return the description of ``Configuration`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -152,19 +180,19 @@ def shape_of_register_configuration() -> Shape:
             Column("enable_preset", low=2, width=1, kind="choice", values=EnablePreset),
         ),
         fields=(
-            BitField("zero_above_counting_direction", 7, 1),
-            BitField("counting_direction", 6, 1),
-            BitField("output_code", 5, 1),
-            BitField("zero_below_output_code", 3, 2),
-            BitField("enable_preset", 2, 1),
-            BitField("zero_below_enable_preset", 0, 2),
+            BitField("zero_above_counting_direction", low=7, width=1),
+            BitField("counting_direction", low=6, width=1),
+            BitField("output_code", low=5, width=1),
+            BitField("zero_below_output_code", low=3, width=2),
+            BitField("enable_preset", low=2, width=1),
+            BitField("zero_below_enable_preset", low=0, width=2),
         ),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_information_per_revolution() -> Shape:
-    """Return the shape of ``InformationPerRevolution``."""
+    """Return the description of ``InformationPerRevolution`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=24,
         length=3,
@@ -173,7 +201,7 @@ def shape_of_register_information_per_revolution() -> Shape:
             Column("steps", low=0, width=24, power_of_two=True),
         ),
         fields=(
-            BitField("steps", 0, 24),
+            BitField("steps", low=0, width=24),
         ),
         limited=("steps", "steps"),
     )
@@ -181,7 +209,7 @@ def shape_of_register_information_per_revolution() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_number_of_revolutions() -> Shape:
-    """Return the shape of ``NumberOfRevolutions``."""
+    """Return the description of ``NumberOfRevolutions`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,
@@ -190,7 +218,7 @@ def shape_of_register_number_of_revolutions() -> Shape:
             Column("revolutions", low=0, width=16, zero_means=65_536),
         ),
         fields=(
-            BitField("revolutions", 0, 16),
+            BitField("revolutions", low=0, width=16),
         ),
         limited=("revolutions", "revolutions"),
     )
@@ -198,7 +226,7 @@ def shape_of_register_number_of_revolutions() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_preset(variant: BissEncoder) -> Shape:
-    """Return the shape of ``Preset``."""
+    """Return the description of ``Preset`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=40,
         length=5,
@@ -207,8 +235,8 @@ def shape_of_register_preset(variant: BissEncoder) -> Shape:
             Column("position", low=0, width=36),
         ),
         fields=(
-            BitField("zero_above_position", 36, 4),
-            BitField("position", 0, 36),
+            BitField("zero_above_position", low=36, width=4),
+            BitField("position", low=0, width=36),
         ),
         position="position",
         limited=("position", "position"),
@@ -217,7 +245,7 @@ def shape_of_register_preset(variant: BissEncoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_device_type() -> Shape:
-    """Return the shape of ``DeviceType``."""
+    """Return the description of ``DeviceType`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -226,14 +254,14 @@ def shape_of_register_device_type() -> Shape:
             Column("device_type", low=0, width=8),
         ),
         fields=(
-            BitField("device_type", 0, 8),
+            BitField("device_type", low=0, width=8),
         ),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_singleturn_bits_used() -> Shape:
-    """Return the shape of ``SingleturnBitsUsed``."""
+    """Return the description of ``SingleturnBitsUsed`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -242,14 +270,14 @@ def shape_of_register_singleturn_bits_used() -> Shape:
             Column("bits", low=0, width=8),
         ),
         fields=(
-            BitField("bits", 0, 8),
+            BitField("bits", low=0, width=8),
         ),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_multiturn_bits_used() -> Shape:
-    """Return the shape of ``MultiturnBitsUsed``."""
+    """Return the description of ``MultiturnBitsUsed`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -258,14 +286,14 @@ def shape_of_register_multiturn_bits_used() -> Shape:
             Column("bits", low=0, width=8),
         ),
         fields=(
-            BitField("bits", 0, 8),
+            BitField("bits", low=0, width=8),
         ),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_device_id() -> Shape:
-    """Return the shape of ``DeviceId``."""
+    """Return the description of ``DeviceId`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=48,
         length=6,
@@ -277,17 +305,17 @@ def shape_of_register_device_id() -> Shape:
             Column("software_version", low=0, width=8, kind="text"),
         ),
         fields=(
-            BitField("model", 32, 16),
-            BitField("interface_code", 16, 16),
-            BitField("enclosure", 8, 8),
-            BitField("software_version", 0, 8),
+            BitField("model", low=32, width=16),
+            BitField("interface_code", low=16, width=16),
+            BitField("enclosure", low=8, width=8),
+            BitField("software_version", low=0, width=8),
         ),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_manufacturer_id() -> Shape:
-    """Return the shape of ``ManufacturerId``."""
+    """Return the description of ``ManufacturerId`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,
@@ -296,7 +324,7 @@ def shape_of_register_manufacturer_id() -> Shape:
             Column("name", low=0, width=16, kind="text"),
         ),
         fields=(
-            BitField("name", 0, 16),
+            BitField("name", low=0, width=16),
         ),
     )
 

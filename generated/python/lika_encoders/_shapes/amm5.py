@@ -14,12 +14,12 @@ from codewheel_runtime.bulk.shape import (
     CrcOf,
     Fold,
     Join,
+    ReportCause,
     Shape,
-    Speaks,
-    Tells,
     Unused,
-    of_bits,
-    of_bytes,
+    VerdictCause,
+    compare_bits,
+    compare_bytes,
 )
 from codewheel_runtime.codec import BitField
 from codewheel_runtime.errors import ErrorKind
@@ -51,28 +51,29 @@ from ..amm5 import (
 
 @lru_cache(maxsize=None)
 def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
-    """Return the shape of ``SsiWord``."""
+    """Return the description of ``SsiWord`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=variant.singleturn_bits + variant.multiturn_bits,
         columns=(
             Column("multiturn", low=variant.singleturn_bits, width=variant.multiturn_bits),
             Column("singleturn", low=0, width=variant.singleturn_bits),
         ),
+        # Numbers that consist of several fields, each with its lowest bit in the number.
         joins=(
-            Join("position", (("singleturn", 0), ("multiturn", variant.singleturn_bits))),
+            Join("position", fields=(("singleturn", 0), ("multiturn", variant.singleturn_bits))),
         ),
         fields=(
-            BitField("multiturn", variant.singleturn_bits, variant.multiturn_bits),
-            BitField("singleturn", 0, variant.singleturn_bits),
+            BitField("multiturn", low=variant.singleturn_bits, width=variant.multiturn_bits),
+            BitField("singleturn", low=0, width=variant.singleturn_bits),
         ),
         position="position",
-        otherwise=Verdict.UNKNOWN,
+        default_verdict=Verdict.UNKNOWN,
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
-    """Return the shape of ``SingleCycleData``."""
+    """Return the description of ``SingleCycleData`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=variant.singleturn_bits + variant.multiturn_bits + 8,
         columns=(
@@ -81,58 +82,69 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
             Column("error", low=7, width=1, kind="not_flag"),
             Column("warning", low=6, width=1, kind="not_flag"),
         ),
+        # Numbers that consist of several fields, each with its lowest bit in the number.
         joins=(
-            Join("position", (("singleturn", 0), ("multiturn", variant.singleturn_bits))),
+            Join("position", fields=(("singleturn", 0), ("multiturn", variant.singleturn_bits))),
         ),
-        speaks=(
-            Speaks(Verdict.NOT_USABLE, flag="error"),
+        # Conditions of each verdict, the most severe first.
+        verdict_causes=(
+            VerdictCause(Verdict.NOT_USABLE, flag="error"),
             *(
                 [
-                    Speaks(Verdict.NOT_USABLE, flag="warning"),
+                    VerdictCause(Verdict.NOT_USABLE, flag="warning"),
                 ] if variant.multiturn_bits and not variant.low_battery_only else []
             ),
             *(
                 [
-                    Speaks(Verdict.USABLE_WITH_WARNING, flag="warning"),
+                    VerdictCause(Verdict.USABLE_WITH_WARNING, flag="warning"),
                 ] if variant.multiturn_bits and variant.low_battery_only else []
             ),
-            *([Speaks(Verdict.USABLE_WITH_WARNING, flag="warning")] if not variant.multiturn_bits else []),
+            *([VerdictCause(Verdict.USABLE_WITH_WARNING, flag="warning")] if not variant.multiturn_bits else []),
         ),
-        tells=(
-            Tells("error", flag="error"),
+        # Conditions of each report.
+        report_causes=(
+            ReportCause("error", flag="error"),
             *(
                 [
-                    Tells(
+                    ReportCause(
                         "warning",
                         flag="warning",
-                        answered=Verdict.USABLE_WITH_WARNING if variant.low_battery_only else None,
+                        chosen_verdict=Verdict.USABLE_WITH_WARNING if variant.low_battery_only else None,
                     ),
                 ] if variant.multiturn_bits else []
             ),
-            *([Tells("warning_unexplained", flag="warning")] if not variant.multiturn_bits else []),
+            *([ReportCause("warning_unexplained", flag="warning")] if not variant.multiturn_bits else []),
         ),
         fields=(
-            BitField("multiturn", variant.singleturn_bits + 8, variant.multiturn_bits),
-            BitField("singleturn", 8, variant.singleturn_bits),
-            BitField("error", 7, 1),
-            BitField("warning", 6, 1),
-            BitField("crc", 0, 6),
+            BitField("multiturn", low=variant.singleturn_bits + 8, width=variant.multiturn_bits),
+            BitField("singleturn", low=8, width=variant.singleturn_bits),
+            BitField("error", low=7, width=1),
+            BitField("warning", low=6, width=1),
+            BitField("crc", low=0, width=6),
         ),
+        # The steps fold the bits that the CRC covers, which computes it for many frames at once.
         crc=CrcOf(
             low=0,
             width=6,
-            differs=of_bits(crc_biss_6, variant.singleturn_bits + variant.multiturn_bits + 2, 6),
+            differs=compare_bits(crc_biss_6, covered=variant.singleturn_bits + variant.multiturn_bits + 2, width=6),
             xorout=63,
-            steps=(Fold(24, 0xFFFFFF, 4), Fold(6, 0x3F, 1), Fold(12, 0xFFF, 2), Fold(6, 0x3F, 1), Fold(6, 0x3F, 1)),
+            steps=(
+                Fold(shift=24, mask=0xFFFFFF, back=4),
+                Fold(shift=6, mask=0x3F, back=1),
+                Fold(shift=12, mask=0xFFF, back=2),
+                Fold(shift=6, mask=0x3F, back=1),
+                Fold(shift=6, mask=0x3F, back=1),
+            ),
         ),
         position="position",
-        otherwise=Verdict.USABLE,
+        # Verdict while these conditions are false.
+        default_verdict=Verdict.USABLE,
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_data_request() -> Shape:
-    """Return the shape of ``DataRequest``."""
+    """Return the description of ``DataRequest`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -140,26 +152,29 @@ def shape_of_data_request() -> Shape:
         columns=(
             Column("data_id", low=3, width=4, kind="choice", values=(0, 1, 2, 3, 7, 8, 12)),
         ),
+        # Constants, parity bits and limits.
         checks=(
             Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
             Check(low=3, width=4, fault=ErrorKind.RANGE, values=(0, 1, 2, 3, 7, 8, 12)),
         ),
+        # Parity bits, which are computed last.
         parities=(
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
         ),
         fields=(
-            BitField("sync", 0, 3),
-            BitField("data_id", 3, 4),
-            BitField("parity", 7, 1),
+            BitField("sync", low=0, width=3),
+            BitField("data_id", low=3, width=4),
+            BitField("parity", low=7, width=1),
         ),
+        # Bits that are 1 in every frame.
         fixed=0x2 << 0,
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_eeprom_write_request(eeprom_address: EepromAddress) -> Shape:
-    """Return the shape of ``EepromWriteRequest``."""
+    """Return the description of ``EepromWriteRequest`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
@@ -168,6 +183,7 @@ def shape_of_eeprom_write_request(eeprom_address: EepromAddress) -> Shape:
             Column("address", low=eeprom_address.eeprom_address_bit + 8, width=7),
             Column("data", low=16, width=8),
         ),
+        # Constants, parity bits and limits.
         checks=(
             Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
@@ -175,22 +191,30 @@ def shape_of_eeprom_write_request(eeprom_address: EepromAddress) -> Shape:
             Check(low=3, width=4, fault=ErrorKind.RANGE, values=(6,)),
         ),
         fields=(
-            BitField("sync", 0, 3),
-            BitField("data_id", 3, 4),
-            BitField("parity", 7, 1),
-            BitField("address", eeprom_address.eeprom_address_bit + 8, 7),
-            BitField("mem_busy", eeprom_address.mem_busy_bit + 8, 1),
-            BitField("data", 16, 8),
-            BitField("crc", 24, 8),
+            BitField("sync", low=0, width=3),
+            BitField("data_id", low=3, width=4),
+            BitField("parity", low=7, width=1),
+            BitField("address", low=eeprom_address.eeprom_address_bit + 8, width=7),
+            BitField("mem_busy", low=eeprom_address.mem_busy_bit + 8, width=1),
+            BitField("data", low=16, width=8),
+            BitField("crc", low=24, width=8),
         ),
-        crc=CrcOf(low=24, width=8, differs=of_bytes(crc_rs485_8, 4, 1, "little"), xorout=0, is_xor=True),
+        # The steps fold the bits that the CRC covers, which computes it for many frames at once.
+        crc=CrcOf(
+            low=24,
+            width=8,
+            differs=compare_bytes(crc_rs485_8, length=4, width=1, order="little"),
+            xorout=0,
+            is_xor=True,
+        ),
+        # Bits that are 1 in every frame.
         fixed=(0x2 << 0) | (0x6 << 3),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_eeprom_read_request(eeprom_address: EepromAddress) -> Shape:
-    """Return the shape of ``EepromReadRequest``."""
+    """Return the description of ``EepromReadRequest`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=24,
         length=3,
@@ -198,6 +222,7 @@ def shape_of_eeprom_read_request(eeprom_address: EepromAddress) -> Shape:
         columns=(
             Column("address", low=eeprom_address.eeprom_address_bit + 8, width=7),
         ),
+        # Constants, parity bits and limits.
         checks=(
             Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
@@ -205,21 +230,29 @@ def shape_of_eeprom_read_request(eeprom_address: EepromAddress) -> Shape:
             Check(low=3, width=4, fault=ErrorKind.RANGE, values=(13,)),
         ),
         fields=(
-            BitField("sync", 0, 3),
-            BitField("data_id", 3, 4),
-            BitField("parity", 7, 1),
-            BitField("address", eeprom_address.eeprom_address_bit + 8, 7),
-            BitField("mem_busy", eeprom_address.mem_busy_bit + 8, 1),
-            BitField("crc", 16, 8),
+            BitField("sync", low=0, width=3),
+            BitField("data_id", low=3, width=4),
+            BitField("parity", low=7, width=1),
+            BitField("address", low=eeprom_address.eeprom_address_bit + 8, width=7),
+            BitField("mem_busy", low=eeprom_address.mem_busy_bit + 8, width=1),
+            BitField("crc", low=16, width=8),
         ),
-        crc=CrcOf(low=16, width=8, differs=of_bytes(crc_rs485_8, 3, 1, "little"), xorout=0, is_xor=True),
+        # The steps fold the bits that the CRC covers, which computes it for many frames at once.
+        crc=CrcOf(
+            low=16,
+            width=8,
+            differs=compare_bytes(crc_rs485_8, length=3, width=1, order="little"),
+            xorout=0,
+            is_xor=True,
+        ),
+        # Bits that are 1 in every frame.
         fixed=(0x2 << 0) | (0xd << 3) | (0x1 << 7),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_singleturn_reply(variant: Rs485Encoder) -> Shape:
-    """Return the shape of ``SingleturnReply``."""
+    """Return the description of ``SingleturnReply`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=48,
         length=6,
@@ -230,10 +263,12 @@ def shape_of_singleturn_reply(variant: Rs485Encoder) -> Shape:
             Column("status_other_error", low=13, width=1, kind="flag"),
             Column("singleturn", low=16, width=variant.singleturn_bits),
         ),
+        # Bits that the manual leaves unused. A bit that differs is 1 in the column, from bit `place` on.
         unused=(
             Unused(low=8, width=4, value=0, place=0),
             Unused(low=14, width=2, value=0, place=6),
         ),
+        # Constants, parity bits and limits.
         checks=(
             Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
@@ -245,42 +280,54 @@ def shape_of_singleturn_reply(variant: Rs485Encoder) -> Shape:
             ),
             Check(low=3, width=4, fault=ErrorKind.RANGE, values=(0, 7, 8, 12)),
         ),
+        # Parity bits, which are computed last.
         parities=(
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
         ),
-        speaks=(
-            Speaks(Verdict.NOT_USABLE, flag="status_st_error"),
-            Speaks(Verdict.NOT_USABLE, flag="status_other_error"),
-            Speaks(Verdict.USABLE_WITH_WARNING, mask=15),
-            Speaks(Verdict.USABLE_WITH_WARNING, mask=192),
+        # Conditions of each verdict, the most severe first.
+        verdict_causes=(
+            VerdictCause(Verdict.NOT_USABLE, flag="status_st_error"),
+            VerdictCause(Verdict.NOT_USABLE, flag="status_other_error"),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, mask=15),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, mask=192),
         ),
-        tells=(
-            Tells("status_st_error", flag="status_st_error"),
-            Tells("status_other_error", flag="status_other_error"),
-            Tells("status_info", mask=15),
-            Tells("status_zero", mask=192),
+        # Conditions of each report.
+        report_causes=(
+            ReportCause("status_st_error", flag="status_st_error"),
+            ReportCause("status_other_error", flag="status_other_error"),
+            ReportCause("status_info", mask=15),
+            ReportCause("status_zero", mask=192),
         ),
         fields=(
-            BitField("sync", 0, 3),
-            BitField("data_id", 3, 4),
-            BitField("parity", 7, 1),
-            BitField("status_info", 8, 4),
-            BitField("status_st_error", 12, 1),
-            BitField("status_other_error", 13, 1),
-            BitField("status_zero", 14, 2),
-            BitField("singleturn", 16, variant.singleturn_bits),
-            BitField("singleturn_padding", variant.singleturn_bits + 16, 24 - variant.singleturn_bits),
-            BitField("crc", 40, 8),
+            BitField("sync", low=0, width=3),
+            BitField("data_id", low=3, width=4),
+            BitField("parity", low=7, width=1),
+            BitField("status_info", low=8, width=4),
+            BitField("status_st_error", low=12, width=1),
+            BitField("status_other_error", low=13, width=1),
+            BitField("status_zero", low=14, width=2),
+            BitField("singleturn", low=16, width=variant.singleturn_bits),
+            BitField("singleturn_padding", low=variant.singleturn_bits + 16, width=24 - variant.singleturn_bits),
+            BitField("crc", low=40, width=8),
         ),
-        crc=CrcOf(low=40, width=8, differs=of_bytes(crc_rs485_8, 6, 1, "little"), xorout=0, is_xor=True),
+        # The steps fold the bits that the CRC covers, which computes it for many frames at once.
+        crc=CrcOf(
+            low=40,
+            width=8,
+            differs=compare_bytes(crc_rs485_8, length=6, width=1, order="little"),
+            xorout=0,
+            is_xor=True,
+        ),
+        # Bits that are 1 in every frame.
         fixed=0x2 << 0,
-        otherwise=Verdict.USABLE,
+        # Verdict while these conditions are false.
+        default_verdict=Verdict.USABLE,
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_multiturn_reply(variant: Rs485Encoder) -> Shape:
-    """Return the shape of ``MultiturnReply``."""
+    """Return the description of ``MultiturnReply`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=48,
         length=6,
@@ -290,10 +337,12 @@ def shape_of_multiturn_reply(variant: Rs485Encoder) -> Shape:
             Column("status_other_error", low=13, width=1, kind="flag"),
             Column("multiturn", low=16, width=variant.multiturn_bits),
         ),
+        # Bits that the manual leaves unused. A bit that differs is 1 in the column, from bit `place` on.
         unused=(
             Unused(low=8, width=4, value=0, place=0),
             Unused(low=14, width=2, value=0, place=6),
         ),
+        # Constants, parity bits and limits.
         checks=(
             Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
@@ -305,39 +354,50 @@ def shape_of_multiturn_reply(variant: Rs485Encoder) -> Shape:
             ),
             Check(low=3, width=4, fault=ErrorKind.RANGE, values=(1,)),
         ),
-        speaks=(
-            Speaks(Verdict.NOT_USABLE, flag="status_st_error"),
-            Speaks(Verdict.NOT_USABLE, flag="status_other_error"),
-            Speaks(Verdict.USABLE_WITH_WARNING, mask=15),
-            Speaks(Verdict.USABLE_WITH_WARNING, mask=192),
+        # Conditions of each verdict, the most severe first.
+        verdict_causes=(
+            VerdictCause(Verdict.NOT_USABLE, flag="status_st_error"),
+            VerdictCause(Verdict.NOT_USABLE, flag="status_other_error"),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, mask=15),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, mask=192),
         ),
-        tells=(
-            Tells("status_st_error", flag="status_st_error"),
-            Tells("status_other_error", flag="status_other_error"),
-            Tells("status_info", mask=15),
-            Tells("status_zero", mask=192),
+        # Conditions of each report.
+        report_causes=(
+            ReportCause("status_st_error", flag="status_st_error"),
+            ReportCause("status_other_error", flag="status_other_error"),
+            ReportCause("status_info", mask=15),
+            ReportCause("status_zero", mask=192),
         ),
         fields=(
-            BitField("sync", 0, 3),
-            BitField("data_id", 3, 4),
-            BitField("parity", 7, 1),
-            BitField("status_info", 8, 4),
-            BitField("status_st_error", 12, 1),
-            BitField("status_other_error", 13, 1),
-            BitField("status_zero", 14, 2),
-            BitField("multiturn", 16, variant.multiturn_bits),
-            BitField("multiturn_padding", variant.multiturn_bits + 16, 24 - variant.multiturn_bits),
-            BitField("crc", 40, 8),
+            BitField("sync", low=0, width=3),
+            BitField("data_id", low=3, width=4),
+            BitField("parity", low=7, width=1),
+            BitField("status_info", low=8, width=4),
+            BitField("status_st_error", low=12, width=1),
+            BitField("status_other_error", low=13, width=1),
+            BitField("status_zero", low=14, width=2),
+            BitField("multiturn", low=16, width=variant.multiturn_bits),
+            BitField("multiturn_padding", low=variant.multiturn_bits + 16, width=24 - variant.multiturn_bits),
+            BitField("crc", low=40, width=8),
         ),
-        crc=CrcOf(low=40, width=8, differs=of_bytes(crc_rs485_8, 6, 1, "little"), xorout=0, is_xor=True),
+        # The steps fold the bits that the CRC covers, which computes it for many frames at once.
+        crc=CrcOf(
+            low=40,
+            width=8,
+            differs=compare_bytes(crc_rs485_8, length=6, width=1, order="little"),
+            xorout=0,
+            is_xor=True,
+        ),
+        # Bits that are 1 in every frame.
         fixed=(0x2 << 0) | (0x1 << 3) | (0x1 << 7),
-        otherwise=Verdict.USABLE,
+        # Verdict while these conditions are false.
+        default_verdict=Verdict.USABLE,
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_encoder_id_reply() -> Shape:
-    """Return the shape of ``EncoderIdReply``."""
+    """Return the description of ``EncoderIdReply`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
@@ -347,40 +407,51 @@ def shape_of_encoder_id_reply() -> Shape:
             Column("status_other_error", low=13, width=1, kind="flag"),
             Column("encoder_id", low=16, width=8),
         ),
+        # Bits that the manual leaves unused. A bit that differs is 1 in the column, from bit `place` on.
         unused=(
             Unused(low=8, width=4, value=0, place=0),
             Unused(low=14, width=2, value=0, place=6),
         ),
+        # Constants, parity bits and limits.
         checks=(
             Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
             Check(low=3, width=4, fault=ErrorKind.RANGE, values=(2,)),
         ),
-        tells=(
-            Tells("status_st_error", flag="status_st_error"),
-            Tells("status_other_error", flag="status_other_error"),
-            Tells("status_info", mask=15),
-            Tells("status_zero", mask=192),
+        # Conditions of each report.
+        report_causes=(
+            ReportCause("status_st_error", flag="status_st_error"),
+            ReportCause("status_other_error", flag="status_other_error"),
+            ReportCause("status_info", mask=15),
+            ReportCause("status_zero", mask=192),
         ),
         fields=(
-            BitField("sync", 0, 3),
-            BitField("data_id", 3, 4),
-            BitField("parity", 7, 1),
-            BitField("status_info", 8, 4),
-            BitField("status_st_error", 12, 1),
-            BitField("status_other_error", 13, 1),
-            BitField("status_zero", 14, 2),
-            BitField("encoder_id", 16, 8),
-            BitField("crc", 24, 8),
+            BitField("sync", low=0, width=3),
+            BitField("data_id", low=3, width=4),
+            BitField("parity", low=7, width=1),
+            BitField("status_info", low=8, width=4),
+            BitField("status_st_error", low=12, width=1),
+            BitField("status_other_error", low=13, width=1),
+            BitField("status_zero", low=14, width=2),
+            BitField("encoder_id", low=16, width=8),
+            BitField("crc", low=24, width=8),
         ),
-        crc=CrcOf(low=24, width=8, differs=of_bytes(crc_rs485_8, 4, 1, "little"), xorout=0, is_xor=True),
+        # The steps fold the bits that the CRC covers, which computes it for many frames at once.
+        crc=CrcOf(
+            low=24,
+            width=8,
+            differs=compare_bytes(crc_rs485_8, length=4, width=1, order="little"),
+            xorout=0,
+            is_xor=True,
+        ),
+        # Bits that are 1 in every frame.
         fixed=(0x2 << 0) | (0x2 << 3) | (0x1 << 7),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_complete_reply(variant: Rs485Encoder) -> Shape:
-    """Return the shape of ``CompleteReply``."""
+    """Return the description of ``CompleteReply`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=88,
         length=11,
@@ -397,15 +468,18 @@ def shape_of_complete_reply(variant: Rs485Encoder) -> Shape:
             Column("mt_error", low=78, width=1, kind="flag"),
             Column("battery_alarm", low=79, width=1, kind="flag"),
         ),
+        # Numbers that consist of several fields, each with its lowest bit in the number.
         joins=(
-            Join("position", (("singleturn", 0), ("multiturn", variant.singleturn_bits))),
+            Join("position", fields=(("singleturn", 0), ("multiturn", variant.singleturn_bits))),
         ),
+        # Bits that the manual leaves unused. A bit that differs is 1 in the column, from bit `place` on.
         unused=(
             Unused(low=8, width=4, value=0, place=0),
             Unused(low=14, width=2, value=0, place=6),
             Unused(low=72, width=1, value=0, place=8),
             Unused(low=75, width=2, value=0, place=11),
         ),
+        # Constants, parity bits and limits.
         checks=(
             Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
@@ -423,67 +497,78 @@ def shape_of_complete_reply(variant: Rs485Encoder) -> Shape:
             ),
             Check(low=3, width=4, fault=ErrorKind.RANGE, values=(3,)),
         ),
-        speaks=(
-            Speaks(Verdict.NOT_USABLE, flag="status_st_error"),
-            Speaks(Verdict.NOT_USABLE, flag="status_other_error", unless=("battery_alarm", "mt_error")),
-            Speaks(Verdict.NOT_USABLE, flag="busy"),
-            Speaks(Verdict.NOT_USABLE, flag="st_error"),
-            Speaks(Verdict.NOT_USABLE, flag="ps_error"),
-            *([Speaks(Verdict.NOT_USABLE, flag="mt_error")] if variant.multiturn_bits else []),
-            *([Speaks(Verdict.USABLE_WITH_WARNING, flag="mt_error")] if not variant.multiturn_bits else []),
-            Speaks(Verdict.USABLE_WITH_WARNING, flag="battery_alarm"),
-            Speaks(Verdict.USABLE_WITH_WARNING, mask=15),
-            Speaks(Verdict.USABLE_WITH_WARNING, mask=192),
-            Speaks(Verdict.USABLE_WITH_WARNING, mask=256),
-            Speaks(Verdict.USABLE_WITH_WARNING, mask=6144),
+        # Conditions of each verdict, the most severe first.
+        verdict_causes=(
+            VerdictCause(Verdict.NOT_USABLE, flag="status_st_error"),
+            VerdictCause(Verdict.NOT_USABLE, flag="status_other_error", unless=("battery_alarm", "mt_error")),
+            VerdictCause(Verdict.NOT_USABLE, flag="busy"),
+            VerdictCause(Verdict.NOT_USABLE, flag="st_error"),
+            VerdictCause(Verdict.NOT_USABLE, flag="ps_error"),
+            *([VerdictCause(Verdict.NOT_USABLE, flag="mt_error")] if variant.multiturn_bits else []),
+            *([VerdictCause(Verdict.USABLE_WITH_WARNING, flag="mt_error")] if not variant.multiturn_bits else []),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, flag="battery_alarm"),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, mask=15),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, mask=192),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, mask=256),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, mask=6144),
         ),
-        tells=(
-            Tells("status_st_error", flag="status_st_error"),
-            Tells("status_other_error", flag="status_other_error"),
-            Tells("busy", flag="busy"),
-            Tells("st_error", flag="st_error"),
-            Tells("ps_error", flag="ps_error"),
-            *([Tells("mt_error", flag="mt_error")] if variant.multiturn_bits else []),
-            *([Tells("mt_error_unexplained", flag="mt_error")] if not variant.multiturn_bits else []),
-            *([Tells("battery_alarm", flag="battery_alarm")] if variant.multiturn_bits else []),
-            *([Tells("battery_alarm_unexplained", flag="battery_alarm")] if not variant.multiturn_bits else []),
-            Tells("status_info", mask=15),
-            Tells("status_zero", mask=192),
-            Tells("alarm_zero_0", mask=256),
-            Tells("alarm_zero_3_4", mask=6144),
+        # Conditions of each report.
+        report_causes=(
+            ReportCause("status_st_error", flag="status_st_error"),
+            ReportCause("status_other_error", flag="status_other_error"),
+            ReportCause("busy", flag="busy"),
+            ReportCause("st_error", flag="st_error"),
+            ReportCause("ps_error", flag="ps_error"),
+            *([ReportCause("mt_error", flag="mt_error")] if variant.multiturn_bits else []),
+            *([ReportCause("mt_error_unexplained", flag="mt_error")] if not variant.multiturn_bits else []),
+            *([ReportCause("battery_alarm", flag="battery_alarm")] if variant.multiturn_bits else []),
+            *([ReportCause("battery_alarm_unexplained", flag="battery_alarm")] if not variant.multiturn_bits else []),
+            ReportCause("status_info", mask=15),
+            ReportCause("status_zero", mask=192),
+            ReportCause("alarm_zero_0", mask=256),
+            ReportCause("alarm_zero_3_4", mask=6144),
         ),
         fields=(
-            BitField("sync", 0, 3),
-            BitField("data_id", 3, 4),
-            BitField("parity", 7, 1),
-            BitField("status_info", 8, 4),
-            BitField("status_st_error", 12, 1),
-            BitField("status_other_error", 13, 1),
-            BitField("status_zero", 14, 2),
-            BitField("singleturn", 16, variant.singleturn_bits),
-            BitField("singleturn_padding", variant.singleturn_bits + 16, 24 - variant.singleturn_bits),
-            BitField("encoder_id", 40, 8),
-            BitField("multiturn", 48, variant.multiturn_bits),
-            BitField("multiturn_padding", variant.multiturn_bits + 48, 24 - variant.multiturn_bits),
-            BitField("alarm_zero_0", 72, 1),
-            BitField("busy", 73, 1),
-            BitField("st_error", 74, 1),
-            BitField("alarm_zero_3_4", 75, 2),
-            BitField("ps_error", 77, 1),
-            BitField("mt_error", 78, 1),
-            BitField("battery_alarm", 79, 1),
-            BitField("crc", 80, 8),
+            BitField("sync", low=0, width=3),
+            BitField("data_id", low=3, width=4),
+            BitField("parity", low=7, width=1),
+            BitField("status_info", low=8, width=4),
+            BitField("status_st_error", low=12, width=1),
+            BitField("status_other_error", low=13, width=1),
+            BitField("status_zero", low=14, width=2),
+            BitField("singleturn", low=16, width=variant.singleturn_bits),
+            BitField("singleturn_padding", low=variant.singleturn_bits + 16, width=24 - variant.singleturn_bits),
+            BitField("encoder_id", low=40, width=8),
+            BitField("multiturn", low=48, width=variant.multiturn_bits),
+            BitField("multiturn_padding", low=variant.multiturn_bits + 48, width=24 - variant.multiturn_bits),
+            BitField("alarm_zero_0", low=72, width=1),
+            BitField("busy", low=73, width=1),
+            BitField("st_error", low=74, width=1),
+            BitField("alarm_zero_3_4", low=75, width=2),
+            BitField("ps_error", low=77, width=1),
+            BitField("mt_error", low=78, width=1),
+            BitField("battery_alarm", low=79, width=1),
+            BitField("crc", low=80, width=8),
         ),
-        crc=CrcOf(low=80, width=8, differs=of_bytes(crc_rs485_8, 11, 1, "little"), xorout=0, is_xor=True),
+        # The steps fold the bits that the CRC covers, which computes it for many frames at once.
+        crc=CrcOf(
+            low=80,
+            width=8,
+            differs=compare_bytes(crc_rs485_8, length=11, width=1, order="little"),
+            xorout=0,
+            is_xor=True,
+        ),
+        # Bits that are 1 in every frame.
         fixed=(0x2 << 0) | (0x3 << 3),
         position="position",
-        otherwise=Verdict.USABLE,
+        # Verdict while these conditions are false.
+        default_verdict=Verdict.USABLE,
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_eeprom_write_reply(eeprom_address: EepromAddress) -> Shape:
-    """Return the shape of ``EepromWriteReply``."""
+    """Return the description of ``EepromWriteReply`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
@@ -493,31 +578,41 @@ def shape_of_eeprom_write_reply(eeprom_address: EepromAddress) -> Shape:
             Column("mem_busy", low=eeprom_address.mem_busy_bit + 8, width=1, kind="flag"),
             Column("data", low=16, width=8),
         ),
+        # Constants, parity bits and limits.
         checks=(
             Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
             Check(low=3, width=4, fault=ErrorKind.RANGE, values=(6,)),
         ),
-        tells=(
-            Tells("eeprom_write_reply_mem_busy", flag="mem_busy"),
+        # Conditions of each report.
+        report_causes=(
+            ReportCause("eeprom_write_reply_mem_busy", flag="mem_busy"),
         ),
         fields=(
-            BitField("sync", 0, 3),
-            BitField("data_id", 3, 4),
-            BitField("parity", 7, 1),
-            BitField("address", eeprom_address.eeprom_address_bit + 8, 7),
-            BitField("mem_busy", eeprom_address.mem_busy_bit + 8, 1),
-            BitField("data", 16, 8),
-            BitField("crc", 24, 8),
+            BitField("sync", low=0, width=3),
+            BitField("data_id", low=3, width=4),
+            BitField("parity", low=7, width=1),
+            BitField("address", low=eeprom_address.eeprom_address_bit + 8, width=7),
+            BitField("mem_busy", low=eeprom_address.mem_busy_bit + 8, width=1),
+            BitField("data", low=16, width=8),
+            BitField("crc", low=24, width=8),
         ),
-        crc=CrcOf(low=24, width=8, differs=of_bytes(crc_rs485_8, 4, 1, "little"), xorout=0, is_xor=True),
+        # The steps fold the bits that the CRC covers, which computes it for many frames at once.
+        crc=CrcOf(
+            low=24,
+            width=8,
+            differs=compare_bytes(crc_rs485_8, length=4, width=1, order="little"),
+            xorout=0,
+            is_xor=True,
+        ),
+        # Bits that are 1 in every frame.
         fixed=(0x2 << 0) | (0x6 << 3),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_eeprom_read_reply(eeprom_address: EepromAddress) -> Shape:
-    """Return the shape of ``EepromReadReply``."""
+    """Return the description of ``EepromReadReply`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
@@ -527,31 +622,41 @@ def shape_of_eeprom_read_reply(eeprom_address: EepromAddress) -> Shape:
             Column("mem_busy", low=eeprom_address.mem_busy_bit + 8, width=1, kind="flag"),
             Column("data", low=16, width=8),
         ),
+        # Constants, parity bits and limits.
         checks=(
             Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
             Check(low=3, width=4, fault=ErrorKind.RANGE, values=(13,)),
         ),
-        tells=(
-            Tells("eeprom_read_reply_mem_busy", flag="mem_busy"),
+        # Conditions of each report.
+        report_causes=(
+            ReportCause("eeprom_read_reply_mem_busy", flag="mem_busy"),
         ),
         fields=(
-            BitField("sync", 0, 3),
-            BitField("data_id", 3, 4),
-            BitField("parity", 7, 1),
-            BitField("address", eeprom_address.eeprom_address_bit + 8, 7),
-            BitField("mem_busy", eeprom_address.mem_busy_bit + 8, 1),
-            BitField("data", 16, 8),
-            BitField("crc", 24, 8),
+            BitField("sync", low=0, width=3),
+            BitField("data_id", low=3, width=4),
+            BitField("parity", low=7, width=1),
+            BitField("address", low=eeprom_address.eeprom_address_bit + 8, width=7),
+            BitField("mem_busy", low=eeprom_address.mem_busy_bit + 8, width=1),
+            BitField("data", low=16, width=8),
+            BitField("crc", low=24, width=8),
         ),
-        crc=CrcOf(low=24, width=8, differs=of_bytes(crc_rs485_8, 4, 1, "little"), xorout=0, is_xor=True),
+        # The steps fold the bits that the CRC covers, which computes it for many frames at once.
+        crc=CrcOf(
+            low=24,
+            width=8,
+            differs=compare_bytes(crc_rs485_8, length=4, width=1, order="little"),
+            xorout=0,
+            is_xor=True,
+        ),
+        # Bits that are 1 in every frame.
         fixed=(0x2 << 0) | (0xd << 3) | (0x1 << 7),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_preset(variant: BissEncoder) -> Shape:
-    """Return the shape of ``Preset``."""
+    """Return the description of ``Preset`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=56,
         length=7,
@@ -560,15 +665,16 @@ def shape_of_register_preset(variant: BissEncoder) -> Shape:
             Column("multiturn", low=49 - variant.multiturn_bits, width=variant.multiturn_bits),
             Column("singleturn", low=33 - variant.singleturn_bits, width=variant.singleturn_bits),
         ),
+        # Numbers that consist of several fields, each with its lowest bit in the number.
         joins=(
-            Join("position", (("singleturn", 0), ("multiturn", variant.singleturn_bits))),
+            Join("position", fields=(("singleturn", 0), ("multiturn", variant.singleturn_bits))),
         ),
         fields=(
-            BitField("zero_above_multiturn", 49, 7),
-            BitField("multiturn", 49 - variant.multiturn_bits, variant.multiturn_bits),
-            BitField("zero_below_multiturn", 33, 16 - variant.multiturn_bits),
-            BitField("singleturn", 33 - variant.singleturn_bits, variant.singleturn_bits),
-            BitField("zero_below_singleturn", 0, 33 - variant.singleturn_bits),
+            BitField("zero_above_multiturn", low=49, width=7),
+            BitField("multiturn", low=49 - variant.multiturn_bits, width=variant.multiturn_bits),
+            BitField("zero_below_multiturn", low=33, width=16 - variant.multiturn_bits),
+            BitField("singleturn", low=33 - variant.singleturn_bits, width=variant.singleturn_bits),
+            BitField("zero_below_singleturn", low=0, width=33 - variant.singleturn_bits),
         ),
         position="position",
         limited=("position", "position"),
@@ -577,7 +683,7 @@ def shape_of_register_preset(variant: BissEncoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_serial_number() -> Shape:
-    """Return the shape of ``SerialNumber``."""
+    """Return the description of ``SerialNumber`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
@@ -592,14 +698,14 @@ def shape_of_register_serial_number() -> Shape:
             ),
         ),
         fields=(
-            BitField("serial", 0, 32),
+            BitField("serial", low=0, width=32),
         ),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_device_id() -> Shape:
-    """Return the shape of ``DeviceId``."""
+    """Return the description of ``DeviceId`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=48,
         length=6,
@@ -609,15 +715,15 @@ def shape_of_register_device_id() -> Shape:
             Column("release", low=0, width=16),
         ),
         fields=(
-            BitField("name", 16, 32),
-            BitField("release", 0, 16),
+            BitField("name", low=16, width=32),
+            BitField("release", low=0, width=16),
         ),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_manufacturer_id() -> Shape:
-    """Return the shape of ``ManufacturerId``."""
+    """Return the description of ``ManufacturerId`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,
@@ -626,7 +732,7 @@ def shape_of_register_manufacturer_id() -> Shape:
             Column("name", low=0, width=16, kind="text"),
         ),
         fields=(
-            BitField("name", 0, 16),
+            BitField("name", low=0, width=16),
         ),
     )
 

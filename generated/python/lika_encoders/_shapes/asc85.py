@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Final
 
-from codewheel_runtime.bulk.shape import Check, Column, CrcOf, Fold, Shape, Speaks, Tells, of_bits
+from codewheel_runtime.bulk.shape import Check, Column, CrcOf, Fold, ReportCause, Shape, VerdictCause, compare_bits
 from codewheel_runtime.codec import BitField
 from codewheel_runtime.errors import ErrorKind
 from codewheel_runtime.reports import Verdict
@@ -34,25 +34,26 @@ from ..asc85 import (
 
 @lru_cache(maxsize=None)
 def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
-    """Return the shape of ``SsiWord``."""
+    """Return the description of ``SsiWord`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=variant.position_bits,
         columns=(
             Column("position", low=0, width=variant.position_bits),
         ),
         fields=(
-            BitField("position", 0, variant.position_bits),
+            BitField("position", low=0, width=variant.position_bits),
         ),
+        # Lowest bit and width of the number in Gray code.
         gray=(0, variant.position_bits) if variant.ssi_gray else None,
         excess=0,
         position="position",
-        otherwise=Verdict.UNKNOWN,
+        default_verdict=Verdict.UNKNOWN,
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_single_cycle_data(variant: BissEncoder, zero_bit: ZeroBit) -> Shape:
-    """Return the shape of ``SingleCycleData``."""
+    """Return the description of ``SingleCycleData`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=zero_bit.zero_bits + variant.position_bits + 8,
         columns=(
@@ -60,39 +61,49 @@ def shape_of_single_cycle_data(variant: BissEncoder, zero_bit: ZeroBit) -> Shape
             Column("error", low=7, width=1, kind="not_flag"),
             Column("warning", low=6, width=1, kind="not_flag"),
         ),
+        # Constants, parity bits and limits.
         checks=(
             Check(low=8, width=zero_bit.zero_bits, fault=ErrorKind.CONSTANT, values=(0,)),
         ),
-        speaks=(
-            Speaks(Verdict.NOT_USABLE, flag="error"),
-            Speaks(Verdict.USABLE_WITH_WARNING, flag="warning"),
+        # Conditions of each verdict, the most severe first.
+        verdict_causes=(
+            VerdictCause(Verdict.NOT_USABLE, flag="error"),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, flag="warning"),
         ),
-        tells=(
-            Tells("error", flag="error"),
-            Tells("warning", flag="warning"),
+        # Conditions of each report.
+        report_causes=(
+            ReportCause("error", flag="error"),
+            ReportCause("warning", flag="warning"),
         ),
         fields=(
-            BitField("position", zero_bit.zero_bits + 8, variant.position_bits),
-            BitField("zero", 8, zero_bit.zero_bits),
-            BitField("error", 7, 1),
-            BitField("warning", 6, 1),
-            BitField("crc", 0, 6),
+            BitField("position", low=zero_bit.zero_bits + 8, width=variant.position_bits),
+            BitField("zero", low=8, width=zero_bit.zero_bits),
+            BitField("error", low=7, width=1),
+            BitField("warning", low=6, width=1),
+            BitField("crc", low=0, width=6),
         ),
+        # The steps fold the bits that the CRC covers, which computes it for many frames at once.
         crc=CrcOf(
             low=0,
             width=6,
-            differs=of_bits(crc_biss_6, zero_bit.zero_bits + variant.position_bits + 2, 6),
+            differs=compare_bits(crc_biss_6, covered=zero_bit.zero_bits + variant.position_bits + 2, width=6),
             xorout=63,
-            steps=(Fold(12, 0xFFF, 2), Fold(12, 0xFFF, 2), Fold(6, 0x3F, 1), Fold(6, 0x3F, 1)),
+            steps=(
+                Fold(shift=12, mask=0xFFF, back=2),
+                Fold(shift=12, mask=0xFFF, back=2),
+                Fold(shift=6, mask=0x3F, back=1),
+                Fold(shift=6, mask=0x3F, back=1),
+            ),
         ),
         position="position",
-        otherwise=Verdict.USABLE,
+        # Verdict while these conditions are false.
+        default_verdict=Verdict.USABLE,
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_profile_id() -> Shape:
-    """Return the shape of ``ProfileId``."""
+    """Return the description of ``ProfileId`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,
@@ -102,15 +113,15 @@ def shape_of_register_profile_id() -> Shape:
             Column("data_length", low=0, width=8),
         ),
         fields=(
-            BitField("variant", 8, 8),
-            BitField("data_length", 0, 8),
+            BitField("variant", low=8, width=8),
+            BitField("data_length", low=0, width=8),
         ),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_serial_number() -> Shape:
-    """Return the shape of ``SerialNumber``."""
+    """Return the description of ``SerialNumber`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
@@ -119,14 +130,14 @@ def shape_of_register_serial_number() -> Shape:
             Column("serial", low=0, width=32),
         ),
         fields=(
-            BitField("serial", 0, 32),
+            BitField("serial", low=0, width=32),
         ),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_diagnostic_data() -> Shape:
-    """Return the shape of ``DiagnosticData``."""
+    """Return the description of ``DiagnosticData`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -142,21 +153,21 @@ def shape_of_register_diagnostic_data() -> Shape:
             Column("ac_minimum_amplitude", low=0, width=1, kind="flag"),
         ),
         fields=(
-            BitField("amplitude_control_maximum_current", 7, 1),
-            BitField("signal_level_maximum_amplitude", 6, 1),
-            BitField("dc_maximum_offset", 5, 1),
-            BitField("ac_maximum_amplitude", 4, 1),
-            BitField("amplitude_control_minimum_current", 3, 1),
-            BitField("signal_level_minimum_amplitude", 2, 1),
-            BitField("dc_minimum_offset", 1, 1),
-            BitField("ac_minimum_amplitude", 0, 1),
+            BitField("amplitude_control_maximum_current", low=7, width=1),
+            BitField("signal_level_maximum_amplitude", low=6, width=1),
+            BitField("dc_maximum_offset", low=5, width=1),
+            BitField("ac_maximum_amplitude", low=4, width=1),
+            BitField("amplitude_control_minimum_current", low=3, width=1),
+            BitField("signal_level_minimum_amplitude", low=2, width=1),
+            BitField("dc_minimum_offset", low=1, width=1),
+            BitField("ac_minimum_amplitude", low=0, width=1),
         ),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_status() -> Shape:
-    """Return the shape of ``Status``."""
+    """Return the description of ``Status`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -172,21 +183,21 @@ def shape_of_register_status() -> Shape:
             Column("position_data_valid", low=0, width=1, kind="flag"),
         ),
         fields=(
-            BitField("configuration_completed", 7, 1),
-            BitField("error_message", 6, 1),
-            BitField("warning_message", 5, 1),
-            BitField("conf_write_access", 4, 1),
-            BitField("eds_write_access", 3, 1),
-            BitField("internal_data_bus_busy", 2, 1),
-            BitField("absolute_data_valid", 1, 1),
-            BitField("position_data_valid", 0, 1),
+            BitField("configuration_completed", low=7, width=1),
+            BitField("error_message", low=6, width=1),
+            BitField("warning_message", low=5, width=1),
+            BitField("conf_write_access", low=4, width=1),
+            BitField("eds_write_access", low=3, width=1),
+            BitField("internal_data_bus_busy", low=2, width=1),
+            BitField("absolute_data_valid", low=1, width=1),
+            BitField("position_data_valid", low=0, width=1),
         ),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_position(variant: BissEncoder) -> Shape:
-    """Return the shape of ``Position``."""
+    """Return the description of ``Position`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
@@ -195,16 +206,17 @@ def shape_of_register_position(variant: BissEncoder) -> Shape:
             Column("position", low=32 - variant.position_bits, width=variant.position_bits),
         ),
         fields=(
-            BitField("position", 32 - variant.position_bits, variant.position_bits),
+            BitField("position", low=32 - variant.position_bits, width=variant.position_bits),
         ),
         position="position",
-        others=0xFFFFFFFF & ~(((1 << variant.position_bits) - 1) << (32 - variant.position_bits)),
+        # All other bits, which are kept.
+        kept_mask=0xFFFFFFFF & ~(((1 << variant.position_bits) - 1) << (32 - variant.position_bits)),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_error_register() -> Shape:
-    """Return the shape of ``ErrorRegister``."""
+    """Return the description of ``ErrorRegister`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -218,20 +230,21 @@ def shape_of_register_error_register() -> Shape:
             Column("control_error", low=0, width=1, kind="flag"),
         ),
         fields=(
-            BitField("absolute_data_error", 6, 1),
-            BitField("interpolation_error", 5, 1),
-            BitField("configuration_error", 4, 1),
-            BitField("synchronization_error", 3, 1),
-            BitField("signal_error", 1, 1),
-            BitField("control_error", 0, 1),
+            BitField("absolute_data_error", low=6, width=1),
+            BitField("interpolation_error", low=5, width=1),
+            BitField("configuration_error", low=4, width=1),
+            BitField("synchronization_error", low=3, width=1),
+            BitField("signal_error", low=1, width=1),
+            BitField("control_error", low=0, width=1),
         ),
-        others=0x84,
+        # All other bits, which are kept.
+        kept_mask=0x84,
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_device_id() -> Shape:
-    """Return the shape of ``DeviceId``."""
+    """Return the description of ``DeviceId`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=48,
         length=6,
@@ -241,15 +254,15 @@ def shape_of_register_device_id() -> Shape:
             Column("release", low=0, width=16, kind="text"),
         ),
         fields=(
-            BitField("name", 16, 32),
-            BitField("release", 0, 16),
+            BitField("name", low=16, width=32),
+            BitField("release", low=0, width=16),
         ),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_manufacturer_id() -> Shape:
-    """Return the shape of ``ManufacturerId``."""
+    """Return the description of ``ManufacturerId`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,
@@ -258,7 +271,7 @@ def shape_of_register_manufacturer_id() -> Shape:
             Column("name", low=0, width=16, kind="text"),
         ),
         fields=(
-            BitField("name", 0, 16),
+            BitField("name", low=0, width=16),
         ),
     )
 

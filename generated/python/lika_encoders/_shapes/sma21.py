@@ -8,7 +8,18 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Final
 
-from codewheel_runtime.bulk.shape import Check, Column, CrcOf, Fold, Shape, Speaks, Tells, Unused, of_bits, of_bytes
+from codewheel_runtime.bulk.shape import (
+    Check,
+    Column,
+    CrcOf,
+    Fold,
+    ReportCause,
+    Shape,
+    Unused,
+    VerdictCause,
+    compare_bits,
+    compare_bytes,
+)
 from codewheel_runtime.codec import BitField
 from codewheel_runtime.errors import ErrorKind
 from codewheel_runtime.reports import Verdict
@@ -43,33 +54,37 @@ from ..sma21 import (
 
 @lru_cache(maxsize=None)
 def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
-    """Return the shape of ``SsiWord``."""
+    """Return the description of ``SsiWord`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=variant.position_bits + 1,
         columns=(
             Column("position", low=1, width=variant.position_bits),
             Column("error", low=0, width=1, kind="not_flag"),
         ),
-        speaks=(
-            Speaks(Verdict.NOT_USABLE, flag="error"),
+        # Conditions of each verdict, the most severe first.
+        verdict_causes=(
+            VerdictCause(Verdict.NOT_USABLE, flag="error"),
         ),
-        tells=(
-            Tells("error", flag="error"),
+        # Conditions of each report.
+        report_causes=(
+            ReportCause("error", flag="error"),
         ),
         fields=(
-            BitField("position", 1, variant.position_bits),
-            BitField("error", 0, 1),
+            BitField("position", low=1, width=variant.position_bits),
+            BitField("error", low=0, width=1),
         ),
+        # Lowest bit and width of the number in Gray code.
         gray=(1, variant.position_bits) if variant.ssi_gray else None,
         excess=0,
         position="position",
-        otherwise=Verdict.USABLE,
+        # Verdict while these conditions are false.
+        default_verdict=Verdict.USABLE,
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
-    """Return the shape of ``SingleCycleData``."""
+    """Return the description of ``SingleCycleData`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=variant.position_bits + variant.scd_padding_bits + 8,
         columns=(
@@ -77,6 +92,7 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
             Column("error", low=7, width=1, kind="not_flag"),
             Column("warning", low=6, width=1, kind="not_flag"),
         ),
+        # Constants, parity bits and limits.
         checks=(
             Check(
                 low=variant.scd_value_bits + 8,
@@ -85,42 +101,52 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
                 values=(0,),
             ),
         ),
-        speaks=(
-            Speaks(Verdict.NOT_USABLE, flag="error"),
-            Speaks(Verdict.USABLE_WITH_WARNING, flag="warning"),
+        # Conditions of each verdict, the most severe first.
+        verdict_causes=(
+            VerdictCause(Verdict.NOT_USABLE, flag="error"),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, flag="warning"),
         ),
-        tells=(
-            Tells("error", flag="error"),
-            Tells("warning", flag="warning"),
+        # Conditions of each report.
+        report_causes=(
+            ReportCause("error", flag="error"),
+            ReportCause("warning", flag="warning"),
         ),
         fields=(
             BitField(
                 "padding",
-                variant.scd_value_bits + 8,
-                variant.position_bits + variant.scd_padding_bits - variant.scd_value_bits,
+                low=variant.scd_value_bits + 8,
+                width=variant.position_bits + variant.scd_padding_bits - variant.scd_value_bits,
             ),
-            BitField("position", 8, variant.scd_value_bits),
-            BitField("error", 7, 1),
-            BitField("warning", 6, 1),
-            BitField("crc", 0, 6),
+            BitField("position", low=8, width=variant.scd_value_bits),
+            BitField("error", low=7, width=1),
+            BitField("warning", low=6, width=1),
+            BitField("crc", low=0, width=6),
         ),
+        # The steps fold the bits that the CRC covers, which computes it for many frames at once.
         crc=CrcOf(
             low=0,
             width=6,
-            differs=of_bits(crc_biss_6, variant.position_bits + variant.scd_padding_bits + 2, 6),
+            differs=compare_bits(crc_biss_6, covered=variant.position_bits + variant.scd_padding_bits + 2, width=6),
             xorout=63,
-            steps=(Fold(12, 0xFFF, 2), Fold(12, 0xFFF, 2), Fold(6, 0x3F, 1), Fold(6, 0x3F, 1)),
+            steps=(
+                Fold(shift=12, mask=0xFFF, back=2),
+                Fold(shift=12, mask=0xFFF, back=2),
+                Fold(shift=6, mask=0x3F, back=1),
+                Fold(shift=6, mask=0x3F, back=1),
+            ),
         ),
+        # Lowest bit and width of the number in Gray code.
         gray=(8, variant.scd_value_bits) if variant.biss_gray else None,
         excess=0,
         position="position",
-        otherwise=Verdict.USABLE,
+        # Verdict while these conditions are false.
+        default_verdict=Verdict.USABLE,
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_data_request() -> Shape:
-    """Return the shape of ``DataRequest``."""
+    """Return the description of ``DataRequest`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -128,26 +154,29 @@ def shape_of_data_request() -> Shape:
         columns=(
             Column("data_id", low=3, width=4, kind="choice", values=(4, 5, 10, 11, 15)),
         ),
+        # Constants, parity bits and limits.
         checks=(
             Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
             Check(low=3, width=4, fault=ErrorKind.RANGE, values=(4, 5, 10, 11, 15)),
         ),
+        # Parity bits, which are computed last.
         parities=(
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
         ),
         fields=(
-            BitField("sync", 0, 3),
-            BitField("data_id", 3, 4),
-            BitField("parity", 7, 1),
+            BitField("sync", low=0, width=3),
+            BitField("data_id", low=3, width=4),
+            BitField("parity", low=7, width=1),
         ),
+        # Bits that are 1 in every frame.
         fixed=0x2 << 0,
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_position_reply(variant: Rs485Encoder) -> Shape:
-    """Return the shape of ``PositionReply``."""
+    """Return the description of ``PositionReply`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=56,
         length=7,
@@ -166,10 +195,12 @@ def shape_of_position_reply(variant: Rs485Encoder) -> Shape:
             Column("signal_strength_alarm", low=46, width=1, kind="flag"),
             Column("temperature_alarm", low=47, width=1, kind="flag"),
         ),
+        # Bits that the manual leaves unused. A bit that differs is 1 in the column, from bit `place` on.
         unused=(
             Unused(low=8, width=4, value=0, place=0),
             Unused(low=14, width=2, value=0, place=6),
         ),
+        # Constants, parity bits and limits.
         checks=(
             Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
@@ -181,68 +212,80 @@ def shape_of_position_reply(variant: Rs485Encoder) -> Shape:
             ),
             Check(low=3, width=4, fault=ErrorKind.RANGE, values=(4, 11, 15)),
         ),
+        # Parity bits, which are computed last.
         parities=(
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
         ),
-        speaks=(
-            Speaks(Verdict.NOT_USABLE, flag="status_error"),
-            Speaks(Verdict.NOT_USABLE, flag="overspeed"),
-            Speaks(Verdict.NOT_USABLE, flag="initialization_error"),
-            Speaks(Verdict.NOT_USABLE, flag="hardware_error"),
-            Speaks(Verdict.NOT_USABLE, flag="encoder_inharmonious_error"),
-            Speaks(Verdict.NOT_USABLE, flag="higher_track_error"),
-            Speaks(Verdict.NOT_USABLE, flag="low_amplitude_error"),
-            Speaks(Verdict.USABLE_WITH_WARNING, flag="status_alarm"),
-            Speaks(Verdict.USABLE_WITH_WARNING, flag="signal_strength_alarm"),
-            Speaks(Verdict.USABLE_WITH_WARNING, flag="temperature_alarm"),
-            Speaks(Verdict.USABLE_WITH_WARNING, mask=15),
-            Speaks(Verdict.USABLE_WITH_WARNING, mask=192),
+        # Conditions of each verdict, the most severe first.
+        verdict_causes=(
+            VerdictCause(Verdict.NOT_USABLE, flag="status_error"),
+            VerdictCause(Verdict.NOT_USABLE, flag="overspeed"),
+            VerdictCause(Verdict.NOT_USABLE, flag="initialization_error"),
+            VerdictCause(Verdict.NOT_USABLE, flag="hardware_error"),
+            VerdictCause(Verdict.NOT_USABLE, flag="encoder_inharmonious_error"),
+            VerdictCause(Verdict.NOT_USABLE, flag="higher_track_error"),
+            VerdictCause(Verdict.NOT_USABLE, flag="low_amplitude_error"),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, flag="status_alarm"),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, flag="signal_strength_alarm"),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, flag="temperature_alarm"),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, mask=15),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, mask=192),
         ),
-        tells=(
-            Tells("status_alarm", flag="status_alarm"),
-            Tells("status_error", flag="status_error"),
-            Tells("overspeed", flag="overspeed"),
-            Tells("initialization_error", flag="initialization_error"),
-            Tells("hardware_error", flag="hardware_error"),
-            Tells("encoder_inharmonious_error", flag="encoder_inharmonious_error"),
-            Tells("higher_track_error", flag="higher_track_error"),
-            Tells("low_amplitude_error", flag="low_amplitude_error"),
-            Tells("signal_strength_alarm", flag="signal_strength_alarm"),
-            Tells("temperature_alarm", flag="temperature_alarm"),
-            Tells("status_info", mask=15),
-            Tells("status_zero", mask=192),
+        # Conditions of each report.
+        report_causes=(
+            ReportCause("status_alarm", flag="status_alarm"),
+            ReportCause("status_error", flag="status_error"),
+            ReportCause("overspeed", flag="overspeed"),
+            ReportCause("initialization_error", flag="initialization_error"),
+            ReportCause("hardware_error", flag="hardware_error"),
+            ReportCause("encoder_inharmonious_error", flag="encoder_inharmonious_error"),
+            ReportCause("higher_track_error", flag="higher_track_error"),
+            ReportCause("low_amplitude_error", flag="low_amplitude_error"),
+            ReportCause("signal_strength_alarm", flag="signal_strength_alarm"),
+            ReportCause("temperature_alarm", flag="temperature_alarm"),
+            ReportCause("status_info", mask=15),
+            ReportCause("status_zero", mask=192),
         ),
         fields=(
-            BitField("sync", 0, 3),
-            BitField("data_id", 3, 4),
-            BitField("parity", 7, 1),
-            BitField("status_info", 8, 4),
-            BitField("status_alarm", 12, 1),
-            BitField("status_error", 13, 1),
-            BitField("status_zero", 14, 2),
-            BitField("position", 16, variant.rs485_position_bits),
-            BitField("position_padding", variant.rs485_position_bits + 16, 24 - variant.rs485_position_bits),
-            BitField("overspeed", 40, 1),
-            BitField("initialization_error", 41, 1),
-            BitField("hardware_error", 42, 1),
-            BitField("encoder_inharmonious_error", 43, 1),
-            BitField("higher_track_error", 44, 1),
-            BitField("low_amplitude_error", 45, 1),
-            BitField("signal_strength_alarm", 46, 1),
-            BitField("temperature_alarm", 47, 1),
-            BitField("crc", 48, 8),
+            BitField("sync", low=0, width=3),
+            BitField("data_id", low=3, width=4),
+            BitField("parity", low=7, width=1),
+            BitField("status_info", low=8, width=4),
+            BitField("status_alarm", low=12, width=1),
+            BitField("status_error", low=13, width=1),
+            BitField("status_zero", low=14, width=2),
+            BitField("position", low=16, width=variant.rs485_position_bits),
+            BitField("position_padding", low=variant.rs485_position_bits + 16, width=24 - variant.rs485_position_bits),
+            BitField("overspeed", low=40, width=1),
+            BitField("initialization_error", low=41, width=1),
+            BitField("hardware_error", low=42, width=1),
+            BitField("encoder_inharmonious_error", low=43, width=1),
+            BitField("higher_track_error", low=44, width=1),
+            BitField("low_amplitude_error", low=45, width=1),
+            BitField("signal_strength_alarm", low=46, width=1),
+            BitField("temperature_alarm", low=47, width=1),
+            BitField("crc", low=48, width=8),
         ),
-        crc=CrcOf(low=48, width=8, differs=of_bytes(crc_rs485_8, 7, 1, "little"), xorout=0, is_xor=True),
+        # The steps fold the bits that the CRC covers, which computes it for many frames at once.
+        crc=CrcOf(
+            low=48,
+            width=8,
+            differs=compare_bytes(crc_rs485_8, length=7, width=1, order="little"),
+            xorout=0,
+            is_xor=True,
+        ),
+        # Bits that are 1 in every frame.
         fixed=0x2 << 0,
         position="position",
-        otherwise=Verdict.USABLE,
+        # Verdict while these conditions are false.
+        default_verdict=Verdict.USABLE,
         frame="position_reply",
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_wide_position_reply() -> Shape:
-    """Return the shape of ``WidePositionReply``."""
+    """Return the description of ``WidePositionReply`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=72,
         length=9,
@@ -252,49 +295,62 @@ def shape_of_wide_position_reply() -> Shape:
             Column("status_error", low=13, width=1, kind="flag"),
             Column("position", low=16, width=48, kind="signed"),
         ),
+        # Bits that the manual leaves unused. A bit that differs is 1 in the column, from bit `place` on.
         unused=(
             Unused(low=8, width=4, value=0, place=0),
             Unused(low=14, width=2, value=0, place=6),
         ),
+        # Constants, parity bits and limits.
         checks=(
             Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
             Check(low=3, width=4, fault=ErrorKind.RANGE, values=(5,)),
         ),
-        speaks=(
-            Speaks(Verdict.NOT_USABLE, flag="status_error"),
-            Speaks(Verdict.USABLE_WITH_WARNING, flag="status_alarm"),
-            Speaks(Verdict.USABLE_WITH_WARNING, mask=15),
-            Speaks(Verdict.USABLE_WITH_WARNING, mask=192),
+        # Conditions of each verdict, the most severe first.
+        verdict_causes=(
+            VerdictCause(Verdict.NOT_USABLE, flag="status_error"),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, flag="status_alarm"),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, mask=15),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, mask=192),
         ),
-        tells=(
-            Tells("status_alarm", flag="status_alarm"),
-            Tells("status_error", flag="status_error"),
-            Tells("status_info", mask=15),
-            Tells("status_zero", mask=192),
+        # Conditions of each report.
+        report_causes=(
+            ReportCause("status_alarm", flag="status_alarm"),
+            ReportCause("status_error", flag="status_error"),
+            ReportCause("status_info", mask=15),
+            ReportCause("status_zero", mask=192),
         ),
         fields=(
-            BitField("sync", 0, 3),
-            BitField("data_id", 3, 4),
-            BitField("parity", 7, 1),
-            BitField("status_info", 8, 4),
-            BitField("status_alarm", 12, 1),
-            BitField("status_error", 13, 1),
-            BitField("status_zero", 14, 2),
-            BitField("position", 16, 48),
-            BitField("crc", 64, 8),
+            BitField("sync", low=0, width=3),
+            BitField("data_id", low=3, width=4),
+            BitField("parity", low=7, width=1),
+            BitField("status_info", low=8, width=4),
+            BitField("status_alarm", low=12, width=1),
+            BitField("status_error", low=13, width=1),
+            BitField("status_zero", low=14, width=2),
+            BitField("position", low=16, width=48),
+            BitField("crc", low=64, width=8),
         ),
-        crc=CrcOf(low=64, width=8, differs=of_bytes(crc_rs485_8, 9, 1, "little"), xorout=0, is_xor=True),
+        # The steps fold the bits that the CRC covers, which computes it for many frames at once.
+        crc=CrcOf(
+            low=64,
+            width=8,
+            differs=compare_bytes(crc_rs485_8, length=9, width=1, order="little"),
+            xorout=0,
+            is_xor=True,
+        ),
+        # Bits that are 1 in every frame.
         fixed=(0x2 << 0) | (0x5 << 3),
         position="position",
-        otherwise=Verdict.USABLE,
+        # Verdict while these conditions are false.
+        default_verdict=Verdict.USABLE,
         frame="wide_position_reply",
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_identification_reply(variant: Rs485Encoder) -> Shape:
-    """Return the shape of ``IdentificationReply``."""
+    """Return the description of ``IdentificationReply`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=72,
         length=9,
@@ -312,10 +368,12 @@ def shape_of_identification_reply(variant: Rs485Encoder) -> Shape:
             Column("signal_strength_alarm", low=62, width=1, kind="flag"),
             Column("temperature_alarm", low=63, width=1, kind="flag"),
         ),
+        # Bits that the manual leaves unused. A bit that differs is 1 in the column, from bit `place` on.
         unused=(
             Unused(low=8, width=4, value=0, place=0),
             Unused(low=14, width=2, value=0, place=6),
         ),
+        # Constants, parity bits and limits.
         checks=(
             Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
@@ -329,67 +387,78 @@ def shape_of_identification_reply(variant: Rs485Encoder) -> Shape:
             Check(low=48, width=8, fault=ErrorKind.CONSTANT, values=(0,)),
             Check(low=3, width=4, fault=ErrorKind.RANGE, values=(10,)),
         ),
-        speaks=(
-            Speaks(Verdict.NOT_USABLE, flag="status_error"),
-            Speaks(Verdict.NOT_USABLE, flag="overspeed"),
-            Speaks(Verdict.NOT_USABLE, flag="initialization_error"),
-            Speaks(Verdict.NOT_USABLE, flag="hardware_error"),
-            Speaks(Verdict.NOT_USABLE, flag="encoder_inharmonious_error"),
-            Speaks(Verdict.NOT_USABLE, flag="higher_track_error"),
-            Speaks(Verdict.NOT_USABLE, flag="low_amplitude_error"),
-            Speaks(Verdict.USABLE_WITH_WARNING, flag="status_alarm"),
-            Speaks(Verdict.USABLE_WITH_WARNING, flag="signal_strength_alarm"),
-            Speaks(Verdict.USABLE_WITH_WARNING, flag="temperature_alarm"),
-            Speaks(Verdict.USABLE_WITH_WARNING, mask=15),
-            Speaks(Verdict.USABLE_WITH_WARNING, mask=192),
+        # Conditions of each verdict, the most severe first.
+        verdict_causes=(
+            VerdictCause(Verdict.NOT_USABLE, flag="status_error"),
+            VerdictCause(Verdict.NOT_USABLE, flag="overspeed"),
+            VerdictCause(Verdict.NOT_USABLE, flag="initialization_error"),
+            VerdictCause(Verdict.NOT_USABLE, flag="hardware_error"),
+            VerdictCause(Verdict.NOT_USABLE, flag="encoder_inharmonious_error"),
+            VerdictCause(Verdict.NOT_USABLE, flag="higher_track_error"),
+            VerdictCause(Verdict.NOT_USABLE, flag="low_amplitude_error"),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, flag="status_alarm"),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, flag="signal_strength_alarm"),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, flag="temperature_alarm"),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, mask=15),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, mask=192),
         ),
-        tells=(
-            Tells("status_alarm", flag="status_alarm"),
-            Tells("status_error", flag="status_error"),
-            Tells("overspeed", flag="overspeed"),
-            Tells("initialization_error", flag="initialization_error"),
-            Tells("hardware_error", flag="hardware_error"),
-            Tells("encoder_inharmonious_error", flag="encoder_inharmonious_error"),
-            Tells("higher_track_error", flag="higher_track_error"),
-            Tells("low_amplitude_error", flag="low_amplitude_error"),
-            Tells("signal_strength_alarm", flag="signal_strength_alarm"),
-            Tells("temperature_alarm", flag="temperature_alarm"),
-            Tells("status_info", mask=15),
-            Tells("status_zero", mask=192),
+        # Conditions of each report.
+        report_causes=(
+            ReportCause("status_alarm", flag="status_alarm"),
+            ReportCause("status_error", flag="status_error"),
+            ReportCause("overspeed", flag="overspeed"),
+            ReportCause("initialization_error", flag="initialization_error"),
+            ReportCause("hardware_error", flag="hardware_error"),
+            ReportCause("encoder_inharmonious_error", flag="encoder_inharmonious_error"),
+            ReportCause("higher_track_error", flag="higher_track_error"),
+            ReportCause("low_amplitude_error", flag="low_amplitude_error"),
+            ReportCause("signal_strength_alarm", flag="signal_strength_alarm"),
+            ReportCause("temperature_alarm", flag="temperature_alarm"),
+            ReportCause("status_info", mask=15),
+            ReportCause("status_zero", mask=192),
         ),
         fields=(
-            BitField("sync", 0, 3),
-            BitField("data_id", 3, 4),
-            BitField("parity", 7, 1),
-            BitField("status_info", 8, 4),
-            BitField("status_alarm", 12, 1),
-            BitField("status_error", 13, 1),
-            BitField("status_zero", 14, 2),
-            BitField("position", 16, variant.rs485_position_bits),
-            BitField("position_padding", variant.rs485_position_bits + 16, 24 - variant.rs485_position_bits),
-            BitField("encoder_id_1", 40, 8),
-            BitField("encoder_id_2", 48, 8),
-            BitField("overspeed", 56, 1),
-            BitField("initialization_error", 57, 1),
-            BitField("hardware_error", 58, 1),
-            BitField("encoder_inharmonious_error", 59, 1),
-            BitField("higher_track_error", 60, 1),
-            BitField("low_amplitude_error", 61, 1),
-            BitField("signal_strength_alarm", 62, 1),
-            BitField("temperature_alarm", 63, 1),
-            BitField("crc", 64, 8),
+            BitField("sync", low=0, width=3),
+            BitField("data_id", low=3, width=4),
+            BitField("parity", low=7, width=1),
+            BitField("status_info", low=8, width=4),
+            BitField("status_alarm", low=12, width=1),
+            BitField("status_error", low=13, width=1),
+            BitField("status_zero", low=14, width=2),
+            BitField("position", low=16, width=variant.rs485_position_bits),
+            BitField("position_padding", low=variant.rs485_position_bits + 16, width=24 - variant.rs485_position_bits),
+            BitField("encoder_id_1", low=40, width=8),
+            BitField("encoder_id_2", low=48, width=8),
+            BitField("overspeed", low=56, width=1),
+            BitField("initialization_error", low=57, width=1),
+            BitField("hardware_error", low=58, width=1),
+            BitField("encoder_inharmonious_error", low=59, width=1),
+            BitField("higher_track_error", low=60, width=1),
+            BitField("low_amplitude_error", low=61, width=1),
+            BitField("signal_strength_alarm", low=62, width=1),
+            BitField("temperature_alarm", low=63, width=1),
+            BitField("crc", low=64, width=8),
         ),
-        crc=CrcOf(low=64, width=8, differs=of_bytes(crc_rs485_8, 9, 1, "little"), xorout=0, is_xor=True),
+        # The steps fold the bits that the CRC covers, which computes it for many frames at once.
+        crc=CrcOf(
+            low=64,
+            width=8,
+            differs=compare_bytes(crc_rs485_8, length=9, width=1, order="little"),
+            xorout=0,
+            is_xor=True,
+        ),
+        # Bits that are 1 in every frame.
         fixed=(0x2 << 0) | (0xa << 3) | (0x51 << 40),
         position="position",
-        otherwise=Verdict.USABLE,
+        # Verdict while these conditions are false.
+        default_verdict=Verdict.USABLE,
         frame="identification_reply",
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_profile_id(variant: BissEncoder) -> Shape:
-    """Return the shape of ``ProfileId``."""
+    """Return the description of ``ProfileId`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,
@@ -398,14 +467,14 @@ def shape_of_register_profile_id(variant: BissEncoder) -> Shape:
             Column("profile_id", low=0, width=16),
         ),
         fields=(
-            BitField("profile_id", 0, 16),
+            BitField("profile_id", low=0, width=16),
         ),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_serial_number() -> Shape:
-    """Return the shape of ``SerialNumber``."""
+    """Return the description of ``SerialNumber`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
@@ -416,16 +485,16 @@ def shape_of_register_serial_number() -> Shape:
             Column("number", low=0, width=16),
         ),
         fields=(
-            BitField("year", 24, 8),
-            BitField("week", 16, 8),
-            BitField("number", 0, 16),
+            BitField("year", low=24, width=8),
+            BitField("week", low=16, width=8),
+            BitField("number", low=0, width=16),
         ),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_configuration() -> Shape:
-    """Return the shape of ``Configuration``."""
+    """Return the description of ``Configuration`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -437,20 +506,20 @@ def shape_of_register_configuration() -> Shape:
             Column("select_preset_offset", low=1, width=1, kind="choice", values=SelectPresetOffset),
         ),
         fields=(
-            BitField("unused_7", 7, 1),
-            BitField("counting_direction", 6, 1),
-            BitField("output_code", 5, 1),
-            BitField("unused_3_4", 3, 2),
-            BitField("enable_preset_offset", 2, 1),
-            BitField("select_preset_offset", 1, 1),
-            BitField("unused_0", 0, 1),
+            BitField("unused_7", low=7, width=1),
+            BitField("counting_direction", low=6, width=1),
+            BitField("output_code", low=5, width=1),
+            BitField("unused_3_4", low=3, width=2),
+            BitField("enable_preset_offset", low=2, width=1),
+            BitField("select_preset_offset", low=1, width=1),
+            BitField("unused_0", low=0, width=1),
         ),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_absolute_resolution(variant: BissEncoder) -> Shape:
-    """Return the shape of ``AbsoluteResolution``."""
+    """Return the description of ``AbsoluteResolution`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -459,14 +528,14 @@ def shape_of_register_absolute_resolution(variant: BissEncoder) -> Shape:
             Column("absolute_resolution", low=0, width=8),
         ),
         fields=(
-            BitField("absolute_resolution", 0, 8),
+            BitField("absolute_resolution", low=0, width=8),
         ),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_preset_offset() -> Shape:
-    """Return the shape of ``PresetOffset``."""
+    """Return the description of ``PresetOffset`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
@@ -475,7 +544,7 @@ def shape_of_register_preset_offset() -> Shape:
             Column("preset_offset", low=0, width=32),
         ),
         fields=(
-            BitField("preset_offset", 0, 32),
+            BitField("preset_offset", low=0, width=32),
         ),
         limited=("preset_offset", "preset_offset"),
     )
@@ -483,7 +552,7 @@ def shape_of_register_preset_offset() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_device_type() -> Shape:
-    """Return the shape of ``DeviceType``."""
+    """Return the description of ``DeviceType`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -492,14 +561,14 @@ def shape_of_register_device_type() -> Shape:
             Column("type", low=0, width=8),
         ),
         fields=(
-            BitField("type", 0, 8),
+            BitField("type", low=0, width=8),
         ),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_sine_cosine_resolution() -> Shape:
-    """Return the shape of ``SineCosineResolution``."""
+    """Return the description of ``SineCosineResolution`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -508,14 +577,14 @@ def shape_of_register_sine_cosine_resolution() -> Shape:
             Column("period", low=0, width=8),
         ),
         fields=(
-            BitField("period", 0, 8),
+            BitField("period", low=0, width=8),
         ),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_position_check() -> Shape:
-    """Return the shape of ``PositionCheck``."""
+    """Return the description of ``PositionCheck`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -524,14 +593,14 @@ def shape_of_register_position_check() -> Shape:
             Column("position_check", low=0, width=8),
         ),
         fields=(
-            BitField("position_check", 0, 8),
+            BitField("position_check", low=0, width=8),
         ),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_device_id() -> Shape:
-    """Return the shape of ``DeviceId``."""
+    """Return the description of ``DeviceId`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=48,
         length=6,
@@ -541,15 +610,15 @@ def shape_of_register_device_id() -> Shape:
             Column("release", low=0, width=16),
         ),
         fields=(
-            BitField("name", 16, 32),
-            BitField("release", 0, 16),
+            BitField("name", low=16, width=32),
+            BitField("release", low=0, width=16),
         ),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_manufacturer_id() -> Shape:
-    """Return the shape of ``ManufacturerId``."""
+    """Return the description of ``ManufacturerId`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,
@@ -558,7 +627,7 @@ def shape_of_register_manufacturer_id() -> Shape:
             Column("name", low=0, width=16, kind="text"),
         ),
         fields=(
-            BitField("name", 0, 16),
+            BitField("name", low=0, width=16),
         ),
     )
 

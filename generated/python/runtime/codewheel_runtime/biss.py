@@ -70,6 +70,10 @@ __all__ = [
 
 #: Number of zeros that precede a control frame, and that end one at any time.
 ZEROS: Final = 14
+#: Number of bits of a control frame after S up to the CRC of the address, up to W, and of a byte with its CRC.
+ADDRESS_BITS: Final = 15
+HEADER_BITS: Final = 17
+BYTE_BITS: Final = 12
 #: Number of IDs that slaves can take. ID 0 is the only slave, or the last of a chain, whose SLI is 0.
 IDS: Final = 8
 #: Number of registers that one control frame can reach: 00h to 3Fh or 40h to 7Fh.
@@ -113,8 +117,10 @@ def crc(value: int, bits: int) -> int:
     """
     value, register = index(value), 0
     for place in range(bits - 1, -1, -1):
-        out = (register >> 3 ^ value >> place) & 1
-        register = register << 1 & 0xF ^ out * 0x3
+        feedback = (register >> 3 ^ value >> place) & 1
+        # The polynomial x^4 + x + 1 without its highest term is 0b0011.
+        register = register << 1 & 0xF ^ feedback * 0x3
+    # The CRC is sent inverted.
     return register ^ 0xF
 
 
@@ -220,7 +226,7 @@ class Request:
         word = self.encode()
         return (0,) * ZEROS + (1,) + tuple(word >> place & 1 for place in range(31, -1, -1))
 
-    def _echo(self, answers: int) -> Outcome:
+    def _judge_echo(self, answers: int) -> Outcome:
         """Return the outcome of 18 answers, from IDL0 in bit 17 to W in bit 0. RUNNING if the slave participates."""
         if answers == 0x3FFFF or not answers >> 17 - self.slave_id & 1:
             return Outcome.NO_ANSWER
@@ -231,7 +237,7 @@ class Request:
             return Outcome.REFUSED
         return Outcome.NO_ANSWER if answers & 0b11 == 0 else Outcome.BAD_ECHO
 
-    def _data(self, answers: int) -> tuple[Outcome, int | None]:
+    def _judge_data(self, answers: int) -> tuple[Outcome, int | None]:
         """Return the outcome of the 12 answers to DATA and CRC, and the byte that was read."""
         if self.value is not None:
             return (Outcome.DONE if answers == encode_byte(self.value) else Outcome.BAD_ECHO), None
@@ -276,17 +282,17 @@ class Answer:
         cds = whole_number("cds", cds)
         if not 0 <= cds < 1 << 32:
             raise LengthError(32, cds.bit_length(), "bits")
-        slaves = _slaves(cds >> 16)
-        echo = request._echo(cds >> 14)
+        slaves = _count_slaves(cds >> 16)
+        echo = request._judge_echo(cds >> 14)
         if echo is not Outcome.RUNNING:
             return cls(echo, slaves)
         if not cds >> 13 & 1:
             return cls(Outcome.BUSY, slaves)
-        outcome, value = request._data(cds >> 1 & 0xFFF)
+        outcome, value = request._judge_data(cds >> 1 & 0xFFF)
         return cls(outcome, slaves, value)
 
 
-def _slaves(idl: int) -> int:
+def _count_slaves(idl: int) -> int:
     """Return how many slaves have taken an ID, according to IDL0 (bit 15) to IDL15 (bit 0). 9 means more than 8."""
     return min(9, 16 - (~idl & 0xFFFF).bit_length())
 
@@ -323,7 +329,7 @@ class Master:
         self._phase = _Phase.WAIT
         self._requests: tuple[Request, ...] = ()
         self._zeros = 0
-        self._at = 0
+        self._bit_count = 0
         self._busy = 0
         self._busy_limit = 0
         self._sending = 0
@@ -345,7 +351,7 @@ class Master:
         """
         # This bounds the list, whatever the count is.
         values: list[int | None] = [None] * min(whole_number("count", count), REGISTERS + 1)
-        self._begin(slave_id, address, values, busy_limit)
+        self._begin_frame(slave_id, address, values, busy_limit)
 
     def write(self, address: int, data: Data, *, slave_id: int = 0, busy_limit: int) -> None:
         """Start to write registers. An access in progress is aborted.
@@ -361,16 +367,17 @@ class Master:
             RangeError: The ID or the address is out of range, or the registers extend beyond 3Fh or 7Fh. Nothing is
                 sent.
         """
-        self._begin(slave_id, address, list(as_bytes(data)), busy_limit)
+        self._begin_frame(slave_id, address, list(as_bytes(data)), busy_limit)
 
-    def _begin(self, slave_id: int, address: int, values: list[int | None], busy_limit: int) -> None:
+    def _begin_frame(self, slave_id: int, address: int, values: list[int | None], busy_limit: int) -> None:
+        """Start a control frame, and forget the state of the previous one."""
         slave_id, address = whole_number("slave_id", slave_id), whole_number("address", address)
         head = Request(slave_id, address, values[0] if values else None).encode()
         count_limit = REGISTERS - (address & 0x3F)
         if not 0 < len(values) <= count_limit:
             raise RangeError("the number of registers", len(values), f"1 to {count_limit} from address {address:02X}h")
         self.outcome = Outcome.RUNNING
-        self.slaves = self.done = self._at = self._answers = 0
+        self.slaves = self.done = self._bit_count = self._answers = 0
         self.data = b""
         self._phase = _Phase.WAIT
         self._requests = tuple(Request(slave_id, address + index, value) for index, value in enumerate(values))
@@ -395,11 +402,11 @@ class Master:
         # A pin may be read as a bool, or as a number too narrow for the answers.
         cds = int(cds & 1)
         if self._phase is _Phase.HEADER:
-            cdm = self._header(cds)
+            cdm = self._follow_header(cds)
         elif self._phase is _Phase.START:
             cdm = self._start(cds)
         elif self._phase is _Phase.BYTE:
-            cdm = self._byte(cds)
+            cdm = self._follow_byte(cds)
         else:
             cdm = int(self.outcome is Outcome.RUNNING and self._zeros >= ZEROS)
             if cdm:
@@ -412,19 +419,19 @@ class Master:
         self._phase = _Phase.WAIT
         return 0
 
-    def _header(self, cds: int) -> int:
+    def _follow_header(self, cds: int) -> int:
         """Return the bits of steps 2 and 3 (CTS to W), then S once R W is answered."""
         self._answers = self._answers << 1 | cds
-        self._at += 1
-        if self._at <= 17:
-            return self._sending >> 17 - self._at & 1
-        self.slaves = _slaves(self._answers >> 2)
-        echo = self._requests[0]._echo(self._answers)
+        self._bit_count += 1
+        if self._bit_count <= HEADER_BITS:
+            return self._sending >> HEADER_BITS - self._bit_count & 1
+        self.slaves = _count_slaves(self._answers >> 2)
+        echo = self._requests[0]._judge_echo(self._answers)
         if echo is not Outcome.RUNNING:
             return self._end(echo)
-        return self._register()
+        return self._look_up_register()
 
-    def _register(self) -> int:
+    def _look_up_register(self) -> int:
         """Begin step 4."""
         self._phase = _Phase.START
         self._busy = 0
@@ -438,20 +445,20 @@ class Master:
             self._busy += 1
             return 1
         self._phase = _Phase.BYTE
-        self._at = self._answers = 0
+        self._bit_count = self._answers = 0
         value = self._requests[self.done].value
         self._sending = 0 if value is None else encode_byte(value)
         return self._sending >> 11 & 1
 
-    def _byte(self, cds: int) -> int:
+    def _follow_byte(self, cds: int) -> int:
         """Return the bits of steps 5 to 7: the rest of DATA and CRC, P, and S if a register follows."""
-        if self._at == 12:
-            return self._end(Outcome.REFUSED) if cds else self._register()
+        if self._bit_count == BYTE_BITS:
+            return self._end(Outcome.REFUSED) if cds else self._look_up_register()
         self._answers = self._answers << 1 | cds
-        self._at += 1
-        if self._at < 12:
-            return self._sending >> 11 - self._at & 1
-        outcome, value = self._requests[self.done]._data(self._answers)
+        self._bit_count += 1
+        if self._bit_count < BYTE_BITS:
+            return self._sending >> BYTE_BITS - 1 - self._bit_count & 1
+        outcome, value = self._requests[self.done]._judge_data(self._answers)
         if outcome is not Outcome.DONE:
             return self._end(outcome)
         if value is not None:
@@ -509,7 +516,7 @@ class RegisterBus:
             RangeError: The ID or the address is out of range, or the registers extend beyond 3Fh or 7Fh.
         """
         self._master.read(address, length, slave_id=self.slave_id, busy_limit=self.busy_limit)
-        self._finish(address)
+        self._finish_access(address)
         return self._master.data
 
     def write(self, address: int, data: Data, /) -> None:
@@ -524,9 +531,10 @@ class RegisterBus:
             RangeError: The ID or the address is out of range, or the registers extend beyond 3Fh or 7Fh.
         """
         self._master.write(address, data, slave_id=self.slave_id, busy_limit=self.busy_limit)
-        self._finish(address)
+        self._finish_access(address)
 
-    def _finish(self, address: int) -> None:
+    def _finish_access(self, address: int) -> None:
+        """End the access with its outcome."""
         while self._master.outcome is Outcome.RUNNING:
             received = self._exchange(self._cdm)
             self._cdm = self._master.next(received[0] if isinstance(received, tuple) else received)
@@ -563,7 +571,7 @@ class Slave:
         self._byte_to_send: int | None = None
         self._current = 0
         self._zeros = 0
-        self._at = 0
+        self._bit_count = 0
         self._received = 0
 
     def give(self, value: int) -> None:
@@ -601,15 +609,15 @@ class Slave:
         if self._zeros >= ZEROS:
             return self._leave(upstream)
         if self._phase is _Phase.HEADER:
-            return self._header(cdm, upstream)
+            return self._follow_header(cdm, upstream)
         if self._phase is _Phase.START:
             return self._start(cdm, upstream)
         if self._phase is _Phase.BYTE:
-            return self._byte(cdm)
+            return self._follow_byte(cdm)
         if not cdm or not ready:
             return upstream
         self._phase = _Phase.HEADER
-        self._at = self._received = 0
+        self._bit_count = self._received = 0
         self.slave_id = None
         self._locked = False
         return self._take_id(upstream)
@@ -639,27 +647,27 @@ class Slave:
 
     def _take_id(self, upstream: int) -> int:
         """Take the first IDL bit that no slave further from the master has taken."""
-        if upstream or self._locked or self._at > IDS:
+        if upstream or self._locked or self._bit_count > IDS:
             return upstream
         self._locked = True
         # IDL8 only shows that there are more slaves than IDs.
-        self.slave_id = self._at if self._at < IDS else None
+        self.slave_id = self._bit_count if self._bit_count < IDS else None
         return 1
 
-    def _header(self, cdm: int, upstream: int) -> int:
+    def _follow_header(self, cdm: int, upstream: int) -> int:
         """Return the answers of steps 2 and 3, after S."""
         self._received = self._received << 1 | cdm
-        self._at += 1
-        if self._at <= 15:
+        self._bit_count += 1
+        if self._bit_count <= ADDRESS_BITS:
             cds = self._take_id(upstream)
-            if self._at < 15:
+            if self._bit_count < ADDRESS_BITS:
                 return cds
             head, received = self._received >> 4, self._received & 0xF
             if not head >> 10 or received != crc(head, 11) or head >> 7 & 0x7 != self.slave_id:
                 return self._leave(cds)
             self._current = head & 0x7F
             return cds
-        if self._at == 16:
+        if self._bit_count == HEADER_BITS - 1:
             return cdm
         self._writes = bool(cdm)
         if self._received >> 1 & 1 == cdm:
@@ -678,14 +686,14 @@ class Slave:
         if self.wants is not Wants.NOTHING:
             return 0
         self._phase = _Phase.BYTE
-        self._at = self._received = 0
+        self._bit_count = self._received = 0
         return 1
 
-    def _byte(self, cdm: int) -> int:
+    def _follow_byte(self, cdm: int) -> int:
         """Return the answers of steps 5 and 6: the byte, then P."""
         self._received = self._received << 1 | cdm
-        self._at += 1
-        if self._at > 12:
+        self._bit_count += 1
+        if self._bit_count > BYTE_BITS:
             last = self._current & 0x3F == 0x3F
             self._current += not last
             if cdm or last or not self._is_allowed():
@@ -693,8 +701,8 @@ class Slave:
             self._await_start()
             return 0
         if self._byte_to_send is not None:
-            return self._byte_to_send >> 12 - self._at & 1
-        if self._at == 12:
+            return self._byte_to_send >> BYTE_BITS - self._bit_count & 1
+        if self._bit_count == BYTE_BITS:
             try:
                 self.value = decode_byte(self._received)
             except CrcError:

@@ -19,18 +19,18 @@ def why(encoder: Sender, frame: object) -> tuple[str, ...]:
     for the mistake that explains all of them.
     """
     can_be_invalid = _can_be_invalid(encoder)
-    if dead_line := _dead_line(encoder, frame, can_be_invalid):
+    if dead_line := _explain_dead_line(encoder, frame, can_be_invalid):
         return (dead_line,)
     if not can_be_invalid:
         return ()
     decode = encoder.decode
-    return tuple(change for change, changed in _changed_frames(encoder, frame) if _is_valid(decode, changed))
+    return tuple(change for change, changed in _try_changes(encoder, frame) if _is_valid(decode, changed))
 
 
 def hint(encoder: Sender, frame: object) -> str:
     """Return the result of ``why`` as one sentence."""
     changes = why(encoder, frame)
-    if changes and _dead_line(encoder, frame, _can_be_invalid(encoder)):
+    if changes and _explain_dead_line(encoder, frame, _can_be_invalid(encoder)):
         return changes[0][0].upper() + changes[0][1:]
     return f"The frame would be valid {'; or '.join(changes)}" if changes else ""
 
@@ -39,9 +39,9 @@ def hint(encoder: Sender, frame: object) -> str:
 _LEAST_BITS: Final = 12
 
 
-def _dead_line(encoder: Sender, frame: object, has_crc: bool) -> str:
+def _explain_dead_line(encoder: Sender, frame: object, has_crc: bool) -> str:
     """Return the description of a dead line, or an empty string if the line changes."""
-    received = _number_and_bits(frame, _bits_of(encoder))
+    received = _convert_to_number(frame, _count_frame_bits(encoder))
     if received is None:
         return ""
     number, bits = received
@@ -57,7 +57,7 @@ def _dead_line(encoder: Sender, frame: object, has_crc: bool) -> str:
     return f"every bit is {level}: the line never changes. Check for {cause}, the supply and {other_wires}"
 
 
-def _number_and_bits(frame: object, frame_bits: int) -> tuple[int, int] | None:
+def _convert_to_number(frame: object, frame_bits: int) -> tuple[int, int] | None:
     """Return a frame as a number, and its length. None if it is not one, such as a text of other digits.
 
     A number without its length has at least ``frame_bits`` bits.
@@ -78,11 +78,12 @@ def _number_and_bits(frame: object, frame_bits: int) -> tuple[int, int] | None:
 
 def _can_be_invalid(encoder: Sender) -> bool:
     """Return whether some frames of the right length are invalid. If all are valid, a valid frame proves nothing."""
-    bits = _bits_of(encoder)
+    bits = _count_frame_bits(encoder)
     return not bits or not all(_is_valid(encoder.decode, word) for word in (0, 1, (1 << bits) - 1))
 
 
 def _is_valid(decode: Callable[[object], object], frame: object) -> bool:
+    """Return whether a frame decodes without an error."""
     try:
         decode(frame)
     except (FrameError, TypeError):
@@ -90,48 +91,52 @@ def _is_valid(decode: Callable[[object], object], frame: object) -> bool:
     return True
 
 
-def _changed_frames(encoder: Sender, frame: object) -> Iterator[tuple[str, object]]:
+def _try_changes(encoder: Sender, frame: object) -> Iterator[tuple[str, object]]:
     """Yield each common mistake in words, with the frame that it would have changed into this one."""
     if isinstance(frame, (bytes, bytearray, memoryview)):
-        yield from _changed_bytes(encoder, bytes(cast(bytes, frame)))
+        yield from _try_changed_bytes(encoder, bytes(cast(bytes, frame)))
         return
-    bits = _bits_of(encoder)
+    bits = _count_frame_bits(encoder)
     if isinstance(frame, int) and not isinstance(frame, bool) and frame >= 0 and bits:
-        yield from _changed_words(encoder, frame, bits)
+        yield from _try_changed_words(encoder, frame, bits)
 
 
-def _changed_bytes(encoder: Sender, data: bytes) -> Iterator[tuple[str, object]]:
+def _try_changed_bytes(encoder: Sender, data: bytes) -> Iterator[tuple[str, object]]:
+    """Yield the mistakes that could have changed a frame of bytes."""
     number = int.from_bytes(data, "big")
     flipped_frames = ((number ^ 1 << bit).to_bytes(len(data), "big") for bit in range(8 * len(data)))
-    yield from _flipped_bit(encoder, flipped_frames, lambda bit: f"bit {bit % 8} of byte {len(data) - 1 - bit // 8}")
+    yield from _try_flipped_bits(
+        encoder, flipped_frames, lambda bit: f"bit {bit % 8} of byte {len(data) - 1 - bit // 8}"
+    )
     yield "with all bits inverted: check for swapped wires of the data line", bytes(byte ^ 0xFF for byte in data)
     yield "with its bytes in reverse order", data[::-1]
-    reversed_bytes = bytes(_reversed_bits(byte, 8) for byte in data)
+    reversed_bytes = bytes(_reverse_bits(byte, 8) for byte in data)
     yield "with the bits of each byte in reverse order: the least significant bit is sent first", reversed_bytes
     for count in range(1, min(len(data), 4)):
-        yield f"without its first {_count(count, 'byte')}: check for an echo or a leftover byte", data[count:]
-        yield f"without its last {_count(count, 'byte')}: they may belong to the next frame", data[:-count]
+        yield f"without its first {_count_units(count, 'byte')}: check for an echo or a leftover byte", data[count:]
+        yield f"without its last {_count_units(count, 'byte')}: they may belong to the next frame", data[:-count]
 
 
-def _changed_words(encoder: Sender, frame: int, bits: int) -> Iterator[tuple[str, object]]:
+def _try_changed_words(encoder: Sender, frame: int, bits: int) -> Iterator[tuple[str, object]]:
+    """Yield the mistakes that could have changed a frame of bits."""
     highest = (1 << bits) - 1
     if frame <= highest:
-        yield from _flipped_bit(encoder, (frame ^ 1 << bit for bit in range(bits)), lambda bit: f"bit {bit}")
+        yield from _try_flipped_bits(encoder, (frame ^ 1 << bit for bit in range(bits)), lambda bit: f"bit {bit}")
     yield "with all bits inverted: check for swapped wires of the data line", frame & highest ^ highest
     if frame <= highest:
-        yield "with its bits in reverse order: the most significant bit is sent first", _reversed_bits(frame, bits)
+        yield "with its bits in reverse order: the most significant bit is sent first", _reverse_bits(frame, bits)
         for crc_bits in (6, 4, 16):
             yield f"with the {crc_bits} bits of its CRC inverted, as BiSS sends them", frame ^ (1 << crc_bits) - 1
     else:
         yield f"with only its last {bits} bits: leave out bits before the data", frame & highest
     for count in (1, 2, 3):
-        yield f"without its last {_count(count, 'bit')}: send fewer clocks, or shift right", frame >> count
+        yield f"without its last {_count_units(count, 'bit')}: send fewer clocks, or shift right", frame >> count
         for appended in range(1 << count):
-            change = f"with {_count(count, 'more bit')} at its end, {appended:0{count}b}: send more clocks"
+            change = f"with {_count_units(count, 'more bit')} at its end, {appended:0{count}b}: send more clocks"
             yield change, (frame << count | appended) & highest
 
 
-def _flipped_bit(
+def _try_flipped_bits(
     encoder: Sender, flipped_frames: Iterable[object], name_of_bit: Callable[[int], str]
 ) -> Iterator[tuple[str, object]]:
     """Yield a frame that becomes valid when one bit is inverted. The bit is named if only one is possible."""
@@ -143,7 +148,7 @@ def _flipped_bit(
         yield f"with {bit_text} inverted: a disturbed bit if only some frames fail", frame
 
 
-def _bits_of(encoder: Sender) -> int:
+def _count_frame_bits(encoder: Sender) -> int:
     """Return the number of bits in a frame, or 0 if it is made of bytes or the order code does not determine it."""
     try:
         return cast(int, getattr(encoder, "frame_bits", 0))
@@ -151,9 +156,11 @@ def _bits_of(encoder: Sender) -> int:
         return 0
 
 
-def _count(count: int, unit: str) -> str:
+def _count_units(count: int, unit: str) -> str:
+    """Return a number with its unit, such as ``2 bytes``."""
     return f"{count} {unit}" if count == 1 else f"{count} {unit}s"
 
 
-def _reversed_bits(number: int, bits: int) -> int:
+def _reverse_bits(number: int, bits: int) -> int:
+    """Return the bits of a number in reverse order."""
     return int(f"{number:0{bits}b}"[::-1], 2)

@@ -88,7 +88,7 @@ class BitField(NamedTuple):
         return (index(number) & self.mask) >> self.low
 
 
-def shortened(value: object) -> str:
+def shorten(value: object) -> str:
     """Return ``value`` as text for a message, shortened if it is long."""
     text = repr(value)
     return text if len(text) <= 60 else f"{text[:60]}..."
@@ -104,7 +104,7 @@ def require_answer(kind: type[_Answer], answer: _Answer | None) -> _Answer:
 def wrong_answer_error(kind: type[Enum], answer: object) -> TypeError:
     """Return the error for an answer that is missing or not a ``kind``."""
     answers = " or ".join(f"{kind.__name__}.{member.name}" for member in kind)
-    return TypeError(f"expected {answers}, got {shortened(answer)}: the manual leaves this open")
+    return TypeError(f"expected {answers}, got {shorten(answer)}: the manual leaves this open")
 
 
 def check_kind(kind: object, kinds: object) -> None:
@@ -112,7 +112,7 @@ def check_kind(kind: object, kinds: object) -> None:
     sent_kinds: tuple[type, ...] = get_args(kinds) or (cast(type, kinds),)
     if kind not in sent_kinds:
         names = ", ".join(sent_kind.__name__ for sent_kind in sent_kinds)
-        raise TypeError(f"{shortened(kind)} is not a kind of frame that this encoder sends; it sends {names}")
+        raise TypeError(f"{shorten(kind)} is not a kind of frame that this encoder sends; it sends {names}")
 
 
 def whole_number(name: str, value: SupportsIndex) -> int:
@@ -122,7 +122,7 @@ def whole_number(name: str, value: SupportsIndex) -> int:
             return index(value)
         except TypeError:
             pass
-    raise TypeError(f"{name} must be an integer, got {shortened(value)}")
+    raise TypeError(f"{name} must be an integer, got {shorten(value)}")
 
 
 def as_word(frame: Word, length: int, bits: int | None) -> int:
@@ -165,7 +165,7 @@ def as_bytes(data: Data) -> bytes:
         view = memoryview(data)
     except TypeError:
         wanted = "bytes.fromhex(text)" if isinstance(data, str) else "bytes or another buffer of bytes"
-        raise TypeError(f"expected bytes, got {shortened(data)}: pass {wanted}") from None
+        raise TypeError(f"expected bytes, got {shorten(data)}: pass {wanted}") from None
     if view.ndim != 1 or view.itemsize != 1 or view.format[-1] not in "Bbc":
         shape = "items" if view.ndim == 1 else f"items in {view.ndim} dimensions"
         raise TypeError(f"expected a row of bytes, got a buffer of {shape} of the format '{view.format}': pass bytes")
@@ -198,7 +198,7 @@ def check_flag(field: str, value: object) -> bool:
     try:
         number = index(cast(SupportsIndex, value))
     except TypeError:
-        raise TypeError(f"{field} must be True or False, got {shortened(value)}") from None
+        raise TypeError(f"{field} must be True or False, got {shorten(value)}") from None
     if number not in (0, 1):
         raise RangeError(field, number, "True or False")
     return number == 1
@@ -236,7 +236,7 @@ def check_power_of_two(field: str, value: SupportsIndex) -> None:
         raise RangeError(field, number, "a power of two")
 
 
-def choice(kind: type[_Choice], field: str, value: SupportsIndex) -> _Choice:
+def as_member(kind: type[_Choice], field: str, value: SupportsIndex) -> _Choice:
     """Return ``value`` as a member of ``kind``."""
     number = value if type(value) is int else whole_number(field, value)
     try:
@@ -276,17 +276,20 @@ def from_gray(number: int, low: int, width: int, excess: int = 0) -> int:
     """Convert the ``width`` bits of ``number`` that start at bit ``low`` from Gray code to binary, minus ``excess``."""
     mask = (1 << width) - 1
     gray = number >> low & mask
+    # Each bit of the binary number is the XOR of all Gray bits from it up to the highest.
     binary = gray
     while gray := gray >> 1:
         binary ^= gray
-    return number & ~(mask << low) | (binary - excess & mask) << low
+    other_bits = number & ~(mask << low)
+    return other_bits | (binary - excess & mask) << low
 
 
 def to_gray(number: int, low: int, width: int, excess: int = 0) -> int:
     """Convert the ``width`` bits of ``number`` that start at bit ``low``, plus ``excess``, from binary to Gray code."""
     mask = (1 << width) - 1
     binary = (number >> low) + excess & mask
-    return number & ~(mask << low) | (binary ^ binary >> 1) << low
+    other_bits = number & ~(mask << low)
+    return other_bits | (binary ^ binary >> 1) << low
 
 
 def unwrap(
@@ -346,14 +349,14 @@ def crc_of_bits(
         register = register << 1 & mask
         if feedback:
             register ^= poly
-    return (_reflected(register, width) if refout else register) ^ xorout
+    return (_reverse_bits(register, width) if refout else register) ^ xorout
 
 
 def crc_of_bytes(data: Data, *, width: int, poly: int, init: int, refin: bool, refout: bool, xorout: int) -> int:
     """Return the CRC over whole bytes, each least significant bit first if ``refin`` is set."""
     data, number = as_bytes(data), 0
     for byte in data:
-        number = number << 8 | (_reflected(byte, 8) if refin else byte)
+        number = number << 8 | (_reverse_bits(byte, 8) if refin else byte)
     return crc_of_bits(number, 8 * len(data), width=width, poly=poly, init=init, refout=refout, xorout=xorout)
 
 
@@ -366,7 +369,7 @@ def crc_by_xor(data: Data, xorout: int = 0) -> int:
 
 
 @cache
-def crc_tables(
+def make_crc_tables(
     crc: Callable[[int, int], int], covered: int, width: int, count: int, gap: int = 0
 ) -> tuple[Sequence[int], ...]:
     """Return one table per 16 bits of a word. The XOR of the entries for the word is 0 if its CRC is correct.
@@ -384,12 +387,12 @@ def crc_tables(
     for low in range(0, 16 * count, 16):
         # The CRC of the word 0 is in one table only.
         first = zero_crc if low == 0 else 0
-        table_of = _byte_table if width <= 8 else _table
+        table_of = _make_byte_table if width <= 8 else _make_table
         tables.append(table_of(first, changes[low : low + 16]))
     return tuple(tables)
 
 
-def _table(first: int, changes: Sequence[int]) -> Sequence[int]:
+def _make_table(first: int, changes: Sequence[int]) -> Sequence[int]:
     """Return the differences of all numbers, which double with each bit."""
     table = [first]
     for change in changes:
@@ -397,7 +400,7 @@ def _table(first: int, changes: Sequence[int]) -> Sequence[int]:
     return table
 
 
-def _byte_table(first: int, changes: Sequence[int]) -> Sequence[int]:
+def _make_byte_table(first: int, changes: Sequence[int]) -> Sequence[int]:
     """Return the same table as bytes, which take less memory."""
     table = bytes([first])
     for change in changes:
@@ -405,5 +408,6 @@ def _byte_table(first: int, changes: Sequence[int]) -> Sequence[int]:
     return table
 
 
-def _reflected(value: int, width: int) -> int:
+def _reverse_bits(value: int, width: int) -> int:
+    """Return the bits of a number in reverse order."""
     return int(f"{value:0{width}b}"[::-1], 2)

@@ -8,9 +8,9 @@ from importlib import import_module
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, NoReturn, Protocol, TypeVar, cast, runtime_checkable
 
-from .codec import PositionRange, shortened
+from .codec import PositionRange, shorten
 from .errors import FamilyError, FrameError, InterfaceError
-from .order_codes import OrderCode, checked
+from .order_codes import OrderCode, check_label
 from .reports import Family, Interface, Report, Verdict
 
 if TYPE_CHECKING:
@@ -242,7 +242,7 @@ class Encoder:
         """Return the range of the positions in a frame of this name."""
         raise ValueError(f"the manual does not say where the position of {self.code} wraps around")
 
-    def _ranges(self) -> Mapping[str, PositionRange]:
+    def _position_ranges(self) -> Mapping[str, PositionRange]:
         """Return the ranges of the positions by the names of frames, if they differ."""
         return {}
 
@@ -257,11 +257,12 @@ class Encoder:
         values = (getattr(self, name) for name in self._parameters)
         return (type(self), self.code, self.parts, self.unlisted, self.special_code, *values)
 
-    def _replaced(self: _Same, **changes: Any) -> _Same:
+    def _with_changes(self: _Same, **changes: Any) -> _Same:
         """Return a copy with these attributes changed."""
-        return _restored(type(self), {**self._state(), **changes})
+        return _restore(type(self), {**self._state(), **changes})
 
     def _state(self) -> dict[str, Any]:
+        """Return the attributes from which an encoder can be recreated."""
         names = ("code", "parts", "unlisted", "tail", "special_code", "written_as_in", *self._parameters)
         return {name: getattr(self, name) for name in names}
 
@@ -272,7 +273,7 @@ class Encoder:
         return hash(self._key())
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restored, (type(self), self._state())
+        return _restore, (type(self), self._state())
 
     def __setattr__(self, name: str, value: object) -> NoReturn:
         raise AttributeError(f"encoders are immutable: '{name}' cannot be set")
@@ -282,6 +283,10 @@ class Encoder:
 
     def __repr__(self) -> str:
         return f"<{self.code}{self.special_code}>"
+
+
+class SerialEncoder(Encoder):
+    """Encoder with RS-485, which a serial port can reach. Type checkers reject others for ``open_encoder``."""
 
 
 class _BoundDecoder:
@@ -303,7 +308,7 @@ class _BoundDecoder:
         return decode
 
 
-def _restored(kind: type[_Same], state: dict[str, Any]) -> _Same:
+def _restore(kind: type[_Same], state: dict[str, Any]) -> _Same:
     """Recreate an encoder from its attributes, for copying and unpickling."""
     return kind(**state)
 
@@ -329,7 +334,7 @@ def look_up(label: str, variants: Mapping[str, _Same], module: str) -> _Same:
         OrderCodeError: There is no such order code.
         TypeError: ``label`` is not a string.
     """
-    text = checked(label)
+    text = check_label(label)
     if text in variants:
         return variants[text]
     codes = {code: variant.parts for code, variant in variants.items()}
@@ -338,7 +343,7 @@ def look_up(label: str, variants: Mapping[str, _Same], module: str) -> _Same:
     variant = next(listed for listed in variants.values() if listed.parts == parsed_label.listed)
     if not (parsed_label.unlisted or parsed_label.tail or parsed_label.special or parsed_label.written_as_in):
         return variant
-    return variant._replaced(
+    return variant._with_changes(
         code=parsed_label.code,
         parts=parsed_label.parts,
         unlisted=parsed_label.unlisted,
@@ -365,7 +370,7 @@ def wrong_encoder_error(
         return InterfaceError(variant.code, variant_interface, interface, instead)
     if isinstance(variant, Encoder):
         return FamilyError(variant.code, variant.family.name, kind.family.name)
-    return TypeError(f"expected an encoder, got {shortened(variant)}; lookup() returns one for an order code")
+    return TypeError(f"expected an encoder, got {shorten(variant)}; lookup() returns one for an order code")
 
 
 def check_encoder(
@@ -384,12 +389,12 @@ def check_encoder(
 
 def raise_frame_error(error: Exception, frame: object, encoder: Encoder) -> NoReturn:
     """Raise the error of an encoder."""
-    raise _of_encoder(error, frame, encoder)
+    raise _find_encoder(error, frame, encoder)
 
 
 def _return_frame_error(error: Exception, frame: object, encoder: Encoder) -> Exception:
     """Return the error of an encoder. Raises TypeError if the frame does not have the right type."""
-    error = _of_encoder(error, frame, encoder)
+    error = _find_encoder(error, frame, encoder)
     if isinstance(error, FrameError):
         return error
     raise error
@@ -398,7 +403,7 @@ def _return_frame_error(error: Exception, frame: object, encoder: Encoder) -> Ex
 return_frame_error: ErrorHandler = cast(ErrorHandler, _return_frame_error)
 
 
-def _of_encoder(error: Exception, frame: object, encoder: Encoder) -> Exception:
+def _find_encoder(error: Exception, frame: object, encoder: Encoder) -> Exception:
     """Return the error with the frame and the encoder."""
     if isinstance(error, FrameError):
         error.add(frame, encoder)

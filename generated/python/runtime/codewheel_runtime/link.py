@@ -11,7 +11,7 @@ from threading import RLock
 from time import monotonic
 from typing import Any, Protocol, TypeVar
 
-from .encoder import Encoder, Frame, PositionFrame
+from .encoder import Encoder, Frame, PositionFrame, SerialEncoder
 from .errors import InterfaceError
 from .link_errors import (
     BusyError,
@@ -24,7 +24,7 @@ from .link_errors import (
     WrongEncoderError,
 )
 from .reports import Interface
-from .session import Session, Statistics, Work, rs485_facts
+from .session import Session, Statistics, Work, load_rs485_facts
 from .steps import Step
 
 __all__ = [
@@ -109,7 +109,7 @@ class Link:
             NotUsableError: The encoder reports that its position is not usable.
             LinkError: There is no valid reply. The subclass indicates the reason.
         """
-        return self._do(self.session.position(request))
+        return self._carry_out(self.session.position(request))
 
     def read(self, request: Any = None) -> PositionFrame:
         """Return a frame with the position. Check its ``verdict`` before you use the position.
@@ -120,7 +120,7 @@ class Link:
         Raises:
             LinkError: There is no valid reply. The subclass indicates the reason.
         """
-        return self._do(self.session.read(request))
+        return self._carry_out(self.session.read(request))
 
     def exchange(self, request: Any) -> Frame:
         """Send a request, and return the reply to it.
@@ -134,7 +134,7 @@ class Link:
         Raises:
             LinkError: There is no valid reply, or no such request. The subclass indicates the reason.
         """
-        return self._do(self.session.exchange(request))
+        return self._carry_out(self.session.exchange(request))
 
     def run(self, steps: Sequence[Step]) -> None:
         """Carry out a procedure, such as a reset. If a request in a series fails, the series starts again.
@@ -145,12 +145,12 @@ class Link:
         Raises:
             StepError: A step failed. Its ``__cause__`` is the reason.
         """
-        self._do(self.session.run(steps))
+        self._carry_out(self.session.run(steps))
 
     def drain(self) -> None:
         """Discard all bytes that were received but not read, until the line is quiet."""
         with self.lock:
-            self._do(self.session.drain())
+            self._carry_out(self.session.drain())
 
     def send(self, request: bytes, /) -> None:
         """Send one request."""
@@ -177,7 +177,8 @@ class Link:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _do(self, work: Work[_Result]) -> _Result:
+    def _carry_out(self, work: Work[_Result]) -> _Result:
+        """Carry out a task of the session: send its requests, and pass the received bytes on."""
         with self.lock:
             try:
                 ask = next(work)
@@ -228,7 +229,7 @@ class SerialTransport:
             if rs485:
                 self._port.rs485_mode = import_module("serial.rs485").RS485Settings()
         except (serial.SerialException, OSError, ValueError) as error:
-            raise PortError(_cannot_open(port, error)) from None
+            raise PortError(_cannot_open_error(port, error)) from None
 
     def write(self, data: bytes, /) -> None:
         """Send bytes."""
@@ -302,7 +303,7 @@ def serial_transport(port: str, encoder: Encoder, *, rs485: bool = False) -> Ser
     Raises:
         PortError: The port cannot be opened, or pyserial is not installed.
     """
-    port_facts = rs485_facts(encoder).port
+    port_facts = load_rs485_facts(encoder).port
     return SerialTransport(port, port_facts.baud, rs485=rs485, parity=port_facts.parity, stop_bits=port_facts.stop_bits)
 
 
@@ -319,7 +320,7 @@ class Ports:
     def open_encoder(
         self,
         port: str,
-        label: str | Encoder,
+        label: str | SerialEncoder,
         *,
         timeout_s: float = 0.05,
         retries: int = 3,
@@ -332,7 +333,7 @@ class Ports:
 
         Args:
             port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a pyserial URL.
-            label: Order code on the label, or the encoder.
+            label: Order code on the label, or an encoder whose class shows that it has RS-485.
             timeout_s: Time in seconds in which a reply must be complete.
             retries: Number of further attempts after a failure.
             settle_s: Time in seconds for which the line must be quiet after a reply. The default depends on the baud
@@ -352,7 +353,8 @@ class Ports:
         return open_encoder(port, encoder, timeout_s=timeout_s, retries=retries, settle_s=settle_s, rs485=rs485)
 
 
-def _cannot_open(port: str, error: Exception) -> str:
+def _cannot_open_error(port: str, error: Exception) -> str:
+    """Return the error for a port that cannot be opened."""
     number = getattr(error, "errno", None)
     if number in (errno.EAGAIN, errno.EBUSY):
         return f"cannot open {port}: another program, or another link of this program, has it open"

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from inspect import isawaitable
 from typing import Any, Protocol, TypeVar
 
-from .encoder import Encoder, Frame, PositionFrame
+from .encoder import Encoder, Frame, PositionFrame, SerialEncoder
 from .link import Transport, serial_transport
 from .link_errors import PortError
 from .session import Session, Statistics, Work
@@ -114,19 +114,19 @@ class AsyncLink:
 
     async def position(self, request: Any = None) -> int:
         """Return the position in counts, requested by ``request`` or with factory defaults."""
-        return await self._do(self.session.position(request))
+        return await self._carry_out(self.session.position(request))
 
     async def read(self, request: Any = None) -> PositionFrame:
         """Return a frame with the position, requested by ``request`` or with factory defaults."""
-        return await self._do(self.session.read(request))
+        return await self._carry_out(self.session.read(request))
 
     async def exchange(self, request: Any) -> Frame:
         """Send a request, and return the reply to it."""
-        return await self._do(self.session.exchange(request))
+        return await self._carry_out(self.session.exchange(request))
 
     async def run(self, steps: Sequence[Step]) -> None:
         """Carry out a procedure, such as a reset."""
-        await self._do(self.session.run(steps))
+        await self._carry_out(self.session.run(steps))
 
     async def close(self) -> None:
         """Close the transport, if it can be closed."""
@@ -140,7 +140,8 @@ class AsyncLink:
     async def __aexit__(self, *_: object) -> None:
         await self.close()
 
-    async def _do(self, work: Work[_Result]) -> _Result:
+    async def _carry_out(self, work: Work[_Result]) -> _Result:
+        """Carry out a task of the session: send its requests, and pass the received bytes on."""
         async with self._lock:
             try:
                 ask = next(work)
@@ -194,7 +195,7 @@ class AsyncPorts:
     def open_async(
         self,
         port: str,
-        label: str | Encoder,
+        label: str | SerialEncoder,
         *,
         timeout_s: float = 0.05,
         retries: int = 3,
@@ -206,7 +207,7 @@ class AsyncPorts:
 
         Args:
             port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a pyserial URL.
-            label: Order code on the label, or the encoder.
+            label: Order code on the label, or an encoder whose class shows that it has RS-485.
             timeout_s: Time in seconds in which a reply must be complete.
             retries: Number of further attempts after a failure.
             settle_s: Time in seconds for which the line must be quiet after a reply. The default depends on the baud

@@ -23,7 +23,7 @@ class Rotary(Encoder):
 
         For counts of ``unwrap``, which continue outside the range of positions, divide by ``counts_per_turn``.
         """
-        return self._checked(position) / self.counts_per_turn
+        return self._check_frame(position) / self.counts_per_turn
 
     def degrees(self, position: int) -> float:
         """Convert ``position`` from counts to degrees within one revolution.
@@ -36,23 +36,23 @@ class Rotary(Encoder):
             TypeError: ``position`` is not an integer.
         """
         per_turn = self.counts_per_turn
-        return self._checked(position) % per_turn * 360 / per_turn
+        return self._check_frame(position) % per_turn * 360 / per_turn
 
     def radians(self, position: int) -> float:
         """Convert ``position`` from counts to radians within one revolution. See ``degrees`` for the errors."""
         per_turn = self.counts_per_turn
-        return self._checked(position) % per_turn * tau / per_turn
+        return self._check_frame(position) % per_turn * tau / per_turn
 
-    def _checked(self, position: int) -> int:
+    def _check_frame(self, position: int) -> int:
         """Return a position as an int, after a check that it is within the range of positions, if that is known."""
         number = whole_number("position", position)
-        limits = self._limits()
+        limits = self._find_limits()
         return number if limits is None else check_limits("position", number, limits)
 
-    def _limits(self) -> tuple[int, int] | None:
+    def _find_limits(self) -> tuple[int, int] | None:
         """Return the lowest and the highest position in any frame, or None if the manual does not give them."""
         try:
-            ranges = [*self._ranges().values()] or [self._range_in("")]
+            ranges = [*self._position_ranges().values()] or [self._range_in("")]
         except ValueError:
             return None
         lowest = min(position_range.lowest for position_range in ranges)
@@ -167,5 +167,5 @@ class Wrapping(Encoder):
         return unwrap(previous, position, self.modulus, self.highest, self.lowest)
 
     def _range_in(self, frame: str, /) -> PositionRange:
-        ranges = self._ranges()
+        ranges = self._position_ranges()
         return ranges[frame] if ranges else PositionRange(self.lowest, self.highest, self.modulus)

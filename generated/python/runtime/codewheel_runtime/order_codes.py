@@ -151,28 +151,28 @@ class OrderCode(NamedTuple):
         Raises:
             OrderCodeError: The label is not an order code of the family.
         """
-        text = checked(label)
+        text = check_label(label)
         # A part of the code itself may look like /Sxxx, so only text after the code is treated as this ending.
-        match = re.fullmatch(f"{self._expression()}{_AFTER}", text, re.IGNORECASE)
+        match = re.fullmatch(f"{self._make_expression()}{_AFTER}", text, re.IGNORECASE)
         if match is not None:
-            return self._label(text, match, {part.name: match[part.name] for part in self.parts}, codes)
+            return self._make_label(text, match, {part.name: match[part.name] for part in self.parts}, codes)
         for spelling in self.also_written:
-            match = re.fullmatch(f"{self._expression_of(spelling)}{_AFTER}", text, re.IGNORECASE)
+            match = re.fullmatch(f"{self._make_spelling_expression(spelling)}{_AFTER}", text, re.IGNORECASE)
             if match is not None:
                 texts = {part.name: spelling.listed_text(part.name, match[part.name]) for part in self.parts}
-                return self._label(text, match, texts, codes)._replace(written_as_in=spelling.where)
-        raise self._error(text, family, codes)
+                return self._make_label(text, match, texts, codes)._replace(written_as_in=spelling.where)
+        raise self._unknown_code_error(text, family, codes)
 
-    def _label(
+    def _make_label(
         self, text: str, match: re.Match[str], texts: Mapping[str, str], codes: Mapping[str, tuple[str, ...]]
     ) -> Label:
         """Return the label with these texts of its parts."""
-        listed_values = {part.name: _listed(part, texts[part.name]) for part in self.parts}
+        listed_values = {part.name: _find_listed(part, texts[part.name]) for part in self.parts}
         unlisted = tuple(name for name, value in listed_values.items() if value is None)
         part_texts = {name: value or texts[name] for name, value in listed_values.items()}
-        listed = self._fitting(listed_values, codes)
+        listed = self._find_fitting_code(listed_values, codes)
         if listed is None:
-            raise self._clash(text, part_texts, listed_values, codes)
+            raise self._clash_error(text, part_texts, listed_values, codes)
         return Label(
             code=_BRACES.sub(lambda brace: part_texts[brace[1]], self.pattern),
             parts=tuple(part_texts.values()),
@@ -182,7 +182,7 @@ class OrderCode(NamedTuple):
             special=match["special_"] or "",
         )
 
-    def _fitting(
+    def _find_fitting_code(
         self, listed_values: Mapping[str, str | None], codes: Mapping[str, tuple[str, ...]]
     ) -> tuple[str, ...] | None:
         """Return the parts of the first listed code with these values. None represents an unlisted value."""
@@ -191,11 +191,11 @@ class OrderCode(NamedTuple):
             values_by_part = dict(zip(names, values, strict=False))
             if any(value not in (None, values_by_part[name]) for name, value in listed_values.items()):
                 continue
-            if all(_goes_with(part, listed_values) for part in self.parts if listed_values[part.name] is None):
+            if all(_can_be_combined(part, listed_values) for part in self.parts if listed_values[part.name] is None):
                 return values
         return None
 
-    def _clash(
+    def _clash_error(
         self,
         text: str,
         part_texts: Mapping[str, str],
@@ -206,45 +206,46 @@ class OrderCode(NamedTuple):
         names: list[str] = []
         for part in self.parts:
             replacements = ({**listed_values, part.name: value.text} for value in part.values)
-            if any(self._fitting(changed_values, codes) for changed_values in replacements):
+            if any(self._find_fitting_code(changed_values, codes) for changed_values in replacements):
                 names.append(part.name)
         listed = " and ".join(f"{name} '{part_texts[name]}'" for name in names) or "its parts"
         first_name = names[0] if names else ""
-        return OrderCodeError(text, first_name, f"has {listed}, which cannot be combined", nearest(codes, text))
+        return OrderCodeError(text, first_name, f"has {listed}, which cannot be combined", find_nearest(codes, text))
 
-    def _expression(self, any_for: str = "") -> str:
+    def _make_expression(self, any_for: str = "") -> str:
         """Return a regular expression for the whole code, with any text allowed for the part ``any_for``."""
-        expressions = {part.name: _alternatives(part) for part in self.parts}
+        expressions = {part.name: _match_values(part) for part in self.parts}
         if any_for:
             expressions[any_for] = "[A-Z0-9]*"
-        return _joined(self.pattern, expressions)
+        return _join_pattern(self.pattern, expressions)
 
-    def _expression_of(self, spelling: Spelling) -> str:
+    def _make_spelling_expression(self, spelling: Spelling) -> str:
         """Return a regular expression for the whole code in another spelling."""
-        expressions = {part.name: _alternatives(part) for part in self.parts}
+        expressions = {part.name: _match_values(part) for part in self.parts}
         for name in {spelled.part for spelled in spelling.values}:
-            expressions[name] = _any_of(spelled.text for spelled in spelling.values if spelled.part == name)
+            expressions[name] = _match_any(spelled.text for spelled in spelling.values if spelled.part == name)
         then = f"(?:{spelling.then})" if spelling.then else ""
-        return _joined(spelling.pattern, expressions) + then
+        return _join_pattern(spelling.pattern, expressions) + then
 
-    def _error(self, text: str, family: str, codes: Mapping[str, tuple[str, ...]]) -> OrderCodeError:
+    def _unknown_code_error(self, text: str, family: str, codes: Mapping[str, tuple[str, ...]]) -> OrderCodeError:
+        """Return the error for a text that is not an order code. It names the wrong part."""
         candidates: list[tuple[int, Part, str]] = []
         for part in self.parts:
-            match = re.fullmatch(f"{self._expression(part.name)}{_AFTER}", text, re.IGNORECASE)
+            match = re.fullmatch(f"{self._make_expression(part.name)}{_AFTER}", text, re.IGNORECASE)
             if match:
                 neighbours = [neighbour for neighbour in self.parts if neighbour is not part]
-                unlisted = sum(_listed(neighbour, match[neighbour.name]) is None for neighbour in neighbours)
+                unlisted = sum(_find_listed(neighbour, match[neighbour.name]) is None for neighbour in neighbours)
                 candidates.append((unlisted, part, match[part.name]))
         if candidates:
             # Blame the part whose removal leaves the fewest unlisted values, and among equals a missing part.
             _, part, part_text = min(candidates, key=lambda candidate: (candidate[0], candidate[2] != ""))
             problem = f"has {part.name} '{part_text}'" if part_text else f"has no {part.name}"
             valid = ", ".join(value.text for value in part.values)
-            return OrderCodeError(text, part.name, f"{problem}; valid values: {valid}", nearest(codes, text))
-        return OrderCodeError(text, "", f"is not an order code of {family}", nearest(codes, text))
+            return OrderCodeError(text, part.name, f"{problem}; valid values: {valid}", find_nearest(codes, text))
+        return OrderCodeError(text, "", f"is not an order code of {family}", find_nearest(codes, text))
 
 
-def checked(label: str) -> str:
+def check_label(label: str) -> str:
     """Return ``label`` in upper case, without spaces.
 
     Raises:
@@ -256,10 +257,10 @@ def checked(label: str) -> str:
     if len(label) > LONGEST:
         reason = f"is not an order code: it has {len(label)} characters, more than the {LONGEST} of any label"
         raise OrderCodeError(f"{label[:20]}...", "", reason, ())
-    return _without_blanks(label).upper()
+    return _remove_blanks(label).upper()
 
 
-def nearest(codes: Iterable[str], text: str) -> tuple[str, ...]:
+def find_nearest(codes: Iterable[str], text: str) -> tuple[str, ...]:
     """Return the three codes most similar to ``text``, or to the part of it before a tail."""
     from difflib import SequenceMatcher
 
@@ -271,7 +272,7 @@ def nearest(codes: Iterable[str], text: str) -> tuple[str, ...]:
     return tuple(sorted(codes, key=likeness, reverse=True)[:3])
 
 
-def _goes_with(part: Part, listed_values: Mapping[str, str | None]) -> bool:
+def _can_be_combined(part: Part, listed_values: Mapping[str, str | None]) -> bool:
     """Return whether an unlisted value of a part can be combined with the values of the other parts."""
     for name, allowed in part.open_only_with.items():
         value = listed_values[name]
@@ -280,27 +281,31 @@ def _goes_with(part: Part, listed_values: Mapping[str, str | None]) -> bool:
     return True
 
 
-def _listed(part: Part, text: str) -> str | None:
+def _find_listed(part: Part, text: str) -> str | None:
+    """Return the listed value of a part, regardless of case. None if it is not listed."""
     return next((value.text for value in part.values if value.text.upper() == text.upper()), None)
 
 
-def _alternatives(part: Part) -> str:
-    listed = _any_of(value.text for value in part.values)
+def _match_values(part: Part) -> str:
+    """Return a regular expression for the values of a part."""
+    listed = _match_any(value.text for value in part.values)
     return f"{listed}|{part.open}" if part.open else listed
 
 
-def _any_of(texts: Iterable[str]) -> str:
+def _match_any(texts: Iterable[str]) -> str:
+    """Return a regular expression for any of these texts, the longest ones first."""
     return "|".join(re.escape(text) for text in sorted(texts, key=len, reverse=True))
 
 
-def _joined(pattern: str, expressions: Mapping[str, str]) -> str:
+def _join_pattern(pattern: str, expressions: Mapping[str, str]) -> str:
+    """Return the pattern as a regular expression, with an expression for each part."""
     pieces = _BRACES.split(pattern)
     # Every second piece is the name of a part.
-    pieces[::2] = [re.escape(_without_blanks(text)) for text in pieces[::2]]
+    pieces[::2] = [re.escape(_remove_blanks(text)) for text in pieces[::2]]
     pieces[1::2] = [f"(?P<{name}>{expressions[name]})" for name in pieces[1::2]]
     return "".join(pieces)
 
 
-def _without_blanks(text: str) -> str:
+def _remove_blanks(text: str) -> str:
     """Return the text without spaces. Some codes are printed both with and without them."""
     return "".join(text.split())

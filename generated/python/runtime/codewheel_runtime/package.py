@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, NoReturn
 
 from .codec import Data
 from .encoder import Encoder
-from .order_codes import OrderCodeError, checked, nearest
+from .order_codes import OrderCodeError, check_label, find_nearest
 
 
 class Package(NamedTuple):
@@ -29,13 +29,13 @@ class Package(NamedTuple):
 
     def lookup(self, label: str) -> Encoder:
         """Return the encoder for a label, from any family. See ``lookup`` of the package."""
-        text = checked(label)
+        text = check_label(label)
         families = [family for family, special in self.specials if text.upper().endswith(f"/{special}")]
         families += [family for family, beginnings in self.beginnings.items() if text.startswith(beginnings)]
         best: Encoder | None = None
         for family in families:
             try:
-                encoder: Encoder = self._module(family).lookup(text)
+                encoder: Encoder = self._import_module(family).lookup(text)
             except OrderCodeError:
                 continue  # Several families can have special models of that name, or codes with that prefix.
             # What is a tail after the code of one family can be a part of the code of another one.
@@ -51,19 +51,19 @@ class Package(NamedTuple):
         errors: list[ValueError] = []
         for family in self.identified:
             try:
-                codes += self._module(family).identify(read)
+                codes += self._import_module(family).identify(read)
             except ValueError as error:
                 errors.append(error)
         if len(errors) == len(self.identified):
             raise errors[0]
         return tuple(codes)
 
-    def _module(self, family: str) -> Any:
+    def _import_module(self, family: str) -> Any:
         return import_module(f".{family}", self.name)
 
     def _refuse(self, text: str) -> NoReturn:
         """Raise the most helpful error for an unknown label: it lists the wrong part or similar order codes."""
-        modules = [self._module(family) for family in self.beginnings]
+        modules = [self._import_module(family) for family in self.beginnings]
         for module in modules:
             try:
                 module.lookup(text)
@@ -71,4 +71,4 @@ class Package(NamedTuple):
                 if error.part:
                     raise
         codes = [code for module in modules for code in module.VARIANTS]
-        raise OrderCodeError(text, "", "is not an order code of these encoders", nearest(codes, text))
+        raise OrderCodeError(text, "", "is not an order code of these encoders", find_nearest(codes, text))

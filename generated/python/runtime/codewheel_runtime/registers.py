@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, Literal, NamedTuple, Protocol, SupportsIndex
 
-from .codec import Data, as_bytes, check_limits, check_width, shortened, whole_number
+from .codec import Data, as_bytes, check_limits, check_width, shorten, whole_number
 from .encoder import Encoder
 from .errors import FrameError, LengthError, RangeError
 from .reports import Interface
@@ -28,7 +28,7 @@ def encode_register(
         return value.encode()
     if not isinstance(value, SupportsIndex):
         name = f"{kind.__module__}.{kind.__qualname__}"
-        raise TypeError(f"{register} must be an integer or an object of {name}, got {shortened(value)}")
+        raise TypeError(f"{register} must be an integer or an object of {name}, got {shorten(value)}")
     return check_width(register, value, 8 * length).to_bytes(length, order)
 
 
@@ -78,13 +78,13 @@ class RegisterParameter(NamedTuple):
         return (number | bits << self.low).to_bytes(len(self.default), self.order)
 
 
-def parameters_in(
+def read_parameters(
     parameters: tuple[RegisterParameter, ...], register_bytes: Mapping[int, int], variant: Encoder
 ) -> dict[str, int]:
     """Return the parameters for bytes keyed by address. Missing bytes are taken from ``variant``."""
     values: dict[str, int] = {}
     known_addresses: set[int] = set()
-    own_parameters = _over_interface(parameters, variant)
+    own_parameters = _select_parameters(parameters, variant)
     for parameter in own_parameters:
         name = parameter.parameter
         addresses = range(parameter.address, parameter.address + len(parameter.default))
@@ -104,15 +104,15 @@ def parameters_in(
     return values
 
 
-def _over_interface(parameters: tuple[RegisterParameter, ...], variant: Encoder) -> list[RegisterParameter]:
+def _select_parameters(parameters: tuple[RegisterParameter, ...], variant: Encoder) -> list[RegisterParameter]:
     """Return the parameters that apply to the interface of an encoder."""
     return [parameter for parameter in parameters if parameter.interface is variant.interface]
 
 
-def parameters_text(parameters: tuple[RegisterParameter, ...], variant: Encoder) -> str:
+def format_parameters(parameters: tuple[RegisterParameter, ...], variant: Encoder) -> str:
     """Return the parameters that differ from the factory default, as text. Without a default, they are always shown."""
     texts: list[str] = []
-    for parameter in _over_interface(parameters, variant):
+    for parameter in _select_parameters(parameters, variant):
         value = getattr(variant, parameter.parameter)
         if parameter.by_order_code or value != parameter.value_in(parameter.default):
             texts.append(f" {parameter.parameter}={value}")
@@ -152,11 +152,11 @@ def bytes_by_address(read: Mapping[int, int] | Mapping[str, Data], registers: Ma
 
 
 def is_consistent(
-    register_bytes: Mapping[int, int], address: int, length: int, expected: Callable[[bytes], bool]
+    register_bytes: Mapping[int, int], address: int, length: int, is_expected: Callable[[bytes], bool]
 ) -> bool:
     """Return whether a register has the expected value. True if it was not read completely."""
     data = [register_bytes[place] for place in range(address, address + length) if place in register_bytes]
     try:
-        return len(data) < length or expected(bytes(data))
+        return len(data) < length or is_expected(bytes(data))
     except FrameError:
         return False

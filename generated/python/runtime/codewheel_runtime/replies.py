@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from .errors import CrcError, FrameError
 
-__all__ = ["FoundReply", "PendingRequest", "ReplyKind", "error_in", "find_reply", "split_replies", "xor_of"]
+__all__ = ["FoundReply", "PendingRequest", "ReplyKind", "compute_xor", "find_error", "find_reply", "split_replies"]
 
 
 class ReplyKind(NamedTuple):
@@ -62,7 +62,7 @@ def find_reply(received: bytes, pending: PendingRequest, kinds: Mapping[int, Rep
     # The last one comes first, because an echo and a reply can look like a reply and one more byte.
     for start in range(len(received) - length, -1, -1):
         reply = received[start : start + length]
-        if reply[0] != pending.kind.control or error_in(reply, pending) is not None:
+        if reply[0] != pending.kind.control or find_error(reply, pending) is not None:
             continue
         following = received[start + length :]
         later_replies = split_replies(following, pending, kinds)
@@ -83,7 +83,7 @@ def _find_among_any_bytes(received: bytes, pending: PendingRequest) -> FoundRepl
     """Return a reply that can begin with any byte: there must be no other bytes than an echo, or the same reply."""
     length = pending.kind.length
     for candidate in (received, received.removeprefix(pending.data)):
-        if len(candidate) == length and error_in(candidate, pending) is None:
+        if len(candidate) == length and find_error(candidate, pending) is None:
             return FoundReply(candidate)
     for candidate in (received, received.removeprefix(pending.data)):
         replies = split_replies(candidate, pending, {})
@@ -100,7 +100,7 @@ def split_replies(data: bytes, pending: PendingRequest, kinds: Mapping[int, Repl
         kind = kinds.get(data[start], pending.kind)
         reply = data[start : start + kind.length]
         fits = not kind.repeats_first or data[start] == kind.control
-        if fits and len(reply) == kind.length and error_in(reply, pending) is None:
+        if fits and len(reply) == kind.length and find_error(reply, pending) is None:
             replies.append(reply)
             start += kind.length
         else:
@@ -108,18 +108,20 @@ def split_replies(data: bytes, pending: PendingRequest, kinds: Mapping[int, Repl
     return replies
 
 
-def error_in(reply: bytes, pending: PendingRequest) -> FrameError | None:
+def find_error(reply: bytes, pending: PendingRequest) -> FrameError | None:
     """Return the error of bytes as a reply, or None."""
     try:
         pending.decode(reply)
     except FrameError as error:
         return error
-    except TypeError:  # Other fields need an answer. The CRC is an XOR.
-        return CrcError(reply[-1], reply[-1] ^ xor_of(reply)) if xor_of(reply) else None
+    except TypeError:
+        # Fields that need an answer cannot be decoded here. The last byte is the XOR of all others.
+        difference = compute_xor(reply)
+        return CrcError(reply[-1], reply[-1] ^ difference) if difference else None
     return None
 
 
-def xor_of(data: bytes) -> int:
+def compute_xor(data: bytes) -> int:
     """Return the XOR of all bytes."""
     value = 0
     for byte in data:

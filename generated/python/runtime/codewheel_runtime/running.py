@@ -113,20 +113,22 @@ class _Procedure:
         from logging import getLogger
 
         logger, count = getLogger("codewheel_runtime"), len(steps)
-        for at, step in enumerate(steps):
-            logger.debug("step %d of %d: %r", at + 1, count, step)
+        for index, step in enumerate(steps):
+            logger.debug("step %d of %d: %r", index + 1, count, step)
             try:
                 if progress is not None:
-                    progress(at, count, step)
+                    progress(index, count, step)
                 self.do(step)
             except BaseException as error:
-                left_open = self.restore(steps[at:])
-                logger.warning("step %d of %d failed: %r; left open: %s", at + 1, count, error, left_open or "nothing")
+                left_open = self.restore(steps[index:])
+                open_text = left_open or "nothing"
+                logger.warning("step %d of %d failed: %r; left open: %s", index + 1, count, error, open_text)
                 if not isinstance(error, Exception):
                     raise
-                raise StepError(step, at, tuple(steps[:at]), left_open, str(error) or repr(error)) from error
+                raise StepError(step, index, tuple(steps[:index]), left_open, str(error) or repr(error)) from error
 
     def do(self, step: Step) -> None:
+        """Carry out one step, and remember what it changed."""
         bus = cast(Bus, self.bus)
         if isinstance(step, Write):
             self._written.add(step.address)
@@ -156,6 +158,7 @@ class _Procedure:
             self._stored[(address, index) if whole else (address + index, 0)] = byte
 
     def _verify(self, step: Verify) -> None:
+        """Raise VerifyError if a register does not contain what was written."""
         stored, address = self._stored, step.address
         last = [stored.get((address, index), stored.get((address + index, 0))) for index in range(step.length)]
         written = bytes(byte for byte in last if byte is not None)
@@ -166,18 +169,21 @@ class _Procedure:
             raise VerifyError(step.register, step.address, written, data, step.mask)
 
     def _read(self, step: Read | Modify | Poll | Verify) -> bytes:
+        """Return the bytes of a step's register."""
         data = bytes(cast(Bus, self.bus).read(step.address, step.length))
         if len(data) != step.length:
             raise ValueError(f"expected {step.length} bytes, read {len(data)}")
         return data
 
     def _poll(self, step: Poll) -> None:
+        """Read a register until its bits have the expected value. Raises TimeoutError after ``poll_s`` seconds."""
         end = monotonic() + self.poll_s
         while int.from_bytes(self._read(step), step.order) & step.mask != step.value:
             if monotonic() > end:
                 raise TimeoutError(f"the register did not reach the expected value within {self.poll_s:g} s")
 
     def _send(self, step: Send) -> None:
+        """Send a request as often as the step says, and check each reply."""
         line = cast(Line, self.bus)
         for name in ("drain", "send", "receive"):
             if not callable(getattr(line, name, None)):
@@ -204,6 +210,7 @@ class _Procedure:
         return tuple(failed)
 
     def _try_to_write(self, register: str, address: int, data: bytes) -> list[str]:
+        """Write to a register. Return its name if this failed."""
         try:
             cast(Bus, self.bus).write(address, data)
         except Exception:  # The original error is the one to report.

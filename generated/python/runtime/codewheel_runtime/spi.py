@@ -113,8 +113,8 @@ class Pipeline:
             TypeError: The encoder has no such register over SPI.
             RuntimeError: The word that was received with the previous request has not been taken.
         """
-        address, _ = self._place_of(register)
-        return self._start_request(self._reading(address), register)
+        address, _ = self._find_place(register)
+        return self._start_request(self._make_read_request(address), register)
 
     def write(self, value: Value) -> Iterator[int]:
         """Yield the words that write a register. Exchange and take each one before the next.
@@ -127,8 +127,8 @@ class Pipeline:
             RangeError: The value does not fit.
             RuntimeError: The word that was received with the previous request has not been taken.
         """
-        address, _ = self._place_of(type(value))
-        for request in self._writing(address, value.encode()):
+        address, _ = self._find_place(type(value))
+        for request in self._make_write_requests(address, value.encode()):
             yield self._start_request(request, type(value))
 
     def bus(self, exchange: Callable[[int], int]) -> RegisterBus:
@@ -158,29 +158,32 @@ class Pipeline:
         """
         if self._sent is None:
             raise RuntimeError("no request has been sent since the last word was taken")
-        answered = self._before if self._late else self._sent
+        # A late reply belongs to the request before the last one.
+        answered_request = self._before if self._late else self._sent
         length = self._sent.bits
         self._before, self._sent = self._sent, None
         number = as_word(word, length, bits)
-        if answered is None or answered.bits != length:
+        if answered_request is None or answered_request.bits != length:
             return None
-        request, register, _ = answered
+        request, register, _ = answered_request
         reply = self._replies[type(request)](number)
         # Some encoders answer a write without its value.
         has_value = register is not None and "data" in reply._fields
-        return Answer(request, reply, self._value(register, reply) if has_value else None)
+        return Answer(request, reply, self._decode_register(register, reply) if has_value else None)
 
     def restart(self) -> None:
         """Forget all requests. Call this after the encoder was switched off or a word was lost."""
         self._sent = self._before = None
 
-    def _reading(self, address: int) -> Request:
+    def _make_read_request(self, address: int) -> Request:
+        """Return the request that reads the register at an address."""
         if self._read is None:
             raise TypeError(f"{self._encoder.code} has no request that reads a register")
         request: Request = self._read(address=address)
         return request
 
-    def _writing(self, address: int, data: bytes) -> Iterator[Request]:
+    def _make_write_requests(self, address: int, data: bytes) -> Iterator[Request]:
+        """Yield the requests that write bytes to the register at an address."""
         values = {"address": address, "data": int.from_bytes(data, "big")}
         if not self._write:
             raise TypeError(f"{self._encoder.code} has no request that writes a register")
@@ -188,6 +191,7 @@ class Pipeline:
             yield kind(**{name: values[name] for name in kind._fields if name in values})
 
     def _start_request(self, request: Any, register: type | None) -> int:
+        """Return the word of a request, and remember the request."""
         if type(request) not in self._replies:
             request_names = ", ".join(kind.__name__ for kind in self._replies)
             raise TypeError(f"{self._encoder.code} answers {request_names}, not {type(request).__name__}")
@@ -199,7 +203,8 @@ class Pipeline:
         self._sent = _Sent(request, register, bits)
         return word
 
-    def _place_of(self, register: type) -> tuple[int, int]:
+    def _find_place(self, register: type) -> tuple[int, int]:
+        """Return the address and the length in bytes of a class of registers."""
         if register not in self._registers:
             register_names = ", ".join(kind.__name__ for kind in self._registers) or "none"
             raise TypeError(
@@ -207,7 +212,8 @@ class Pipeline:
             )
         return self._registers[register]
 
-    def _value(self, register: Any, reply: Any) -> Any:
+    def _decode_register(self, register: Any, reply: Any) -> Any:
+        """Return the register that a reply contains."""
         data = reply.data.to_bytes(self._registers[register][1], "big")
         decode: Any = register.decode
         return decode(data, self._encoder) if issubclass(register, ByEncoder) else decode(data)
@@ -229,10 +235,10 @@ class RegisterBus:
         Raises:
             FrameError: A word is damaged.
         """
-        reading = self._line._reading(address)
-        answer = self._sent(reading)
+        reading = self._line._make_read_request(address)
+        answer = self._send_request(reading)
         if self._line._late:  # The reply comes with a further word, which can be the same request.
-            answer = self._sent(reading)
+            answer = self._send_request(reading)
         data: int = answer.reply.data
         return data.to_bytes(length, "big")
 
@@ -242,8 +248,9 @@ class RegisterBus:
         Raises:
             FrameError: A word is damaged.
         """
-        for request in self._line._writing(address, data):
-            self._sent(request)
+        for request in self._line._make_write_requests(address, data):
+            self._send_request(request)
 
-    def _sent(self, request: Request) -> Any:
+    def _send_request(self, request: Request) -> Any:
+        """Send a request, and return the answer that arrives meanwhile."""
         return self._line.take(self._exchange(self._line._start_request(request, None)))

@@ -130,7 +130,7 @@ class Poll(NamedTuple):
 Step = Write | Wait | Send | Read | Modify | Poll | Verify
 
 
-def byte_writes(
+def write_bytes(
     register: str, address: int, data: bytes, meaning: str = "", *, closes: bool = False
 ) -> tuple[Write, ...]:
     """Return the steps that write ``data`` to ascending addresses."""

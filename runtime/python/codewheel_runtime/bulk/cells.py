@@ -16,7 +16,7 @@ _DECIMAL: Final = re.compile(r"[0-9]+")
 _MISSING: Final = frozenset(("", "nan", "na", "n/a", "<na>", "null", "none"))
 
 
-def of_text(text: str, shape: Shape, digits: DigitKind | None) -> int | bytes:
+def read_text(text: str, shape: Shape, digits: DigitKind | None) -> int | bytes:
     """Return the frame that a string contains as hex bytes or as a number. Raises ValueError if there is none."""
     packed = text.replace(" ", "").replace("_", "")
     if shape.length:
@@ -64,7 +64,7 @@ class Cells:
                 self.seen += 1
                 return number
         try:
-            frame = of_text(text, self._shape, self._digits)
+            frame = read_text(text, self._shape, self._digits)
         except ValueError as error:
             if text.strip().lower() in _MISSING:
                 return None

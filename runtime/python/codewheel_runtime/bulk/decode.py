@@ -10,24 +10,24 @@ from typing import Any, Final, cast
 from ..codec import as_bytes, assert_never, whole_number
 from ..errors import ErrorKind
 from ..reports import Verdict
-from .chunk import Chunk, crc_difference, limbs_of, np, parity_bits, within
+from .chunk import Chunk, are_within, compare_crc, compute_parity, limbs_of, np
 from .shape import (
     Check,
     Column,
     Join,
     Shape,
-    column_types,
-    late_fields,
+    choose_smallest_type,
+    find_late_fields,
+    find_quick_checks,
+    find_width,
+    group_unused_bits,
+    list_column_types,
     measured,
-    quick_checks,
     scales,
-    smallest_type,
     unused_bits,
-    unused_groups,
-    width_of,
 )
 from .table import FrameSource, Table, all_match
-from .words import of_floats
+from .words import read_floats
 
 #: Number of frames decoded at once: small enough for the cache, large enough to keep the overhead of calls low.
 CHUNK: Final = 32_768
@@ -36,12 +36,12 @@ CHUNK: Final = 32_768
 def decode_many(frames: object, shape: Shape, encoder: FrameSource | None) -> Table:
     """Decode ``frames`` into columns. For the arguments, see ``decode_many`` of the frame's class."""
     if _is_arrow(frames):
-        from .arrow import of_column
+        from .arrow import read_column
 
-        frames = of_column(frames, shape)
-    source, wrong_rows = rows_of(frames, shape.length) if shape.length else _words_of(frames, shape.bits)
+        frames = read_column(frames, shape)
+    source, wrong_rows = read_rows(frames, shape.length) if shape.length else _read_words(frames, shape.bits)
     count = len(source)
-    out = _columns(count, {**column_types(shape), "fault": "u1"})
+    out = _allocate_columns(count, {**list_column_types(shape), "fault": "u1"})
     fault = out.pop("fault")
     fault[:] = 0
     for start in range(0, count, CHUNK):
@@ -52,7 +52,9 @@ def decode_many(frames: object, shape: Shape, encoder: FrameSource | None) -> Ta
     verdicts = out.pop("verdict", None)
     if verdicts is not None and len(wrong_rows):
         verdicts[wrong_rows] = 0
-    parts = {name: (join.name, low, width) for join in shape.joins for name, low, width in late_fields(shape, join)}
+    parts: dict[str, tuple[str, int, int]] = {}
+    for join in shape.joins:
+        parts |= {name: (join.name, low, width) for name, low, width in find_late_fields(shape, join)}
     return Table(
         encoder=encoder,
         columns=out,
@@ -60,7 +62,7 @@ def decode_many(frames: object, shape: Shape, encoder: FrameSource | None) -> Ta
         verdict=verdicts,
         position=shape.position,
         parts=parts,
-        tells=shape.tells,
+        report_causes=shape.report_causes,
         measured=measured(shape),
         scales=scales(shape),
         frame=shape.frame,
@@ -72,7 +74,7 @@ def _is_arrow(frames: object) -> bool:
     return hasattr(frames, "__arrow_c_stream__") or hasattr(frames, "__arrow_c_array__")
 
 
-def _columns(count: int, wanted: Mapping[str, str]) -> dict[str, Any]:
+def _allocate_columns(count: int, wanted: Mapping[str, str]) -> dict[str, Any]:
     """Return columns in one block of memory. The system uses larger pages for it than for many small blocks."""
     size = {name: np.dtype(kind).itemsize for name, kind in wanted.items()}
     space = np.empty(count * sum(size.values()), np.uint8)
@@ -83,7 +85,7 @@ def _columns(count: int, wanted: Mapping[str, str]) -> dict[str, Any]:
     return {name: columns[name] for name in wanted}
 
 
-def rows_of(frames: Any, length: int) -> tuple[Any, Any]:
+def read_rows(frames: Any, length: int) -> tuple[Any, Any]:
     """Return frames as rows of bytes, and the indices of those with the wrong length."""
     if isinstance(frames, (list, tuple)):
         rows = [b"" if _is_missing(frame) else as_bytes(frame) for frame in cast(Iterable[Any], frames)]
@@ -92,7 +94,7 @@ def rows_of(frames: Any, length: int) -> tuple[Any, Any]:
             rows[index] = bytes(length)
         return np.frombuffer(b"".join(rows), np.uint8).reshape(-1, length), np.array(wrong_rows, np.intp)
     if isinstance(frames, np.ndarray) and frames.dtype.kind == "O":
-        return rows_of(frames.tolist(), length)
+        return read_rows(frames.tolist(), length)
     array: Any = np.frombuffer(frames, np.uint8) if isinstance(frames, (bytes, bytearray, memoryview)) else frames
     if not isinstance(array, np.ndarray) or array.dtype != np.uint8:
         raise TypeError(f"frames must be rows of {length} bytes, got {type(array).__name__} of other items")
@@ -103,7 +105,7 @@ def rows_of(frames: Any, length: int) -> tuple[Any, Any]:
     return array, ()
 
 
-def _words_of(frames: Any, bits: int) -> tuple[Any, Any]:
+def _read_words(frames: Any, bits: int) -> tuple[Any, Any]:
     """Return frames as 64-bit numbers, and the indices of those that are longer or missing."""
     if isinstance(frames, (bytes, bytearray, memoryview)):
         data = cast(Any, frames)
@@ -112,7 +114,7 @@ def _words_of(frames: Any, bits: int) -> tuple[Any, Any]:
         return np.frombuffer(frames, "<u8").astype(np.uint64, copy=False), ()
     if isinstance(frames, np.ndarray) and frames.dtype.kind != "O":
         if frames.dtype.kind == "f" and frames.ndim == 1:
-            frames = of_floats(frames, bits)
+            frames = read_floats(frames, bits)
         if frames.dtype.kind not in "ui" or frames.ndim != 1:
             raise TypeError(f"frames must be integers in one dimension, got an array of {frames.dtype} {frames.shape}")
         if isinstance(frames, np.ma.MaskedArray):
@@ -152,13 +154,13 @@ def _decode(source: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> No
             limbs = [source & np.uint64((1 << shape.bits) - 1)]
     chunk = Chunk(limbs, shape.bits)
     if shape.crc is not None:
-        doubts.append(crc_difference(chunk, shape.crc))
+        doubts.append(compare_crc(chunk, shape.crc))
     if shape.gray is not None:
         chunk.ungray(*shape.gray, shape.excess)
-    doubts += _doubts(chunk, shape)
+    doubts += _find_doubts(chunk, shape)
     doubtful = [doubt for doubt in doubts if doubt.any()]
     _write(chunk, shape, out)
-    if shape.otherwise is not None:
+    if shape.default_verdict is not None:
         _judge(shape, out)
     if doubtful:
         where = np.flatnonzero(reduce(np.logical_or, doubtful))
@@ -167,15 +169,15 @@ def _decode(source: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> No
 
 def _write_faults(source: Any, limbs: list[Any], where: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> None:
     """Write the errors of the frames with the indexes ``where``. A frame with an error has no usable position."""
-    fault[where] = _faults(source, limbs, shape)
-    if shape.otherwise is not None:
+    fault[where] = _find_faults(source, limbs, shape)
+    if shape.default_verdict is not None:
         verdicts: Any = out["verdict"]
         verdicts *= fault == 0
 
 
-def _doubts(chunk: Chunk, shape: Shape) -> list[Any]:
+def _find_doubts(chunk: Chunk, shape: Shape) -> list[Any]:
     """Return arrays that are nonzero for frames that fail a check other than the CRC."""
-    checks = quick_checks(shape)
+    checks = find_quick_checks(shape)
     doubts: list[Any] = []
     for limb, (mask, value) in zip(chunk.limbs, checks.fixed, strict=False):
         if mask:
@@ -183,16 +185,16 @@ def _doubts(chunk: Chunk, shape: Shape) -> list[Any]:
     for place, values in checks.bytes:
         byte = chunk.byte(place)
         doubts.append(~reduce(np.logical_or, (byte == np.uint8(value) for value in values)))
-    return [*doubts, *(~_holds(chunk, check) for check in checks.remaining)]
+    return [*doubts, *(~_is_met(chunk, check) for check in checks.remaining)]
 
 
-def _faults(source: Any, limbs: list[Any], shape: Shape) -> Any:
+def _find_faults(source: Any, limbs: list[Any], shape: Shape) -> Any:
     """Return the error of each frame. If there are several, it is the one that ``decode`` checks first."""
     chunk = Chunk(limbs, shape.bits)
-    errors = [(ErrorKind.CRC, crc_difference(chunk, shape.crc) != 0)] if shape.crc is not None else []
+    errors = [(ErrorKind.CRC, compare_crc(chunk, shape.crc) != 0)] if shape.crc is not None else []
     if shape.gray is not None:
         chunk.ungray(*shape.gray, shape.excess)
-    errors += [(check.fault, np.logical_not(_holds(chunk, check))) for check in shape.checks]
+    errors += [(check.fault, np.logical_not(_is_met(chunk, check))) for check in shape.checks]
     if not shape.length and shape.bits < 64:
         errors.append((ErrorKind.LENGTH, source >> np.uint64(shape.bits) != 0))
     fault = np.zeros(len(source), np.uint8)
@@ -202,12 +204,13 @@ def _faults(source: Any, limbs: list[Any], shape: Shape) -> Any:
     return fault
 
 
-def _holds(chunk: Chunk, check: Check) -> Any:
+def _is_met(chunk: Chunk, check: Check) -> Any:
+    """Return for each frame whether its bits meet a check."""
     bits = chunk.take(check.low, check.width)
     if check.parity_of:
-        return bits == parity_bits(chunk, check)
+        return bits == compute_parity(chunk, check)
     if check.limit is not None:
-        return within(bits, check, check.limit)
+        return are_within(bits, check, check.limit)
     values = [value for value in check.values if not value >> check.width]
     if len(values) > 16:
         return np.isin(bits, np.array(values, bits.dtype))
@@ -235,7 +238,7 @@ def _write_join(chunk: Chunk, shape: Shape, join: Join, columns: Mapping[str, Co
     first = columns[first_name]
     are_adjacent = all(columns[name].low == first.low + place for name, place in join.fields)
     if are_adjacent:
-        chunk.take(first.low, width_of(shape, join), number)
+        chunk.take(first.low, find_width(shape, join), number)
         return
     chunk.take(first.low, first.width, number)
     for name, place in join.fields[1:]:
@@ -246,9 +249,9 @@ def _write_join(chunk: Chunk, shape: Shape, join: Join, columns: Mapping[str, Co
 
 def _write_unused(chunk: Chunk, shape: Shape, out: Any) -> None:
     """Write the unused bits that differ from the manual, in as few bytes as possible."""
-    kind = np.dtype(smallest_type(unused_bits(shape))).type
+    kind = np.dtype(choose_smallest_type(unused_bits(shape))).type
     number = kind(0)
-    for low, mask, value, place in unused_groups(shape):
+    for low, mask, value, place in group_unused_bits(shape):
         width = mask.bit_length()
         small = low % 8 + width <= 8
         turned = chunk.small(low, mask) if small else chunk.take(low, width) & np.uint64(mask)
@@ -260,6 +263,7 @@ def _write_unused(chunk: Chunk, shape: Shape, out: Any) -> None:
 
 
 def _write_column(chunk: Chunk, column: Column, out: Mapping[str, Any]) -> None:
+    """Write the values of a field to its columns."""
     match column.kind:
         case "flag" | "not_flag":
             chunk.flag(column.low, column.width, column.kind == "flag", out[column.name])
@@ -270,7 +274,7 @@ def _write_column(chunk: Chunk, column: Column, out: Mapping[str, Any]) -> None:
             for name, divisor, modulus in column.runs:
                 out[name][:] = bits // np.uint64(divisor) % np.uint64(modulus)
         case "text":
-            out[column.name][:] = _text(chunk, column)
+            out[column.name][:] = _read_text(chunk, column)
         case "number":
             number = out[column.name].view(np.uint64)
             chunk.take(column.low, column.width, number)
@@ -287,7 +291,7 @@ def _write_column(chunk: Chunk, column: Column, out: Mapping[str, Any]) -> None:
             assert_never(column.kind)
 
 
-def _text(chunk: Chunk, column: Column) -> Any:
+def _read_text(chunk: Chunk, column: Column) -> Any:
     """Return the strings of a field, whose first character is the most significant."""
     length = column.width // 8
     rows = np.empty((len(chunk.limbs[0]), length), np.uint8)
@@ -301,11 +305,11 @@ def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
 
     The computation has no branches, so the time does not depend on the frames.
     """
-    otherwise, verdicts = VERDICTS.index(shape.otherwise), out["verdict"]
+    default, verdicts = VERDICTS.index(shape.default_verdict), out["verdict"]
     unused: Any = out.get("unused")
     any_unused_differs = bool(shape.unused) and unused.any()
     speaking: dict[Verdict, list[Any]] = {}
-    for condition in shape.speaks:
+    for condition in shape.verdict_causes:
         if condition.when:
             where = all_match(out, condition.when)
         elif condition.flag:
@@ -317,10 +321,10 @@ def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
         else:
             continue
         speaking.setdefault(condition.verdict, []).append(where)
-    verdicts[:] = otherwise
+    verdicts[:] = default
     # A warning does not improve on an unknown position.
-    if Verdict.USABLE_WITH_WARNING in speaking and shape.otherwise is not Verdict.UNKNOWN:
-        less = np.uint8((otherwise - VERDICTS.index(Verdict.USABLE_WITH_WARNING)) % 256)
+    if Verdict.USABLE_WITH_WARNING in speaking and shape.default_verdict is not Verdict.UNKNOWN:
+        less = np.uint8((default - VERDICTS.index(Verdict.USABLE_WITH_WARNING)) % 256)
         verdicts -= reduce(np.logical_or, speaking[Verdict.USABLE_WITH_WARNING]).view(np.uint8) * less
     if Verdict.NOT_USABLE in speaking:
         verdicts *= np.logical_not(reduce(np.logical_or, speaking[Verdict.NOT_USABLE])).view(np.uint8)

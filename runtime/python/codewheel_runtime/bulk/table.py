@@ -15,8 +15,8 @@ from ..errors import ErrorKind, RangeError
 from ..facts import Scale
 from ..packages import load
 from ..reports import Movement, Verdict
-from .conversion import none_where
-from .shape import Tells
+from .conversion import insert_none
+from .shape import ReportCause
 
 #: Units for positions and speeds.
 Unit = Literal["counts", "turns", "degrees", "radians", "micrometres", "millimetres", "metres"]
@@ -109,13 +109,14 @@ class Table(_TableOf[_Name, _Unit]):
         verdict: Any,
         position: str,
         parts: Mapping[str, tuple[str, int, int]],
-        tells: tuple[Tells, ...] = (),
+        report_causes: tuple[ReportCause, ...] = (),
         measured: frozenset[str] = frozenset(),
         scales: Mapping[str, tuple[str, Scale]] = _NOTHING,
         other_columns: Mapping[str, Any] = _NOTHING,
         frame: str = "",
     ) -> None:
-        self.encoder, self._tells, self._measured, self._others = encoder, tells, measured, other_columns
+        self.encoder, self._measured, self._others = encoder, measured, other_columns
+        self._report_causes = report_causes
         self._columns, self._scales, self._frame = columns, scales, frame
         self._fault, self._verdict, self._position, self._parts = fault, verdict, position, parts
         verdict_names = ["verdict"] if verdict is not None else []
@@ -140,7 +141,7 @@ class Table(_TableOf[_Name, _Unit]):
         """
         if not self._position:
             raise AttributeError("these frames have no position")
-        return self._column(self._position)
+        return self._find_column(self._position)
 
     @property
     def usable_position(self) -> Any:
@@ -173,17 +174,17 @@ class Table(_TableOf[_Name, _Unit]):
     def reports(self) -> dict[str, Any]:
         """Arrays by name of the report. Each is True for the valid frames with that report."""
         reports: dict[str, Any] = {}
-        for condition in self._tells:
-            reports[condition.report] = self._active(condition) & self.ok
+        for condition in self._report_causes:
+            reports[condition.report] = self._find_active(condition) & self.ok
         return reports
 
-    def _active(self, condition: Tells) -> Any:
+    def _find_active(self, condition: ReportCause) -> Any:
         """Return an array that is True for the frames to which a report applies, valid or not."""
         if condition.when:
             return all_match(self, condition.when)
         if condition.flag:
-            return self._column(condition.flag)
-        unused: Any = self._column("unused")
+            return self._find_column(condition.flag)
+        unused: Any = self._find_column("unused")
         return unused & (condition.mask & (1 << 8 * unused.itemsize) - 1) != 0
 
     @property
@@ -204,7 +205,7 @@ class Table(_TableOf[_Name, _Unit]):
     @property
     def columns(self) -> dict[str, Any]:
         """Columns by name, as ``table[name]`` returns them. ``fault`` and ``verdict`` are numbers."""
-        return {name: self._column(name) for name in self.names}
+        return {name: self._find_column(name) for name in self.names}
 
     def with_columns(self, **columns: Any) -> Table:
         """Return a table that also has other columns, which come first.
@@ -223,9 +224,12 @@ class Table(_TableOf[_Name, _Unit]):
                 raise ValueError(f"the frames already have a column '{name}'")
             if len(column) != self.count:
                 raise ValueError(f"expected {self.count} values in '{name}', one per frame, got {len(column)}")
-        return self._with(self._columns, self._fault, self._verdict, {**self._others, **columns})
+        return self._replace_columns(self._columns, self._fault, self._verdict, {**self._others, **columns})
 
-    def _with(self, columns: dict[str, Any], fault: Any, verdict: Any, other_columns: Mapping[str, Any]) -> Table:
+    def _replace_columns(
+        self, columns: dict[str, Any], fault: Any, verdict: Any, other_columns: Mapping[str, Any]
+    ) -> Table:
+        """Return a table of the same frames with these columns."""
         return Table(
             encoder=self.encoder,
             columns=columns,
@@ -233,7 +237,7 @@ class Table(_TableOf[_Name, _Unit]):
             verdict=verdict,
             position=self._position,
             parts=self._parts,
-            tells=self._tells,
+            report_causes=self._report_causes,
             measured=self._measured,
             scales=self._scales,
             other_columns=other_columns,
@@ -255,9 +259,9 @@ class Table(_TableOf[_Name, _Unit]):
             verdict = None if self._verdict is None else self._verdict[name]
             columns = {column_name: column[name] for column_name, column in self._columns.items()}
             other_columns = {column_name: column[name] for column_name, column in self._others.items()}
-            return self._with(columns, self._fault[name], verdict, other_columns)
+            return self._replace_columns(columns, self._fault[name], verdict, other_columns)
         if isinstance(name, str):
-            return self._column(name)
+            return self._find_column(name)
         index: int = name
         place = range(self.count)[index]
         return next(self[place : place + 1].rows())
@@ -270,13 +274,13 @@ class Table(_TableOf[_Name, _Unit]):
         # Cells as objects take much memory, so only some rows are converted at once.
         for start in range(0, self.count, _ROWS):
             rows = slice(start, start + _ROWS)
-            columns = [self._cells(name, rows) for name in self.names]
+            columns = [self._read_cells(name, rows) for name in self.names]
             for row in zip(*columns, strict=True):
                 yield dict(zip(self.names, row, strict=True))
 
-    def _cells(self, name: str, rows: slice) -> list[Any]:
+    def _read_cells(self, name: str, rows: slice) -> list[Any]:
         """Return the values of a column in some rows as objects of Python."""
-        column = self._column(name)[rows]
+        column = self._find_column(name)[rows]
         cells: list[Any] = column.tolist() if hasattr(column, "tolist") else list(column)
         if name == "fault":
             return [ErrorKind(cell) for cell in cells]
@@ -285,10 +289,11 @@ class Table(_TableOf[_Name, _Unit]):
             return [verdicts[cell] for cell in cells]
         hidden = self.hidden(name)
         if hidden is not None:
-            cells = none_where(hidden[rows].tolist(), cells)
+            cells = insert_none(hidden[rows].tolist(), cells)
         return [cell.decode("latin-1") if isinstance(cell, bytes) else cell for cell in cells]
 
-    def _column(self, name: str) -> Any:
+    def _find_column(self, name: str) -> Any:
+        """Return a column, which is computed on first use if it is a quantity or a part of a number."""
         if name in self._others:
             return self._others[name]
         if name == "fault":
@@ -296,24 +301,25 @@ class Table(_TableOf[_Name, _Unit]):
         if name == "verdict" and self._verdict is not None:
             return self._verdict
         if name in self._scales and name not in self._columns:
-            self._columns[name] = self._quantity(*self._scales[name])
+            self._columns[name] = self._convert_to_quantities(*self._scales[name])
         if name in self._parts and name not in self._columns:
             whole, low, width = self._parts[name]
             self._columns[name] = self._columns[whole] >> low & ((1 << width) - 1)
         if name not in self._columns:
-            raise KeyError(self._unknown_column(name))
+            raise KeyError(self._unknown_column_error(name))
         return self._columns[name]
 
-    def _unknown_column(self, name: str) -> str:
+    def _unknown_column_error(self, name: str) -> str:
         """Return the message for a column that the table does not have."""
         nearest = get_close_matches(name, self.names, n=1)
         suggestion = f"; did you mean {nearest[0]!r}?" if nearest else ""
         return f"no column {name[:40]!r}; the columns are {', '.join(self.names)}{suggestion}"
 
-    def _quantity(self, name: str, scale: Scale) -> Any:
+    def _convert_to_quantities(self, name: str, scale: Scale) -> Any:
+        """Return a column of numbers in its unit, as decimals."""
         np: Any = load("numpy")
         # Numbers such as temperatures repeat, so only a few conversions are needed.
-        numbers, places = np.unique(self._column(name), return_inverse=True)
+        numbers, places = np.unique(self._find_column(name), return_inverse=True)
         quantities = np.array([scale.decimal(number) for number in numbers.tolist()], object)
         return quantities[places]
 
@@ -391,7 +397,7 @@ class Table(_TableOf[_Name, _Unit]):
             ValueError: The encoder does not measure in this unit, or the manual does not give the size of a count.
         """
         positions = self.position if counts is None else counts
-        unit_size, parts = self._unit(unit)
+        unit_size, parts = self._find_unit_size(unit)
         if unit in ("degrees", "radians"):
             positions = positions % parts
         values = positions * unit_size / parts
@@ -412,12 +418,12 @@ class Table(_TableOf[_Name, _Unit]):
         Raises:
             AttributeError, RangeError, ValueError: See ``unwrapped`` and ``in_units``.
         """
-        return self._speed(seconds, unit, None)
+        return self._compute_speed(seconds, unit, None)
 
-    def _speed(self, seconds: Any, unit: SpeedUnit, previous: tuple[int, float] | None) -> Any:
+    def _compute_speed(self, seconds: Any, unit: SpeedUnit, previous: tuple[int, float] | None) -> Any:
         """Return speeds. ``previous`` is the unwrapped position and the time of the last usable frame before these."""
         np: Any = load("numpy")
-        times = self._times(seconds)
+        times = self._check_times(seconds)
         if unit not in (*_UNITS, "rpm"):
             raise ValueError(f"'{unit[:40]}' is not a unit of speeds: use {', '.join((*_UNITS, 'rpm'))}")
         usable_rows = np.flatnonzero(self.usable)
@@ -427,13 +433,13 @@ class Table(_TableOf[_Name, _Unit]):
         if previous is not None:
             rows_with_speed = usable_rows
             positions, times = np.insert(positions, 0, previous[0]), np.insert(times, 0, previous[1])
-        unit_size, parts = self._unit("turns" if unit == "rpm" else unit)
+        unit_size, parts = self._find_unit_size("turns" if unit == "rpm" else unit)
         per_minute = 60 if unit == "rpm" else 1
         column = np.full(self.count, np.nan)
         column[rows_with_speed] = np.diff(positions) * (per_minute * unit_size) / parts / np.diff(times)
         return column
 
-    def _times(self, seconds: Any) -> Any:
+    def _check_times(self, seconds: Any) -> Any:
         """Return the time of each frame. ``seconds`` is the time between two frames, or an array of times."""
         np: Any = load("numpy")
         if seconds is None:
@@ -463,10 +469,10 @@ class Table(_TableOf[_Name, _Unit]):
         table: Any = self
         family = getattr(self.encoder, "family", None)
         unit: Unit = "metres" if family is not None and family.movement is Movement.LINEAR else "radians"
-        columns = {unit: table.in_units(unit), f"{unit}_per_second": self._speed(None, unit, previous)}
+        columns = {unit: table.in_units(unit), f"{unit}_per_second": self._compute_speed(None, unit, previous)}
         return self.with_columns(**columns)
 
-    def _unit(self, unit: str) -> tuple[float, int]:
+    def _find_unit_size(self, unit: str) -> tuple[float, int]:
         """Return the size of one count in a unit, as numerator and denominator."""
         if unit == "counts":
             return 1, 1
@@ -476,14 +482,14 @@ class Table(_TableOf[_Name, _Unit]):
             raise ValueError(f"'{unit[:40]}' is not a unit of positions{speed}: use {', '.join(_UNITS)}")
         kind_of_unit = _OF_A_TURN if unit in _OF_A_TURN else _OF_A_LENGTH
         if not hasattr(encoder, "from_turns" if unit in _OF_A_TURN else "micrometres"):
-            raise UnitError(self._wrong_unit(unit, kind_of_unit))
+            raise UnitError(self._wrong_unit_error(unit, kind_of_unit))
         if unit in _OF_A_TURN:
             per_turn: int = encoder.from_turns(1)
             return _OF_A_TURN[unit], per_turn
         micrometres = Fraction(encoder.micrometres(1))
         return micrometres.numerator, micrometres.denominator * _OF_A_LENGTH[unit]
 
-    def _wrong_unit(self, unit: str, kind_of_unit: Mapping[str, float]) -> str:
+    def _wrong_unit_error(self, unit: str, kind_of_unit: Mapping[str, float]) -> str:
         """Return the message for a unit that the encoder does not measure in."""
         if self.encoder is None:
             return f"these frames belong to no encoder, so they have no {unit}: use counts"

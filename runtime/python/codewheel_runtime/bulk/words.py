@@ -37,7 +37,7 @@ def numbers(rows: Any, words: WordKind = "packed") -> Any:
     return wide.reshape(-1).view(">u8").astype(np.uint64)
 
 
-def of_floats(frames: Any, bits: int, done: int = 0) -> Any:
+def read_floats(frames: Any, bits: int, done: int = 0) -> Any:
     """Return floating-point frames as integers, masked if they are NaN or out of range.
 
     ``done`` is the number of earlier rows, to number the row in an error.

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, Final, NamedTuple
 
-from ..bulk.shape import Check, Column, CrcOf, Join, Shape, Speaks, Unused, of_bits
+from ..bulk.shape import Check, Column, CrcOf, Join, Shape, Unused, VerdictCause, compare_bits
 from ..bulk.words import short
 from ..codec import PositionRange, crc_of_bits
 from ..errors import ErrorKind, UsageError
@@ -104,7 +104,7 @@ def biss_layout(text: str) -> BissLayout:
     Raises:
         UsageError: The text is not a layout.
     """
-    fields = [_field(field_text) for field_text in text.split(",")]
+    fields = [_parse_field(field_text) for field_text in text.split(",")]
     _check_fields(fields)
     widths = {field.name: field.width for field in fields if field.name not in ("crc", *_FILLERS)}
     joins: tuple[Join, ...] = ()
@@ -114,7 +114,7 @@ def biss_layout(text: str) -> BissLayout:
         widths["position"] = widths["singleturn"] + widths.get("multiturn", 0)
     return BissLayout(
         text=text,
-        shape=_shape(fields, widths, joins),
+        shape=_make_shape(fields, widths, joins),
         modulus=1 << widths.get("position", 0),
         counts_per_turn=1 << widths["singleturn"] if "singleturn" in widths else 0,
     )
@@ -134,7 +134,7 @@ def _check_fields(fields: Sequence[_Field]) -> None:
         raise UsageError("the CRC must be the last field")
 
 
-def _shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tuple[Join, ...]) -> Shape:
+def _make_shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tuple[Join, ...]) -> Shape:
     """Return the description of a frame. ``widths`` are those of its columns, by name."""
     columns: list[Column] = []
     checks: list[Check] = []
@@ -147,7 +147,7 @@ def _shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tuple[Joi
         # The first field has the highest bits.
         low -= width
         if name == "crc":
-            crc = CrcOf(low, width, of_bits(field.crc(), bits - width, width))
+            crc = CrcOf(low, width, compare_bits(field.crc(), covered=bits - width, width=width))
         elif name == "zero":
             checks.append(Check(low, width, ErrorKind.CONSTANT, (0,)))
         elif name == "unused":
@@ -163,17 +163,17 @@ def _shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tuple[Joi
         checks=tuple(checks),
         crc=crc,
         position="position" if "position" in widths else "",
-        otherwise=Verdict.USABLE if _FLAGS.keys() & widths.keys() else Verdict.UNKNOWN,
-        speaks=tuple(Speaks(verdict, flag) for flag, verdict in _FLAGS.items() if flag in widths),
+        default_verdict=Verdict.USABLE if _FLAGS.keys() & widths.keys() else Verdict.UNKNOWN,
+        verdict_causes=tuple(VerdictCause(verdict, flag) for flag, verdict in _FLAGS.items() if flag in widths),
     )
 
 
-def _field(text: str) -> _Field:
+def _parse_field(text: str) -> _Field:
     """Return the field that a part of a layout describes."""
     not_a_field = UsageError(f"{short(text)} is not a field; {_HELP}")
     name, equals, numbers_text = text.strip().partition("=")
     try:
-        numbers = [_number(number_text) for number_text in numbers_text.split(":")] if equals else [1]
+        numbers = [_parse_number(number_text) for number_text in numbers_text.split(":")] if equals else [1]
     except ValueError:
         raise not_a_field from None
     width, *crc_numbers = numbers
@@ -185,13 +185,13 @@ def _field(text: str) -> _Field:
     if name in _FLAGS and width != 1:
         raise UsageError(f"{name} is one bit, not {width}")
     if name == "crc":
-        return _crc_field(text, width, crc_numbers)
+        return _parse_crc_field(text, width, crc_numbers)
     if crc_numbers:
         raise not_a_field
     return _Field(name, width)
 
 
-def _crc_field(text: str, width: int, numbers: Sequence[int]) -> _Field:
+def _parse_crc_field(text: str, width: int, numbers: Sequence[int]) -> _Field:
     """Return the CRC. ``numbers`` are its polynomial and, if it is not 0, its start value."""
     top_bit = 1 << width
     poly = numbers[0] if numbers else 0
@@ -207,7 +207,7 @@ def _crc_field(text: str, width: int, numbers: Sequence[int]) -> _Field:
     return _Field("crc", width, poly & top_bit - 1, init)
 
 
-def _number(text: str) -> int:
+def _parse_number(text: str) -> int:
     """Return a number that is not negative. Raises ValueError for other texts."""
     if len(text) > 20 or not text.strip().isascii() or "_" in text:
         raise ValueError

@@ -20,8 +20,8 @@ from typing import Any, BinaryIO, Final, NamedTuple
 from ..bulk.words import listed, short
 from ..errors import InputError, UsageError
 from ..packages import load
-from .signal_text import HEADER, HINT, rate_of, size_of, table_signals, vcd_signals
-from .signals import SAMPLES, Names, Signals, merged, of_array, of_samples, packed
+from .signal_text import HEADER, HINT, measure_size, parse_rate, read_table_signals, read_vcd_signals
+from .signals import SAMPLES, Names, Signals, merge_edges, pack_bits, read_array, read_samples
 
 np: Any = load("numpy")
 
@@ -29,7 +29,7 @@ _SALEAE: Final = b"<SALEAE>"
 
 
 @contextmanager
-def opened_signals(
+def open_signals(
     paths: Sequence[str], names: Names, rate: float | None = None, threshold: float | None = None
 ) -> Generator[Signals, None, None]:
     """Open a capture.
@@ -58,33 +58,34 @@ def opened_signals(
                     "the file of the data line" if wanted == 1 else "two files, that of the clock and of the data line"
                 )
                 raise UsageError(f"each binary file of Saleae has one signal: give {lines}")
-            signals = _saleae(files[::-1], paths[::-1]) if names.exchanged else _saleae(files, paths)
+            signals = _read_saleae(files[::-1], paths[::-1]) if names.exchanged else _read_saleae(files, paths)
         elif len(files) != 1:
             raise UsageError("give one file: only binary files of Saleae have one signal each")
         else:
-            signals = _single_file(stack, files[0], paths[0], names, rate, threshold)
+            signals = _open_single_file(stack, files[0], paths[0], names, rate, threshold)
         try:
             yield signals
         finally:
             signals.edges.close()
 
 
-def _single_file(
+def _open_single_file(
     stack: ExitStack, file: BinaryIO, path: str, names: Names, rate: float | None, threshold: float | None
 ) -> Signals:
+    """Return the signals of a file, whose format its first bytes show."""
     head = file.read(HEADER)
     file.seek(0)
     if head.startswith(b"PK"):
-        return _session(stack, file, path, names, rate)
+        return _read_session(stack, file, path, names, rate)
     if head.startswith(b"\x93NUMPY"):
-        return _array(file, path, names, rate)
+        return _read_array_file(file, path, names, rate)
     if not head:
         raise InputError(path, "", "the file is empty")
     if b"\0" in head:
         raise InputError(path, "", f"this is not a capture: {HINT}")
     if head.lstrip().startswith(b"$"):
-        return vcd_signals(file, path, names)
-    return table_signals(file, path, head, names, rate, threshold)
+        return read_vcd_signals(file, path, names)
+    return read_table_signals(file, path, head, names, rate, threshold)
 
 
 # sigrok sessions
@@ -95,21 +96,21 @@ _MOST_UNPACKED: Final = 1 << 32
 _DAMAGED: Final = (zipfile.BadZipFile, zlib.error, struct.error, EOFError, OSError, OverflowError, RuntimeError)
 
 
-def _session(stack: ExitStack, file: BinaryIO, path: str, names: Names, rate: float | None) -> Signals:
+def _read_session(stack: ExitStack, file: BinaryIO, path: str, names: Names, rate: float | None) -> Signals:
     """Return the signals of a session: a ZIP file with metadata, and samples in files of a few megabytes."""
     try:
         archive = stack.enter_context(zipfile.ZipFile(file))
         if "metadata" not in archive.namelist() and any(name.endswith(".npy") for name in archive.namelist()):
-            return _array_archive(archive, path, names, rate)
+            return _read_array_archive(archive, path, names, rate)
         with archive.open("metadata") as metadata:
             text = metadata.read(HEADER).decode("utf-8", "replace")
         config = ConfigParser(interpolation=None, strict=False)
         config.read_string(text)
         devices = [dict(config[name]) for name in config.sections() if "capturefile" in config[name]]
         device: dict[str, str] = devices[0] if devices else {}
-        size, stem = _small_number(device.get("unitsize", "1")), device.get("capturefile", "")
+        size, stem = _parse_small_number(device.get("unitsize", "1")), device.get("capturefile", "")
         probe_keys = [key for key in device if re.fullmatch(r"probe[0-9]{1,3}", key)]
-        probes = {_small_number(key[5:]): device[key] for key in probe_keys}
+        probes = {_parse_small_number(key[5:]): device[key] for key in probe_keys}
     except (KeyError, ConfigError, ValueError, *_DAMAGED):
         raise InputError(path, "", "this is not a valid sigrok session") from None
     if not stem:
@@ -120,22 +121,23 @@ def _session(stack: ExitStack, file: BinaryIO, path: str, names: Names, rate: fl
     channels = [probes[number] for number in numbers]
     # The number of a probe is also accepted, although only probes in use have names.
     numbered_names = names._replace(
-        clock=_numbered(names.clock, probes, numbers, path), data=_numbered(names.data, probes, numbers, path)
+        clock=_find_numbered_probe(names.clock, probes, numbers, path),
+        data=_find_numbered_probe(names.data, probes, numbers, path),
     )
     masks = tuple(1 << numbers[place] - 1 for place in numbered_names.places(channels, path))
-    entries = _entries(archive, stem)
+    entries = _list_sample_files(archive, stem)
     if not entries:
         raise InputError(path, "", "this sigrok session has no samples")
-    sample_rate = rate or rate_of(device.get("samplerate", ""))
+    sample_rate = rate or parse_rate(device.get("samplerate", ""))
     total = sum(info.file_size for info in entries)
     if total > _MOST_UNPACKED:
         sizes = f"{total / 1e9:.1f} GB unpacked, and at most {_MOST_UNPACKED / 1e9:.1f} GB are read"
         raise InputError(path, "", f"the samples have {sizes}: save a shorter session")
-    parts = _unpacked(archive, entries, size, path)
-    return Signals(of_samples(parts, masks), 1 / sample_rate if sample_rate else None, True, total)
+    parts = _unpack_samples(archive, entries, size, path)
+    return Signals(read_samples(parts, masks), 1 / sample_rate if sample_rate else None, True, total)
 
 
-def _numbered(name: Any, probes: dict[int, str], numbers: list[int], path: str) -> Any:
+def _find_numbered_probe(name: Any, probes: dict[int, str], numbers: list[int], path: str) -> Any:
     """Return the place of a probe that is chosen by its number, or the name unchanged."""
     text = name or ""
     if not (text.isascii() and text.isdigit() and len(text) < 4) or text in probes.values():
@@ -145,7 +147,7 @@ def _numbered(name: Any, probes: dict[int, str], numbers: list[int], path: str) 
     return str(numbers.index(int(text)) + 1)
 
 
-def _entries(archive: zipfile.ZipFile, stem: str) -> list[zipfile.ZipInfo]:
+def _list_sample_files(archive: zipfile.ZipFile, stem: str) -> list[zipfile.ZipInfo]:
     """Return the files of samples in order: ``logic-1`` or ``logic-1-1``, ``logic-1-2`` and so on."""
     named = {info.filename: info for info in archive.infolist()}
     if stem in named:
@@ -156,9 +158,10 @@ def _entries(archive: zipfile.ZipFile, stem: str) -> list[zipfile.ZipInfo]:
     return parts
 
 
-def _unpacked(
+def _unpack_samples(
     archive: zipfile.ZipFile, entries: list[zipfile.ZipInfo], size: int, path: str
 ) -> Generator[tuple[Any, int, Any], None, None]:
+    """Yield the samples of a session as numbers, and the amount read."""
     done, remainder = 0, b""
     try:
         for info in entries:
@@ -173,7 +176,8 @@ def _unpacked(
         raise InputError(path, f"offset {done}", f"the samples are damaged: {error or 'they end early'}") from None
 
 
-def _small_number(text: str) -> int:
+def _parse_small_number(text: str) -> int:
+    """Return a decimal number of less than 10 digits."""
     if not (text.isascii() and text.isdigit() and len(text) < 10):
         raise ValueError(text)
     return int(text)
@@ -189,7 +193,7 @@ class _ArrayForm(NamedTuple):
     channels: int | None
 
 
-def _array_form(file: BinaryIO, path: str) -> _ArrayForm:
+def _read_array_form(file: BinaryIO, path: str) -> _ArrayForm:
     """Read the header of a NumPy file."""
     form = np.lib.format
     try:
@@ -208,18 +212,18 @@ def _array_form(file: BinaryIO, path: str) -> _ArrayForm:
     return _ArrayForm(kind, shape[1] if has_rows else None)
 
 
-def _array(file: BinaryIO, path: str, names: Names, rate: float | None) -> Signals:
+def _read_array_file(file: BinaryIO, path: str, names: Names, rate: float | None) -> Signals:
     """Return the signals of a ``.npy`` file."""
-    kind, channels = _array_form(file, path)
+    kind, channels = _read_array_form(file, path)
     channel_count = 8 * kind.itemsize if channels is None else channels
     places = names.places([str(number) for number in range(1, channel_count + 1)], path)
     bits = places if channels is None else range(len(places))
-    parts = _array_parts(file, kind, channels, places)
-    edges = of_samples(parts, tuple(1 << bit for bit in bits))
+    parts = _read_array_parts(file, kind, channels, places)
+    edges = read_samples(parts, tuple(1 << bit for bit in bits))
     return Signals(edges, 1 / rate if rate else None, True)
 
 
-def _array_parts(
+def _read_array_parts(
     file: BinaryIO, kind: Any, channels: int | None, places: Sequence[int]
 ) -> Generator[tuple[Any, int, Any], None, None]:
     """Yield the samples of some rows as unsigned numbers, and the amount read."""
@@ -230,21 +234,21 @@ def _array_parts(
         done += len(data)
         samples = np.frombuffer(data, kind, len(data) // row_bytes * row_width)
         if channels is not None:
-            yield packed(samples.reshape(-1, row_width)[:, places]), done, None
+            yield pack_bits(samples.reshape(-1, row_width)[:, places]), done, None
             continue
         byte_order = kind.byteorder if kind.itemsize > 1 else ""
         samples = samples.view(f"{byte_order}u{kind.itemsize}")
         yield samples.astype(f"u{kind.itemsize}", copy=False), done, None
 
 
-def _array_archive(archive: zipfile.ZipFile, path: str, names: Names, rate: float | None) -> Signals:
+def _read_array_archive(archive: zipfile.ZipFile, path: str, names: Names, rate: float | None) -> Signals:
     """Return the signals of an ``.npz`` file: one array of samples, or an array of 0 and 1 for each channel."""
     total = sum(info.file_size for info in archive.infolist())
     if total > _MOST_UNPACKED:
         raise InputError(path, "", f"the samples have {total / 1e9:.1f} GB unpacked: save a shorter capture")
     arrays: dict[str, Any] = {}
     for file_name in archive.namelist():
-        name, array = file_name.removesuffix(".npy"), _array_in(archive, file_name, path)
+        name, array = file_name.removesuffix(".npy"), _read_array_in(archive, file_name, path)
         if array.ndim:
             arrays[name] = array
         elif name.lower() in _RATES and array.dtype.kind in "uif" and array > 0:
@@ -252,19 +256,20 @@ def _array_archive(archive: zipfile.ZipFile, path: str, names: Names, rate: floa
     columns = list(arrays.values())
     are_whole_numbers = all(column.dtype.kind in "uib" for column in columns)
     if len(columns) == 1 and are_whole_numbers:
-        return of_array(columns[0], names, rate)
+        return read_array(columns[0], names, rate)
     have_one_length = len({column.shape for column in columns}) == 1
     if not have_one_length or not are_whole_numbers or any(column.ndim != 1 for column in columns):
         raise InputError(
             path, "", "expected one array of samples, or an array of 0 and 1 of the same length per channel"
         )
     places = names.places([*arrays], path)
-    samples = packed(np.stack([columns[place] for place in places], 1))
+    samples = pack_bits(np.stack([columns[place] for place in places], 1))
     masks = tuple(1 << bit for bit in range(len(places)))
-    return Signals(of_samples([(samples, len(samples), None)], masks), 1 / rate if rate else None, True, len(samples))
+    return Signals(read_samples([(samples, len(samples), None)], masks), 1 / rate if rate else None, True, len(samples))
 
 
-def _array_in(archive: zipfile.ZipFile, name: str, path: str) -> Any:
+def _read_array_in(archive: zipfile.ZipFile, name: str, path: str) -> Any:
+    """Return an array of an archive."""
     try:
         return np.lib.format.read_array(io.BytesIO(archive.read(name)), allow_pickle=False)
     except Exception:  # The parser of the header raises many types.
@@ -283,27 +288,29 @@ class _Saleae:
 
     def __init__(self, file: BinaryIO, path: str) -> None:
         self._file, self._path = file, path
-        version, kind = struct.unpack("<8xii", self._take(16))
+        version, kind = struct.unpack("<8xii", self._read_exactly(16))
         if kind != 0:
             raise InputError(path, "", "this Saleae file has analog values: export the digital channels")
         if version not in (0, 1):
             raise InputError(path, "", f"Saleae's binary format {version} is not supported: export as CSV")
         self._has_rate = version == 1
-        self.chunks = struct.unpack("<Q", self._take(8))[0] if version == 1 else 1
+        self.chunks = struct.unpack("<Q", self._read_exactly(8))[0] if version == 1 else 1
         self.end, self._ready = 0.0, (0, 0)
         if self.chunks:
-            self._ready = self._chunk()
+            self._ready = self._read_chunk()
 
-    def _take(self, size: int) -> bytes:
+    def _read_exactly(self, size: int) -> bytes:
+        """Return the next ``size`` bytes."""
         data = self._file.read(size)
         if len(data) != size:
             raise InputError(self._path, "", "this Saleae file ends early")
         return data
 
-    def _chunk(self) -> tuple[int, int]:
+    def _read_chunk(self) -> tuple[int, int]:
         """Return the first level and the number of edges of the next chunk."""
+        # First level, sample rate in version 1, begin, end and number of edges.
         header = struct.Struct("<IdddQ" if self._has_rate else "<IddQ")
-        level, *_, begin, end, count = header.unpack(self._take(header.size))
+        level, *_, begin, end, count = header.unpack(self._read_exactly(header.size))
         if not (np.isfinite(begin) and np.isfinite(end)) or level > 1:
             raise InputError(self._path, "", "this Saleae file is damaged")
         self._start, self.end = begin, max(self.end, end)
@@ -314,21 +321,22 @@ class _Saleae:
         last, level = -np.inf, self._ready[0]
         yield level, np.zeros(0), self._file.tell()
         for place in range(self.chunks):
-            first, count = self._ready if not place else self._chunk()
+            first, count = self._ready if not place else self._read_chunk()
             if first != level:
                 # The signal changed in the gap before this chunk.
                 level, last = first, self._start
                 yield level ^ 1, np.array([self._start]), self._file.tell()
             while count:
-                part = np.frombuffer(self._take(8 * min(count, SAMPLES // 8)), "<f8")
+                part = np.frombuffer(self._read_exactly(8 * min(count, SAMPLES // 8)), "<f8")
                 if not (np.isfinite(part).all() and last <= part[0] and (np.diff(part) >= 0).all()):
                     raise InputError(self._path, "", "the times of this Saleae file are not in ascending order")
                 yield level, part, self._file.tell()
                 count, last, level = count - len(part), float(part[-1]), level ^ (len(part) & 1)
 
 
-def _saleae(files: Sequence[BinaryIO], paths: Sequence[str]) -> Signals:
+def _read_saleae(files: Sequence[BinaryIO], paths: Sequence[str]) -> Signals:
+    """Return the signals of Saleae's binary files, one per file."""
     readers = [_Saleae(file, path) for file, path in zip(files, paths, strict=True)]
     edge_streams = [reader.edges() for reader in readers]
-    edges = merged(edge_streams, end=lambda: max(reader.end for reader in readers))
-    return Signals(edges, 1.0, False, sum(map(size_of, files)))
+    edges = merge_edges(edge_streams, end=lambda: max(reader.end for reader in readers))
+    return Signals(edges, 1.0, False, sum(map(measure_size, files)))

@@ -11,7 +11,7 @@ from typing import Any, BinaryIO, Final, NamedTuple
 from ..bulk.words import short
 from ..errors import InputError
 from ..packages import load
-from .signals import Edges, Names, Signals, of_samples, packed
+from .signals import Edges, Names, Signals, pack_bits, read_samples
 
 np: Any = load("numpy")
 
@@ -28,7 +28,7 @@ _RATE: Final = re.compile(r"\s*([0-9]{1,12}(?:\.[0-9]{1,9})?)\s*([kKMG]?)(?:Hz|S
 _PREFIXES: Final = {"": 1.0, "k": 1e3, "K": 1e3, "M": 1e6, "G": 1e9}
 
 
-def rate_of(text: str) -> float | None:
+def parse_rate(text: str) -> float | None:
     """Return a sample rate such as ``24 MHz`` in samples per second, or None if the text is not one."""
     match = _RATE.fullmatch(text)
     if match is None:
@@ -36,7 +36,7 @@ def rate_of(text: str) -> float | None:
     return float(match[1]) * _PREFIXES[match[2]] or None
 
 
-def size_of(file: BinaryIO) -> int:
+def measure_size(file: BinaryIO) -> int:
     """Return the size of a file in bytes."""
     at = file.tell()
     size = file.seek(0, io.SEEK_END)
@@ -47,7 +47,7 @@ def size_of(file: BinaryIO) -> int:
 # Tables
 
 
-def _blocks(file: BinaryIO, path: str, kind: str) -> Generator[tuple[bytes, int], None, None]:
+def _read_blocks(file: BinaryIO, path: str, kind: str) -> Generator[tuple[bytes, int], None, None]:
     """Yield blocks of whole lines, and the amount read."""
     remainder, done = b"", 0
     while data := file.read(_BLOCK):
@@ -87,7 +87,7 @@ class _TableForm(NamedTuple):
     which are converted to seconds from the first one.
     """
 
-    between: str | None
+    delimiter: str | None
     channels: list[str]
     unit: float | None
     rate: float | None
@@ -95,26 +95,26 @@ class _TableForm(NamedTuple):
     is_stamped: bool = False
 
 
-def table_signals(
+def read_table_signals(
     file: BinaryIO, path: str, head: bytes, names: Names, rate: float | None, threshold: float | None = None
 ) -> Signals:
     """Return the signals of a table: columns of 0 and 1, with one row per sample or a time in the first column.
 
     Columns can also have voltages. Those above ``threshold`` are 1. By default, it is in the middle of their range.
     """
-    form = _table_form(path, head)
+    form = _find_table_form(path, head)
     places = names.places(form.channels, path)
     offset = int(form.unit is not None)
-    parts = _table_parts(file, path, form, [offset + place for place in places], threshold)
-    edges = of_samples(parts, tuple(1 << index for index in range(len(places))))
-    total = size_of(file)
+    parts = _read_table_parts(file, path, form, [offset + place for place in places], threshold)
+    edges = read_samples(parts, tuple(1 << index for index in range(len(places))))
+    total = measure_size(file)
     if form.unit:
         return Signals(edges, seconds=form.unit, is_sampled=False, total=total)
     sample_rate = rate or form.rate
     return Signals(edges, seconds=1 / sample_rate if sample_rate else None, is_sampled=True, total=total)
 
 
-def _table_form(path: str, head: bytes) -> _TableForm:
+def _find_table_form(path: str, head: bytes) -> _TableForm:
     """Return the form of a table according to its first lines."""
     if len(head) == HEADER and b"\n" not in head:
         raise InputError(path, "", "a line is too long: this is not a capture")
@@ -123,18 +123,18 @@ def _table_form(path: str, head: bytes) -> _TableForm:
     rows = [line for line in lines if line.strip() and line[:1] not in (";", "#")]
     if not rows:
         raise InputError(path, "", f"this is not a capture: {HINT}")
-    between = max(",;\t", key=rows[0].count) if re.search("[,;\t]", rows[0]) else None
-    cells = _cells(rows[0], between)
+    delimiter = max(",;\t", key=rows[0].count) if re.search("[,;\t]", rows[0]) else None
+    cells = _split_cells(rows[0], delimiter)
     has_header = not _is_row(cells)
     # An oscilloscope has a second header, with units.
-    unit_cells = _cells(rows[1], between) if has_header and len(rows) > 2 else []
-    has_units = bool(unit_cells) and not _is_row(unit_cells) and _is_row(_cells(rows[2], between))
+    unit_cells = _split_cells(rows[1], delimiter) if has_header and len(rows) > 2 else []
+    has_units = bool(unit_cells) and not _is_row(unit_cells) and _is_row(_split_cells(rows[2], delimiter))
     header_count = has_header + has_units
-    if has_header and len(rows) > header_count and not _is_row(_cells(rows[header_count], between)):
+    if has_header and len(rows) > header_count and not _is_row(_split_cells(rows[header_count], delimiter)):
         raise InputError(path, "", f"this is not a capture: {HINT}")
-    first_rows = [_cells(row, between) for row in rows[header_count : header_count + 4]]
+    first_rows = [_split_cells(row, delimiter) for row in rows[header_count : header_count + 4]]
     is_stamped = bool(first_rows) and bool(first_rows[0]) and _is_stamp(first_rows[0][0])
-    unit = _unit_of(unit_cells[0].lower() if has_units else cells[0]) if has_header else None
+    unit = _find_unit(unit_cells[0].lower() if has_units else cells[0]) if has_header else None
     if is_stamped:
         unit = 1.0
     elif unit is None and _are_numbered(first_rows):
@@ -143,12 +143,12 @@ def _table_form(path: str, head: bytes) -> _TableForm:
         # The column of times or of numbers is not a channel.
         cells = [str(number) for number in range(int(unit is None), len(cells) + int(unit is None))]
     channels = cells[unit is not None :]
-    labels = [label.strip() for label in _comment(comments, "Channels").split(",") if label.strip()]
+    labels = [label.strip() for label in _find_comment(comments, "Channels").split(",") if label.strip()]
     return _TableForm(
-        between=between,
+        delimiter=delimiter,
         channels=labels if len(labels) == len(channels) else channels,
         unit=unit,
-        rate=rate_of(_comment(comments, "Samplerate")),
+        rate=parse_rate(_find_comment(comments, "Samplerate")),
         skipped=head.count(b"\n", 0, _start(head, header_count)),
         is_stamped=is_stamped,
     )
@@ -172,12 +172,12 @@ def _are_numbered(rows: list[list[str]]) -> bool:
     return [int(cell) for cell in first_cells] == [*range(first, first + len(first_cells))]
 
 
-def _comment(comments: list[str], name: str) -> str:
+def _find_comment(comments: list[str], name: str) -> str:
     """Return the text after the colon of a comment, or an empty string."""
     return next((comment.partition(":")[2] for comment in comments if comment.startswith(name)), "")
 
 
-def _table_parts(
+def _read_table_parts(
     file: BinaryIO, path: str, form: _TableForm, columns: list[int], threshold: float | None
 ) -> Generator[tuple[Any, int, Any], None, None]:
     """Yield the levels of some rows, the amount read, and their times or None."""
@@ -207,12 +207,14 @@ def _start(head: bytes, header_count: int) -> int:
     return at
 
 
-def _cells(line: str, between: str | None) -> list[str]:
-    cells = [cell.strip().strip('"') for cell in line.split(between)]
+def _split_cells(line: str, delimiter: str | None) -> list[str]:
+    """Return the cells of a line. A separator at its end is ignored."""
+    cells = [cell.strip().strip('"') for cell in line.split(delimiter)]
     return cells[:-1] if cells and not cells[-1] else cells
 
 
 def _is_number(text: str) -> bool:
+    """Return whether a cell is a number."""
     try:
         float(text)
     except ValueError:
@@ -220,7 +222,7 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def _unit_of(name: str) -> float | None:
+def _find_unit(name: str) -> float | None:
     """Return the unit of a time column in seconds, or None if its name is not the name of one."""
     if name.strip().lower() in _NUMBERS:
         return 0.0
@@ -245,7 +247,7 @@ class _RowReader:
         """Read the range of the columns if they have voltages, as the first rows show."""
         ranges: list[Any] = []
         for block, line, _ in self.blocks_of_rows(file):
-            cells = self._table(block, line, self._columns)
+            cells = self._read_numbers(block, line, self._columns)
             is_logic = ((cells == 0) | (cells == 1)).all()
             has_voltages = np.isfinite(cells).all() and (cells != np.floor(cells)).any()
             if not ranges and threshold is None and (is_logic or not has_voltages):
@@ -258,7 +260,7 @@ class _RowReader:
     def blocks_of_rows(self, file: BinaryIO) -> Generator[tuple[bytes, int, int], None, None]:
         """Yield blocks of rows without the headers, the number of their first line, and the amount read."""
         line = 1
-        for data, done in _blocks(file, self._path, "CSV"):
+        for data, done in _read_blocks(file, self._path, "CSV"):
             block, first_line = data, line
             if line == 1 and self._form.skipped:
                 block = data.split(b"\n", self._form.skipped)[-1]
@@ -267,10 +269,11 @@ class _RowReader:
             if block.strip():
                 yield block, first_line, done
 
-    def _table(self, block: bytes, line: int, columns: list[int]) -> Any:
+    def _read_numbers(self, block: bytes, line: int, columns: list[int]) -> Any:
         """Return the numbers in these columns."""
         try:
-            return np.loadtxt(io.BytesIO(block), delimiter=self._form.between, usecols=columns, ndmin=2, comments=None)
+            text = io.BytesIO(block)
+            return np.loadtxt(text, delimiter=self._form.delimiter, usecols=columns, ndmin=2, comments=None)
         except (ValueError, IndexError) as error:
             reason = str(error).splitlines()[0]
             if b"X" in block:
@@ -282,14 +285,14 @@ class _RowReader:
         has_time = bool(self._form.unit)
         if not has_time:
             if self._voltages is None:
-                levels = _regular(block, self._form.between, self._columns)
+                levels = _read_regular_rows(block, self._form.delimiter, self._columns)
                 if levels is not None:
                     return None, levels
-            return None, self._levels(self._table(block, line, self._columns), line)
+            return None, self._levels(self._read_numbers(block, line, self._columns), line)
         stamps: Any = None
         if self._form.is_stamped:
-            stamps, block = self._without_stamps(block, line)
-        table = self._table(block, line, [0, *self._columns])
+            stamps, block = self._split_off_stamps(block, line)
+        table = self._read_numbers(block, line, [0, *self._columns])
         if not np.isfinite(table[:, 0]).all():
             raise InputError(self._path, f"from line {line}", "expected times in the first column")
         times = np.ascontiguousarray(table[:, 0]) if stamps is None else stamps
@@ -298,14 +301,14 @@ class _RowReader:
     def _levels(self, cells: Any, line: int) -> Any:
         """Return the levels of some rows as numbers."""
         if self._voltages is not None and np.isfinite(cells).all():
-            return packed(self._voltages.levels(cells))
+            return pack_bits(self._voltages.levels(cells))
         if not ((cells == 0) | (cells == 1)).all():
             raise InputError(self._path, f"from line {line}", "expected columns of 0 and 1, or of voltages")
-        return packed(cells)
+        return pack_bits(cells)
 
-    def _without_stamps(self, block: bytes, line: int) -> tuple[Any, bytes]:
+    def _split_off_stamps(self, block: bytes, line: int) -> tuple[Any, bytes]:
         """Return the time stamps as seconds from the first one, and the rows with 0 in their place."""
-        delimiter = (self._form.between or " ").encode()
+        delimiter = (self._form.delimiter or " ").encode()
         stamp_texts: list[str] = []
         rows_without_stamps: list[bytes] = []
         for row in block.splitlines():
@@ -347,13 +350,13 @@ class _Voltages:
         return levels.astype(np.uint8)
 
 
-def _regular(block: bytes, between: str | None, columns: list[int]) -> Any:
+def _read_regular_rows(block: bytes, delimiter: str | None, columns: list[int]) -> Any:
     """Return the levels if all rows have the same form, or None."""
     first_row = block[: block.index(b"\n") + 1]
     row_bytes = len(first_row)
     if len(block) % row_bytes:
         return None
-    cells = first_row.rstrip(b"\r\n").split((between or " ").encode())
+    cells = first_row.rstrip(b"\r\n").split((delimiter or " ").encode())
     if any(column >= len(cells) or len(cells[column]) != 1 for column in columns):
         return None
     # Each cell is followed by one byte: a delimiter, or the end of the line.
@@ -367,7 +370,7 @@ def _regular(block: bytes, between: str | None, columns: list[int]) -> Any:
         if not (rows[:, fixed_offset] == first_row[fixed_offset]).all():
             return None
     levels = rows[:, [offsets[column] for column in columns]] - np.uint8(ord("0"))
-    return packed(levels) if (levels <= 1).all() else None
+    return pack_bits(levels) if (levels <= 1).all() else None
 
 
 # VCD
@@ -377,9 +380,9 @@ _VAR: Final = re.compile(r"\$var\s+\S+\s+(\d+)\s+(\S+)\s+(.*?)\s*\$end", re.DOTA
 _SCALE: Final = re.compile(r"\$timescale\s+(1|10|100)\s*(s|ms|us|ns|ps|fs)\s+\$end")
 
 
-def vcd_signals(file: BinaryIO, path: str, names: Names) -> Signals:
+def read_vcd_signals(file: BinaryIO, path: str, names: Names) -> Signals:
     """Return the signals of a value change dump."""
-    size = size_of(file)
+    size = measure_size(file)
     head = file.read(_BLOCK)
     end = re.search(rb"\$enddefinitions\s+\$end", head)
     header = head[: end.start()].decode("ascii", "replace") if end is not None else ""
@@ -401,7 +404,7 @@ def vcd_signals(file: BinaryIO, path: str, names: Names) -> Signals:
 def _changes(file: BinaryIO, path: str, codes: Sequence[bytes]) -> Generator[Edges, None, None]:
     """Yield the edges of the signals with these codes."""
     changes = _ValueChanges(path, codes)
-    for block, done in _blocks(file, path, "VCD"):
+    for block, done in _read_blocks(file, path, "VCD"):
         yield changes.edges_in(block, done)
 
 

@@ -77,13 +77,13 @@ class Names(NamedTuple):
             signals = [(self.clock, _CLOCKS, "--clock"), (self.data, _DATA, "--data")]
         places: list[int | None] = []
         for name, usual_names, _ in signals:
-            places.append(_place(channels, name) if name else _usual_place(channels, usual_names))
+            places.append(_find_place(channels, name) if name else _find_usual_place(channels, usual_names))
         has_choice = any(name for name, _, _ in signals)
         if None in places and not has_choice and len(channels) == len(signals):
             # Of two channels with other names, the first one is the clock.
             return tuple(range(len(signals)))
         if len(signals) == len(channels) == 2:
-            places = _with_remaining_channel(signals, places)
+            places = _add_remaining_channel(signals, places)
         for (name, _, option), place in zip(signals, places, strict=True):
             if place is None:
                 problem = f"no channel {short(name)}" if name else f"choose a channel with {option}"
@@ -93,7 +93,7 @@ class Names(NamedTuple):
         return tuple(place for place in places if place is not None)
 
 
-def _with_remaining_channel(signals: Sequence[_Signal], places: list[int | None]) -> list[int | None]:
+def _add_remaining_channel(signals: Sequence[_Signal], places: list[int | None]) -> list[int | None]:
     """Return the places of two signals among two channels. If one is known, the other has the remaining channel."""
     known = [place for place in places if place is not None]
     has_unknown_name = any(signal[0] and place is None for signal, place in zip(signals, places, strict=True))
@@ -110,7 +110,7 @@ _DATA: Final = ("slo", "sl", "data", "dat", "miso", "sdo", "sda")
 _SERIAL: Final = ("rx", "data", "rxd", "a", "d+", "tx", "txd", "dat")
 
 
-def _place(channels: Sequence[str], name: str) -> int | None:
+def _find_place(channels: Sequence[str], name: str) -> int | None:
     """Return the index of a channel with a unique name, or with this number from 1. None if there is none."""
     if channels.count(name) == 1:
         return channels.index(name)
@@ -120,7 +120,7 @@ def _place(channels: Sequence[str], name: str) -> int | None:
     return None
 
 
-def _usual_place(channels: Sequence[str], names: Iterable[str]) -> int | None:
+def _find_usual_place(channels: Sequence[str], names: Iterable[str]) -> int | None:
     """Return the index of the channel with the first of these names that is unique. None if there is none."""
     if len(channels) == 1:
         return 0
@@ -132,7 +132,7 @@ def _usual_place(channels: Sequence[str], names: Iterable[str]) -> int | None:
 # Samples
 
 
-def of_samples(parts: Iterable[tuple[Any, int, Any]], masks: tuple[int, ...]) -> Generator[Edges, None, None]:
+def read_samples(parts: Iterable[tuple[Any, int, Any]], masks: tuple[int, ...]) -> Generator[Edges, None, None]:
     """Yield the edges of samples.
 
     Each part has one number per sample, the amount read so far, and the time of each sample. Without times, samples are
@@ -165,7 +165,7 @@ def of_samples(parts: Iterable[tuple[Any, int, Any]], masks: tuple[int, ...]) ->
         yield Edges(first_levels, tuple(edge_times), begin, end, done)
 
 
-def packed(columns: Any) -> Any:
+def pack_bits(columns: Any) -> Any:
     """Return rows of levels as one number per sample, the first column in the lowest bit."""
     columns = np.asarray(columns)
     levels = np.zeros(len(columns), np.uint8)
@@ -174,7 +174,7 @@ def packed(columns: Any) -> Any:
     return levels
 
 
-def of_array(samples: Any, names: Names, rate: float | None = None) -> Signals:
+def read_array(samples: Any, names: Names, rate: float | None = None) -> Signals:
     """Return the signals in an array of samples.
 
     Args:
@@ -193,16 +193,16 @@ def of_array(samples: Any, names: Names, rate: float | None = None) -> Signals:
     channel_count = array.shape[1] if has_rows else 8 * array.dtype.itemsize
     places = names.places([str(number) for number in range(1, channel_count + 1)], "the array")
     bits = range(len(places)) if has_rows else places
-    edges = of_samples(_parts_of_array(array, places), tuple(1 << bit for bit in bits))
+    edges = read_samples(_split_array(array, places), tuple(1 << bit for bit in bits))
     return Signals(edges, 1 / rate if rate else None, True, len(array))
 
 
-def _parts_of_array(array: Any, places: tuple[int, ...]) -> Generator[tuple[Any, int, Any], None, None]:
+def _split_array(array: Any, places: tuple[int, ...]) -> Generator[tuple[Any, int, Any], None, None]:
     """Yield some samples as unsigned numbers, and the number of samples so far. ``places`` are channels in rows."""
     for start in range(0, len(array), SAMPLES):
         part = array[start : start + SAMPLES]
         if array.ndim == 2:
-            part = packed(part[:, places])
+            part = pack_bits(part[:, places])
         elif part.dtype.kind != "u":
             part = part.astype(f"u{part.dtype.itemsize}")
         yield part, start + len(part), None
@@ -211,7 +211,7 @@ def _parts_of_array(array: Any, places: tuple[int, ...]) -> Generator[tuple[Any,
 # Edges of signals that are stored separately
 
 
-def merged(
+def merge_edges(
     signals: Sequence[Generator[tuple[int, Any, int], None, None]], end: Callable[[], float]
 ) -> Generator[Edges, None, None]:
     """Yield the edges of signals that are stored separately.
@@ -227,7 +227,7 @@ def merged(
     begin = -np.inf
     while unfinished:
         # Continue with the signal whose edges end first.
-        index = min(sorted(unfinished), key=lambda signal_index: _last(waiting_times[signal_index]))
+        index = min(sorted(unfinished), key=lambda signal_index: _find_last(waiting_times[signal_index]))
         part = next(signals[index], None)
         if part is None:
             unfinished.remove(index)
@@ -235,7 +235,7 @@ def merged(
             _, times, amounts_read[index] = part
             waiting_times[index] = np.concatenate([waiting_times[index], times])
         # Up to the earliest end, the edges of all signals are known.
-        until = min((_last(waiting_times[signal_index]) for signal_index in unfinished), default=end())
+        until = min((_find_last(waiting_times[signal_index]) for signal_index in unfinished), default=end())
         counts = [int(np.searchsorted(times, until, "right")) for times in waiting_times]
         edge_times = tuple(times[:count] for times, count in zip(waiting_times, counts, strict=True))
         yield Edges(tuple(levels), edge_times, begin, until, sum(amounts_read))
@@ -244,5 +244,5 @@ def merged(
         waiting_times = [times[count:] for times, count in zip(waiting_times, counts, strict=True)]
 
 
-def _last(times: Any) -> float:
+def _find_last(times: Any) -> float:
     return float(times[-1]) if len(times) else -np.inf

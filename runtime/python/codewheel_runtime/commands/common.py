@@ -33,15 +33,16 @@ def distribution(package: str) -> str:
     return package.replace("_", "-")
 
 
-def encoder_of(package: str, chosen: argparse.Namespace) -> Encoder:
+def find_encoder(package: str, chosen: argparse.Namespace) -> Encoder:
     """Return the encoder that the arguments select."""
     try:
-        return _selected(package, chosen)
+        return _select_encoder(package, chosen)
     except ValueError as error:
         raise Failed(error, USAGE) from None
 
 
-def _selected(package: str, chosen: argparse.Namespace) -> Encoder:
+def _select_encoder(package: str, chosen: argparse.Namespace) -> Encoder:
+    """Return the encoder for the arguments: order code, interface and registers."""
     encoder: Encoder = import_module(package).lookup(str(chosen.order_code))
     if chosen.interface is not None and encoder.interface.value != chosen.interface:
         wanted = Interface(chosen.interface).title
@@ -51,10 +52,10 @@ def _selected(package: str, chosen: argparse.Namespace) -> Encoder:
         if with_registers is None:
             raise ValueError(f"no register affects the frames of {encoder.code}")
         encoder = with_registers(dict(chosen.register))
-    return _with_optional_answers(encoder, chosen)
+    return _add_optional_answers(encoder, chosen)
 
 
-def _with_optional_answers(encoder: Encoder, chosen: argparse.Namespace) -> Encoder:
+def _add_optional_answers(encoder: Encoder, chosen: argparse.Namespace) -> Encoder:
     """Return the encoder with the answers that have a default, and remove them from ``chosen.choose``."""
     with_answers: Callable[..., Encoder] | None = getattr(encoder, "with_answers", None)
     if with_answers is None:
@@ -73,7 +74,7 @@ def _with_optional_answers(encoder: Encoder, chosen: argparse.Namespace) -> Enco
 
 
 @contextmanager
-def working(package: str, source: str) -> Generator[Callable[[int, int | None, int], None] | None, None, None]:
+def show_progress(package: str, source: str) -> Generator[Callable[[int, int | None, int], None] | None, None, None]:
     """Show progress on a terminal, and convert the errors of long work to one line."""
     from ..errors import InputError, UsageError
 
@@ -88,7 +89,7 @@ def working(package: str, source: str) -> Generator[Callable[[int, int | None, i
     except OSError as error:
         raise Failed(f"{error.filename or source}: {error.strerror or error}") from None
     except ImportError as error:
-        raise missing(error) from None
+        raise missing_package_error(error) from None
     except MemoryError:
         raise Failed("not enough memory") from None
     except InputError as error:
@@ -101,7 +102,7 @@ def working(package: str, source: str) -> Generator[Callable[[int, int | None, i
 _PACKAGES: Final = {"serial": "pyserial"}
 
 
-def missing(error: ImportError) -> Failed:
+def missing_package_error(error: ImportError) -> Failed:
     """Return the error for a Python package that is not installed."""
     if not isinstance(error, ModuleNotFoundError) or not error.name:
         return Failed(error)

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Final, cast, get_args, get_type_hints
 from ..encoder import Encoder
 from ..errors import FrameError, LengthError
 from ..frames.decoders import cached_decoder, raise_error
-from ..frames.descriptions import any_shape, kinds_of
+from ..frames.descriptions import find_any_shape, find_kinds
 from ..reports import Interface, Verdict
 from .common import (
     DONE,
@@ -26,9 +26,9 @@ from .common import (
     USAGE,
     Failed,
     distribution,
-    encoder_of,
-    missing,
-    working,
+    find_encoder,
+    missing_package_error,
+    show_progress,
 )
 from .options import add_capture, add_encoder, add_input, add_output, add_record, count, seconds
 
@@ -118,7 +118,7 @@ def main(package: str, arguments: Sequence[str] | None = None) -> int:
         The exit code.
     """
     try:
-        chosen = _parser(package).parse_args(arguments)
+        chosen = _make_parser(package).parse_args(arguments)
     except SystemExit as stop:
         return int(stop.code or 0)
     try:
@@ -139,7 +139,9 @@ def _print_failure(package: str, message: object, code: int) -> int:
     return code
 
 
-def _parser(package: str) -> argparse.ArgumentParser:
+def _make_parser(package: str) -> argparse.ArgumentParser:
+    """Return the parser of the command line."""
+
     def formatter(prog: str) -> argparse.RawDescriptionHelpFormatter:
         return argparse.RawDescriptionHelpFormatter(prog, width=80)
 
@@ -153,6 +155,7 @@ def _parser(package: str) -> argparse.ArgumentParser:
     def add_command(
         name: str, run: Callable[..., int | None], summary: str, description: str = "", epilog: str = ""
     ) -> Any:
+        """Add a command with its summary, and return its parser."""
         description = description or f"{summary[0].upper()}{summary[1:]}."
         parser = commands.add_parser(
             name, help=summary, description=description, epilog=epilog, formatter_class=formatter, allow_abbrev=False
@@ -170,6 +173,7 @@ def _parser(package: str) -> argparse.ArgumentParser:
 
 
 def _add_decode(add_command: Callable[..., Any]) -> None:
+    """Add the command ``decode``."""
     parser = add_command(
         "decode",
         _decode,
@@ -190,9 +194,10 @@ def _add_decode(add_command: Callable[..., Any]) -> None:
 
 
 def _add_monitor(add_command: Callable[..., Any]) -> None:
+    """Add the command ``monitor``."""
     parser = add_command(
         "monitor",
-        partial(_bench, "monitor"),
+        partial(_run_bench_command, "monitor"),
         "show an encoder live, over RS-485, and record it",
         description="Read an encoder over RS-485, and show its position, speed and state live, or write a table.",
         epilog=_RECORD,
@@ -206,7 +211,8 @@ def _add_monitor(add_command: Callable[..., Any]) -> None:
 
 
 def _add_capture_command(add_command: Callable[..., Any], name: str, summary: str) -> None:
-    parser = add_command(name, partial(_bench, name), summary, epilog=_BENCH)
+    """Add the command ``capture``."""
+    parser = add_command(name, partial(_run_bench_command, name), summary, epilog=_BENCH)
     parser.add_argument(
         "files",
         metavar="[ORDER-CODE] FILE",
@@ -218,20 +224,21 @@ def _add_capture_command(add_command: Callable[..., Any], name: str, summary: st
     add_encoder(parser)
 
 
-def _bench(name: str, package: str, chosen: argparse.Namespace) -> int | None:
+def _run_bench_command(name: str, package: str, chosen: argparse.Namespace) -> int | None:
     """Run a command that needs NumPy."""
     try:
         from . import bench
     except ImportError as error:
-        raise missing(error) from None
+        raise missing_package_error(error) from None
     run: Callable[[str, argparse.Namespace], int | None] = getattr(bench, name)
     return run(package, chosen)
 
 
 def _decode(package: str, chosen: argparse.Namespace) -> int | None:
-    encoder = encoder_of(package, chosen)
+    """Decode the frames in the arguments, or a file."""
+    encoder = find_encoder(package, chosen)
     if chosen.file != ["-"] and not os.path.exists(chosen.file[0]):
-        frame = _frame(" ".join(chosen.file), encoder)
+        frame = _parse_frame(" ".join(chosen.file), encoder)
         if frame is not None and chosen.si:
             raise Failed("--si needs a file with a column 'time': one frame has no speed", USAGE)
         if frame is not None:
@@ -243,7 +250,7 @@ def _decode(package: str, chosen: argparse.Namespace) -> int | None:
     return DONE
 
 
-def _frame(text: str, encoder: Encoder) -> int | bytes | str | None:
+def _parse_frame(text: str, encoder: Encoder) -> int | bytes | str | None:
     """Return the frame that the arguments contain, or None if they are the name of a file."""
     packed = re.sub("[ _,:]", "", text)
     if encoder.interface is Interface.RS485:
@@ -252,17 +259,17 @@ def _frame(text: str, encoder: Encoder) -> int | bytes | str | None:
     if re.fullmatch("0b[01]+", packed):
         return packed
     # Frames of more than 64 bits are decoded from bytes.
-    in_bytes = all(any_shape(kind, encoder).length for kind in kinds_of(encoder))
+    in_bytes = all(find_any_shape(kind, encoder).length for kind in find_kinds(encoder))
     if in_bytes and re.fullmatch("([0-9a-fA-F]{2})+", packed):
         return bytes.fromhex(packed)
     return int(packed, 16) if re.fullmatch("(0x)?[0-9a-fA-F]{1,64}", packed) else None
 
 
-def _others(encoder: Encoder, frame: int | bytes | str, result: Any) -> str:
+def _list_others(encoder: Encoder, frame: int | bytes | str, result: Any) -> str:
     """Return the other frames that a frame can be, in words, or an empty string. ``result`` can be its error."""
     hint = get_type_hints(type(encoder).try_decode)["return"]
     decoded = [kind for kind in get_args(hint) or (hint,) if not issubclass(kind, FrameError)]
-    names = [kind.__name__ for kind in kinds_of(encoder) if _can_be(kind, decoded, encoder, frame, result)]
+    names = [kind.__name__ for kind in find_kinds(encoder) if _can_be(kind, decoded, encoder, frame, result)]
     if not names:
         return ""
     words = "This can be another frame" if isinstance(result, FrameError) else "This can also be another frame"
@@ -275,7 +282,7 @@ def _can_be(kind: Any, decoded: Sequence[type], encoder: Encoder, frame: int | b
     if len(decoded) != 1 or kind in decoded:
         return False
     # Hex digits imply leading zeros, so without this, a short frame would be valid as a long one.
-    has_length = any_shape(kind, encoder).bits == any_shape(decoded[0], encoder).bits
+    has_length = find_any_shape(kind, encoder).bits == find_any_shape(decoded[0], encoder).bits
     if not has_length and not isinstance(result, LengthError):
         return False
     try:
@@ -287,9 +294,9 @@ def _can_be(kind: Any, decoded: Sequence[type], encoder: Encoder, frame: int | b
 
 def _show(encoder: Encoder, frame: int | bytes | str, chosen: argparse.Namespace) -> int:
     """Print one frame. This needs no other packages."""
-    result = _with_answers(encoder, frame, dict(chosen.choose))
+    result = _add_answers(encoder, frame, dict(chosen.choose))
     values: dict[str, Any] = result.to_dict()
-    other_frames = _others(encoder, frame, result)
+    other_frames = _list_others(encoder, frame, result)
     if chosen.json:
         print(json.dumps(values, ensure_ascii=False))
     elif isinstance(result, FrameError):
@@ -298,7 +305,7 @@ def _show(encoder: Encoder, frame: int | bytes | str, chosen: argparse.Namespace
     else:
         width = max(map(len, values))
         for name, value in values.items():
-            print(f"{name:<{width}}  {_plain(value)}")
+            print(f"{name:<{width}}  {_convert_to_plain(value)}")
         for report in result.reports:
             print(f"\n{report.name}: {report.meaning}" + (f"\n  {report.remedy}" if report.remedy else ""))
         if other_frames:
@@ -308,7 +315,7 @@ def _show(encoder: Encoder, frame: int | bytes | str, chosen: argparse.Namespace
     return NOT_USABLE if values.get("verdict") == Verdict.NOT_USABLE.value else DONE
 
 
-def _plain(value: Any) -> str:
+def _convert_to_plain(value: Any) -> str:
     """Return a value as it is printed."""
     if value is None:
         return "-"
@@ -317,7 +324,7 @@ def _plain(value: Any) -> str:
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
-def _with_answers(encoder: Encoder, frame: int | bytes | str, answers: dict[str, str]) -> Any:
+def _add_answers(encoder: Encoder, frame: int | bytes | str, answers: dict[str, str]) -> Any:
     """Return the frame or its error. Answers to open questions are keyword arguments."""
     open_answers: dict[str, Any] = {}
     hints = get_type_hints(encoder.try_decode)
@@ -335,11 +342,12 @@ def _with_answers(encoder: Encoder, frame: int | bytes | str, answers: dict[str,
 
 
 def _decode_file(package: str, encoder: Encoder, chosen: argparse.Namespace) -> None:
+    """Decode a file into a file of columns."""
     try:
         from ..files.stream import Files
     except ImportError as error:
-        raise missing(error) from None
-    with working(package, chosen.file) as progress:
+        raise missing_package_error(error) from None
+    with show_progress(package, chosen.file) as progress:
         summary = Files(package).decode_file(
             encoder,
             chosen.file,

@@ -21,14 +21,14 @@ def add_capture(parser: argparse.ArgumentParser) -> None:
     add("--biss", metavar="FIELDS", help="layout of BiSS frames of an encoder without a package")
     add("--clock", default="", metavar="CHANNEL", help="channel of the clock, MA")
     add("--data", default="", metavar="CHANNEL", help="channel of the data line, SLO, or of the serial line")
-    add("--rate", type=_rate, metavar="RATE", help="sample rate such as 24MHz, if FILE does not contain it")
+    add("--rate", type=_parse_rate, metavar="RATE", help="sample rate such as 24MHz, if FILE does not contain it")
     add(
         "--rest",
         type=seconds,
         metavar="SECONDS",
         help="shortest rest of the clock between cycles (default: 1.4 periods)",
     )
-    add("--baud", type=_rate, metavar="BAUD", help="baud rate, if it differs from the manual")
+    add("--baud", type=_parse_rate, metavar="BAUD", help="baud rate, if it differs from the manual")
     add(
         "--threshold",
         type=float,
@@ -77,9 +77,10 @@ def add_input(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_max_errors(add: Callable[..., object], failure: str) -> None:
+    """Add the option ``--max-errors``."""
     add(
         "--max-errors",
-        type=_percent,
+        type=_parse_percent,
         default=DEFAULT_MAX_ERRORS,
         metavar="PERCENT",
         help=f"exit with 1 if more than this share of the {failure} (default: %(default)g)",
@@ -99,7 +100,7 @@ def add_encoder(parser: argparse.ArgumentParser) -> None:
     add(
         "--register",
         action="append",
-        type=_register,
+        type=_parse_register,
         default=[],
         metavar="ADDRESS=BYTE",
         help="register byte that affects frames, such as 0x56=0x10 (else the factory default); repeatable",
@@ -107,7 +108,7 @@ def add_encoder(parser: argparse.ArgumentParser) -> None:
     add(
         "--choose",
         action="append",
-        type=_answer,
+        type=_parse_answer,
         default=[],
         metavar="NAME=ANSWER",
         help="answer to a question that the manual leaves open; repeatable",
@@ -118,8 +119,9 @@ def _names(text: str) -> tuple[str, ...]:
     return tuple(name.strip() for name in text.split(","))
 
 
-def _number(text: str) -> int:
+def _parse_number(text: str) -> int:
     # Longer numbers are out of range anyway, and Python refuses to parse very long ones.
+    """Return a number of an option."""
     if len(text) > 20 or not text.isascii():
         raise ValueError
     return int(text, 0)
@@ -127,23 +129,24 @@ def _number(text: str) -> int:
 
 def count(text: str) -> int:
     """Return a number of frames or readings."""
-    if (number := _number(text)) < 0:
+    if (number := _parse_number(text)) < 0:
         raise ValueError
     return number
 
 
-def _percent(text: str) -> float:
+def _parse_percent(text: str) -> float:
     if not 0 <= (number := float(text)) <= 100:
         raise ValueError
     return number
 
 
-def _register(text: str) -> tuple[int, int]:
+def _parse_register(text: str) -> tuple[int, int]:
     address, _, value = text.partition("=")
-    return _number(address), _number(value)
+    return _parse_number(address), _parse_number(value)
 
 
-def _answer(text: str) -> tuple[str, Enum | str]:
+def _parse_answer(text: str) -> tuple[str, Enum | str]:
+    """Return a question and its answer: ``QUESTION=ANSWER``."""
     name, between, answer = text.partition("=")
     if not between:
         raise ValueError
@@ -157,7 +160,8 @@ def seconds(text: str) -> float:
     return number
 
 
-def _rate(text: str) -> float:
+def _parse_rate(text: str) -> float:
+    """Return a sample rate in Hz."""
     match = _RATE.fullmatch(text.strip())
     if match is None or not float(match[1]):
         raise ValueError
@@ -169,10 +173,10 @@ _RATE: Final = re.compile(r"([0-9]{1,12}(?:\.[0-9]{1,9})?) ?([kMG]?)(?:Hz|S/s|Bd
 # argparse prints these names in its messages.
 for _kind, _name in (
     (count, "count"),
-    (_percent, "percent"),
+    (_parse_percent, "percent"),
     (seconds, "time in seconds"),
-    (_rate, "rate, such as 24MHz"),
-    (_register, "ADDRESS=BYTE"),
-    (_answer, "NAME=ANSWER"),
+    (_parse_rate, "rate, such as 24MHz"),
+    (_parse_register, "ADDRESS=BYTE"),
+    (_parse_answer, "NAME=ANSWER"),
 ):
     _kind.__name__ = _name

@@ -9,7 +9,7 @@ from collections.abc import Callable, Generator, Iterable, Iterator
 from itertools import chain, islice
 from typing import BinaryIO, Final
 
-from ..bulk.cells import Cells, of_text
+from ..bulk.cells import Cells, read_text
 from ..bulk.shape import Shape
 from ..bulk.words import DigitKind, listed, short
 from ..errors import InputError
@@ -21,12 +21,12 @@ from .inputs import FIRST, Part, Share, Source, Stored, check_form, kept_columns
 _LONGEST: Final = 1 << 20
 
 
-def csv_rows(file: BinaryIO, name: str, size: int | None, stored: Stored, shape: Shape, share: Share) -> Source:
+def read_csv_rows(file: BinaryIO, name: str, size: int | None, stored: Stored, shape: Shape, share: Share) -> Source:
     """Return the frames and the other columns of a CSV file."""
     blocks = whole_lines(b"", file)
     head = next(blocks, b"")
     lines = _Lines(_text_of([head]), name)
-    between, rows = _rows(lines)
+    delimiter, rows = _open_rows(lines)
     first = next(rows, None)
     if first is None:
         return Source(_nothing(), size)
@@ -43,9 +43,9 @@ def csv_rows(file: BinaryIO, name: str, size: int | None, stored: Stored, shape:
     if b"\r" in head[:start].replace(b"\r\n", b""):
         # Old line ends, which only the reader of rows counts.
         skipped, start = 0, 0
-    table = _Table(lines, between, place, columns, is_header and not start)
-    reading = reader(names, place, columns, between, shape, stored.digits) if start or not is_header else None
-    parts = _parts(table, reading, chain([head[start:]], blocks), skipped, start, (name, stored, shape, share))
+    table = _Table(lines, delimiter, place, columns, is_header and not start)
+    reading = reader(names, place, columns, delimiter, shape, stored.digits) if start or not is_header else None
+    parts = _read_parts(table, reading, chain([head[start:]], blocks), skipped, start, (name, stored, shape, share))
     return Source(parts, size, tuple(cell for _, cell in other_names), empty_columns)
 
 
@@ -61,9 +61,9 @@ class _Table:
     """Rows of a CSV file, read one by one: the delimiter, the column of frames, and the other columns to keep."""
 
     def __init__(
-        self, lines: _Lines, between: str, place: int, columns: list[tuple[int, str]], skips_header: bool
+        self, lines: _Lines, delimiter: str, place: int, columns: list[tuple[int, str]], skips_header: bool
     ) -> None:
-        self.lines, self.between, self.place, self.columns = lines, between, place, columns
+        self.lines, self.delimiter, self.place, self.columns = lines, delimiter, place, columns
         self._skips_header = skips_header
         # Cells take memory, so more columns mean fewer rows at once.
         self.count = max(inputs.ROWS // (1 + len(columns)), 1)
@@ -73,7 +73,7 @@ class _Table:
     def open(self, blocks: Iterable[bytes], lines: int, done: int) -> None:
         """Read these blocks. ``lines`` and ``done`` are the numbers of lines and bytes before these blocks."""
         self.lines = _Lines(_text_of(blocks), self.lines.name, lines, done)
-        self._rows = _rows(self.lines, self.between)[1]
+        self._rows = _open_rows(self.lines, self.delimiter)[1]
         if self._skips_header:
             next(self._rows, None)
             self._skips_header = False
@@ -84,13 +84,13 @@ class _Table:
         numbers: list[int] = []
         # Only cells are kept, because rows are lists, which the garbage collector would traverse repeatedly.
         other_columns: dict[str, list[str]] = {name: [] for _, name in self.columns}
-        appenders = [(at, other_columns[name].append) for at, name in self.columns]
+        appenders = [(index, other_columns[name].append) for index, name in self.columns]
         lines, place = self.lines, self.place
         for row in islice(self._rows, self.count):
             cells.append(row[place] if len(row) > place else "")
             numbers.append(lines.number)
-            for at, append in appenders:
-                append(row[at] if len(row) > at else "")
+            for index, append in appenders:
+                append(row[index] if len(row) > index else "")
         if lines.is_cut and cells and len(cells[-1]) < len(cells[-2] if len(cells) > 1 else self._before):
             # The last line is not terminated and is shorter than the previous one, so digits may be missing.
             cells[-1] = ""
@@ -105,7 +105,7 @@ class _Table:
 _Where = tuple[str, Stored, Shape, Share]
 
 
-def _parts(
+def _read_parts(
     table: _Table,
     read: Callable[[bytes], Block | None] | None,
     blocks: Iterator[bytes],
@@ -129,7 +129,7 @@ def _parts(
             yield Part(parsed.frames, done, parsed.other_columns)
             continue
         # After a quote, a row can continue in the next block.
-        is_alone = read is not None and is_plain(block) and ends_with_row(block, table.between)
+        is_alone = read is not None and is_plain(block) and ends_with_row(block, table.delimiter)
         table.open([block] if is_alone else chain([block], blocks), lines, done)
         while (batch := table.take())[0]:
             texts, numbers, other_columns = batch
@@ -177,20 +177,20 @@ class _Lines:
         return InputError(self.name, f"line {self.number}", message)
 
 
-def _rows(lines: _Lines, between: str = "") -> tuple[str, Iterator[list[str]]]:
+def _open_rows(lines: _Lines, delimiter: str = "") -> tuple[str, Iterator[list[str]]]:
     """Return the delimiter and the rows of a CSV file. By default, the first line determines the delimiter."""
     texts = iter(lines)
     first = next(texts, "")
     while first and (not first.strip() or first.lstrip().startswith("#")):
         first = next(texts, "")
-    between = between or max(",;\t", key=first.count)
-    return between, _checked(lines, chain([first], texts), between) if first else iter(())
+    delimiter = delimiter or max(",;\t", key=first.count)
+    return delimiter, _check_row(lines, chain([first], texts), delimiter) if first else iter(())
 
 
-def _checked(lines: _Lines, texts: Iterable[str], between: str) -> Iterator[list[str]]:
+def _check_row(lines: _Lines, texts: Iterable[str], delimiter: str) -> Iterator[list[str]]:
     """Yield rows, without empty ones and # comments."""
     try:
-        for row in csv.reader(texts, delimiter=between):
+        for row in csv.reader(texts, delimiter=delimiter):
             start = row[0].lstrip() if row else ""
             if start[:1] != "#" and (start or any(cell.strip() for cell in row)):
                 yield row
@@ -222,7 +222,7 @@ def _place(first: list[str], name: str, stored: Stored, shape: Shape) -> tuple[i
 def _is_frame(text: str, shape: Shape) -> bool:
     """Return whether the text can be a frame, and is not a header."""
     try:
-        of_text(text, shape, "hex")
+        read_text(text, shape, "hex")
     except ValueError:
         return False
     # 'face' is a header, although it is also hexadecimal.

@@ -55,12 +55,12 @@ def is_plain(block: bytes) -> bool:
     return b"\r" not in block or block.count(b"\r") == block.count(b"\r\n")
 
 
-def ends_with_row(block: bytes, between: str) -> bool:
+def ends_with_row(block: bytes, delimiter: str) -> bool:
     """Return whether a block ends with the end of a row. If quotes are in unusual places, the answer is False."""
     if b'"' not in block:
         return True
-    delimiter = re.escape(between.encode())
-    cells_in_quotes = rb'(?<![^%b\r\n])"(?:[^"]|"")*"(?=[%b\r\n])' % (delimiter, delimiter)
+    escaped = re.escape(delimiter.encode())
+    cells_in_quotes = rb'(?<![^%b\r\n])"(?:[^"]|"")*"(?=[%b\r\n])' % (escaped, escaped)
     return b'"' not in re.sub(cells_in_quotes, b"", block)
 
 
@@ -88,7 +88,7 @@ def reader(
     names: Sequence[str],
     place: int,
     kept_columns: Sequence[tuple[int, str]],
-    between: str,
+    delimiter: str,
     shape: Shape,
     digits: DigitKind | None,
 ) -> Callable[[bytes], Block | None] | None:
@@ -102,14 +102,15 @@ def reader(
         csv: Any = load("pyarrow.csv")
     except ImportError:
         return None
-    columns = [str(at) for at in range(len(names))]
-    parse = csv.ParseOptions(delimiter=between)
-    wanted = [str(place), *(str(at) for at, _ in kept_columns)]
+    columns = [str(index) for index in range(len(names))]
+    parse = csv.ParseOptions(delimiter=delimiter)
+    wanted = [str(place), *(str(index) for index, _ in kept_columns)]
     convert = csv.ConvertOptions(
         include_columns=wanted, column_types=dict.fromkeys(wanted, pa.string()), strings_can_be_null=False
     )
 
     def read(block: bytes) -> Block | None:
+        """Return the frames and the other columns of whole lines, or None if they need the slower reader."""
         options = csv.ReadOptions(column_names=columns, use_threads=False, block_size=len(block) + 1)
         line_count = block.count(b"\n")
         try:
@@ -118,19 +119,19 @@ def reader(
                 # A line end in quotes belongs to its cell.
                 return None
             cells = table.column(0).chunk(0) if table.num_rows else pa.array([], pa.string())
-            frames = _bytes(cells, shape.length, pc) if shape.length else _words(cells, digits, pa, pc)
+            frames = _read_bytes(cells, shape.length, pc) if shape.length else _read_words(cells, digits, pa, pc)
         except pa.ArrowInvalid:
             return None
         if frames is None:
             return None
-        other_columns = {name: table.column(at).combine_chunks() for at, (_, name) in enumerate(kept_columns, 1)}
+        other_columns = {name: table.column(index).combine_chunks() for index, (_, name) in enumerate(kept_columns, 1)}
         last = cells[-1].as_py() if len(cells) else ""
         return Block(frames, other_columns, cells.slice(0, 1000).to_pylist(), last, line_count)
 
     return read
 
 
-def _words(cells: Any, digits: DigitKind | None, pa: Any, pc: Any) -> Any:
+def _read_words(cells: Any, digits: DigitKind | None, pa: Any, pc: Any) -> Any:
     """Return numbers, or None if a cell is not a number in the usual form."""
 
     def begins(text: str) -> Any:
@@ -146,7 +147,7 @@ def _words(cells: Any, digits: DigitKind | None, pa: Any, pc: Any) -> Any:
     return cells.cast(pa.uint64()).to_numpy(zero_copy_only=False)
 
 
-def _bytes(cells: Any, length: int, pc: Any) -> Any:
+def _read_bytes(cells: Any, length: int, pc: Any) -> Any:
     """Return rows of bytes, or None if a cell has a different length or is not hexadecimal."""
     cells = pc.replace_substring(cells, " ", "")
     count = len(cells)

@@ -7,25 +7,25 @@ from collections.abc import Generator
 from contextlib import contextmanager
 from typing import Any, BinaryIO, Final
 
-from ..bulk.arrow import NoFrame, of_arrow
+from ..bulk.arrow import NoFrame, read_arrow
 from ..bulk.shape import Shape
 from ..bulk.words import short
 from ..errors import InputError
 from ..packages import load
 from . import inputs
-from .inputs import Part, Source, Stored, column_of, kept_columns
+from .inputs import Part, Source, Stored, find_column, kept_columns
 
 #: Number of bytes of a Parquet column that are read at once.
 _BUFFER: Final = 1 << 20
 
 
-def parquet_batches(file: BinaryIO, name: str, stored: Stored, shape: Shape) -> Source:
+def read_parquet_batches(file: BinaryIO, name: str, stored: Stored, shape: Shape) -> Source:
     """Return the frames and the other columns of a Parquet file."""
-    with _readable(name):
+    with _convert_to_readable(name):
         # Without a buffer, a whole column is read at once.
         opened_file = load("pyarrow.parquet").ParquetFile(file, buffer_size=_BUFFER, pre_buffer=False)
         schema = opened_file.schema_arrow
-        column = column_of(list(schema.names), stored.column, name)
+        column = find_column(list(schema.names), stored.column, name)
         total = int(opened_file.metadata.num_rows)
     other_names = tuple(column_name for column_name in schema.names if column_name != column)
     pa: Any = load("pyarrow")
@@ -33,25 +33,26 @@ def parquet_batches(file: BinaryIO, name: str, stored: Stored, shape: Shape) -> 
         other_names, stored, lambda column_name: pa.array([], schema.field(column_name).type), name
     )
     return Source(
-        _batches(opened_file, column, tuple(empty_columns), name, stored, shape), total, other_names, empty_columns
+        _read_batches(opened_file, column, tuple(empty_columns), name, stored, shape), total, other_names, empty_columns
     )
 
 
-def _batches(
+def _read_batches(
     file: Any, column: str, kept_names: tuple[str, ...], name: str, stored: Stored, shape: Shape
 ) -> Generator[Part, None, None]:
+    """Yield the frames of a column, with the other columns of the same rows."""
     done = 0
-    with _readable(name):
+    with _convert_to_readable(name):
         # More columns mean fewer rows at once.
         rows = max(inputs.CHUNK // (1 + len(kept_names)), 1)
         batches = file.iter_batches(batch_size=rows, columns=[column, *kept_names])
     while True:
-        with _readable(name):
+        with _convert_to_readable(name):
             batch = next(batches, None)
             if batch is None:
                 return
         try:
-            frames = of_arrow(batch.column(column), shape, stored.digits, done)
+            frames = read_arrow(batch.column(column), shape, stored.digits, done)
         except NoFrame as error:
             raise InputError(name, f"row {done + error.row + 1} of column {short(column)}", str(error)) from None
         except TypeError as error:
@@ -61,7 +62,7 @@ def _batches(
 
 
 @contextmanager
-def _readable(name: str) -> Generator[None, None, None]:
+def _convert_to_readable(name: str) -> Generator[None, None, None]:
     """Convert the errors that pyarrow raises for an unreadable file to InputError."""
     error: Any = load("pyarrow").lib.ArrowException
     try:

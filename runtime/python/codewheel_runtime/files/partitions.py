@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, NamedTuple, cast
 
-from ..bulk.arrow import of_arrow
+from ..bulk.arrow import read_arrow
 from ..bulk.cells import Cells
 from ..bulk.conversion import arrow_columns, pandas_columns
 from ..bulk.decode import decode_many
@@ -15,7 +15,7 @@ from ..bulk.words import DigitKind
 from ..encoder import Encoder
 from ..errors import InputError, UsageError
 from ..packages import load
-from .inputs import column_of
+from .inputs import find_column
 
 #: Name of a partition in messages.
 _NAME = "the partition"
@@ -50,10 +50,11 @@ class PartitionDecoder(NamedTuple):
         raise TypeError(f"expected a table of Arrow, pandas, polars or DuckDB, got {kind}")
 
     def _decode_arrow(self, partition: Any) -> Any:
+        """Return a table of Arrow with the decoded columns in place of the frames."""
         names = list(partition.schema.names)
-        column = column_of(names, self.column, _NAME)
+        column = find_column(names, self.column, _NAME)
         try:
-            frames = of_arrow(partition.column(names.index(column)), self.shape, self.digits)
+            frames = read_arrow(partition.column(names.index(column)), self.shape, self.digits)
             table = decode_many(frames, self.shape, self.encoder)
         except (TypeError, ValueError) as error:
             raise InputError(_NAME, f"column {column!r}", str(error)) from None
@@ -64,10 +65,11 @@ class PartitionDecoder(NamedTuple):
         return partition.__class__.from_arrays([*columns.values()], names=[*columns])
 
     def _decode_pandas(self, partition: Any) -> Any:
+        """Return a table of pandas with the decoded columns in place of the frames."""
         names = list(map(str, partition.columns))
-        column = column_of(names, self.column, _NAME)
+        column = find_column(names, self.column, _NAME)
         try:
-            frames = _of_series(partition.iloc[:, names.index(column)], self.shape, self.digits)
+            frames = _read_series(partition.iloc[:, names.index(column)], self.shape, self.digits)
             table = decode_many(frames, self.shape, self.encoder)
         except (TypeError, ValueError) as error:
             raise InputError(_NAME, f"column {column!r}", str(error)) from None
@@ -77,7 +79,7 @@ class PartitionDecoder(NamedTuple):
         return kept_part.assign(**decoded_columns)
 
 
-def _of_series(series: Any, shape: Shape, digits: DigitKind | None) -> Any:
+def _read_series(series: Any, shape: Shape, digits: DigitKind | None) -> Any:
     """Convert a pandas column to the form that ``decode_many`` expects. Missing items are None or NaN."""
     frames: Any = series.to_numpy()
     if frames.dtype.kind in "ui" or (frames.dtype.kind == "f" and not shape.length):
@@ -86,13 +88,13 @@ def _of_series(series: Any, shape: Shape, digits: DigitKind | None) -> Any:
     missing = series.isna().tolist()
     cell_frames: list[Any] = []
     for row, cell in enumerate(frames.tolist()):
-        cell_frames.append(None if missing[row] else _frame_in(cell, shape, cells, row))
+        cell_frames.append(None if missing[row] else _read_cell(cell, shape, cells, row))
     if cells.are_mostly_unread:
         raise ValueError(f"row {cells.place + 1}: {cells.error}")
     return cell_frames
 
 
-def _frame_in(cell: object, shape: Shape, cells: Cells, row: int) -> Any:
+def _read_cell(cell: object, shape: Shape, cells: Cells, row: int) -> Any:
     """Return a frame from a column of objects."""
     if isinstance(cell, str):
         return cells.read(cell, row)

@@ -8,11 +8,12 @@ import io
 import sys
 from collections.abc import Callable, Mapping
 from functools import cached_property
+from math import isnan
 from pathlib import PurePath
 from types import TracebackType
 from typing import Any, Final, Literal, NamedTuple, Protocol, cast
 
-from ..bulk.conversion import WORDS, arrow_columns, texts_of
+from ..bulk.conversion import WORDS, arrow_columns, list_texts
 from ..bulk.table import Table
 from ..packages import load
 
@@ -32,7 +33,7 @@ _ROWS: Final = 1 << 14
 _FEW_ROWS: Final = 1000
 
 
-def target_kind(path: str) -> TargetKind:
+def find_target_kind(path: str) -> TargetKind:
     """Return the format of a file according to its extension."""
     return _SUFFIXES.get(PurePath(path).suffix.lower(), "csv")
 
@@ -98,15 +99,16 @@ class Texts:
         else:
             texts = self._pa.array([cell.strip() or None for cell in cells], self._pa.string())
         if self.kind is None:
-            self.kind = self._kind_of(texts)
+            self.kind = self._find_type(texts)
         try:
             return texts.cast(self.kind)
         except self._pa.ArrowInvalid:
-            numbers = [self._number(cell) for cell in texts]
+            numbers = [self._cast_cell(cell) for cell in texts]
             self.lost += sum(cell is None for cell in numbers) - texts.null_count
             return self._pa.array(numbers, self.kind)
 
-    def _kind_of(self, texts: Any) -> Any:
+    def _find_type(self, texts: Any) -> Any:
+        """Return the type of a column of texts: integers, floats or texts."""
         for kind in (self._pa.int64(), self._pa.float64()) if texts.null_count < len(texts) else ():
             try:
                 texts.cast(kind)
@@ -115,7 +117,8 @@ class Texts:
             return kind
         return self._pa.string()
 
-    def _number(self, cell: Any) -> Any:
+    def _cast_cell(self, cell: Any) -> Any:
+        """Return a text as a number, or None if it is not one."""
         try:
             return cell.cast(self.kind).as_py()
         except self._pa.ArrowInvalid:
@@ -158,10 +161,11 @@ class ArrowSink:
         columns = {name: arrays[name] for name in self._plan.names}
         if self._writer is None:
             # The first cells of other columns determine their types.
-            self._writer = self._opened(self._pa.schema([(name, column.type) for name, column in columns.items()]))
+            self._writer = self._open_writer(self._pa.schema([(name, column.type) for name, column in columns.items()]))
         self._writer.write(self._pa.RecordBatch.from_arrays([*columns.values()], schema=self._writer_schema))
 
-    def _opened(self, schema: Any) -> Any:
+    def _open_writer(self, schema: Any) -> Any:
+        """Return the writer of a file with these columns."""
         self._writer_schema = schema
         if not self._parquet:
             return self._pa.ipc.new_file(self._file, schema)
@@ -183,10 +187,11 @@ class CsvSink:
     def __init__(self, file: Any, plan: Plan) -> None:
         # CSV keeps every cell as text, so none is ever lost.
         self._plan, self.lost = plan, 0
-        self._own = io.TextIOWrapper(file, "utf-8", newline="") if file is not None else None
-        out = self._own or sys.stdout
-        self._flush, self._put, self._rows = out.flush, out.write, csv.writer(out, lineterminator="\n").writerows
-        self._rows([plan.names])
+        # Without a file, the rows go to standard output.
+        self._own_file = io.TextIOWrapper(file, "utf-8", newline="") if file is not None else None
+        self._out = self._own_file or sys.stdout
+        self._writer = csv.writer(self._out, lineterminator="\n")
+        self._writer.writerow(plan.names)
 
     def __enter__(self) -> CsvSink:
         return self
@@ -195,10 +200,10 @@ class CsvSink:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         if kind is None:
-            self._flush()
-        if self._own is not None:
+            self._out.flush()
+        if self._own_file is not None:
             # The caller closes the file.
-            self._own.detach()
+            self._own_file.detach()
 
     @cached_property
     def _formatter(self) -> _ArrowFormatter | None:
@@ -221,24 +226,25 @@ class CsvSink:
             if text is None:
                 self._write_rows(part, columns)
             else:
-                self._put(text)
+                self._out.write(text)
 
     def _write_rows(self, table: Table, other_columns: Mapping[str, Any]) -> None:
         """Append the rows one by one, with quotes where they are needed."""
         columns: list[list[Any]] = []
         for name in self._plan.names:
             if name in self._plan.source_columns:
-                columns.append(_plain(other_columns[name]))
+                columns.append(_convert_to_plain(other_columns[name]))
             else:
                 hidden = None if self._plan.raw else table.hidden(name)
-                columns.append(_cells(name, table[name], hidden))
-        self._rows(zip(*columns, strict=False))
+                columns.append(_format_cells(name, table[name], hidden))
+        self._writer.writerows(zip(*columns, strict=False))
 
 
-def _cells(name: str, column: Any, hidden: Any) -> list[Any]:
+def _format_cells(name: str, column: Any, hidden: Any) -> list[Any]:
     """Return the cells of a decoded column for CSV."""
     cells: list[Any] = column.tolist()
     if column.dtype.kind == "O":
+        # Decimals, without an exponent.
         cells = [f"{cell:f}" for cell in cells]
     if column.dtype.kind == "b":
         cells = [_BOOLS[cell] for cell in cells]
@@ -248,8 +254,8 @@ def _cells(name: str, column: Any, hidden: Any) -> list[Any]:
         words = WORDS[name]
         return [words[index] for index in cells]
     if column.dtype.kind == "f":
-        return ["" if cell != cell else cell for cell in cells]
-    return texts_of(column) if column.dtype.kind == "S" else cells
+        return ["" if isnan(cell) else cell for cell in cells]
+    return list_texts(column) if column.dtype.kind == "S" else cells
 
 
 class _ArrowFormatter:
@@ -266,9 +272,9 @@ class _ArrowFormatter:
         columns: list[Any] = []
         for name in self._plan.names:
             if name in self._plan.source_columns:
-                columns.append(self._source_column(other_columns[name]))
+                columns.append(self._convert_source(other_columns[name]))
             else:
-                columns.append(self._decoded_column(name, table))
+                columns.append(self._convert_decoded(name, table))
         output = self._pa.BufferOutputStream()
         names = [str(index) for index in range(len(columns))]
         try:
@@ -277,33 +283,39 @@ class _ArrowFormatter:
             return None
         return str(output.getvalue(), "utf-8")
 
-    def _decoded_column(self, name: str, table: Table) -> Any:
+    def _convert_decoded(self, name: str, table: Table) -> Any:
+        """Return a decoded column for CSV."""
         column, hidden = table[name], None if self._plan.raw else table.hidden(name)
         if name in WORDS:
+            # A fault or a verdict is the index of its word.
             return self._pa.array(WORDS[name], self._pa.string()).take(self._pa.array(column))
-        if column.dtype.kind in "bui":
+        is_bool_or_integer = column.dtype.kind in "bui"
+        if is_bool_or_integer:
             return self._pa.array(column, mask=hidden)
-        return self._texts(_cells(name, column, hidden))
+        return self._format_texts(_format_cells(name, column, hidden))
 
-    def _source_column(self, column: Any) -> Any:
+    def _convert_source(self, column: Any) -> Any:
+        """Return another column for CSV."""
         kinds, kind = self._pa.types, getattr(column, "type", None)
         if kind is not None and (kinds.is_integer(kind) or kinds.is_boolean(kind) or kinds.is_string(kind)):
             return column
-        return self._texts(_plain(column))
+        return self._format_texts(_convert_to_plain(column))
 
-    def _texts(self, cells: list[Any]) -> Any:
+    def _format_texts(self, cells: list[Any]) -> Any:
+        """Return cells as a column of texts."""
         return self._pa.array([str(cell) for cell in cells], self._pa.string())
 
 
-def _plain(column: Any) -> list[Any]:
+def _convert_to_plain(column: Any) -> list[Any]:
     """Return the cells of another column for CSV: text unchanged, other values in their plainest form."""
     if hasattr(column, "to_pylist"):
-        return [_plain_cell(cell) for cell in column.to_pylist()]
+        return [_convert_cell(cell) for cell in column.to_pylist()]
     cells: list[Any] = column.tolist() if hasattr(column, "tolist") else column
     return cells
 
 
-def _plain_cell(cell: Any) -> Any:
+def _convert_cell(cell: Any) -> Any:
+    """Return a cell for CSV: an empty text for None, and bytes in hexadecimal."""
     if cell is None:
         return ""
     if isinstance(cell, bool):
@@ -311,17 +323,19 @@ def _plain_cell(cell: Any) -> Any:
     return cell.hex() if isinstance(cell, bytes) else cell
 
 
-def _parquet(file: Any, plan: Plan) -> Sink:
+def _open_parquet(file: Any, plan: Plan) -> Sink:
+    """Return the sink for a Parquet file."""
     return ArrowSink(file, plan, parquet=True)
 
 
-def _arrow(file: Any, plan: Plan) -> Sink:
+def _open_arrow(file: Any, plan: Plan) -> Sink:
+    """Return the sink for an Arrow file."""
     return ArrowSink(file, plan, parquet=False)
 
 
 #: Writers by format.
 SINKS: Final[Mapping[TargetKind, Callable[[Any, Plan], Sink]]] = {
-    "parquet": _parquet,
-    "arrow": _arrow,
+    "parquet": _open_parquet,
+    "arrow": _open_arrow,
     "csv": CsvSink,
 }

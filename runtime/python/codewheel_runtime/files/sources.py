@@ -16,9 +16,9 @@ from ..bulk.words import WORDS, WordKind, numbers
 from ..errors import InputError, UsageError
 from ..packages import load
 from . import inputs
-from .csv_text import csv_rows
+from .csv_text import read_csv_rows
 from .inputs import FIRST, FileKind, Part, Share, Source, Stored, check_form
-from .parquet import parquet_batches
+from .parquet import read_parquet_batches
 
 np: Any = load("numpy")
 
@@ -31,15 +31,15 @@ _SUFFIXES: Final[dict[str, FileKind]] = {
 }
 
 
-def kind_of(path: str) -> FileKind:
+def find_kind(path: str) -> FileKind:
     """Return the format of a file according to its extension."""
     return _SUFFIXES.get(PurePath(path).suffix.lower(), "binary")
 
 
 @contextmanager
-def opened(path: str, stored: Stored, shape: Shape, share: Share) -> Generator[Source, None, None]:
+def open_source(path: str, stored: Stored, shape: Shape, share: Share) -> Generator[Source, None, None]:
     """Open a file of frames, or standard input for ``-``. ``share`` returns the fraction of valid frames."""
-    kind = stored.kind or kind_of(path)
+    kind = stored.kind or find_kind(path)
     if not shape.length:
         if shape.bits > 64:
             raise UsageError(f"frames of {shape.bits} bits do not fit into words of 64")
@@ -51,19 +51,19 @@ def opened(path: str, stored: Stored, shape: Shape, share: Share) -> Generator[S
         if kind == "parquet":
             raise UsageError("Parquet cannot be read from standard input; give a file")
         file = cast(BinaryIO, getattr(sys.stdin, "buffer", sys.stdin))
-        with _closed(_source(file, "standard input", None, kind, stored, shape, share)) as source:
+        with _close_after(_choose_source(file, "standard input", None, kind, stored, shape, share)) as source:
             yield source
         return
     with open(path, "rb") as file:
         size = file.seek(0, io.SEEK_END) if file.seekable() else None
         if size is not None:
             file.seek(0)
-        with _closed(_source(file, fspath(path), size, kind, stored, shape, share)) as source:
+        with _close_after(_choose_source(file, fspath(path), size, kind, stored, shape, share)) as source:
             yield source
 
 
 @contextmanager
-def _closed(source: Source) -> Generator[Source, None, None]:
+def _close_after(source: Source) -> Generator[Source, None, None]:
     """Close the generator of the parts before its file, even if the caller stops early."""
     try:
         yield source
@@ -71,36 +71,42 @@ def _closed(source: Source) -> Generator[Source, None, None]:
         source.parts.close()
 
 
-def _source(
+def _choose_source(
     file: BinaryIO, name: str, size: int | None, kind: FileKind, stored: Stored, shape: Shape, share: Share
 ) -> Source:
+    """Return the source of frames in a file of this kind."""
     if kind == "parquet":
-        return parquet_batches(file, name, stored, shape)
+        return read_parquet_batches(file, name, stored, shape)
     if kind == "csv":
-        return csv_rows(file, name, size, stored, shape, share)
-    return Source(_binary(file, name, size, stored, shape, share), size)
+        return read_csv_rows(file, name, size, stored, shape, share)
+    return Source(_read_binary(file, name, size, stored, shape, share), size)
 
 
-def _binary(
+def _read_binary(
     file: BinaryIO, name: str, size: int | None, stored: Stored, shape: Shape, share: Share
 ) -> Generator[Part, None, None]:
-    length, done = shape.length or _length(stored.words, shape), 0
+    """Yield the frames of a binary file, and the amount read."""
+    length, done = shape.length or _check_length(stored.words, shape), 0
     while data := _read(file, length * inputs.CHUNK):
         if not done and not shape.length:
             head = data[: 8 * FIRST]
-            forms = ((f"--words {words}", _first(head, words, shape)) for words in _other_forms(stored.words, shape))
-            check_form(name, _first(head, stored.words, shape), forms, share)
+            forms = (
+                (f"--words {words}", _find_first(head, words, shape))
+                for words in _list_other_forms(stored.words, shape)
+            )
+            check_form(name, _find_first(head, stored.words, shape), forms, share)
         if not done and size is not None and size % length and not stored.cut:
-            raise _incomplete_frame(name, size, length)
+            raise _incomplete_frame_error(name, size, length)
         done += len(data)
         excess = len(data) % length
         if excess and not stored.cut:
-            raise _incomplete_frame(name, done, length)
+            raise _incomplete_frame_error(name, done, length)
         rows = np.frombuffer(data, np.uint8, len(data) - excess).reshape(-1, length)
         yield Part(rows if shape.length else numbers(rows, stored.words), done)
 
 
-def _incomplete_frame(name: str, size: int, length: int) -> InputError:
+def _incomplete_frame_error(name: str, size: int, length: int) -> InputError:
+    """Return the error for a file that ends within a frame."""
     whole, excess = divmod(size, length)
     more = "1 more byte follows" if excess == 1 else f"{excess} more bytes follow"
     problem = f"{whole} complete frames of {length} bytes end here, and {more}"
@@ -119,18 +125,18 @@ def _read(file: BinaryIO, size: int) -> bytes:
     return b"".join(pieces)
 
 
-def _length(words: WordKind, shape: Shape) -> int:
+def _check_length(words: WordKind, shape: Shape) -> int:
     """Return the number of bytes that a frame of bits occupies in the file."""
     return WORDS[words][0] or (shape.bits + 7) // 8
 
 
-def _other_forms(words: WordKind, shape: Shape) -> Iterator[WordKind]:
+def _list_other_forms(words: WordKind, shape: Shape) -> Iterator[WordKind]:
     """Yield all other forms that are wide enough for such a frame."""
-    return (form for form in get_args(WordKind) if form != words and 8 * _length(form, shape) >= shape.bits)
+    return (form for form in get_args(WordKind) if form != words and 8 * _check_length(form, shape) >= shape.bits)
 
 
-def _first(head: bytes, words: WordKind, shape: Shape) -> Any:
+def _find_first(head: bytes, words: WordKind, shape: Shape) -> Any:
     """Return the first frames of a file in a form."""
-    length = _length(words, shape)
+    length = _check_length(words, shape)
     count = min(len(head) // length, FIRST)
     return numbers(np.frombuffer(head, np.uint8, count * length).reshape(-1, length), words)

@@ -20,10 +20,10 @@ from ..errors import ErrorKind, InputError, UsageError
 from ..packages import load
 from ..reports import Verdict
 from .inputs import FileKind, Source, Stored
-from .layouts import Layout, layout_of, layouts_of, shape_for
+from .layouts import Layout, find_shape
 from .partitions import PartitionDecoder, check_apart
-from .sinks import SINKS, Plan, Sink, TargetKind, target_kind
-from .sources import opened
+from .sinks import SINKS, Plan, Sink, TargetKind, find_target_kind
+from .sources import open_source
 
 np: Any = load("numpy")
 
@@ -33,8 +33,6 @@ __all__ = [
     "Layout",
     "Summary",
     "UsageError",
-    "layout_of",
-    "layouts_of",
 ]
 
 _Part = TypeVar("_Part")
@@ -70,15 +68,15 @@ class Summary(NamedTuple):
     def __str__(self) -> str:
         valid = self.frames - sum(self.faults.values())
         verdicts = ", ".join(f"{count} {kind.value.replace('_', ' ')}" for kind, count in self.verdicts.items())
-        parts = [counted(self.frames, "frame"), f"{valid} valid" + (f" ({verdicts})" if verdicts else "")]
+        parts = [count_units(self.frames, "frame"), f"{valid} valid" + (f" ({verdicts})" if verdicts else "")]
         for kind, count in self.faults.items():
             parts.append(f"{count} with a {'CRC' if kind is ErrorKind.CRC else kind.name.lower()} error")
         if self.lost:
-            parts.append(f"{counted(self.lost, 'cell')} of other columns left empty")
+            parts.append(f"{count_units(self.lost, 'cell')} of other columns left empty")
         return ", ".join(parts)
 
 
-def counted(count: int, word: str) -> str:
+def count_units(count: int, word: str) -> str:
     """Return a number followed by its noun."""
     return f"{count} {word}{'' if count == 1 else 's'}"
 
@@ -150,9 +148,9 @@ class Files(NamedTuple):
             UsageError: The arguments are wrong or incompatible with each other.
             OSError: A file cannot be read or written.
         """
-        encoder = self._encoder(encoder)
-        shape = shape_for(encoder, layout, answers)
-        output = Output(os.fspath(target), target_format(target, to), columns, raw, force, si)
+        encoder = self._find_encoder(encoder)
+        shape = find_shape(encoder, layout, answers)
+        output = Output(os.fspath(target), find_target_format(target, to), columns, raw, force, si)
         wanted = (*columns, "time") if si and columns else columns
         stored = Stored(kind, words, column, digits, cut, wanted)
         return _decode_file(encoder, shape, os.fspath(source), stored, output, limit, progress)
@@ -194,11 +192,12 @@ class Files(NamedTuple):
             TypeError: ``part`` is not a partition of a supported type.
             UsageError: The arguments are wrong or incompatible with each other.
         """
-        encoder = self._encoder(encoder)
-        decoder = PartitionDecoder(encoder, shape_for(encoder, layout, answers), column, digits, raw)
+        encoder = self._find_encoder(encoder)
+        decoder = PartitionDecoder(encoder, find_shape(encoder, layout, answers), column, digits, raw)
         return cast(_Part, decoder.decode(part))
 
-    def _encoder(self, encoder: Encoder | str) -> Encoder:
+    def _find_encoder(self, encoder: Encoder | str) -> Encoder:
+        """Return the encoder for a label. An encoder is returned unchanged."""
         if isinstance(encoder, Encoder):
             return encoder
         variant: Encoder = import_module(self.package).lookup(encoder)
@@ -225,9 +224,9 @@ class Output(NamedTuple):
     si: bool
 
 
-def target_format(target: str | os.PathLike[str], to: TargetKind | None) -> TargetKind:
+def find_target_format(target: str | os.PathLike[str], to: TargetKind | None) -> TargetKind:
     """Return the format to write: the requested one, or that of the file name."""
-    kind = to or target_kind(os.fspath(target))
+    kind = to or find_target_kind(os.fspath(target))
     if os.fspath(target) == "-" and kind != "csv":
         raise UsageError("only CSV can be written to standard output")
     return kind
@@ -242,6 +241,7 @@ def _decode_file(
     limit: int | None,
     progress: Callable[[int, int | None, int], None] | None,
 ) -> Summary:
+    """Decode a file into a file of columns, part by part."""
     empty = decode_many([], shape, encoder)
     derived = Derived("time", source) if output.si else None
     fields = empty if derived is None else derived.check(empty.with_columns(time=np.zeros(0)))
@@ -250,19 +250,19 @@ def _decode_file(
         return float(decode_many(frames, shape, encoder).ok.mean())
 
     with (
-        opened(source, stored, shape, share) as read,
-        written(output.target, [source], output.force) as file,
+        open_source(source, stored, shape, share) as read,
+        open_for_writing(output.target, [source], output.force) as file,
     ):
         if derived is not None:
             if "time" not in read.empty_columns:
                 raise UsageError(f"{source} has no column 'time', which speeds in SI units need")
             check_apart(read.empty_columns, [name for name in fields.others if name != "time"], source)
-        plan = plan_of(fields, read, output.columns, source, output.raw)
+        plan = make_plan(fields, read, output.columns, source, output.raw)
         with SINKS[output.kind](file, plan) as sink:
-            return decoded(read, shape, encoder, sink, limit, progress, derived)
+            return decode_parts(read, shape, encoder, sink, limit, progress, derived)
 
 
-def decoded(
+def decode_parts(
     read: Source,
     shape: Shape,
     encoder: FrameSource | None,
@@ -304,7 +304,7 @@ class Derived:
             raise UsageError(f"no SI units: {error}") from None
 
     def __call__(self, table: Table, other_columns: Mapping[str, Any]) -> Table:
-        times = seconds_of(other_columns[self._time], self._source)
+        times = read_seconds(other_columns[self._time], self._source)
         extended = table.with_columns(**{self._time: times}).in_si(self._last)
         usable_rows = np.flatnonzero(table.usable)
         if len(usable_rows):
@@ -313,7 +313,7 @@ class Derived:
         return extended
 
 
-def seconds_of(cells: Any, source: str) -> Any:
+def read_seconds(cells: Any, source: str) -> Any:
     """Return the cells of a column of times as an array of seconds. An empty cell becomes NaN."""
     if hasattr(cells, "dtype"):
         return cells
@@ -350,7 +350,7 @@ class _Counts:
         return Summary(self.frames, dict(sorted(self._faults.items())), verdicts, lost)
 
 
-def plan_of(empty: Table, read: Source, columns: Sequence[str], source: str, raw: bool) -> Plan:
+def make_plan(empty: Table, read: Source, columns: Sequence[str], source: str, raw: bool) -> Plan:
     """Return the columns to write: the requested ones, or the other columns of the file and all fields."""
     unknown = [name for name in columns if name not in (*read.names, *empty.names)]
     if unknown:
@@ -361,7 +361,7 @@ def plan_of(empty: Table, read: Source, columns: Sequence[str], source: str, raw
 
 
 @contextmanager
-def written(target: str, sources: Iterable[str | os.PathLike[str]], force: bool) -> Generator[Any, None, None]:
+def open_for_writing(target: str, sources: Iterable[str | os.PathLike[str]], force: bool) -> Generator[Any, None, None]:
     """Open a temporary file. It is renamed to ``target`` when complete, and removed after an error."""
     if target == "-":
         yield None

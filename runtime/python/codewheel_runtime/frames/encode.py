@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..codec import (
     NO_SUCH_FLAG,
+    as_member,
     assert_never,
     check_bits,
     check_flag,
@@ -14,7 +15,6 @@ from ..codec import (
     check_power_of_two,
     check_signed,
     check_width,
-    choice,
     signed,
     text_number,
     to_gray,
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from ..bulk.shape import Check, Column, CrcOf, Shape, Unused
 
 
-def number_of(fields: Any, shape: Shape, arguments: tuple[Any, ...]) -> int:
+def encode_number(fields: Any, shape: Shape, arguments: tuple[Any, ...]) -> int:
     """Return the number that the fields of a frame form. ``arguments`` are the encoder and the answers that it needs.
 
     Raises:
@@ -35,15 +35,15 @@ def number_of(fields: Any, shape: Shape, arguments: tuple[Any, ...]) -> int:
     """
     number = shape.fixed
     for column in shape.columns:
-        number |= _bits(fields, column) << column.low
+        number |= _encode_field(fields, column) << column.low
     for check in shape.checks:
         bits = number >> check.low & (1 << check.width) - 1
         if not check.is_within(bits):
             raise _limit_error(shape, check, bits)
-    if shape.others is not None:
-        number |= check_bits("unused", fields.unused, shape.others)
+    if shape.kept_mask is not None:
+        number |= check_bits("unused", fields.unused, shape.kept_mask)
     elif shape.unused:
-        number |= _unused_bits(fields.unused, shape.unused)
+        number |= _encode_unused_bits(fields.unused, shape.unused)
     if shape.limited is not None:
         check_limits(shape.limited[0], getattr(fields, shape.limited[1]), fields.limits(*arguments))
     if shape.gray is not None:
@@ -51,7 +51,7 @@ def number_of(fields: Any, shape: Shape, arguments: tuple[Any, ...]) -> int:
     for check in shape.parities:
         number |= check.parity(number) << check.low
     if shape.crc is not None:
-        number |= crc_of(number, shape.crc) << shape.crc.low
+        number |= compute_crc(number, shape.crc) << shape.crc.low
     return number
 
 
@@ -65,7 +65,7 @@ def _limit_error(shape: Shape, check: Check, bits: int) -> RangeError:
     return RangeError(field, bits, f"at most {check.limit}")
 
 
-def _unused_bits(differing: Any, places: tuple[Unused, ...]) -> int:
+def _encode_unused_bits(differing: Any, places: tuple[Unused, ...]) -> int:
     """Return the unused bits in a frame: as in the manual, inverted where ``differing`` is 1."""
     mask = sum((1 << unused.width) - 1 << unused.place for unused in places)
     differing_bits = check_bits("unused", differing, mask)
@@ -76,7 +76,7 @@ def _unused_bits(differing: Any, places: tuple[Unused, ...]) -> int:
     return number
 
 
-def _bits(fields: Any, column: Column) -> int:
+def _encode_field(fields: Any, column: Column) -> int:
     """Return the bits of a field. Raises RangeError if its value does not fit."""
     name, width = column.field or column.name, column.width
     if column.kind == "digits":
@@ -96,16 +96,16 @@ def _bits(fields: Any, column: Column) -> int:
         case "signed":
             return check_signed(name, value, width) & (1 << width) - 1
         case "number" | "choice":
-            return _number_bits(name, value, column)
+            return _encode_number(name, value, column)
         case _:
             assert_never(column.kind)
 
 
-def _number_bits(name: str, value: Any, column: Column) -> int:
+def _encode_number(name: str, value: Any, column: Column) -> int:
     """Return the bits of an unsigned number, which may be limited to certain values."""
     width = column.width
     if isinstance(column.values, type):
-        return choice(column.values, name, value)
+        return as_member(column.values, name, value)
     if column.values:
         number = whole_number(name, value)
         if number not in column.values:
@@ -118,11 +118,14 @@ def _number_bits(name: str, value: Any, column: Column) -> int:
     return number
 
 
-def crc_of(number: int, crc: CrcOf) -> int:
+def compute_crc(number: int, crc: CrcOf) -> int:
     """Return the CRC of a number whose CRC bits are 0."""
     if not crc.steps:
         return crc.differs(number)
-    for shift, mask, shift_back in crc.steps:
-        high = number >> shift
-        number = number & mask ^ high ^ (high << shift_back if shift_back else 0)
+    # Each step folds the high bits of the number onto lower ones. The remainder is the CRC.
+    for step in crc.steps:
+        high = number >> step.shift
+        number = number & step.mask ^ high
+        if step.back:
+            number ^= high << step.back
     return number ^ crc.xorout

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Final
 
-from codewheel_runtime.bulk.shape import Check, Column, CrcOf, Fold, Shape, Speaks, Tells, of_bits
+from codewheel_runtime.bulk.shape import Check, Column, CrcOf, Fold, ReportCause, Shape, VerdictCause, compare_bits
 from codewheel_runtime.codec import BitField
 from codewheel_runtime.errors import ErrorKind
 from codewheel_runtime.reports import Verdict
@@ -38,7 +38,7 @@ from ..icmu import (
 
 @lru_cache(maxsize=None)
 def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
-    """Return the shape of ``SingleCycleData``."""
+    """Return the description of ``SingleCycleData`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=variant.zero_bits + variant.position_bits + 8,
         columns=(
@@ -46,39 +46,50 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
             Column("error", low=7, width=1, kind="not_flag"),
             Column("warning", low=6, width=1, kind="not_flag"),
         ),
+        # Constants, parity bits and limits.
         checks=(
             Check(low=8, width=variant.zero_bits, fault=ErrorKind.CONSTANT, values=(0,)),
         ),
-        speaks=(
-            Speaks(Verdict.NOT_USABLE, flag="error"),
-            Speaks(Verdict.USABLE_WITH_WARNING, flag="warning"),
+        # Conditions of each verdict, the most severe first.
+        verdict_causes=(
+            VerdictCause(Verdict.NOT_USABLE, flag="error"),
+            VerdictCause(Verdict.USABLE_WITH_WARNING, flag="warning"),
         ),
-        tells=(
-            Tells("error", flag="error"),
-            Tells("warning", flag="warning"),
+        # Conditions of each report.
+        report_causes=(
+            ReportCause("error", flag="error"),
+            ReportCause("warning", flag="warning"),
         ),
         fields=(
-            BitField("position", variant.zero_bits + 8, variant.position_bits),
-            BitField("zero", 8, variant.zero_bits),
-            BitField("error", 7, 1),
-            BitField("warning", 6, 1),
-            BitField("crc", 0, 6),
+            BitField("position", low=variant.zero_bits + 8, width=variant.position_bits),
+            BitField("zero", low=8, width=variant.zero_bits),
+            BitField("error", low=7, width=1),
+            BitField("warning", low=6, width=1),
+            BitField("crc", low=0, width=6),
         ),
+        # The steps fold the bits that the CRC covers, which computes it for many frames at once.
         crc=CrcOf(
             low=0,
             width=6,
-            differs=of_bits(crc_biss_6, variant.zero_bits + variant.position_bits + 2, 6),
+            differs=compare_bits(crc_biss_6, covered=variant.zero_bits + variant.position_bits + 2, width=6),
             xorout=63,
-            steps=(Fold(12, 0xFFF, 2), Fold(24, 0xFFFFFF, 4), Fold(12, 0xFFF, 2), Fold(6, 0x3F, 1), Fold(6, 0x3F, 1)),
+            steps=(
+                Fold(shift=12, mask=0xFFF, back=2),
+                Fold(shift=24, mask=0xFFFFFF, back=4),
+                Fold(shift=12, mask=0xFFF, back=2),
+                Fold(shift=6, mask=0x3F, back=1),
+                Fold(shift=6, mask=0x3F, back=1),
+            ),
         ),
         position="position",
-        otherwise=Verdict.USABLE,
+        # Verdict while these conditions are false.
+        default_verdict=Verdict.USABLE,
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_mode() -> Shape:
-    """Return the shape of ``Mode``."""
+    """Return the description of ``Mode`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -87,15 +98,16 @@ def shape_of_register_mode() -> Shape:
             Column("modea", low=0, width=3, kind="choice", values=Modea),
         ),
         fields=(
-            BitField("modea", 0, 3),
+            BitField("modea", low=0, width=3),
         ),
-        others=0xF8,
+        # All other bits, which are kept.
+        kept_mask=0xF8,
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_output_length() -> Shape:
-    """Return the shape of ``OutputLength``."""
+    """Return the description of ``OutputLength`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -105,15 +117,15 @@ def shape_of_register_output_length() -> Shape:
             Column("out_msb", low=0, width=5),
         ),
         fields=(
-            BitField("out_zero", 5, 3),
-            BitField("out_msb", 0, 5),
+            BitField("out_zero", low=5, width=3),
+            BitField("out_msb", low=0, width=5),
         ),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_output_selection() -> Shape:
-    """Return the shape of ``OutputSelection``."""
+    """Return the description of ``OutputSelection`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -125,17 +137,17 @@ def shape_of_register_output_selection() -> Shape:
             Column("out_lsb", low=0, width=4),
         ),
         fields=(
-            BitField("gssi", 7, 1),
-            BitField("rssi", 6, 1),
-            BitField("mode_st", 4, 2),
-            BitField("out_lsb", 0, 4),
+            BitField("gssi", low=7, width=1),
+            BitField("rssi", low=6, width=1),
+            BitField("mode_st", low=4, width=2),
+            BitField("out_lsb", low=0, width=4),
         ),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_bank() -> Shape:
-    """Return the shape of ``Bank``."""
+    """Return the description of ``Bank`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -144,15 +156,16 @@ def shape_of_register_bank() -> Shape:
             Column("bank", low=0, width=5),
         ),
         fields=(
-            BitField("bank", 0, 5),
+            BitField("bank", low=0, width=5),
         ),
-        others=0xE0,
+        # All other bits, which are kept.
+        kept_mask=0xE0,
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_eds_bank() -> Shape:
-    """Return the shape of ``EdsBank``."""
+    """Return the description of ``EdsBank`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -161,14 +174,14 @@ def shape_of_register_eds_bank() -> Shape:
             Column("eds_bank", low=0, width=8),
         ),
         fields=(
-            BitField("eds_bank", 0, 8),
+            BitField("eds_bank", low=0, width=8),
         ),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_profile_id() -> Shape:
-    """Return the shape of ``ProfileId``."""
+    """Return the description of ``ProfileId`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,
@@ -177,14 +190,14 @@ def shape_of_register_profile_id() -> Shape:
             Column("profile_id", low=0, width=16),
         ),
         fields=(
-            BitField("profile_id", 0, 16),
+            BitField("profile_id", low=0, width=16),
         ),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_serial_number() -> Shape:
-    """Return the shape of ``SerialNumber``."""
+    """Return the description of ``SerialNumber`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
@@ -193,14 +206,14 @@ def shape_of_register_serial_number() -> Shape:
             Column("serial_number", low=0, width=32),
         ),
         fields=(
-            BitField("serial_number", 0, 32),
+            BitField("serial_number", low=0, width=32),
         ),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_event_count() -> Shape:
-    """Return the shape of ``EventCount``."""
+    """Return the description of ``EventCount`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -209,14 +222,14 @@ def shape_of_register_event_count() -> Shape:
             Column("event_count", low=0, width=8),
         ),
         fields=(
-            BitField("event_count", 0, 8),
+            BitField("event_count", low=0, width=8),
         ),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_hardware_revision() -> Shape:
-    """Return the shape of ``HardwareRevision``."""
+    """Return the description of ``HardwareRevision`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -225,14 +238,14 @@ def shape_of_register_hardware_revision() -> Shape:
             Column("hardware_revision", low=0, width=8),
         ),
         fields=(
-            BitField("hardware_revision", 0, 8),
+            BitField("hardware_revision", low=0, width=8),
         ),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_status0() -> Shape:
-    """Return the shape of ``Status0``."""
+    """Return the description of ``Status0`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -245,19 +258,20 @@ def shape_of_register_status0() -> Shape:
             Column("am_min", low=0, width=1, kind="flag"),
         ),
         fields=(
-            BitField("stup", 4, 1),
-            BitField("an_max", 3, 1),
-            BitField("an_min", 2, 1),
-            BitField("am_max", 1, 1),
-            BitField("am_min", 0, 1),
+            BitField("stup", low=4, width=1),
+            BitField("an_max", low=3, width=1),
+            BitField("an_min", low=2, width=1),
+            BitField("am_max", low=1, width=1),
+            BitField("am_min", low=0, width=1),
         ),
-        others=0xE0,
+        # All other bits, which are kept.
+        kept_mask=0xE0,
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_status1() -> Shape:
-    """Return the shape of ``Status1``."""
+    """Return the description of ``Status1`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -273,21 +287,21 @@ def shape_of_register_status1() -> Shape:
             Column("cmd_exe", low=0, width=1, kind="flag"),
         ),
         fields=(
-            BitField("crc_err", 7, 1),
-            BitField("epr_err", 6, 1),
-            BitField("mt_err", 5, 1),
-            BitField("mt_ctr", 4, 1),
-            BitField("non_ctr", 3, 1),
-            BitField("frq_abz", 2, 1),
-            BitField("frq_cnv", 1, 1),
-            BitField("cmd_exe", 0, 1),
+            BitField("crc_err", low=7, width=1),
+            BitField("epr_err", low=6, width=1),
+            BitField("mt_err", low=5, width=1),
+            BitField("mt_ctr", low=4, width=1),
+            BitField("non_ctr", low=3, width=1),
+            BitField("frq_abz", low=2, width=1),
+            BitField("frq_cnv", low=1, width=1),
+            BitField("cmd_exe", low=0, width=1),
         ),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_device_id() -> Shape:
-    """Return the shape of ``DeviceId``."""
+    """Return the description of ``DeviceId`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=48,
         length=6,
@@ -296,14 +310,14 @@ def shape_of_register_device_id() -> Shape:
             Column("device_id", low=0, width=48),
         ),
         fields=(
-            BitField("device_id", 0, 48),
+            BitField("device_id", low=0, width=48),
         ),
     )
 
 
 @lru_cache(maxsize=None)
 def shape_of_register_manufacturer_id() -> Shape:
-    """Return the shape of ``ManufacturerId``."""
+    """Return the description of ``ManufacturerId`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,
@@ -312,7 +326,7 @@ def shape_of_register_manufacturer_id() -> Shape:
             Column("manufacturer_id", low=0, width=16),
         ),
         fields=(
-            BitField("manufacturer_id", 0, 16),
+            BitField("manufacturer_id", low=0, width=16),
         ),
     )
 

@@ -10,7 +10,7 @@ from ..errors import InputError
 from ..packages import load
 from .cells import Cells
 from .shape import Shape
-from .words import DigitKind, numbers, of_floats
+from .words import DigitKind, numbers, read_floats
 
 np: Any = load("numpy")
 
@@ -23,19 +23,19 @@ class NoFrame(ValueError):
         self.row = row
 
 
-def of_column(column: Any, shape: Shape) -> Any:
+def read_column(column: Any, shape: Shape) -> Any:
     """Convert a column of any library with Arrow's C interface to the form that ``decode_many`` expects."""
     pa: Any = load("pyarrow")
     if not isinstance(column, (pa.Array, pa.ChunkedArray)):
         column = pa.chunked_array(column) if hasattr(column, "__arrow_c_stream__") else pa.array(column)
     try:
-        return of_arrow(column, shape)
+        return read_arrow(column, shape)
     except NoFrame as error:
         reason = "frames as text need 0x in front: convert the column to integers"
         raise InputError("the frames", f"row {error.row + 1}", reason) from None
 
 
-def of_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, done: int = 0) -> Any:
+def read_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, done: int = 0) -> Any:
     """Convert an Arrow column to the form that ``decode_many`` expects. Missing items are masked or None.
 
     ``done`` is the number of earlier rows of a file. Most of its first frames must be readable.
@@ -54,21 +54,21 @@ def of_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, done: in
     if kinds.is_null(kind):
         return [None] * len(array)
     if kinds.is_integer(kind):
-        return _integers(array, shape)
+        return _read_integers(array, shape)
     if kinds.is_float64(kind) and not shape.length:
-        return of_floats(array.to_numpy(zero_copy_only=False), shape.bits, done)
+        return read_floats(array.to_numpy(zero_copy_only=False), shape.bits, done)
     if kinds.is_string(kind) or kinds.is_large_string(kind):
-        return _each(array.to_pylist(), shape, digits, not done)
+        return _read_each(array.to_pylist(), shape, digits, not done)
     if not (kinds.is_binary(kind) or kinds.is_large_binary(kind) or kinds.is_fixed_size_binary(kind)):
         raise TypeError(f"expected numbers, bytes or text, got items of the type {kind}")
     length = shape.length or (shape.bits + 7) // 8
-    rows = _rows_of(array, length) if not array.null_count else None
+    rows = _read_rows(array, length) if not array.null_count else None
     if rows is not None:
         return rows if shape.length else numbers(rows)
-    return of_bytes(array.to_pylist(), shape)
+    return read_byte_cells(array.to_pylist(), shape)
 
 
-def _integers(array: Any, shape: Shape) -> Any:
+def _read_integers(array: Any, shape: Shape) -> Any:
     """Return integers as an array. Missing ones are masked."""
     if shape.length:
         raise TypeError(f"expected rows of {shape.length} bytes, got numbers")
@@ -78,11 +78,12 @@ def _integers(array: Any, shape: Shape) -> Any:
     return np.ma.masked_array(array.fill_null(0).to_numpy(zero_copy_only=False), missing)
 
 
-def _rows_of(array: Any, length: int) -> Any:
+def _read_rows(array: Any, length: int) -> Any:
     """Return byte strings as rows of an array, without copying them, or None if one has the wrong length."""
     kind, count = array.type, len(array)
     if not count:
         return np.zeros((0, length), np.uint8)
+    # Arrow stores the bytes of all strings in one buffer. Without a fixed size, another one has their offsets.
     buffers = array.buffers()
     if load("pyarrow").types.is_fixed_size_binary(kind):
         if kind.byte_width != length:
@@ -97,7 +98,7 @@ def _rows_of(array: Any, length: int) -> Any:
     return np.frombuffer(data, np.uint8, count * length, start).reshape(count, length)
 
 
-def of_bytes(items: Iterable[bytes | None], shape: Shape) -> list[Any]:
+def read_byte_cells(items: Iterable[bytes | None], shape: Shape) -> list[Any]:
     """Return rows of bytes in the form that ``decode_many`` expects: unchanged, or converted to integers.
 
     None is kept.
@@ -107,7 +108,7 @@ def of_bytes(items: Iterable[bytes | None], shape: Shape) -> list[Any]:
     return [int.from_bytes(row, "big") if row else None for row in items]
 
 
-def _each(items: Iterable[str | None], shape: Shape, digits: DigitKind | None, is_first: bool) -> list[Any]:
+def _read_each(items: Iterable[str | None], shape: Shape, digits: DigitKind | None, is_first: bool) -> list[Any]:
     """Return the frame in each text cell, or None for a cell without a frame."""
     cells = Cells(shape, digits)
     frames = [cells.read(cell or "", row) for row, cell in enumerate(items)]

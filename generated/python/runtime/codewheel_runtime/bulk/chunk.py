@@ -91,7 +91,7 @@ def limbs_of(rows: Any, shape: Shape) -> list[Any]:
     is_little = shape.order == "little"
     kind = "<u8" if is_little else ">u8"
     if length < 8:
-        return [_short(rows, kind, is_little)]
+        return [_take_from_bytes(rows, kind, is_little)]
     limbs: list[Any] = []
     for low in range(0, length, 8):
         overlap = max(low + 8 - length, 0)
@@ -105,7 +105,7 @@ def limbs_of(rows: Any, shape: Shape) -> list[Any]:
     return limbs
 
 
-def _short(rows: Any, kind: str, is_little: bool) -> Any:
+def _take_from_bytes(rows: Any, kind: str, is_little: bool) -> Any:
     """Return rows of fewer than eight bytes as numbers.
 
     Eight bytes are read for each row. Those of the last rows would be outside the array, so these rows are copied.
@@ -125,7 +125,7 @@ def _short(rows: Any, kind: str, is_little: bool) -> Any:
     return limb
 
 
-def within(bits: Any, check: Check, limit: int) -> Any:
+def are_within(bits: Any, check: Check, limit: int) -> Any:
     """Return whether each number is from ``lowest`` to ``limit``. Negative ones are in two's complement."""
     kind, mask = bits.dtype.type, (1 << check.width) - 1
     if check.lowest:
@@ -133,7 +133,7 @@ def within(bits: Any, check: Check, limit: int) -> Any:
     return bits <= kind(limit - check.lowest)
 
 
-def parity_bits(chunk: Chunk, check: Check) -> Any:
+def compute_parity(chunk: Chunk, check: Check) -> Any:
     """Return the parity bit of each frame, of the bits as they were sent, or 0 if the encoder does not send it."""
     if not check.width:
         return np.zeros(len(chunk.limbs[0]), np.uint8)
@@ -154,7 +154,7 @@ def parity_bits(chunk: Chunk, check: Check) -> Any:
     return bits & kind(1) ^ kind(check.odd)
 
 
-def crc_difference(chunk: Chunk, crc: CrcOf) -> Any:
+def compare_crc(chunk: Chunk, crc: CrcOf) -> Any:
     """Return the bits in which each CRC differs from the computed one, 0 if it matches."""
     if crc.steps:
         return _fold(chunk.limbs[0], crc, chunk.bits)
@@ -165,7 +165,7 @@ def crc_difference(chunk: Chunk, crc: CrcOf) -> Any:
         half ^= half >> np.uint32(8)
         difference = half.astype(np.uint8)
         return difference ^ np.uint8(crc.xorout) if crc.xorout else difference
-    tables = _tables(crc.differs, chunk.bits)
+    tables = _tables_of_folds(crc.differs, chunk.bits)
     difference = tables[0][chunk.byte(0)]
     for place, table in enumerate(tables[1:], 1):
         difference ^= table[chunk.byte(place)]
@@ -173,14 +173,20 @@ def crc_difference(chunk: Chunk, crc: CrcOf) -> Any:
 
 
 def _fold(number: Any, crc: CrcOf, bits: int) -> Any:
-    """Return remainders. Each step folds high bits onto lower ones, in 32 bits as soon as the numbers fit."""
-    remainder, word_type = number ^ np.uint64(crc.xorout) if crc.xorout else number, np.uint64
+    """Return the remainders of numbers with their CRC, 0 if it matches.
+
+    Each step folds the high bits onto lower ones, in 32 bits as soon as the numbers fit.
+    """
+    remainder = number ^ np.uint64(crc.xorout) if crc.xorout else number
+    word_type = np.uint64
     for step in crc.steps:
         if bits <= step.shift:
             continue
         high = remainder >> word_type(step.shift)
         remainder = remainder & word_type(step.mask)
+        # The width of the remainder: that of the low bits, or of the folded high bits.
         bits = max(step.shift, bits - step.shift + step.back)
+        # Operations on 32 bits take half the time.
         if word_type is np.uint64 and bits <= 32:
             remainder, high, word_type = remainder.astype(np.uint32), high.astype(np.uint32), np.uint32
         remainder ^= high
@@ -191,7 +197,7 @@ def _fold(number: Any, crc: CrcOf, bits: int) -> Any:
 
 
 @lru_cache(maxsize=64)
-def _tables(differs: Callable[[int], int], bits: int) -> tuple[Any, ...]:
+def _tables_of_folds(differs: Callable[[int], int], bits: int) -> tuple[Any, ...]:
     """Return one table per byte of a number, with the contribution of each value of the byte to the CRC difference.
 
     The entries of the first table also include the difference of the number 0.

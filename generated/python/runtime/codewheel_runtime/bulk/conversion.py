@@ -34,12 +34,12 @@ class Columns(Protocol):
         ...
 
 
-def none_where(hidden: Iterable[bool], cells: Iterable[Any]) -> list[Any]:
+def insert_none(hidden: Iterable[bool], cells: Iterable[Any]) -> list[Any]:
     """Return the cells of a column, with None for those that are hidden."""
     return [None if is_hidden else cell for cell, is_hidden in zip(cells, hidden, strict=True)]
 
 
-def texts_of(column: Any) -> list[str]:
+def list_texts(column: Any) -> list[str]:
     """Return the cells of a column of byte strings as text."""
     return [cell.decode("latin-1") for cell in column.tolist()]
 
@@ -62,7 +62,7 @@ def arrow_columns(table: Columns, names: Iterable[str], raw: bool = False) -> di
 def _arrow_array(pa: Any, column: Any, hidden: Any) -> Any:
     """Return a column as an Arrow array. Values at ``hidden``, and NaN, become null."""
     if _is_text(column):
-        return pa.array(texts_of(column), pa.string())
+        return pa.array(list_texts(column), pa.string())
     is_numpy_array = hasattr(getattr(column, "dtype", None), "kind")
     return pa.array(column, mask=hidden, from_pandas=True) if is_numpy_array else pa.array(column)
 
@@ -77,12 +77,12 @@ def pandas_columns(table: Columns, names: Iterable[str], raw: bool = False) -> d
             columns[name] = pd.Categorical.from_codes(column.view("i1"), WORDS[name])
         elif table.scale(name) is not None:
             cells = column.tolist()
-            columns[name] = cells if hidden is None else none_where(hidden, cells)
+            columns[name] = cells if hidden is None else insert_none(hidden, cells)
         elif hidden is not None:
             nullable_array = pd.arrays.BooleanArray if column.dtype == bool else pd.arrays.IntegerArray
             columns[name] = nullable_array(column, hidden)
         else:
-            columns[name] = texts_of(column) if _is_text(column) else column
+            columns[name] = list_texts(column) if _is_text(column) else column
     return columns
 
 

@@ -8,9 +8,9 @@ from typing import Any, Final
 
 from ..codec import NO_SUCH_FLAG, assert_never
 from ..errors import RangeError
-from .chunk import Chunk, crc_difference, np, parity_bits, within
+from .chunk import Chunk, are_within, compare_crc, compute_parity, np
 from .decode import CHUNK
-from .shape import Column, Join, Shape, scales, width_of
+from .shape import Column, Join, Shape, find_width, scales
 from .table import Table
 
 #: Kinds of NumPy arrays for a field, as ``dtype.kind``, unless they are integers. Bools are not numbers.
@@ -55,26 +55,26 @@ def encode_many(columns: Mapping[str, Any] | Table, shape: Shape) -> Any:
     other_names: Iterable[str] = ()
     if isinstance(columns, Table):
         other_names, columns = columns.others, columns.columns
-    arrays = _arrays_of(columns, shape, other_names)
+    arrays = _read_arrays(columns, shape, other_names)
     # All arrays have the same length.
     count = max(map(len, arrays.values()), default=0)
     frames = np.empty((count, shape.length), np.uint8) if shape.length else np.empty(count, np.uint64)
     for start in range(0, count, CHUNK):
         rows = slice(start, start + CHUNK)
         first_error = FirstError()
-        limbs = _encoded({name: column[rows] for name, column in arrays.items()}, shape, first_error)
+        limbs = _encode_rows({name: column[rows] for name, column in arrays.items()}, shape, first_error)
         first_error.raise_first(start)
-        frames[rows] = _rows(limbs, shape) if shape.length else limbs[0]
+        frames[rows] = _convert_to_rows(limbs, shape) if shape.length else limbs[0]
     return frames
 
 
-def _arrays_of(columns: Mapping[str, Any], shape: Shape, other_names: Iterable[str]) -> dict[str, Any]:
+def _read_arrays(columns: Mapping[str, Any], shape: Shape, other_names: Iterable[str]) -> dict[str, Any]:
     """Return the required columns as arrays of equal length. A single value applies to all rows."""
     if not hasattr(columns, "keys"):
         raise TypeError(f"columns must be a mapping of names to arrays, got {type(columns).__name__}")
     fields: dict[str, Column] = {}
     for column in shape.columns:
-        fields |= dict.fromkeys(names_of(column), column)
+        fields |= dict.fromkeys(list_names(column), column)
     _check_names([*columns], fields, shape, other_names)
     joined_names = [join.name for join in shape.joins]
     needed = [name for name in (*fields, *joined_names, "unused", "fault") if name in columns]
@@ -121,20 +121,20 @@ def _check_names(
         raise TypeError(f"missing columns: {missing}; unknown columns: {unknown}")
 
 
-def names_of(column: Column) -> tuple[str, ...]:
+def list_names(column: Column) -> tuple[str, ...]:
     """Return the names of a field's columns: one for each group of its decimal digits, or just the field."""
     return tuple(name for name, _, _ in column.runs) or (column.name,)
 
 
-def _encoded(arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> list[Any]:
+def _encode_rows(arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> list[Any]:
     """Return the frames as numbers, in 64-bit limbs."""
     count = len(next(iter(arrays.values())))
     limbs = [np.full(count, shape.fixed >> low & (1 << 64) - 1, np.uint64) for low in range(0, shape.bits, 64)]
     if "fault" in arrays:
         first_error.add(arrays["fault"] != 0, "fault", arrays["fault"], "0 (a frame with an error has no values)")
     for column in shape.columns:
-        if all(name in arrays for name in names_of(column)):
-            for low, width, bits in _bits(arrays, column, first_error):
+        if all(name in arrays for name in list_names(column)):
+            for low, width, bits in _encode_field(arrays, column, first_error):
                 _insert(limbs, low, width, bits)
         elif column.kind == "not_flag":
             _insert(limbs, column.low, column.width, np.ones(count, np.uint64))
@@ -149,16 +149,16 @@ def _encoded(arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -
 
 def _insert(limbs: list[Any], low: int, width: int, bits: Any) -> None:
     """Insert bits at a position where all bits are still 0."""
-    at, shift = divmod(low, 64)
+    limb_index, shift = divmod(low, 64)
     if width:
-        limbs[at] |= bits << np.uint64(shift)
+        limbs[limb_index] |= bits << np.uint64(shift)
     if shift + width > 64:
-        limbs[at + 1] |= bits >> np.uint64(64 - shift)
+        limbs[limb_index + 1] |= bits >> np.uint64(64 - shift)
 
 
-def _bits(arrays: Mapping[str, Any], column: Column, first_error: FirstError) -> Iterator[tuple[int, int, Any]]:
+def _encode_field(arrays: Mapping[str, Any], column: Column, first_error: FirstError) -> Iterator[tuple[int, int, Any]]:
     """Yield the pieces of a field: lowest bit, width and bits."""
-    values = arrays[names_of(column)[0]]
+    values = arrays[list_names(column)[0]]
     match column.kind:
         case "flag" | "not_flag":
             if values.dtype.kind != "b":
@@ -169,11 +169,11 @@ def _bits(arrays: Mapping[str, Any], column: Column, first_error: FirstError) ->
         case "digits":
             number = np.zeros(len(values), np.uint64)
             for name, divisor, modulus in column.runs:
-                digits = _unsigned(arrays[name], first_error, name, modulus - 1)
+                digits = _check_unsigned(arrays[name], first_error, name, modulus - 1)
                 number += digits * np.uint64(divisor)
-            yield column.low, column.width, _fitting(number, column.width, number, first_error, column.name)
+            yield column.low, column.width, _check_fit(number, column.width, number, first_error, column.name)
         case "text":
-            yield from _text(values, column, first_error)
+            yield from _encode_text(values, column, first_error)
         case "signed":
             top = 1 << column.width >> 1
             high = max(top, 1) - 1
@@ -183,12 +183,12 @@ def _bits(arrays: Mapping[str, Any], column: Column, first_error: FirstError) ->
             first_error.add(is_wrong, column.name, values, f"{-top} to {top - 1}")
             yield column.low, column.width, values.astype(np.int64).view(np.uint64) & np.uint64((1 << column.width) - 1)
         case "number" | "choice":
-            yield column.low, column.width, _number(values, column, first_error)
+            yield column.low, column.width, _encode_number(values, column, first_error)
         case _:
             assert_never(column.kind)
 
 
-def _number(values: Any, column: Column, first_error: FirstError) -> Any:
+def _encode_number(values: Any, column: Column, first_error: FirstError) -> Any:
     """Return the bits of an unsigned number."""
     if column.power_of_two:
         is_wrong = (values < 1) | (values & (values - values.dtype.type(1)) != 0)
@@ -196,10 +196,10 @@ def _number(values: Any, column: Column, first_error: FirstError) -> Any:
     if column.zero_means:
         first_error.add(values == 0, column.name, values, f"1 to {column.zero_means}")
         values = np.where(values == column.zero_means, values.dtype.type(0), values)
-    return _unsigned(values, first_error, column.name, (1 << column.width) - 1)
+    return _check_unsigned(values, first_error, column.name, (1 << column.width) - 1)
 
 
-def _unsigned(values: Any, first_error: FirstError, name: str, highest: int) -> Any:
+def _check_unsigned(values: Any, first_error: FirstError, name: str, highest: int) -> Any:
     """Return numbers that are at most ``highest`` as unsigned 64-bit numbers."""
     is_wrong = values < 0 if values.dtype.kind == "i" else np.zeros(len(values), bool)
     bits = values.astype(np.uint64)
@@ -209,14 +209,14 @@ def _unsigned(values: Any, first_error: FirstError, name: str, highest: int) -> 
     return bits
 
 
-def _fitting(bits: Any, width: int, values: Any, first_error: FirstError, name: str) -> Any:
+def _check_fit(bits: Any, width: int, values: Any, first_error: FirstError, name: str) -> Any:
     """Return bits after a check that they fit into ``width`` bits."""
     if width < 64:
         first_error.add(bits >> np.uint64(width) != 0, name, values, f"0 to {(1 << width) - 1}")
     return bits
 
 
-def _text(values: Any, column: Column, first_error: FirstError) -> Iterator[tuple[int, int, Any]]:
+def _encode_text(values: Any, column: Column, first_error: FirstError) -> Iterator[tuple[int, int, Any]]:
     """Yield the characters of a string, the first one most significant. Trailing NUL characters may be omitted."""
     length = column.width // 8
     kind = np.dtype(np.uint8 if values.dtype.kind == "S" else np.uint32)
@@ -234,15 +234,15 @@ def _insert_join(
     limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, join: Join, first_error: FirstError
 ) -> None:
     """Insert the fields of a joined number. Fields that are also given separately must agree with it."""
-    width = width_of(shape, join)
-    whole = _unsigned(arrays[join.name], first_error, join.name, (1 << width) - 1)
+    width = find_width(shape, join)
+    whole = _check_unsigned(arrays[join.name], first_error, join.name, (1 << width) - 1)
     by_name = {column.name: column for column in shape.columns}
     for name, place in join.fields:
         column = by_name[name]
         if not column.width:
             continue
         bits = whole >> np.uint64(place) & np.uint64((1 << column.width) - 1)
-        if all(field_name in arrays for field_name in names_of(column)):
+        if all(field_name in arrays for field_name in list_names(column)):
             separate_bits = Chunk(limbs, shape.bits).take(column.low, column.width)
             first_error.add(separate_bits != bits, join.name, arrays[join.name], "equal to its fields")
         else:
@@ -254,12 +254,12 @@ def _insert_unused(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, fi
     values = arrays.get("unused", np.zeros(len(limbs[0]), np.uint8))
     bits = values.astype(np.uint64)
     unused_mask = sum(((1 << unused.width) - 1) << unused.place for unused in shape.unused)
-    first_error.add(
-        bits & np.uint64(~unused_mask & (1 << 64) - 1) != 0, "unused", values, f"within the mask {unused_mask:#x}"
-    )
+    is_outside = bits & np.uint64(~unused_mask & (1 << 64) - 1) != 0
+    first_error.add(is_outside, "unused", values, f"within the mask {unused_mask:#x}")
     for unused in shape.unused:
-        mask = np.uint64((1 << unused.width) - 1)
-        _insert(limbs, unused.low, unused.width, (bits >> np.uint64(unused.place) ^ np.uint64(unused.value)) & mask)
+        differing = bits >> np.uint64(unused.place)
+        sent = (differing ^ np.uint64(unused.value)) & np.uint64((1 << unused.width) - 1)
+        _insert(limbs, unused.low, unused.width, sent)
 
 
 def _check_values(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> None:
@@ -277,7 +277,7 @@ def _check_values(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, fir
             values = arrays.get(column.name, bits)
             first_error.add(~np.isin(bits, possible_values), column.name, values, allowed)
             continue
-        is_within = within(bits, check, check.limit)
+        is_within = are_within(bits, check, check.limit)
         if column.kind == "signed":
             first_error.add(~is_within, column.name, arrays[column.name], f"{check.lowest} to {check.limit}")
         else:
@@ -294,13 +294,13 @@ def _finish(limbs: list[Any], shape: Shape) -> None:
         limbs[0] ^= number >> np.uint64(1) << np.uint64(low)
     chunk = Chunk(limbs, shape.bits)
     for check in shape.parities:
-        _insert(limbs, check.low, check.width, parity_bits(chunk, check).astype(np.uint64))
+        _insert(limbs, check.low, check.width, compute_parity(chunk, check).astype(np.uint64))
     if shape.crc is not None:
-        crc_bits = crc_difference(Chunk(limbs, shape.bits), shape.crc).astype(np.uint64)
+        crc_bits = compare_crc(Chunk(limbs, shape.bits), shape.crc).astype(np.uint64)
         _insert(limbs, shape.crc.low, shape.crc.width, crc_bits)
 
 
-def _rows(limbs: list[Any], shape: Shape) -> Any:
+def _convert_to_rows(limbs: list[Any], shape: Shape) -> Any:
     """Return the bytes of each frame in the order in which they are sent."""
     rows = np.stack([limb.astype("<u8").view(np.uint8).reshape(-1, 8) for limb in limbs], 1)
     rows = rows.reshape(len(limbs[0]), -1)[:, : shape.length]

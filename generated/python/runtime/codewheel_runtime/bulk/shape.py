@@ -85,7 +85,7 @@ class CrcOf(NamedTuple):
     is_xor: bool = False
 
 
-def of_bytes(
+def compare_bytes(
     function: Callable[[bytes], int], length: int, width: int, order: Literal["little", "big"]
 ) -> Callable[[int], int]:
     """Return a function that finds the wrong bits of the CRC in the last ``width`` of ``length`` bytes."""
@@ -97,7 +97,7 @@ def of_bytes(
     return differs
 
 
-def of_bits(function: Callable[[int, int], int], covered: int, width: int, gap: int = 0) -> Callable[[int], int]:
+def compare_bits(function: Callable[[int, int], int], covered: int, width: int, gap: int = 0) -> Callable[[int], int]:
     """Return a function that finds the wrong bits of the CRC in the last ``width`` bits of a number.
 
     The CRC covers ``covered`` bits, and ``gap`` bits are between them and the CRC.
@@ -122,7 +122,7 @@ class Unused(NamedTuple):
     place: int
 
 
-class Speaks(NamedTuple):
+class VerdictCause(NamedTuple):
     """Condition for a ``verdict``: a flag is active and certain others are not, or unused bits in ``mask`` differ.
 
     With ``when``, all these columns have the values next to them, 1 for an active flag.
@@ -135,22 +135,22 @@ class Speaks(NamedTuple):
     when: tuple[tuple[str, int], ...] = ()
 
 
-class Tells(NamedTuple):
-    """Condition for a ``report``: a flag is active, unused bits in ``mask`` differ, or ``when`` as in ``Speaks``.
+class ReportCause(NamedTuple):
+    """Condition for a ``report``: a flag is active, unused bits in ``mask`` differ, or ``when`` as in ``VerdictCause``.
 
-    ``answered`` is the verdict of the report if your choice changes it.
+    ``chosen_verdict`` is the verdict of the report if your choice changes it.
     """
 
     report: str
     flag: str = ""
     mask: int = 0
     when: tuple[tuple[str, int], ...] = ()
-    answered: Verdict | None = None
+    chosen_verdict: Verdict | None = None
 
     def of(self, reports: Mapping[str, Report]) -> Report:
         """Return the report with its verdict."""
         report = reports[self.report]
-        return report if self.answered is None else report._replace(makes_position=self.answered)
+        return report if self.chosen_verdict is None else report._replace(makes_position=self.chosen_verdict)
 
     def is_active(self, frame: Any) -> bool:
         """Return whether a decoded frame has the report."""
@@ -164,10 +164,10 @@ class Shape(NamedTuple):
 
     ``gray`` are lowest bit and width of the number that is sent in Gray code, and ``excess`` is added to it before.
     ``fixed`` contains the bits that are 1 in every such frame. ``position`` is the column of the position, if there is
-    one, and ``otherwise`` the verdict if no condition applies. ``fields`` are all fields in the order of the manual.
-    ``others`` is the mask of the bits of a register that belong to no field, if they are kept. ``limited`` is the name
-    of a value with limits, and its attribute. ``frame`` is the name of the frame if other frames have another range of
-    the position.
+    one, and ``default_verdict`` the verdict if no condition applies. ``fields`` are all fields in the order of the
+    manual. ``kept_mask`` selects the bits of a register that belong to no field, if they are kept. ``limited`` is the
+    name of a value with limits, and its attribute. ``frame`` is the name of the frame if other frames have another
+    range of the position.
     """
 
     bits: int
@@ -183,32 +183,32 @@ class Shape(NamedTuple):
     fixed: int = 0
     parities: tuple[Check, ...] = ()
     position: str = ""
-    otherwise: Verdict | None = None
-    speaks: tuple[Speaks, ...] = ()
-    tells: tuple[Tells, ...] = ()
+    default_verdict: Verdict | None = None
+    verdict_causes: tuple[VerdictCause, ...] = ()
+    report_causes: tuple[ReportCause, ...] = ()
     fields: tuple[BitField, ...] = ()
-    others: int | None = None
+    kept_mask: int | None = None
     limited: tuple[str, str] | None = None
     frame: str = ""
 
 
-def column_types(shape: Shape) -> dict[str, str]:
+def list_column_types(shape: Shape) -> dict[str, str]:
     """Return the columns that are written, with their NumPy types."""
-    late = {name for join in shape.joins for name, _, _ in late_fields(shape, join)}
+    late = {name for join in shape.joins for name, _, _ in find_late_fields(shape, join)}
     types: dict[str, str] = {}
     for column in shape.columns:
         if column.name not in late:
-            types |= _types_of(column)
+            types |= _choose_types(column)
     for join in shape.joins:
-        types[join.name] = "u8" if width_of(shape, join) == 64 else "i8"
+        types[join.name] = "u8" if find_width(shape, join) == 64 else "i8"
     if shape.unused:
-        types["unused"] = smallest_type(unused_bits(shape))
-    if shape.otherwise is not None:
+        types["unused"] = choose_smallest_type(unused_bits(shape))
+    if shape.default_verdict is not None:
         types["verdict"] = "u1"
     return types
 
 
-def _types_of(column: Column) -> dict[str, str]:
+def _choose_types(column: Column) -> dict[str, str]:
     """Return the NumPy types of the columns that a field becomes."""
     match column.kind:
         case "digits":
@@ -218,14 +218,14 @@ def _types_of(column: Column) -> dict[str, str]:
         case "flag" | "not_flag":
             return {column.name: "?"}
         case "choice":
-            return {column.name: smallest_type(column.width)}
+            return {column.name: choose_smallest_type(column.width)}
         case "number" | "signed":
             return {column.name: "u8" if column.width == 64 else "i8"}
         case _:
             assert_never(column.kind)
 
 
-def smallest_type(width: int) -> str:
+def choose_smallest_type(width: int) -> str:
     """Return the smallest unsigned NumPy type with at least ``width`` bits."""
     for bits, type_name in ((8, "u1"), (16, "u2"), (32, "u4")):
         if width <= bits:
@@ -239,7 +239,7 @@ def unused_bits(shape: Shape) -> int:
 
 
 @lru_cache(maxsize=256)
-def unused_groups(shape: Shape) -> tuple[tuple[int, int, int, int], ...]:
+def group_unused_bits(shape: Shape) -> tuple[tuple[int, int, int, int], ...]:
     """Return groups of unused bits that are shifted together: lowest bit, mask, value and place of each."""
     by_shift: dict[tuple[int, int], list[Unused]] = {}
     for unused in shape.unused:
@@ -257,16 +257,16 @@ def unused_groups(shape: Shape) -> tuple[tuple[int, int, int, int], ...]:
     return tuple(groups)
 
 
-def width_of(shape: Shape, join: Join) -> int:
+def find_width(shape: Shape, join: Join) -> int:
     """Return the width of a joined number."""
     by_name = {column.name: column for column in shape.columns}
     return sum(by_name[name].width for name, _ in join.fields)
 
 
-def late_fields(shape: Shape, join: Join) -> list[tuple[str, int, int]]:
+def find_late_fields(shape: Shape, join: Join) -> list[tuple[str, int, int]]:
     """Return the fields that are plain bits of a joined number. They are extracted from it on access."""
     by_name = {column.name: column for column in shape.columns}
-    if width_of(shape, join) > 63 or join is not shape.joins[0]:
+    if find_width(shape, join) > 63 or join is not shape.joins[0]:
         return []
     late: list[tuple[str, int, int]] = []
     for name, low in join.fields:
@@ -281,7 +281,7 @@ def measured(shape: Shape) -> frozenset[str]:
     if shape.position:
         parts = (name for join in shape.joins if join.name == shape.position for name, _ in join.fields)
         return frozenset((shape.position, *parts))
-    if shape.otherwise is None:
+    if shape.default_verdict is None:
         return frozenset()
     return frozenset(column.name for column in shape.columns if column.kind in ("number", "signed"))
 
@@ -305,7 +305,7 @@ class QuickChecks(NamedTuple):
 
 
 @lru_cache(maxsize=256)
-def quick_checks(shape: Shape) -> QuickChecks:
+def find_quick_checks(shape: Shape) -> QuickChecks:
     """Return the checks of a shape, combined into one per byte and one for all constant bits."""
     mask = values = 0
     remaining: list[Check] = []
@@ -316,7 +316,7 @@ def quick_checks(shape: Shape) -> QuickChecks:
         if check.parity_of and shape.gray is not None:  # It is the parity of the bits before the conversion.
             remaining.append(check)
             continue
-        places = _bytes_of(check)
+        places = _split_into_bytes(check)
         fitting_values = [value for value in check.values if not value >> check.width]
         if len(places) == 1:
             by_byte.setdefault(places.pop(), []).append(check)
@@ -327,7 +327,7 @@ def quick_checks(shape: Shape) -> QuickChecks:
             remaining.append(check)
     byte_values: list[tuple[int, tuple[int, ...]]] = []
     for place, checks in by_byte.items():
-        allowed = [byte for byte in range(256) if _all_hold(byte << 8 * place, checks)]
+        allowed = [byte for byte in range(256) if _are_all_met(byte << 8 * place, checks)]
         constant_bits = 255
         for byte in allowed:
             constant_bits &= ~(byte ^ allowed[0])
@@ -343,7 +343,7 @@ def quick_checks(shape: Shape) -> QuickChecks:
     return QuickChecks(fixed=fixed, bytes=tuple(byte_values), remaining=tuple(remaining))
 
 
-def _bytes_of(check: Check) -> set[int]:
+def _split_into_bytes(check: Check) -> set[int]:
     """Return the indices of the bytes that a check looks at."""
     places: set[int] = set()
     for low, width in ((check.low, check.width), *check.parity_of):
@@ -351,7 +351,7 @@ def _bytes_of(check: Check) -> set[int]:
     return places
 
 
-def _all_hold(number: int, checks: list[Check]) -> bool:
+def _are_all_met(number: int, checks: list[Check]) -> bool:
     return all(holds(number, check) for check in checks)
 
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-from ..biss import ZEROS, Outcome, Request, crc, decode_byte
+from ..biss import ADDRESS_BITS, BYTE_BITS, HEADER_BITS, ZEROS, Outcome, Request, crc, decode_byte
 from ..errors import CrcError
 from ..packages import load
 
@@ -54,8 +54,8 @@ class Accesses:
     """Finder of accesses. It follows the bits of successive cycles on both sides, master and slave."""
 
     def __init__(self) -> None:
-        self._zeros = self._at = self._sent = self._answers = 0
-        self._state = self._wait
+        self._zeros = self._bit_count = self._sent = self._answers = 0
+        self._state = self._follow_idle
         self._time, self._head = 0.0, 0
         self._is_write, self._is_free = False, True
 
@@ -73,106 +73,123 @@ class Accesses:
                 self._zeros += int(ones[following]) - place
                 place = int(ones[following])
                 if self._zeros >= ZEROS:
-                    self._begin(float(times[place]))
+                    self._begin_access(float(times[place]))
                 self._zeros = 0
             else:
-                yield from self._cycle(int(cds[place]), int(cdm[place]))
+                yield from self._follow_cycle(int(cds[place]), int(cdm[place]))
             place += 1
 
     def finish(self) -> Iterator[Access]:
         """Yield the access that the end of the capture cuts off."""
         if not self._is_free and self._is_known():
-            yield self._access(None, _ENDED)
+            yield self._make_access(None, _ENDED)
 
-    def _wait(self, cds: int, cdm: int) -> Iterator[Access]:
+    def _follow_idle(self, cds: int, cdm: int) -> Iterator[Access]:
+        """Ignore a cycle outside a control frame."""
         yield from ()
 
-    def _begin(self, time: float) -> None:
+    def _begin_access(self, time: float) -> None:
+        """Start a control frame at this time."""
         self._time, self._is_free = time, False
-        self._at = self._sent = self._answers = self._head = 0
-        self._state = self._header
+        self._bit_count = self._sent = self._answers = self._head = 0
+        self._state = self._follow_header
 
-    def _leave(self) -> None:
-        self._is_free, self._state = True, self._wait
+    def _end_access(self) -> None:
+        """End the control frame."""
+        self._is_free, self._state = True, self._follow_idle
 
-    def _cycle(self, cds: int, cdm: int) -> Iterator[Access]:
+    def _follow_cycle(self, cds: int, cdm: int) -> Iterator[Access]:
+        """Follow one cycle within a control frame. Yield the access if it ends."""
         self._zeros = 0 if cdm else self._zeros + 1
         if cds < 0:
             if self._is_known():
-                yield self._access(None, _LOST)
-            self._leave()
+                yield self._make_access(None, _LOST)
+            self._end_access()
         elif self._zeros >= ZEROS:
             if self._is_known():
-                yield self._access(None, Outcome.ABORTED.value)
-            self._leave()
+                yield self._make_access(None, Outcome.ABORTED.value)
+            self._end_access()
         else:
             yield from self._state(cds, cdm)
 
     def _is_known(self) -> bool:
         """Return whether the address of an unfinished access has been transmitted."""
-        if self._state == self._byte:
-            return self._at < 12
-        return self._state != self._header or self._at >= 15
+        if self._state == self._follow_byte:
+            return self._bit_count < BYTE_BITS
+        return self._state != self._follow_header or self._bit_count >= ADDRESS_BITS
 
-    def _access(self, value: int | None, result: str, done: bool = False) -> Access:
-        head = self._head if self._state != self._header or self._at > 15 else self._sent >> 4
-        return Access(self._time, head >> 7 & 7, head & 0x7F, self._is_write, value, done, result)
+    def _make_access(self, value: int | None, result: str, done: bool = False) -> Access:
+        """Return the access with the ID and the address that were transmitted."""
+        is_head_complete = self._state != self._follow_header or self._bit_count > ADDRESS_BITS
+        head = self._head if is_head_complete else self._sent >> 4
+        return Access(
+            time=self._time,
+            slave_id=head >> 7 & 7,
+            address=head & 0x7F,
+            is_write=self._is_write,
+            value=value,
+            done=done,
+            result=result,
+        )
 
-    def _header(self, cds: int, cdm: int) -> Iterator[Access]:
-        self._at += 1
+    def _follow_header(self, cds: int, cdm: int) -> Iterator[Access]:
+        """Follow the header: start bit, CTS, ID, address, CRC and the kind of access."""
+        self._bit_count += 1
         self._answers = self._answers << 1 | cds
-        if self._at <= 17:
+        if self._bit_count <= HEADER_BITS:
             self._sent = self._sent << 1 | cdm
-        if self._at == 15:
+        if self._bit_count == ADDRESS_BITS:
             self._head = self._sent >> 4
             # Commands have no registers, and a damaged header reaches no slave.
             if self._sent & 0xF != crc(self._head, 11) or not self._head >> 10:
-                self._leave()
-        elif self._at == 17:
+                self._end_access()
+        elif self._bit_count == HEADER_BITS:
             self._is_write = self._sent & 0b11 == 0b01
-        elif self._at == 18:
+        elif self._bit_count == HEADER_BITS + 1:
             request = Request(self._head >> 7 & 7, self._head & 0x7F, 0 if self._is_write else None)
-            outcome = request._echo(self._answers)
+            outcome = request._judge_echo(self._answers)
             if outcome is not Outcome.RUNNING:
-                yield self._access(None, outcome.value)
-                self._leave()
+                yield self._make_access(None, outcome.value)
+                self._end_access()
             else:
-                self._state = self._start
+                self._state = self._follow_start
                 if not cdm:
-                    self._leave()
+                    self._end_access()
 
-    def _start(self, cds: int, cdm: int) -> Iterator[Access]:
+    def _follow_start(self, cds: int, cdm: int) -> Iterator[Access]:
+        """Follow the bits before a byte. The slave is busy until its start bit."""
         if cds:
-            self._state, self._at, self._sent, self._answers = self._byte, 0, cdm, 0
+            self._state, self._bit_count, self._sent, self._answers = self._follow_byte, 0, cdm, 0
         elif not cdm:
-            yield self._access(None, Outcome.BUSY.value)
-            self._leave()
+            yield self._make_access(None, Outcome.BUSY.value)
+            self._end_access()
 
-    def _byte(self, cds: int, cdm: int) -> Iterator[Access]:
+    def _follow_byte(self, cds: int, cdm: int) -> Iterator[Access]:
         """Follow a byte on both sides: eight bits and their CRC, which the other side repeats, and a stop bit."""
-        self._at += 1
-        if self._at < 12:
+        self._bit_count += 1
+        if self._bit_count < BYTE_BITS:
             self._answers, self._sent = self._answers << 1 | cds, self._sent << 1 | cdm
-        elif self._at == 12:
+        elif self._bit_count == BYTE_BITS:
             self._answers = self._answers << 1 | cds
-            value = _value(self._sent if self._is_write else self._answers)
+            value = _decode_value(self._sent if self._is_write else self._answers)
             if self._is_write:
                 is_repeated = self._answers == self._sent
                 outcome = Outcome.DONE if is_repeated and value is not None else Outcome.BAD_ECHO
             else:
                 outcome = Outcome.DONE if value is not None else Outcome.BAD_CRC
-            yield self._access(value, outcome.value, outcome is Outcome.DONE)
+            yield self._make_access(value, outcome.value, outcome is Outcome.DONE)
             if outcome is not Outcome.DONE or cdm:
-                self._leave()
+                self._end_access()
         elif cdm:
             # The master continues with the next register.
             self._head += 1
-            self._state = self._start
+            self._state = self._follow_start
         else:
-            self._leave()
+            self._end_access()
 
 
-def _value(bits: int) -> int | None:
+def _decode_value(bits: int) -> int | None:
+    """Return the byte in 12 bits, or None if its CRC is wrong."""
     try:
         return decode_byte(bits)
     except CrcError:

@@ -18,17 +18,26 @@ from ..bulk.table import Table
 from ..encoder import Encoder
 from ..errors import InputError, UsageError
 from ..files.inputs import Part, Source
-from ..files.layouts import layout_of, layouts_of, shape_for
+from ..files.layouts import find_layout, find_shape, list_layouts
 from ..files.sinks import SINKS, TargetKind
-from ..files.stream import Derived, Output, Summary, counted, decoded, plan_of, target_format, written
+from ..files.stream import (
+    Derived,
+    Output,
+    Summary,
+    count_units,
+    decode_parts,
+    find_target_format,
+    make_plan,
+    open_for_writing,
+)
 from ..packages import load
 from ..reports import Interface
 from .accesses import Access, Accesses
 from .any_biss import BissLayout
-from .clocked import CapturedFrames, Lost, clocked
-from .signal_files import opened_signals
-from .signals import Names, Signals, of_array
-from .uart import Kinds, exported_bytes, exported_columns, replies, serial_bytes
+from .clocked import CapturedFrames, Lost, find_clocked_frames
+from .signal_files import open_signals
+from .signals import Names, Signals, read_array
+from .uart import Kinds, find_exported_columns, find_replies, read_exported_bytes, read_serial_bytes
 
 __all__ = ["Access", "BissLayout", "Capture", "CaptureSummary", "Lost", "Probes"]
 
@@ -124,7 +133,7 @@ class CaptureSummary(NamedTuple):
         lost = sum(self.lost.values())
         parts = [str(self.frames), f"{lost} lost"]
         if self.access_count:
-            parts.append(counted(self.access_count, "register access").replace("accesss", "accesses"))
+            parts.append(count_units(self.access_count, "register access").replace("accesss", "accesses"))
         parts += [f"{count} {name}" for name, count in self.others.items()]
         return ", ".join(parts)
 
@@ -142,6 +151,7 @@ class _Log:
         self._finder = Accesses()
 
     def add(self, stretch: CapturedFrames) -> None:
+        """Count the lost cycles, accesses and other frames of a stretch."""
         for cycle in stretch.lost:
             # After the colon, a reason quotes the received bytes, which differ each time.
             reason = cycle.reason.partition(":")[0]
@@ -157,13 +167,14 @@ class _Log:
         self._add_accesses(self._finder.finish())
 
     def _add_accesses(self, accesses: Any) -> None:
+        """Count accesses, and keep the first ones."""
         for access in accesses:
             self.access_count += 1
             if self._limit is None or len(self.accesses) < self._limit:
                 self.accesses.append(access)
 
 
-class _Opened(NamedTuple):
+class _CaptureFrames(NamedTuple):
     """Frames of a capture, their description, and the name of the column of times."""
 
     stretches: Generator[CapturedFrames, None, None]
@@ -180,7 +191,8 @@ def _open_capture(
     layout: str,
     answers: Mapping[str, Any],
     exchanged: bool = False,
-) -> Generator[_Opened, None, None]:
+) -> Generator[_CaptureFrames, None, None]:
+    """Open a capture, and find its frames."""
     if isinstance(encoder, Encoder) and encoder.interface is Interface.SPI:
         how = "let the analyser's own SPI decoder export the words, and decode them as a file of frames"
         raise UsageError(f"{encoder.code} has the interface SPI, whose captures are not read here: {how}")
@@ -191,39 +203,39 @@ def _open_capture(
     names = probes.names(is_serial)._replace(exchanged=exchanged)
     name = "the array"
     if hasattr(source, "dtype"):
-        opening: Any = nullcontext(of_array(source, names, probes.rate))
+        opening: Any = nullcontext(read_array(source, names, probes.rate))
     else:
-        paths = _paths(source)
+        paths = _list_paths(source)
         name = paths[0] if paths else "the capture"
-        columns = _exported_columns(paths) if is_serial else None
+        columns = _find_exported_columns(paths) if is_serial else None
         if isinstance(encoder, Encoder) and columns is not None:
             with open(name, "rb") as file:
-                line = exported_bytes(file, name, columns)
+                line = read_exported_bytes(file, name, columns)
                 yield _find_replies(encoder, line, name, probes, layout, answers)
             return
-        opening = opened_signals(paths, names, probes.rate, probes.threshold)
+        opening = open_signals(paths, names, probes.rate, probes.threshold)
     with opening as signals:
         yield _find_frames(encoder, signals, name, probes, layout, answers)
 
 
-def _exported_columns(paths: Sequence[str]) -> tuple[int, int] | None:
+def _find_exported_columns(paths: Sequence[str]) -> tuple[int, int] | None:
     """Return the columns of the times and of the bytes if the capture is an export of serial bytes, or None."""
     if len(paths) != 1:
         return None
     with open(paths[0], "rb") as file:
-        return exported_columns(file.read(1000))
+        return find_exported_columns(file.read(1000))
 
 
 def _find_replies(
     encoder: Encoder, line: Any, name: str, probes: Probes, layout: str, answers: Mapping[str, Any]
-) -> _Opened:
+) -> _CaptureFrames:
     """Return the replies among the bytes on a serial line."""
-    kinds = _frame_kinds(encoder, layout, answers)
-    stretches = replies(line, name, _baud(encoder, probes), kinds)
+    kinds = _find_frame_kinds(encoder, layout, answers)
+    stretches = find_replies(line, name, _find_baud_rate(encoder, probes), kinds)
     first = next(stretches)
     if not first.kind:
         raise InputError(name, "", f"no valid reply of {encoder.code}: check the channel, the baud rate and the code")
-    return _Opened(_chained(first, stretches), kinds.replies[first.kind], "time", None)
+    return _CaptureFrames(_prepend(first, stretches), kinds.replies[first.kind], "time", None)
 
 
 def _find_frames(
@@ -233,42 +245,45 @@ def _find_frames(
     probes: Probes,
     layout: str,
     answers: Mapping[str, Any],
-) -> _Opened:
+) -> _CaptureFrames:
+    """Return the frames in the signals of a capture."""
     time = "sample" if signals.seconds is None else "time"
     if isinstance(encoder, Encoder) and encoder.interface is Interface.RS485:
-        line = serial_bytes(signals, _baud(encoder, probes))
+        line = read_serial_bytes(signals, _find_baud_rate(encoder, probes))
         opened = _find_replies(encoder, line, name, probes, layout, answers)
         return opened._replace(time=time, total=signals.total)
     if isinstance(encoder, Encoder):
-        shape, is_biss = shape_for(encoder, layout, answers), encoder.interface is Interface.BISS
+        shape, is_biss = find_shape(encoder, layout, answers), encoder.interface is Interface.BISS
     else:
         shape, is_biss = encoder.shape, True
     if shape.bits > 64:
         raise UsageError(f"frames of {shape.bits} bits do not fit into words of 64")
-    stretches = clocked(signals, name, "biss" if is_biss else "ssi", shape.bits, probes.rest)
-    return _Opened(stretches, shape, time, signals.total)
+    stretches = find_clocked_frames(signals, name, "biss" if is_biss else "ssi", shape.bits, probes.rest)
+    return _CaptureFrames(stretches, shape, time, signals.total)
 
 
-def _chained(
+def _prepend(
     first: CapturedFrames, following: Generator[CapturedFrames, None, None]
 ) -> Generator[CapturedFrames, None, None]:
+    """Yield the first frames again, then those that follow."""
     yield first
     yield from following
 
 
-def _frame_kinds(encoder: Encoder, layout: str, answers: Mapping[str, Any]) -> Kinds:
+def _find_frame_kinds(encoder: Encoder, layout: str, answers: Mapping[str, Any]) -> Kinds:
     """Return all kinds of frames on a serial line. Those with unanswered questions are left out, unless requested."""
-    wanted = layout_of(encoder, layout).name if layout else ""
+    wanted = find_layout(encoder, layout).name if layout else ""
     shapes: dict[str, dict[str, Shape]] = {"encoder": {}, "master": {}}
-    for frame_layout in layouts_of(encoder):
+    for frame_layout in list_layouts(encoder):
         if frame_layout.name == wanted or not frame_layout.answers:
-            shapes[frame_layout.sender][frame_layout.name] = shape_for(
+            shapes[frame_layout.sender][frame_layout.name] = find_shape(
                 encoder, frame_layout.name, answers if frame_layout.name == wanted else {}
             )
     return Kinds(shapes["encoder"], shapes["master"], wanted)
 
 
-def _baud(encoder: Encoder, probes: Probes) -> float:
+def _find_baud_rate(encoder: Encoder, probes: Probes) -> float:
+    """Return the bits per second: those chosen, or those in the manual."""
     if probes.baud:
         return probes.baud
     package, _, family = type(encoder).__module__.rpartition(".")
@@ -325,7 +340,7 @@ class Captures(NamedTuple):
             OSError: A file cannot be read.
         """
         return _read_capture(
-            self._encoder(encoder), source, Probes(clock, data, rate, rest, baud, threshold), layout, answers
+            self._find_encoder(encoder), source, Probes(clock, data, rate, rest, baud, threshold), layout, answers
         )
 
     def decode_capture(
@@ -364,15 +379,16 @@ class Captures(NamedTuple):
         Raises:
             InputError, UsageError, OSError: See ``read_capture``.
         """
-        chosen = self._encoder(encoder)
-        output = Output(os.fspath(target), target_format(target, to), columns, raw, force, si)
-        sources = _paths(source)
+        chosen = self._find_encoder(encoder)
+        output = Output(os.fspath(target), find_target_format(target, to), columns, raw, force, si)
+        sources = _list_paths(source)
         probes = Probes(clock, data, rate, rest, baud, threshold)
         opening = _open_capture(chosen, source, probes, layout, answers)
         report = partial(_report_exchanged_lines, chosen, source, probes, layout, answers)
         return _decode_capture(opening, chosen, sources, output, limit, progress, report)
 
-    def _encoder(self, encoder: Encoder | BissLayout | str) -> Encoder | BissLayout:
+    def _find_encoder(self, encoder: Encoder | BissLayout | str) -> Encoder | BissLayout:
+        """Return the encoder for a label. Other arguments are returned unchanged."""
         if not isinstance(encoder, str):
             return encoder
         variant: Encoder = import_module(self.package).lookup(encoder)
@@ -382,6 +398,7 @@ class Captures(NamedTuple):
 def _read_capture(
     encoder: Encoder | BissLayout, source: Captured, probes: Probes, layout: str, answers: Mapping[str, Enum | str]
 ) -> Capture:
+    """Decode a capture into one table."""
     log = _Log(None)
     frames: list[Any] = []
     times: list[Any] = []
@@ -418,13 +435,13 @@ def _report_exchanged_lines(
                 break
     # One frame can be valid by chance.
     if valid_count > 1 and valid_count > 9 * (frame_count - valid_count + lost_count):
-        name = "the array" if hasattr(source, "dtype") else _paths(source)[0]
+        name = "the array" if hasattr(source, "dtype") else _list_paths(source)[0]
         reason = "the clock and the data line are exchanged: no frame is valid"
         raise InputError(name, "", f"{reason}, but {valid_count} are if you exchange the two channels")
 
 
 def _decode_capture(
-    opening: AbstractContextManager[_Opened],
+    opening: AbstractContextManager[_CaptureFrames],
     encoder: Encoder | BissLayout,
     sources: list[str],
     output: Output,
@@ -432,8 +449,9 @@ def _decode_capture(
     progress: Callable[[int, int | None, int], None] | None,
     report_exchanged_lines: Callable[[], None],
 ) -> CaptureSummary:
+    """Decode a capture into a file, stretch by stretch."""
     log = _Log(_SHOWN)
-    with opening as opened, written(output.target, sources, output.force) as file:
+    with opening as opened, open_for_writing(output.target, sources, output.force) as file:
         time = opened.time
         time_columns = {time: np.zeros(0)}
         empty = decode_many([], opened.shape, encoder)
@@ -443,11 +461,11 @@ def _decode_capture(
         derived = Derived(time, sources[0]) if output.si else None
         if derived is not None:
             empty = derived.check(empty)
-        read = Source(_parts(opened, log), opened.total, (time,), time_columns)
-        plan = plan_of(empty, read, output.columns, sources[0], output.raw)
+        read = Source(_convert_stretches(opened, log), opened.total, (time,), time_columns)
+        plan = make_plan(empty, read, output.columns, sources[0], output.raw)
         with SINKS[output.kind](file, plan) as sink:
             try:
-                frames = decoded(read, opened.shape, encoder, sink, limit, progress, derived)
+                frames = decode_parts(read, opened.shape, encoder, sink, limit, progress, derived)
             except InputError:
                 report_exchanged_lines()
                 raise
@@ -464,7 +482,7 @@ def _decode_capture(
     )
 
 
-def _paths(source: str | os.PathLike[str] | Sequence[str]) -> list[str]:
+def _list_paths(source: str | os.PathLike[str] | Sequence[str]) -> list[str]:
     """Return the paths of one or more files."""
     if isinstance(source, (str, os.PathLike)):
         return [os.fspath(source)]
@@ -473,7 +491,8 @@ def _paths(source: str | os.PathLike[str] | Sequence[str]) -> list[str]:
     return [os.fspath(path) for path in source]
 
 
-def _parts(opened: _Opened, log: _Log) -> Generator[Part, None, None]:
+def _convert_stretches(opened: _CaptureFrames, log: _Log) -> Generator[Part, None, None]:
+    """Yield the frames with the column of their times."""
     for stretch in opened.stretches:
         log.add(stretch)
         yield Part(stretch.frames, stretch.done, {opened.time: stretch.times})

@@ -73,7 +73,7 @@ class CapturedFrames(NamedTuple):
     others: Mapping[str, int] = MappingProxyType({})
 
 
-def clocked(
+def find_clocked_frames(
     signals: Signals, name: str, kind: Literal["biss", "ssi"], bits: int, pause: float | None = None
 ) -> Generator[CapturedFrames, None, None]:
     """Yield the frames of ``bits`` bits.
@@ -172,13 +172,13 @@ class _CycleFinder:
             if count < _FEW:
                 return None
             self._set_rest()
-        ends = self._ends()
+        ends = self._find_ends()
         # The last cycle may continue, or its data may still arrive.
         is_last_open = not len(ends) or self._end - self._clock[-1] < _DELAY * self._rest
         if is_last_open:
             ends = ends[:-1]
         if len(ends):
-            return self._cut(ends)
+            return self._take_cycles(ends)
         if count > _ENDLESS:
             raise InputError(name, "", "the clock never rests: choose another channel with --clock")
         return None
@@ -201,28 +201,29 @@ class _CycleFinder:
             # Two edges have no period, so all edges are one cycle.
             first_edge = float(self._clock[0]) if len(self._clock) else 0.0
             self._rest = self._chosen_pause or max(self._end - first_edge, _LEAST)
-        ends = self._ends() if len(self._clock) else np.zeros(0, np.int64)
-        return self._cut(ends, is_last=True)
+        ends = self._find_ends() if len(self._clock) else np.zeros(0, np.int64)
+        return self._take_cycles(ends, is_last=True)
 
     def _set_rest(self) -> None:
         # Within a cycle, two edges are one period, regardless of the duty cycle.
+        """Set the time without an edge after which a cycle has ended, from the usual period of the clock."""
         spans = self._clock[2:] - self._clock[:-2]
         usual = spans[spans <= 2 * np.median(spans)]
         # Damaged files can have edges at the same time.
         self._rest = max(self._chosen_pause or _REST * float(usual.mean()), _LEAST)
 
-    def _ends(self) -> Any:
+    def _find_ends(self) -> Any:
         """Return the index after the last edge of each cycle."""
         gaps = np.flatnonzero(np.diff(self._clock) > self._rest) + 1
         return np.append(gaps, len(self._clock)) if len(self._clock) else gaps
 
-    def _cut(self, ends: Any, is_last: bool = False) -> CapturedFrames:
+    def _take_cycles(self, ends: Any, is_last: bool = False) -> CapturedFrames:
         """Return the frames in the cycles that end at ``ends``, and forget their edges."""
         clock, levels = self._clock, self._levels
         if not len(ends):
             return CapturedFrames(np.zeros(0, np.uint64), np.zeros(0), [], self._done)
         starts = np.concatenate([[0], ends[:-1]])
-        frames = self._frames(starts, ends, is_last)
+        frames = self._find_frames(starts, ends, is_last)
         cycle_end = int(ends[-1])
         # The data line may change after the clock rests, so its edges are kept up to the next cycle.
         until = np.inf if is_last else clock[cycle_end - 1] + self._rest
@@ -234,21 +235,21 @@ class _CycleFinder:
         self._begin = -np.inf
         return frames
 
-    def _frames(self, starts: Any, ends: Any, is_last: bool) -> CapturedFrames:
+    def _find_frames(self, starts: Any, ends: Any, is_last: bool) -> CapturedFrames:
         """Return the frames in cycles with edges from ``starts`` to ``ends``."""
-        cycles = self._cycles(starts, ends)
+        cycles = self._find_cycles(starts, ends)
         if not len(cycles.falls):
             return CapturedFrames(np.zeros(0, np.uint64), np.zeros(0), [], self._done)
-        bits = self._biss_bits(cycles) if self._is_biss else self._ssi_bits(cycles)
-        bits.reasons[self._shortest_gaps(cycles) < _SPIKE * cycles.period] = _SPIKED
+        bits = self._find_biss_bits(cycles) if self._is_biss else self._find_ssi_bits(cycles)
+        bits.reasons[self._find_shortest_gaps(cycles) < _SPIKE * cycles.period] = _SPIKED
         good = np.flatnonzero(bits.reasons == 0)
         # Over BiSS, CDS is in front of the frame.
         front_bits = 1 if self._is_biss else 0
-        levels = self._levels_of(cycles, bits, good, front_bits + self._bits)
+        levels = self._read_levels(cycles, bits, good, front_bits + self._bits)
         words = np.zeros(len(good), np.uint64)
         for place in range(front_bits, front_bits + self._bits):
             words = words << np.uint64(1) | levels[:, place].astype(np.uint64)
-        lost = self._lost(cycles, bits)
+        lost = self._list_lost_cycles(cycles, bits)
         is_cut_off = is_last and bits.reasons[-1] and self._end - cycles.last[-1] < self._rest
         if lost and is_cut_off:
             lost[-1] = Lost(lost[-1].time, _MESSAGES[_CUT])
@@ -257,10 +258,10 @@ class _CycleFinder:
             times=cycles.begin[good] * self._unit,
             lost=lost,
             done=self._done,
-            control=self._control(cycles, good, levels) if self._is_biss else None,
+            control=self._find_control_bits(cycles, good, levels) if self._is_biss else None,
         )
 
-    def _control(self, cycles: _Cycles, good: Any, levels: Any) -> tuple[Any, Any, Any]:
+    def _find_control_bits(self, cycles: _Cycles, good: Any, levels: Any) -> tuple[Any, Any, Any]:
         """Return the time, CDS bit and CDM bit of each cycle. The CDS bit of a lost cycle is -1."""
         cds = np.full(len(cycles.falls), -1, np.int64)
         cds[good] = levels[:, 0]
@@ -268,7 +269,7 @@ class _CycleFinder:
         timeout_level = self._levels[0] ^ (cycles.ends & 1)
         return cycles.begin * self._unit, cds, timeout_level ^ 1
 
-    def _cycles(self, starts: Any, ends: Any) -> _Cycles:
+    def _find_cycles(self, starts: Any, ends: Any) -> _Cycles:
         """Return the cycles with edges from ``starts`` to ``ends``."""
         clock = self._clock
         # The first falling edge of each cycle. An edge with an even index starts from the first level.
@@ -285,14 +286,16 @@ class _CycleFinder:
         period = np.maximum(period, 1e-6 * self._rest)
         return _Cycles(falls=falls, ends=ends, rises=rises, begin=begin, last=last, after=after, period=period)
 
-    def _biss_bits(self, cycles: _Cycles) -> _Bits:
+    def _find_biss_bits(self, cycles: _Cycles) -> _Bits:
         """Return the bits after the start bit, which is the first rise of the data line after its first fall."""
         clock, falls, ends, last, period = self._clock, cycles.falls, cycles.ends, cycles.last, cycles.period
+        # The data line goes low as an acknowledgement (down), and rises with the start bit (up).
         index = np.searchsorted(self._data, cycles.begin, "left")
         level = self._levels[1] ^ (index & 1)
         padded = np.append(self._data, [np.inf, np.inf])
         down, up = padded[index], padded[index + 1]
         first = (np.searchsorted(clock, up, "right") - falls) // 2 - 1
+        # A delayed data line shifts the start bit by whole periods.
         start_bit = falls + 1 + 2 * np.maximum(first, 0)
         second = clock[np.minimum(falls + 3, ends - 1)]
         late = np.maximum(np.floor((np.where(np.isfinite(down), down, 0) - second) / period), 0)
@@ -306,41 +309,45 @@ class _CycleFinder:
         sent = np.where(reasons == _SHORT, np.maximum(cycles.rises - 2 - (first - late), 0), cycles.rises)
         return _Bits(reasons=reasons, skipped=first + 1, delay=delay, sent=sent)
 
-    def _ssi_bits(self, cycles: _Cycles) -> _Bits:
+    def _find_ssi_bits(self, cycles: _Cycles) -> _Bits:
         """Return the bits, one for each rising edge. The first change of the data line shows its delay."""
         clock, falls, ends, period = self._clock, cycles.falls, cycles.ends, cycles.period
+        # The first change of the data line after the first rising edge of the clock, and the rising edge before it.
         padded = np.append(self._data, [np.inf, np.inf])
         first_rise = clock[np.minimum(falls + 1, ends - 1)]
         change = padded[np.searchsorted(self._data, first_rise, "left")]
         rises_before = (np.searchsorted(clock, change, "right") - falls) // 2
-        near = falls + 1 + 2 * np.maximum(rises_before - 1, 0)
-        delay = np.where(change < cycles.last + period, change - clock[np.minimum(near, ends - 1)], 0.0)
+        nearest_rise = falls + 1 + 2 * np.maximum(rises_before - 1, 0)
+        delay = np.where(change < cycles.last + period, change - clock[np.minimum(nearest_rise, ends - 1)], 0.0)
         delay = np.where(delay < period, delay, 0.0)
         reasons = np.zeros(len(falls), np.int64)
         reasons[cycles.rises < self._bits] = _SHORT
         return _Bits(reasons=reasons, skipped=np.zeros(len(falls), np.int64), delay=delay, sent=cycles.rises)
 
-    def _shortest_gaps(self, cycles: _Cycles) -> Any:
+    def _find_shortest_gaps(self, cycles: _Cycles) -> Any:
         """Return the shortest time between two edges of each cycle."""
         gaps = np.append(np.diff(self._clock), np.inf)
         # A gap after the last edge of a cycle is a rest.
         gaps[cycles.ends - 1] = np.inf
         return np.minimum.reduceat(gaps, cycles.falls)
 
-    def _lost(self, cycles: _Cycles, bits: _Bits) -> list[Lost]:
+    def _list_lost_cycles(self, cycles: _Cycles, bits: _Bits) -> list[Lost]:
         """Return the cycles without a frame."""
         lost: list[Lost] = []
         is_first_cut = cycles.begin[0] - self._begin < self._rest
         for index in np.flatnonzero(bits.reasons):
-            reason = self._message(int(bits.reasons[index]), int(bits.sent[index]), bool(index == 0 and is_first_cut))
+            reason = self._explain_loss(
+                int(bits.reasons[index]), int(bits.sent[index]), bool(index == 0 and is_first_cut)
+            )
             lost.append(Lost(float(cycles.begin[index]) * self._unit, reason))
         return lost
 
-    def _levels_of(self, cycles: _Cycles, bits: _Bits, good: Any, count: int) -> Any:
+    def _read_levels(self, cycles: _Cycles, bits: _Bits, good: Any, count: int) -> Any:
         """Return the levels of the data line in the middle of each bit, as an array with a row for each good cycle."""
         falls, rises, period = cycles.falls[good], cycles.rises[good], cycles.period[good]
         delay = bits.delay[good]
         clock, data = self._clock, self._data
+        # The rising edge of each bit. After the last one, the period of the clock continues.
         order = bits.skipped[good][:, None] + np.arange(count)[None, :]
         beyond = np.maximum(order - (rises - 1)[:, None], 0)
         places = falls[:, None] + 1 + 2 * (order - beyond)
@@ -350,11 +357,13 @@ class _CycleFinder:
         # A bit changes up to one sample before its edge is seen.
         half = period / 2 - self._early
         if self._early and len(period) and period.min() < _COARSE:
-            times, delay, half = self._refined(times, beyond == 0, delay, period)
+            times, delay, half = self._refine_delays(times, beyond == 0, delay, period)
         times += (delay + half)[:, None]
-        return (np.searchsorted(data, times.ravel(), "right").reshape(times.shape) & 1) ^ self._levels[1]
+        # An odd number of edges before a time inverts the first level.
+        edge_counts = np.searchsorted(data, times.ravel(), "right").reshape(times.shape)
+        return edge_counts & 1 ^ self._levels[1]
 
-    def _refined(self, times: Any, has_edge: Any, delay: Any, period: Any) -> tuple[Any, Any, Any]:
+    def _refine_delays(self, times: Any, has_edge: Any, delay: Any, period: Any) -> tuple[Any, Any, Any]:
         """Refine the times of the clock's edges, the delay, and half a bit, if there are few samples per period.
 
         A straight line through all edges of a cycle, and the mean of the delays of all bits, are exact to a fraction of
@@ -380,7 +389,8 @@ class _CycleFinder:
             np.where(is_even, slope / 2, period / 2 - self._early),
         )
 
-    def _message(self, reason: int, bits_sent: int, is_cut: bool) -> str:
+    def _explain_loss(self, reason: int, bits_sent: int, is_cut: bool) -> str:
+        """Return the reason why a cycle was lost."""
         if is_cut and reason in (_SHORT, _NO_START, _LOW):
             return "the capture begins within this cycle"
         if reason == _SHORT:

@@ -14,7 +14,7 @@ from ..bulk.decode import decode_many
 from ..bulk.shape import Shape
 from ..bulk.words import short
 from ..errors import ErrorKind, InputError
-from ..files.stream import counted
+from ..files.stream import count_units
 from ..packages import load
 from .clocked import CapturedFrames, Lost
 from .signals import Signals
@@ -38,7 +38,7 @@ class _Bytes(NamedTuple):
     done: int
 
 
-def serial_bytes(signals: Signals, baud: float) -> Generator[_Bytes, None, None]:
+def read_serial_bytes(signals: Signals, baud: float) -> Generator[_Bytes, None, None]:
     """Yield the bytes on a serial line: eight data bits, least significant bit first, without parity.
 
     Args:
@@ -48,7 +48,7 @@ def serial_bytes(signals: Signals, baud: float) -> Generator[_Bytes, None, None]
     bit = 1 / baud / (signals.seconds or 1.0)
     early = 0.5 if signals.is_sampled else 0.0
     edges, level, free, end, done, is_new = np.zeros(0), 1, -np.inf, 0.0, 0, True
-    for part in _parts(signals):
+    for part in _split_parts(signals):
         if part is not None:
             level, is_new = (part.levels[0], False) if is_new else (level, False)
             edges, end, done = np.concatenate([edges, part.times[0]]), part.end, part.done
@@ -87,7 +87,7 @@ _BYTE: Final = re.compile(r"0x([0-9a-fA-F]{1,2})|([0-9]{1,3})")
 _ROWS: Final = 1 << 16
 
 
-def exported_columns(head: bytes) -> tuple[int, int] | None:
+def find_exported_columns(head: bytes) -> tuple[int, int] | None:
     """Return the columns of the times and of the bytes if a file is an export of serial bytes, or None."""
     first_line = head.decode("utf-8-sig", "replace").partition("\n")[0]
     cells = [cell.strip().strip('"').lower() for cell in first_line.split(",")]
@@ -97,7 +97,7 @@ def exported_columns(head: bytes) -> tuple[int, int] | None:
     return None
 
 
-def exported_bytes(file: BinaryIO, path: str, columns: tuple[int, int]) -> Generator[_Bytes, None, None]:
+def read_exported_bytes(file: BinaryIO, path: str, columns: tuple[int, int]) -> Generator[_Bytes, None, None]:
     """Yield the bytes of a table with one byte a row, as Saleae's serial analyser exports them.
 
     Raises:
@@ -114,7 +114,7 @@ def exported_bytes(file: BinaryIO, path: str, columns: tuple[int, int]) -> Gener
         for place, (line, row) in enumerate(chunk):
             if len(row) <= max(time, value):
                 raise InputError(path, f"line {line}", "the row ends early")
-            values[place] = _byte_of(row[value], path, line)
+            values[place] = _read_byte(row[value], path, line)
             try:
                 times[place] = float(row[time])
             except ValueError:
@@ -124,7 +124,8 @@ def exported_bytes(file: BinaryIO, path: str, columns: tuple[int, int]) -> Gener
         yield _Bytes(values, times, has_stop_bit, line)
 
 
-def _byte_of(cell: str, path: str, line: int) -> int:
+def _read_byte(cell: str, path: str, line: int) -> int:
+    """Return the byte in a cell: hexadecimal such as ``0x1A``, or decimal."""
     match = _BYTE.fullmatch(cell.strip())
     number = 256
     if match is not None:
@@ -135,7 +136,7 @@ def _byte_of(cell: str, path: str, line: int) -> int:
     return number
 
 
-def _parts(signals: Signals) -> Iterator[Any]:
+def _split_parts(signals: Signals) -> Iterator[Any]:
     """Yield the stretches of a capture, then None."""
     yield from signals.edges
     yield None
@@ -149,7 +150,7 @@ class Kinds(NamedTuple):
     wanted: str = ""
 
 
-def replies(
+def find_replies(
     line: Generator[_Bytes, None, None], name: str, baud: float, kinds: Kinds
 ) -> Generator[CapturedFrames, None, None]:
     """Yield the replies of one kind.
@@ -208,17 +209,21 @@ class _Replies:
             kind=self.wanted, frames=np.zeros((0, self._kinds.replies[self.wanted].length), np.uint8)
         )
 
-    def _valid(self, shape: Shape) -> Any:
+    def _find_valid_starts(self, shape: Shape) -> Any:
         """Return whether a valid frame begins at each byte."""
         count, length = len(self._values), shape.length
         is_valid = np.zeros(count + 1, bool)
-        if count >= length:
-            windows = np.lib.stride_tricks.sliding_window_view(self._values, length)
-            is_valid[: len(windows)] = decode_many(np.ascontiguousarray(windows), shape, None).fault == 0
-            gaps = np.concatenate([[0], np.cumsum(np.diff(self._times) > self._pause)])
-            is_valid[: len(windows)] &= gaps[length - 1 :] == gaps[: len(windows)]
-            faulty_counts = np.concatenate([[0], np.cumsum(~self._has_stop_bit)])
-            is_valid[: len(windows)] &= faulty_counts[length:] == faulty_counts[: len(windows)]
+        if count < length:
+            return is_valid
+        windows = np.lib.stride_tricks.sliding_window_view(self._values, length)
+        start_count = len(windows)
+        has_no_error = decode_many(np.ascontiguousarray(windows), shape, None).fault == 0
+        # The bytes of a frame follow each other without a pause, and each has its stop bit.
+        pauses_before = _count_before(np.diff(self._times) > self._pause)
+        has_no_pause = pauses_before[length - 1 :] == pauses_before[:start_count]
+        damaged_before = _count_before(~self._has_stop_bit)
+        has_stop_bits = damaged_before[length:] == damaged_before[:start_count]
+        is_valid[:start_count] = has_no_error & has_no_pause & has_stop_bits
         return is_valid
 
     def _find(self, until: int) -> CapturedFrames:
@@ -226,30 +231,30 @@ class _Replies:
         shapes = self._kinds.replies
         # At each byte, the longest reply counts.
         names = sorted(shapes, key=lambda name: (-shapes[name].length, name))
-        request_lengths = self._request_lengths()
-        starts, gaps, end = self._walk(until, names, self._reply_kinds(names), request_lengths)
+        request_lengths = self._find_request_lengths()
+        starts, gaps, end = self._walk(until, names, self._find_reply_kinds(names), request_lengths)
         if not self.wanted:
-            candidates = [name for name in names if starts[name] and shapes[name].otherwise is not None]
+            candidates = [name for name in names if starts[name] and shapes[name].default_verdict is not None]
             if candidates:
                 self.wanted = max((len(starts[name]), name) for name in candidates)[1]
-        stretch = self._result(starts, gaps, request_lengths)
+        stretch = self._collect_frames(starts, gaps, request_lengths)
         self._values, self._times = self._values[end:], self._times[end:]
         self._has_stop_bit = self._has_stop_bit[end:]
         return stretch
 
-    def _reply_kinds(self, names: Sequence[str]) -> list[int]:
+    def _find_reply_kinds(self, names: Sequence[str]) -> list[int]:
         """Return the index in ``names`` of the reply that begins at each byte, or -1."""
         kinds = np.full(len(self._values) + 1, -1)
         for index, name in reversed([*enumerate(names)]):
-            kinds[self._valid(self._kinds.replies[name])] = index
+            kinds[self._find_valid_starts(self._kinds.replies[name])] = index
         reply_kinds: list[int] = kinds.tolist()
         return reply_kinds
 
-    def _request_lengths(self) -> list[int]:
+    def _find_request_lengths(self) -> list[int]:
         """Return the length of the request that begins at each byte, or 0."""
         longest = np.zeros(len(self._values) + 1, np.int64)
         for shape in self._kinds.requests.values():
-            longest = np.maximum(longest, shape.length * self._valid(shape))
+            longest = np.maximum(longest, shape.length * self._find_valid_starts(shape))
         lengths: list[int] = longest.tolist()
         return lengths
 
@@ -281,9 +286,10 @@ class _Replies:
             gaps.append((first, end))
         return starts, gaps, end
 
-    def _result(
+    def _collect_frames(
         self, starts: dict[str, list[int]], gaps: Sequence[tuple[int, int]], request_lengths: list[int]
     ) -> CapturedFrames:
+        """Return the replies of the wanted kind, and the bytes that belong to no reply."""
         lost: list[Lost] = []
         reply_starts = starts.pop(self.wanted, [])
         for first, end in gaps:
@@ -291,7 +297,7 @@ class _Replies:
             if self._is_damaged_reply(first, after_request, end):
                 reply_starts.append(after_request)
             else:
-                lost.append(Lost(float(self._times[first]), self._reason(first, end, request_lengths)))
+                lost.append(Lost(float(self._times[first]), self._explain_loss(first, end, request_lengths)))
         reply_starts.sort()
         places = np.array(reply_starts, np.int64)
         shape = self._kinds.replies.get(self.wanted)
@@ -316,11 +322,17 @@ class _Replies:
         fault = decode_many(self._values[start:end][None, :], shape, None).fault[0]
         return bool(fault == ErrorKind.CRC)
 
-    def _reason(self, first: int, end: int, request_lengths: list[int]) -> str:
+    def _explain_loss(self, first: int, end: int, request_lengths: list[int]) -> str:
+        """Return the reason why bytes belong to no reply."""
         data = self._values[first:end].tobytes()
         bytes_text = data[:12].hex(" ").upper() + (" ..." if len(data) > 12 else "")
         if not self._has_stop_bit[first:end].all():
             return f"a byte without a stop bit: check the baud rate, and whether the line is inverted ({bytes_text})"
         if request_lengths[first] == end - first:
             return f"no reply to the request {bytes_text}"
-        return f"{counted(len(data), 'byte')} without a valid reply: {bytes_text}"
+        return f"{count_units(len(data), 'byte')} without a valid reply: {bytes_text}"
+
+
+def _count_before(conditions: Any) -> Any:
+    """Return how many of the conditions before each index are true."""
+    return np.concatenate([[0], np.cumsum(conditions)])

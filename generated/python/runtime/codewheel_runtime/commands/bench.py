@@ -19,11 +19,11 @@ from ..captures.capture import Captures, CaptureSummary, Lost
 from ..encoder import Encoder
 from ..errors import InputError, UsageError
 from ..files.inputs import Stored
-from ..files.layouts import shape_for
-from ..files.sources import kind_of, opened
-from ..files.stream import seconds_of
+from ..files.layouts import find_shape
+from ..files.sources import find_kind, open_source
+from ..files.stream import read_seconds
 from ..reports import Interface
-from .common import USAGE, Failed, encoder_of, missing, working
+from .common import USAGE, Failed, find_encoder, missing_package_error, show_progress
 
 np: Any = import_module("numpy")
 
@@ -33,13 +33,13 @@ _PRINTED = 10
 
 def capture(package: str, chosen: argparse.Namespace) -> None:
     """Decode a capture into a file of columns."""
-    encoder = _encoder(package, chosen)
-    with working(package, chosen.files[0]) as progress:
+    encoder = _take_encoder(package, chosen)
+    with show_progress(package, chosen.files[0]) as progress:
         summary = Captures(package).decode_capture(
             encoder,
             chosen.files,
             chosen.output,
-            **_probes(chosen),
+            **_read_probes(chosen),
             si=chosen.si,
             to=chosen.write,
             columns=chosen.columns,
@@ -48,31 +48,31 @@ def capture(package: str, chosen: argparse.Namespace) -> None:
             force=chosen.force,
             progress=progress,
         )
-    _report(summary, chosen)
+    _print_summary(summary, chosen)
 
 
 def plot(package: str, chosen: argparse.Namespace) -> None:
     """Plot position and speed of a capture over time."""
-    encoder = _encoder(package, chosen)
+    encoder = _take_encoder(package, chosen)
     try:
         from .plot import save
     except ImportError as error:
-        raise missing(error) from None
-    with working(package, chosen.files[0]):
+        raise missing_package_error(error) from None
+    with show_progress(package, chosen.files[0]):
         lost: tuple[Lost, ...] = ()
         if _has_frames(chosen.files[0]):
-            table = _frames(encoder, chosen)
+            table = _read_frames(encoder, chosen)
         else:
-            table, lost, *_ = Captures(package).read_capture(encoder, chosen.files, **_probes(chosen))
+            table, lost, *_ = Captures(package).read_capture(encoder, chosen.files, **_read_probes(chosen))
         if not table.count:
-            raise Failed(_nothing(lost, chosen))
+            raise Failed(_explain_no_frames(lost, chosen))
         save(table, chosen.output, lost, force=chosen.force, sources=chosen.files)
     print(f"{chosen.output}: {table.count} frames, {len(lost)} lost")
 
 
 def _has_frames(path: str) -> bool:
     """Return whether a file has a column of frames, and is not a capture."""
-    kind = kind_of(path)
+    kind = find_kind(path)
     if kind != "csv":
         return kind == "parquet"
     with open(path, encoding="utf-8-sig", errors="replace") as file:
@@ -80,27 +80,30 @@ def _has_frames(path: str) -> bool:
     return any(cell.strip().strip('"').lower() in ("word", "frame") for cell in re.split("[,;\t]", head))
 
 
-def _frames(encoder: Encoder | BissLayout, chosen: argparse.Namespace) -> Table:
+def _read_frames(encoder: Encoder | BissLayout, chosen: argparse.Namespace) -> Table:
     """Return the frames of a file with the columns ``time`` and ``word`` or ``frame``."""
-    shape = encoder.shape if isinstance(encoder, BissLayout) else shape_for(encoder, chosen.layout, dict(chosen.choose))
+    if isinstance(encoder, BissLayout):
+        shape = encoder.shape
+    else:
+        shape = find_shape(encoder, chosen.layout, dict(chosen.choose))
     path = chosen.files[0]
     frames: list[Any] = []
     times: list[Any] = []
-    with opened(path, Stored(digits=chosen.digits, wanted=("time",)), shape, lambda frames: 1.0) as read:
+    with open_source(path, Stored(digits=chosen.digits, wanted=("time",)), shape, lambda frames: 1.0) as read:
         if "time" not in read.empty_columns:
             raise InputError(path, "", "no column 'time'; a plot needs the time of each frame in seconds")
         for part in read.parts:
-            times.append(seconds_of(part.other_columns["time"], path))
-            frames += _listed_rows(part.frames) if shape.length else _listed_numbers(part.frames)
+            times.append(read_seconds(part.other_columns["time"], path))
+            frames += _list_rows(part.frames) if shape.length else _list_numbers(part.frames)
     return decode_many(frames, shape, encoder).with_columns(time=np.concatenate([np.zeros(0), *times]))
 
 
-def _listed_rows(frames: Any) -> list[bytes | None]:
+def _list_rows(frames: Any) -> list[bytes | None]:
     """Return rows of bytes as a list. A missing frame is None."""
     return [None if row is None else bytes(row) for row in frames]
 
 
-def _listed_numbers(frames: Any) -> Any:
+def _list_numbers(frames: Any) -> Any:
     """Return numbers as a list. A missing frame is None."""
     return frames.tolist() if hasattr(frames, "tolist") else frames
 
@@ -109,9 +112,9 @@ def monitor(package: str, chosen: argparse.Namespace) -> None:
     """Show an encoder live, and record its readings."""
     from .. import link
     from .monitor import watch
-    from .record import recording
+    from .record import open_recorder
 
-    encoder = encoder_of(package, chosen)
+    encoder = find_encoder(package, chosen)
     if encoder.interface is not Interface.RS485:
         is_spi = encoder.interface is Interface.SPI
         how = "export the words that it finds, and use 'decode'" if is_spi else "use 'capture'"
@@ -122,8 +125,8 @@ def monitor(package: str, chosen: argparse.Namespace) -> None:
     out = sys.stderr if target == "-" else sys.stdout
     try:
         with (
-            working(package, chosen.port),
-            recording(target, chosen.write, chosen.force) if target else nullcontext() as recorder,
+            show_progress(package, chosen.port),
+            open_recorder(target, chosen.write, chosen.force) if target else nullcontext() as recorder,
             # Without retries, every error is counted.
             link.open_encoder(chosen.port, encoder, retries=0) as opened,
         ):
@@ -144,7 +147,7 @@ def monitor(package: str, chosen: argparse.Namespace) -> None:
         raise Failed(f"{failures_text}; --max-errors is {chosen.max_errors:g}")
 
 
-def _encoder(package: str, chosen: argparse.Namespace) -> Encoder | BissLayout:
+def _take_encoder(package: str, chosen: argparse.Namespace) -> Encoder | BissLayout:
     """Return the encoder or the layout, and remove its label from ``files``."""
     if chosen.biss is not None:
         try:
@@ -153,7 +156,7 @@ def _encoder(package: str, chosen: argparse.Namespace) -> Encoder | BissLayout:
             raise Failed(error, USAGE) from None
     chosen.order_code, *chosen.files = chosen.files
     try:
-        encoder = encoder_of(package, chosen)
+        encoder = find_encoder(package, chosen)
     except Failed:
         if os.path.isfile(chosen.order_code):
             problem = f"{chosen.order_code} is a file: give the order code in front of it, or --biss"
@@ -164,13 +167,14 @@ def _encoder(package: str, chosen: argparse.Namespace) -> Encoder | BissLayout:
     return encoder
 
 
-def _probes(chosen: argparse.Namespace) -> dict[str, Any]:
+def _read_probes(chosen: argparse.Namespace) -> dict[str, Any]:
     """Return the arguments that both commands have."""
     names = ("clock", "data", "rate", "rest", "baud", "threshold", "layout")
     return {**{name: getattr(chosen, name) for name in names}, "answers": dict(chosen.choose)}
 
 
-def _report(summary: CaptureSummary, chosen: argparse.Namespace) -> None:
+def _print_summary(summary: CaptureSummary, chosen: argparse.Namespace) -> None:
+    """Print the counts of a capture, and fail if too many cycles have no valid frame."""
     out = sys.stderr if chosen.output == "-" else sys.stdout
     if chosen.json:
         print(json.dumps(summary.to_dict()), file=out)
@@ -185,19 +189,21 @@ def _report(summary: CaptureSummary, chosen: argparse.Namespace) -> None:
             print(f"... and {more} more accesses; --json prints all of them", file=out)
         print(summary, file=out)
     if not summary.frames.frames:
-        raise Failed(_nothing(summary.first_lost, chosen))
+        raise Failed(_explain_no_frames(summary.first_lost, chosen))
     if 100 * summary.error_rate > chosen.max_errors:
         problem = f"{summary.error_rate:.0%} of the cycles have no valid frame"
-        raise Failed(f"{problem}; check {_described(chosen)} and the channels (--max-errors is {chosen.max_errors:g})")
+        raise Failed(
+            f"{problem}; check {_name_layout(chosen)} and the channels (--max-errors is {chosen.max_errors:g})"
+        )
 
 
-def _described(chosen: argparse.Namespace) -> str:
+def _name_layout(chosen: argparse.Namespace) -> str:
     """Return a description of the frames for a message."""
     return "the order code" if chosen.biss is None else "the layout (--biss)"
 
 
-def _nothing(lost: Any, chosen: argparse.Namespace) -> str:
+def _explain_no_frames(lost: Any, chosen: argparse.Namespace) -> str:
     """Return the message for a capture without a frame."""
     first: Lost | None = next(iter(lost), None)
     reason = f": {first.reason}" if first else ""
-    return f"the capture contains no frame{reason}; check the channels (--clock, --data) and {_described(chosen)}"
+    return f"the capture contains no frame{reason}; check the channels (--clock, --data) and {_name_layout(chosen)}"

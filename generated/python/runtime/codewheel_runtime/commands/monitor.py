@@ -113,7 +113,7 @@ class _Screen:
         self._frame, now = frame, monotonic()
         position = frame.usable_position
         if position is not None:
-            self._count = self._unwrapped(frame.__class__, position)
+            self._count = self._unwrap(frame.__class__, position)
         if self._recorder is not None:
             reports = " ".join(report.name for report in frame.reports)
             self._recorder.write(Reading(now - self._began, position, frame.verdict.value, reports, ""))
@@ -125,7 +125,7 @@ class _Screen:
     def fail(self, error: RuntimeError) -> None:
         """Add a failure."""
         self.failures += 1
-        kind, now = _kind(error), monotonic()
+        kind, now = _name_error(error), monotonic()
         self._errors[kind] += 1
         self._last_error = str(error)
         if self._recorder is not None:
@@ -138,10 +138,10 @@ class _Screen:
             self._draw()
         elif self.frames + self.failures:
             last_error = f"; the last error: {self._last_error}" if self._last_error else ""
-            self._out.write(f"{self._counts()}{last_error}\n")
+            self._out.write(f"{self._count_failures()}{last_error}\n")
             self._out.flush()
 
-    def _unwrapped(self, kind: type, position: int) -> int:
+    def _unwrap(self, kind: type, position: int) -> int:
         """Return the count of a position. It starts again if the range of the positions has changed."""
         try:
             valid = self._encoder.range_of(kind)
@@ -152,50 +152,56 @@ class _Screen:
         return valid.unwrap(position if is_first or self._count is None else self._count, position)
 
     def _update(self, now: float) -> None:
+        """Draw the readings if the last drawing is old enough."""
         if self._is_live and now - self._drawn_at >= 1 / _RATE:
             self._drawn_at = now
             self._draw()
 
     def _draw(self) -> None:
+        """Draw the readings over the previous ones."""
         columns = shutil.get_terminal_size().columns - 1
         head = f"{self._encoder.code}, {self._encoder.interface.title}, {self._place}    Ctrl-C ends"
-        lines = [head, *(f"{name:<10}{value}" for name, value in (*self._values(), *self._state()))]
+        lines = [head, *(f"{name:<10}{value}" for name, value in (*self._list_values(), *self._list_state()))]
         up = f"\x1b[{self._height}A" if self._height else ""
         text = "".join(f"\r\x1b[2K{line[:columns]}\n" for line in lines)
         self._out.write(up + text)
         self._out.flush()
         self._height = len(lines)
 
-    def _values(self) -> list[tuple[str, str]]:
+    def _list_values(self) -> list[tuple[str, str]]:
+        """Return the rows of the last frame: labels and texts."""
         frame = self._frame
         if frame is None:
             return [("position", "-"), ("angle", "-"), ("speed", "-"), ("verdict", "-")]
         usable = frame.usable_position
-        name, value = _measure(self._encoder, usable)
+        name, value = _convert_to_unit(self._encoder, usable)
         return [
             ("position", "-" if usable is None else f"{usable} counts"),
             (name, value),
-            ("speed", self._speed()),
+            ("speed", self._measure_speed()),
             ("verdict", frame.verdict.value.replace("_", " ")),
         ]
 
-    def _state(self) -> list[tuple[str, str]]:
+    def _list_state(self) -> list[tuple[str, str]]:
+        """Return the rows of alarms, rate and errors: labels and texts."""
         reports = self._frame.reports if self._frame is not None else ()
         times = [at for at, _ in self._recent]
         rate = (len(times) - 1) / (times[-1] - times[0]) if len(times) > 1 and times[-1] > times[0] else 0.0
         return [
             ("alarms", ", ".join(report.name for report in reports) or "none"),
             ("rate", f"{rate:.0f} readings/s"),
-            ("errors", self._counts()),
+            ("errors", self._count_failures()),
             ("", self._last_error),
         ]
 
-    def _counts(self) -> str:
+    def _count_failures(self) -> str:
+        """Return the number of failures of each kind as text."""
         total = self.frames + self.failures
         kinds = ", ".join(f"{count} {kind}" for kind, count in self._errors.most_common())
         return f"{self.failures} of {total} readings failed" + (f": {kinds}" if kinds else "")
 
-    def _speed(self) -> str:
+    def _measure_speed(self) -> str:
+        """Return the speed over the recent readings, with its unit."""
         points = [(at, count) for at, count in self._recent if count is not None]
         if len(points) < 2 or points[-1][0] <= points[0][0]:
             return "-"
@@ -208,7 +214,7 @@ class _Screen:
         return f"{per_second:.0f} counts/s"
 
 
-def _measure(encoder: Any, position: int | None) -> tuple[str, str]:
+def _convert_to_unit(encoder: Any, position: int | None) -> tuple[str, str]:
     """Return the name and the value of a position in a unit."""
     if hasattr(encoder, "millimetres"):
         return "length", "-" if position is None else f"{encoder.millimetres(position):.4f} mm"
@@ -217,7 +223,7 @@ def _measure(encoder: Any, position: int | None) -> tuple[str, str]:
     return "angle", "-"
 
 
-def _kind(error: RuntimeError) -> str:
+def _name_error(error: RuntimeError) -> str:
     """Return the text for an error class: 'no reply' for NoReplyError."""
     words: list[str] = []
     for character in type(error).__name__.removesuffix("Error"):

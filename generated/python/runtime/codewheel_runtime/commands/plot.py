@@ -6,13 +6,14 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Sequence
 from importlib import import_module
+from math import ceil
 from pathlib import PurePath
 from typing import Any, Final, NamedTuple
 
 from ..bulk.table import SpeedUnit, Table, Unit
 from ..captures.clocked import Lost
 from ..errors import ErrorKind, UsageError
-from ..files.stream import written
+from ..files.stream import open_for_writing
 
 np: Any = import_module("numpy")
 _FIGURE: Any = import_module("matplotlib.figure")
@@ -66,19 +67,19 @@ def figure(table: Table, lost: Sequence[Lost] = (), title: str = "") -> Any:
     if axis is None:
         raise ValueError("the table has no column 'time'")
     times = np.asarray(table[axis], np.float64)
-    units = _units(table)
+    units = _choose_units(table)
     drawn = _FIGURE.Figure(figsize=(10, 6), layout="constrained")
     top, bottom = drawn.subplots(2, 1, sharex=True)
     drawn.suptitle(title or getattr(table.encoder, "code", "") or "frames")
-    _line(top, times, table.in_units(units.position), wraps=units.position == "degrees")
+    _draw_line(top, times, table.in_units(units.position), wraps=units.position == "degrees")
     top.set_ylabel(units.position_label)
     _draw_speed(bottom, table, times, units.speed)
     is_timed = axis == "time"
     bottom.set_ylabel(units.speed_label if is_timed else units.speed_label.replace("/s", "/sample"))
     bottom.set_xlabel("time in s" if is_timed else "sample")
-    for mark_times, label, colour in _marks(table, times, lost):
+    for mark_times, label, colour in _list_marks(table, times, lost):
         if len(mark_times):
-            _mark((top, bottom), mark_times, f"{label} ({len(mark_times)})", colour)
+            _draw_marks((top, bottom), mark_times, f"{label} ({len(mark_times)})", colour)
     if top.get_legend_handles_labels()[1]:
         # Above the axes, where it does not cover the plot.
         top.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=3, frameon=False, fontsize="small")
@@ -91,16 +92,16 @@ def figure(table: Table, lost: Sequence[Lost] = (), title: str = "") -> Any:
 def _draw_speed(axes: Any, table: Table, times: Any, unit: SpeedUnit) -> None:
     """Draw the speed over time, or a note if it is unknown."""
     try:
-        _line(axes, times, table.velocity(times, unit), wraps=False)
+        _draw_line(axes, times, table.velocity(times, unit), wraps=False)
     except (AttributeError, ValueError):
         note = "the speed is unknown: the position may wrap around"
         axes.text(0.5, 0.5, note, transform=axes.transAxes, ha="center")
 
 
-def _marks(table: Table, times: Any, lost: Sequence[Lost]) -> Iterator[tuple[Any, str, str]]:
+def _list_marks(table: Table, times: Any, lost: Sequence[Lost]) -> Iterator[tuple[Any, str, str]]:
     """Yield the times to mark, with their label and colour."""
     for kind, colour in _ERROR_COLOURS.items():
-        yield times[table.fault == kind], _error(kind), colour
+        yield times[table.fault == kind], _name_error(kind), colour
     yield times[table.ok & ~table.usable], "position not usable", "tab:orange"
     yield np.array([cycle.time for cycle in lost], np.float64), "lost", "black"
 
@@ -133,11 +134,11 @@ def save(
         drawn = figure(table, lost, title)
     except (ValueError, AttributeError) as error:
         raise UsageError(f"nothing to plot: {error}") from None
-    with written(os.fspath(target), sources, force) as file:
+    with open_for_writing(os.fspath(target), sources, force) as file:
         drawn.savefig(file, format=kind, dpi=150)
 
 
-def _units(table: Table) -> _Units:
+def _choose_units(table: Table) -> _Units:
     """Return the first units that the encoder supports."""
     for units in _UNITS:
         try:
@@ -150,13 +151,13 @@ def _units(table: Table) -> _Units:
     raise AssertionError
 
 
-def _error(kind: ErrorKind) -> str:
+def _name_error(kind: ErrorKind) -> str:
     return f"{'CRC' if kind is ErrorKind.CRC else kind.name.lower()} error"
 
 
-def _line(axes: Any, times: Any, values: Any, wraps: bool) -> None:
+def _draw_line(axes: Any, times: Any, values: Any, wraps: bool) -> None:
     """Draw values over time. The line has a gap where the position wraps around."""
-    times, values = _thinned(times, values)
+    times, values = _thin_out(times, values)
     if wraps and len(values):
         jumps = np.flatnonzero(np.abs(np.diff(values)) > 180) + 1
         times, values = np.insert(times, jumps, times[jumps]), np.insert(values, jumps, np.nan)
@@ -164,21 +165,23 @@ def _line(axes: Any, times: Any, values: Any, wraps: bool) -> None:
     axes.plot(times, values, linewidth=1, **markers)
 
 
-def _thinned(times: Any, values: Any) -> tuple[Any, Any]:
+def _thin_out(times: Any, values: Any) -> tuple[Any, Any]:
     """Return at most a few thousand points that look the same: the extremes of each stretch."""
     is_finite = np.isfinite(values)
     times, values = times[is_finite], values[is_finite]
     if len(values) <= _POINTS:
         return times, values
-    size = -(-len(values) // (_POINTS // 2))
-    whole = len(values) // size * size
-    rows = values[:whole].reshape(-1, size)
-    starts = np.arange(len(rows)) * size
-    places = np.unique(np.concatenate([starts + rows.argmin(axis=1), starts + rows.argmax(axis=1), [len(values) - 1]]))
+    # Each stretch has two points.
+    stretch_size = ceil(len(values) / (_POINTS // 2))
+    whole_size = len(values) // stretch_size * stretch_size
+    stretches = values[:whole_size].reshape(-1, stretch_size)
+    starts = np.arange(len(stretches)) * stretch_size
+    lowest, highest = starts + stretches.argmin(axis=1), starts + stretches.argmax(axis=1)
+    places = np.unique(np.concatenate([lowest, highest, [len(values) - 1]]))
     return times[places], values[places]
 
 
-def _mark(axes: Sequence[Any], times: Any, label: str, colour: str) -> None:
+def _draw_marks(axes: Sequence[Any], times: Any, label: str, colour: str) -> None:
     """Mark times with thin vertical lines."""
     # Where lines are too close to be distinguished, only some are drawn.
     every = max(-(-len(times) // (_POINTS // 10)), 1)

@@ -14,7 +14,7 @@ from pathlib import PurePath
 from typing import Any, Final, Literal, NamedTuple, Protocol
 
 from ..errors import UsageError
-from ..files.stream import written
+from ..files.stream import open_for_writing
 
 RecordKind = Literal["csv", "jsonl", "parquet"]
 #: Formats by name, for the option.
@@ -69,7 +69,7 @@ class _Csv:
         self._row(Reading._fields)
 
     def write(self, reading: Reading) -> None:
-        self._row(reading._replace(time=_rounded(reading.time)))
+        self._row(reading._replace(time=_round(reading.time)))
         self._out.flush()
 
     def close(self) -> None:
@@ -86,7 +86,7 @@ class _JsonLines:
         self._out = self._own or sys.stdout
 
     def write(self, reading: Reading) -> None:
-        self._out.write(json.dumps(reading._replace(time=_rounded(reading.time))._asdict()) + "\n")
+        self._out.write(json.dumps(reading._replace(time=_round(reading.time))._asdict()) + "\n")
         self._out.flush()
 
     def close(self) -> None:
@@ -140,7 +140,7 @@ def record_kind(target: str, kind: RecordKind | None) -> RecordKind:
 
 
 @contextmanager
-def recording(target: str, kind: RecordKind | None, force: bool) -> Generator[Recorder, None, None]:
+def open_recorder(target: str, kind: RecordKind | None, force: bool) -> Generator[Recorder, None, None]:
     """Open a file of readings, or standard output for ``-``. After an error, no file is left.
 
     Raises:
@@ -148,12 +148,12 @@ def recording(target: str, kind: RecordKind | None, force: bool) -> Generator[Re
         OSError: The file cannot be written.
     """
     chosen = record_kind(target, kind)
-    with written(target, (), force) as file:
+    with open_for_writing(target, (), force) as file:
         recorder = _RECORDERS[chosen](file)
         yield recorder
         recorder.close()
 
 
-def _rounded(seconds: float) -> float:
+def _round(seconds: float) -> float:
     """Return a time with microseconds."""
     return round(seconds, 6)

@@ -85,7 +85,7 @@ def kept_columns(names: Iterable[str], stored: Stored, empty: Callable[[str], An
     return columns
 
 
-def column_of(names: list[str], wanted: str, file: str) -> str:
+def find_column(names: list[str], wanted: str, file: str) -> str:
     """Return the name of the column with the frames: the requested one, the only one, or one with a default name."""
     if wanted:
         if names.count(wanted) == 1:

@@ -28,7 +28,7 @@ class Layout(NamedTuple):
         return self.make(**variant, **answers)
 
 
-def layouts_of(encoder: Encoder) -> tuple[Layout, ...]:
+def list_layouts(encoder: Encoder) -> tuple[Layout, ...]:
     """Return all kinds of frames of an encoder's interface. Those that it sends come first."""
     package, _, module = type(encoder).__module__.rpartition(".")
     frames: Mapping[tuple[str, str], Mapping[str, Callable[..., Shape]]]
@@ -37,23 +37,23 @@ def layouts_of(encoder: Encoder) -> tuple[Layout, ...]:
     for interface, sender in sorted(frames, key=lambda interface_and_sender: interface_and_sender[1]):
         if interface == encoder.interface.value:
             for name, make in frames[interface, sender].items():
-                layouts.append(Layout(name, sender, _answers_of(make), make))
+                layouts.append(Layout(name, sender, _list_answers(make), make))
     return tuple(layouts)
 
 
-def _answers_of(make: Callable[..., Shape]) -> dict[str, type[Enum]]:
+def _list_answers(make: Callable[..., Shape]) -> dict[str, type[Enum]]:
     """Return the questions that a description needs answers to, with the enumeration of each."""
     hints = get_type_hints(make)
     return {name: hints[name] for name in signature(make).parameters if issubclass(hints[name], Enum)}
 
 
-def layout_of(encoder: Encoder, name: str = "") -> Layout:
+def find_layout(encoder: Encoder, name: str = "") -> Layout:
     """Return the kind of frame with this name, which is the name in the manual or the name of the class.
 
     Raises:
         UsageError: There is no such frame, or a name is needed to choose one.
     """
-    layouts = layouts_of(encoder)
+    layouts = list_layouts(encoder)
     if name:
         wanted = name.replace("_", "").lower()
         chosen = [candidate for candidate in layouts if candidate.name.replace("_", "") == wanted]
@@ -66,9 +66,9 @@ def layout_of(encoder: Encoder, name: str = "") -> Layout:
     return chosen[0]
 
 
-def shape_for(encoder: Encoder, layout: str, answers: Mapping[str, Any]) -> Shape:
+def find_shape(encoder: Encoder, layout: str, answers: Mapping[str, Any]) -> Shape:
     """Return the shape of frames. Raises UsageError if an answer is missing or not needed."""
-    frame_layout = layout_of(encoder, layout)
+    frame_layout = find_layout(encoder, layout)
     for name in answers:
         if name not in frame_layout.answers:
             needed = f"it accepts {', '.join(frame_layout.answers)}" if frame_layout.answers else "it needs no answers"

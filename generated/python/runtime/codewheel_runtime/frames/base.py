@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar, cast
 from ..codec import BitField
 from ..encoder import Encoder
 from ..reports import Report
-from .descriptions import any_shape, decoding_arguments, described, module_of, shape_of
-from .encoders import Encode, encoder_of_class
+from .descriptions import decoding_arguments, find_any_shape, find_description, module_of, shape_of
+from .encoders import Encode, find_class_encoder
 
 if TYPE_CHECKING:
     from ..bulk.table import Table
@@ -73,19 +73,19 @@ class Coded:
     @classmethod
     def _frame_name(cls, encoder: Encoder) -> str:
         """Return the name of the frame, if its range of positions differs from that of other frames."""
-        return any_shape(cls, encoder).frame
+        return find_any_shape(cls, encoder).frame
 
     def _arguments(self) -> tuple[Any, ...]:
         """Return the encoder and the answers: the first fields."""
         kind, values = cast(Any, type(self)), cast("tuple[Any, ...]", self)
-        return values[: len(described(kind)[1])]
+        return values[: len(find_description(kind)[1])]
 
     def _encoder(self) -> Encode:
         """Return the function that encodes such frames."""
         try:
             return _ENCODERS[self.__class__]
         except KeyError:
-            encode = _ENCODERS[self.__class__] = encoder_of_class(self)
+            encode = _ENCODERS[self.__class__] = find_class_encoder(self)
             return encode
 
 
@@ -95,12 +95,13 @@ class ForEncoder(Coded):
     __slots__ = ()
 
     def _encoder(self) -> Encode:
+        """Return the function that encodes such frames of the same encoder."""
         fields: Any = self
         try:
             encode: Encode = fields[0].__dict__["_encoders"][self.__class__]
         except (AttributeError, KeyError):
             # Raises an error if the first field is not an encoder.
-            encode = encoder_of_class(self)
+            encode = find_class_encoder(self)
             fields[0].__dict__.setdefault("_encoders", {})[self.__class__] = encode
         return encode
 
@@ -143,11 +144,11 @@ class Sent(Coded):
     @property
     def reports(self) -> tuple[Report, ...]:
         """Reports of the encoder: active flags, unused bits that differ from the manual, and values with a verdict."""
-        tells = shape_of(type(self), *self._arguments()).tells
-        if not tells:
+        report_causes = shape_of(type(self), *self._arguments()).report_causes
+        if not report_causes:
             return ()
         reports_by_name: Mapping[str, Report] = module_of(type(self), "facts").REPORTS
-        return tuple(condition.of(reports_by_name) for condition in tells if condition.is_active(self))
+        return tuple(condition.of(reports_by_name) for condition in report_causes if condition.is_active(self))
 
 
 class Fixed(Coded):
@@ -337,7 +338,7 @@ class LimitedRegisterOf(Limited, RegisterOf[_Encoder]):
 _Limited = TypeVar("_Limited", bound=Limited)
 
 
-def with_bytes(register: _Limited, data: bytes) -> _Limited:
+def keep_bytes(register: _Limited, data: bytes) -> _Limited:
     """Return a decoded register with the bytes from which it was decoded."""
     register.__dict__["_bytes"] = data
     return register

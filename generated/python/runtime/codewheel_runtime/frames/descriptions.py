@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 def shape_of(kind: type, *arguments: object) -> Shape:
     """Return the description of a class for an encoder and for answers to questions that the manual leaves open."""
-    make, needed = described(kind)
+    make, needed = find_description(kind)
     for wanted, value in zip(needed, arguments, strict=False):
         if not isinstance(value, wanted):
             if issubclass(wanted, Encoder):
@@ -26,9 +26,9 @@ def shape_of(kind: type, *arguments: object) -> Shape:
     return make(*arguments)
 
 
-def any_shape(kind: type, encoder: Encoder) -> Shape:
+def find_any_shape(kind: type, encoder: Encoder) -> Shape:
     """Return the description of a class for an encoder, with any answer to each open question."""
-    make, needed = described(kind)
+    make, needed = find_description(kind)
     arguments: list[object] = []
     for argument_type in needed:
         is_encoder = issubclass(argument_type, Encoder)
@@ -36,16 +36,16 @@ def any_shape(kind: type, encoder: Encoder) -> Shape:
     return make(*arguments)
 
 
-def kinds_of(encoder: Encoder) -> tuple[type, ...]:
+def find_kinds(encoder: Encoder) -> tuple[type, ...]:
     """Return the classes of the frames that an encoder sends."""
     package, _, family = type(encoder).__module__.rpartition(".")
-    described = import_module(f"{package}._shapes.{family}")
-    makers = described.FRAMES.get((encoder.interface.value, "encoder"), {}).values()
-    return tuple(kind for kind, make in described.SHAPES.items() if make in makers)
+    module = import_module(f"{package}._shapes.{family}")
+    makers = module.FRAMES.get((encoder.interface.value, "encoder"), {}).values()
+    return tuple(kind for kind, make in module.SHAPES.items() if make in makers)
 
 
 @cache
-def described(kind: type) -> tuple[Callable[..., Shape], tuple[type, ...]]:
+def find_description(kind: type) -> tuple[Callable[..., Shape], tuple[type, ...]]:
     """Return the function that creates the description of a class, and the types of its arguments."""
     shapes: Mapping[type, Callable[..., Shape]] = module_of(kind, "_shapes").SHAPES
     make = next(shapes[base] for base in kind.__mro__ if base in shapes)
@@ -63,5 +63,5 @@ def module_of(kind: type, folder: str) -> Any:
 def decoding_arguments(kind: type, /, **arguments: object) -> tuple[object, ...]:
     """Return the encoder, ``variant``, and the answers that a class of frames needs, in the order of its fields."""
     fields: tuple[str, ...] = cast(Any, kind)._fields
-    needed_fields = fields[: len(described(kind)[1])]
+    needed_fields = fields[: len(find_description(kind)[1])]
     return tuple(arguments[name] for name in needed_fields)

@@ -1,7 +1,7 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
 """Encoders of one frame: a function for each class and encoder, made from the description of the frame.
 
-The function handles fields of the usual types that fit. ``number_of`` handles all others, and raises the errors.
+The function handles fields of the usual types that fit. ``encode_number`` handles all others, and raises the errors.
 """
 
 from __future__ import annotations
@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, cast
 
-from ..codec import crc_tables
+from ..codec import make_crc_tables
 from ..encoder import Encoder
-from .descriptions import described, shape_of
-from .encode import crc_of, number_of
+from .descriptions import find_description, shape_of
+from .encode import compute_crc, encode_number
 
 if TYPE_CHECKING:
     from ..bulk.shape import Column, CrcOf, Shape
@@ -23,10 +23,10 @@ Encode = Callable[[Any], Any]
 _TABLE_WIDTH: Final = 8
 
 
-def encoder_of_class(frame: Any) -> Encode:
+def find_class_encoder(frame: Any) -> Encode:
     """Return the function that encodes frames of the same class for the same encoder and the same answers."""
     kind = cast(type, frame.__class__)
-    needed = described(kind)[1]
+    needed = find_description(kind)[1]
     # The encoder is the same in all frames that the function encodes. The answers can differ.
     first, count = sum(issubclass(argument_type, Encoder) for argument_type in needed), len(needed)
     # Raises an error if a field is not an encoder or an answer.
@@ -36,6 +36,7 @@ def encoder_of_class(frame: Any) -> Encode:
     by_answers: dict[tuple[Any, ...], Encode] = {frame[first:count]: encode_first}
 
     def encode(frame: Any) -> Any:
+        """Encode a frame with the function for its answers."""
         answers = frame[first:count]
         try:
             encode_frame = by_answers[answers]
@@ -53,11 +54,12 @@ def make_encoder(kind: type, arguments: tuple[Any, ...]) -> Encode:
     shape = shape_of(kind, *arguments)
 
     def encode_any(frame: Any) -> int | bytes:
-        number = number_of(frame, shape, arguments)
+        """Encode a frame with any values, and raise an error if one does not fit."""
+        number = encode_number(frame, shape, arguments)
         return number.to_bytes(shape.length, shape.order) if shape.length else number
 
     fields = cast("tuple[str, ...]", cast(Any, kind)._fields)
-    if shape.limited is not None or any(_usual_bits(column) is None for column in shape.columns):
+    if shape.limited is not None or any(_describe_usual_bits(column) is None for column in shape.columns):
         return encode_any
     source = _FunctionText(shape, fields)
     source.names["encode_any"] = encode_any
@@ -73,8 +75,11 @@ class _Bits(NamedTuple):
     bits: str
 
 
-def _usual_bits(column: Column) -> _Bits | None:
-    """Return the condition and the bits of a field, or None if ``number_of`` must handle it."""
+def _describe_usual_bits(column: Column) -> _Bits | None:
+    """Return the condition and the bits of a field, or None if ``encode_number`` must handle it.
+
+    They are texts of code, in which ``{0}`` stands for the variable of the value.
+    """
     width = column.width
     if column.zero_means or column.power_of_two:
         return None
@@ -95,7 +100,17 @@ def _usual_bits(column: Column) -> _Bits | None:
 
 
 class _FunctionText:
-    """Text of the function that encodes a frame, and the names in it. Fields are named by their index."""
+    """Text of the function that encodes a frame, and the names in it. Fields are named by their index.
+
+    For a position of 20 bits and an active-low error bit, the text is::
+
+        def encode(frame):
+            field_0, field_1, = frame
+            if type(field_0) is int and not field_0 >> 20 and type(field_1) is bool:
+                number = field_0 << 1 | (not field_1)
+                return number
+            return encode_any(frame)
+    """
 
     def __init__(self, shape: Shape, fields: tuple[str, ...]) -> None:
         self._fields = {name: f"field_{index}" for index, name in enumerate(fields)}
@@ -116,7 +131,8 @@ class _FunctionText:
         self._add_result(shape)
 
     def _add_column(self, column: Column) -> None:
-        usual = _usual_bits(column)
+        """Add the condition on a field, and its bits, as code."""
+        usual = _describe_usual_bits(column)
         if usual is None:
             return
         name = self._fields[column.name]
@@ -127,17 +143,19 @@ class _FunctionText:
             self.names[f"kind_of_{name}"] = column.values
 
     def _add_unused(self, shape: Shape) -> None:
-        if shape.others is None and not shape.unused:
+        """Add the condition on unused bits, and their values in the manual, as code."""
+        if shape.kept_mask is None and not shape.unused:
             return
         name = self._fields["unused"]
-        if shape.others is not None:
-            self._conditions.append(f"type({name}) is int and not {name} & ~{shape.others:#x}")
+        if shape.kept_mask is not None:
+            self._conditions.append(f"type({name}) is int and not {name} & ~{shape.kept_mask:#x}")
             self._terms.append(name)
             return
         self._conditions.append(f"type({name}) is int and {name} == 0")
         self._terms += [f"{unused.value << unused.low:#x}" for unused in shape.unused if unused.value]
 
     def _add_limits(self, shape: Shape) -> None:
+        """Add the checks of the limits of fields, as code."""
         for index, check in enumerate(shape.checks):
             if check.limit is not None:
                 self.names[f"is_within_{index}"] = check.is_within
@@ -156,13 +174,13 @@ class _FunctionText:
         if crc is None:
             result = "number"
         elif crc.low == 0 and crc.width <= _TABLE_WIDTH:
-            tables = _tables_of(crc, shape.bits)
+            tables = _make_tables(crc, shape.bits)
             self.names.update({f"table_{index}": table for index, table in enumerate(tables)})
             entries = [f"table_{index}[number >> {16 * index} & 0xFFFF]" for index in range(len(tables))]
             result = f"number ^ {' ^ '.join(entries)}"
         else:
-            self.names.update(crc_of=crc_of, crc=crc)
-            result = f"number | crc_of(number, crc) << {crc.low}"
+            self.names.update(compute_crc=compute_crc, crc=crc)
+            result = f"number | compute_crc(number, crc) << {crc.low}"
         if shape.length:
             result = f"({result}).to_bytes({shape.length}, {shape.order!r})"
         self._statements.append(f"return {result}")
@@ -180,10 +198,10 @@ class _FunctionText:
         return "\n".join([*lines, "    return encode_any(frame)"])
 
 
-def _tables_of(crc: CrcOf, bits: int) -> tuple[Any, ...]:
+def _make_tables(crc: CrcOf, bits: int) -> tuple[Any, ...]:
     """Return tables for 16 bits of a frame each. The XOR of their entries is the CRC."""
 
     def crc_of_number(covered: int, _: int) -> int:
-        return crc_of(covered << crc.width, crc)
+        return compute_crc(covered << crc.width, crc)
 
-    return crc_tables(crc_of_number, bits - crc.width, crc.width, (bits + 15) // 16)
+    return make_crc_tables(crc_of_number, bits - crc.width, crc.width, (bits + 15) // 16)
