@@ -9,7 +9,6 @@ from ..model import (
     Answer,
     Biss,
     Constant,
-    CrcValue,
     Device,
     Exchange,
     Field,
@@ -101,8 +100,8 @@ def reply_to(device: Device, interface: str, data_id: str) -> Reply | None:
     layout = answer(rs485, member_named(rs485.data_ids, data_id, "data ID").id)
     if layout is None or not layout.bits.is_constant:
         return None
-    kind = layout.crc_field.kind if layout.crc_field is not None else None
-    is_xor = isinstance(kind, CrcValue) and any(crc.is_xor for crc in device.crcs if crc.name == kind.crc)
+    crcs = device.crcs_of(layout)
+    is_xor = layout.always_has_crc and all(crc.is_xor for crc in crcs)
     return Reply(layout.bits.constant // 8, is_xor)
 
 

@@ -211,10 +211,9 @@ def _range_message(valid: PositionRange, placed_field: PlacedField, raw: int, pl
 
 
 def _decode_crc(device: Device, placed: PlacedLayout, number: int, problems: list[Problem]) -> CrcResult | None:
-    placed_field = placed.crc_field
-    if placed_field is None or not isinstance(placed_field.field.kind, CrcValue):
+    placed_field, crc = placed.crc_field, device.crc_of(placed)
+    if placed_field is None or crc is None:
         return None
-    crc = device.crc(placed_field.field.kind.crc)
     result = CrcResult(crc.name, number >> placed_field.low & placed_field.mask, compute(crc, placed, number))
     if not result.ok:
         message = report.crc(f"{result.received:#04x}", f"{result.computed:#04x}")
@@ -308,9 +307,9 @@ def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
     for placed_field in placed.fields:
         if isinstance(placed_field.field.kind, Parity):
             number |= parity_bit(placed, placed_field.field.kind, number) << placed_field.low
-    for placed_field in placed.fields:
-        if isinstance(placed_field.field.kind, CrcValue):
-            number |= compute(device.crc(placed_field.field.kind.crc), placed, number) << placed_field.low
+    crc_field, crc = placed.crc_field, device.crc_of(placed)
+    if crc_field is not None and crc is not None:
+        number |= compute(crc, placed, number) << crc_field.low
     return number
 
 

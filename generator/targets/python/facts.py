@@ -356,7 +356,7 @@ class Shape:
         for name in self.rows[1:]:
             # The class of a register checks its values.
             yield name, self._shown(getattr(described, name)) if name != "checks" or register is None else ()
-        yield "crc", self._crc(described.crc) if described.crc is not None else None
+        yield "crc", self._crcs(described.crcs)
         if described.gray is not None:
             bits = literal(self._shown((described.gray.low, described.gray.width)))
             yield "gray", Code(f"{bits} if variant.{coder.gray_when} else None" if coder.gray_when else str(bits))
@@ -406,17 +406,26 @@ class Shape:
             values=values,
         )
 
+    def _crcs(self, crcs: Sequence[FrameCrc]) -> Literal:
+        """Return the CRC of an encoder. None without one."""
+        if all(frame_crc.is_optional for frame_crc in crcs):
+            choices = [f"{literal(self._crc(crc))} if {self.coder.number(crc.field.width)} else " for crc in crcs]
+            return Code("".join([*choices, "None"])) if choices else None
+        (frame_crc,) = crcs
+        return self._crc(frame_crc)
+
     def _crc(self, frame_crc: FrameCrc) -> Call:
         """Return the CRC with the function that compares it, and the means to compute it for many frames."""
         crc, coder = frame_crc.crc, self.coder
         members: dict[str, Literal] = {"low": self._shown(frame_crc.bits.low), "width": crc.width}
         if coder.layout.crc_covers_bytes:
             place = f'{self.plan.length}, {crc.width // 8}, "{byte_order(coder.layout)}"'
-            members["differs"] = Code(f"of_bytes({coder.crc_name}, {place})")
+            members["differs"] = Code(f"of_bytes({coder.crc_name(frame_crc)}, {place})")
             members |= {"xorout": crc.xorout, "is_xor": True} if crc.is_xor else {}
         else:
             gap = f", {frame_crc.gap}" if frame_crc.gap else ""
-            members["differs"] = Code(f"of_bits({coder.crc_name}, {coder.number(frame_crc.covered)}, {crc.width}{gap})")
+            covered = coder.number(frame_crc.covered)
+            members["differs"] = Code(f"of_bits({coder.crc_name(frame_crc)}, {covered}, {crc.width}{gap})")
             folds = tuple(
                 literal_call("Fold", step.shift, Code(f"0x{step.mask:02X}"), step.back) for step in frame_crc.steps
             )
