@@ -297,7 +297,15 @@ def with_quantities(device: Device, variant: Variant) -> Device:
     known_parameters = {name: value for name, value in variant.parameters.items() if name not in open_parameters}
     parts = {name: _with_numbers(getattr(device, name), known_parameters) for name in _NUMBERED_PARTS}
     parts["interfaces"] = tuple(with_output_code(interface, variant) for interface in parts["interfaces"])
-    return replace(device, **parts)
+    return _without_crcs(replace(device, **parts), sent_crcs(device.interfaces) - sent_crcs(parts["interfaces"]))
+
+
+def _without_crcs(device: Device, names: Collection[str]) -> Device:
+    """Return the device without these CRCs and their examples."""
+    if not names:
+        return device
+    examples = (example for example in device.examples if getattr(example, "crc", "") not in names)
+    return replace(device, crcs=tuple(crc for crc in device.crcs if crc.name not in names), examples=tuple(examples))
 
 
 def with_output_code(interface: Interface, variant: Variant) -> Interface:

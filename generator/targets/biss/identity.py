@@ -192,9 +192,7 @@ def _stated_value(layout: Layout, field: Field, variant: Variant) -> int:
     return only_value(layout, field) or 0
 
 
-def _data_length(
-    device: Device, placed: PlacedLayout, codes: tuple[str, ...], answers: tuple[str, ...]
-) -> DataLength:
+def _data_length(device: Device, placed: PlacedLayout, codes: tuple[str, ...], answers: tuple[str, ...]) -> DataLength:
     status_names = [field.name for field in placed.layout.status_fields]
     data_fields = [field for field in placed.fields if field != placed.crc_field and field.name not in status_names]
     data_widths = {field.name: field.width for field in data_fields}

@@ -9,7 +9,6 @@ from math import prod
 
 from ...model import (
     CrcExample,
-    Field,
     ModifyStep,
     PlacedField,
     PlacedLayout,
