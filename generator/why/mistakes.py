@@ -190,7 +190,7 @@ def explain_constant(device: Device, variant: Variant, placed: PlacedLayout, tex
     crc = device.crc_of(placed)
     if crc is None:
         return _readings(device, _frames_without_crc(device, variant, placed, text), "")
-    fitting = [candidate for candidate in other_answers(device, variant, placed, crc, text) if candidate.fits]
+    fitting = [candidate for candidate in other_answers(device, variant, placed, text) if candidate.fits]
     moved = (*rearranged_frames(placed, crc, text), *moved_frames(device, variant, placed, crc, text))
     fitting += _significant_tries((frame for frame in moved if frame.fits), _known_to_fail(placed, crc, text))
     return _why(device, fitting, (), (crc,)) if fitting else None
