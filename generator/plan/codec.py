@@ -11,7 +11,7 @@ from ..model import Alternative, Device, Fault, Field, Layout, Piece
 from ..model.expressions import Expression
 from ..model.kinds import Constant, CrcValue, Flag, Parity, Text, Unused
 from ..model.record import dataclass
-from .crcs import covers_part, divides, fold_steps
+from .crcs import checks_whole_words, divides, fold_steps
 from .operations import (
     AlwaysIs,
     AtMost,
@@ -179,7 +179,7 @@ def _crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
             divides=False,
             steps=(),
         )
-    covers_all = not covers_part(device, crc)
+    is_of_whole_words = checks_whole_words(device, crc)
     return FrameCrc(
         crc=crc,
         field=field,
@@ -187,8 +187,8 @@ def _crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
         covered=layout.bits - Expression(crc.width),
         low=crc.width,
         is_part=False,
-        divides=covers_all and divides(crc, layout),
-        steps=fold_steps(crc, layout.widest) if covers_all else (),
+        divides=is_of_whole_words and divides(crc, layout),
+        steps=fold_steps(crc, layout.widest) if is_of_whole_words else (),
     )
 
 

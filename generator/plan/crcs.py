@@ -191,7 +191,9 @@ def crc_functions(device: Device) -> Iterator[CrcFunction]:
         crc_carriers = carriers(device, crc)
         in_words = any(not layout.in_bytes and _ends_in(layout, crc) for _, layout in device.layouts())
         for carrier in crc_carriers:
-            form = Form.TABLE if covers_part(device, crc) else form_of(crc, carrier)
+            form = form_of(crc, carrier)
+            if carrier is Carrier.BITS and not checks_whole_words(device, crc):
+                form = Form.TABLE
             yield CrcFunction(crc, carrier, form, len(crc_carriers) == 1, in_words)
 
 
@@ -229,10 +231,14 @@ def _ends_in(layout: Layout, crc: Crc) -> bool:
     return any(isinstance(field.kind, CrcValue) and field.kind.crc == crc.name for field in layout.fields)
 
 
-def covers_part(device: Device, crc: Crc) -> bool:
-    """Return whether the CRC covers only a part of some frame."""
-    fields = (field for _, layout in device.layouts() for field in layout.fields)
-    return any(isinstance(field.kind, CrcValue) and field.kind.crc == crc.name and field.kind.of for field in fields)
+def checks_whole_words(device: Device, crc: Crc) -> bool:
+    """Return whether the CRC ends all its frames for every order code, and covers everything before it."""
+    for _, layout in device.layouts():
+        for field in layout.fields:
+            if isinstance(field.kind, CrcValue) and field.kind.crc == crc.name:
+                if field.kind.of or not field.width.is_constant:
+                    return False
+    return True
 
 
 _BRIDGE = "timonburkard/BiSS_Bridge: 2_hdl/tb/tb_data_checker.vhd"
