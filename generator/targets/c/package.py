@@ -98,7 +98,7 @@ def _unprotected(devices: tuple[Device, ...]) -> Iterator[str]:
         for interface, layout in device.layouts():
             has_position = device.tells_position(interface.name, layout)
             if isinstance(interface, Ssi) and has_position and not layout.always_has_crc:
-                yield _frame_name(device, interface.title, layout)
+                yield _frame_name(device, interface.title, layout) + _of_some_codes(layout)
 
 
 def _with_parity(devices: tuple[Device, ...]) -> Iterator[str]:
@@ -106,7 +106,12 @@ def _with_parity(devices: tuple[Device, ...]) -> Iterator[str]:
         for interface, layout in device.layouts():
             is_alone = layout.has_parity and not layout.always_has_crc
             if is_alone and device.tells_position(interface.name, layout):
-                yield _frame_name(device, interface.title, layout)
+                yield _frame_name(device, interface.title, layout) + _of_some_codes(layout)
+
+
+def _of_some_codes(layout: Layout) -> str:
+    """Return the remark that only some order codes lack a CRC, or an empty string if all do."""
+    return " (some order codes)" if layout.crc_fields else ""
 
 
 def _frame_name(device: Device, interface: str, layout: Layout) -> str:
