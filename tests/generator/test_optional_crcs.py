@@ -6,16 +6,26 @@ The encoder is made up. Every combination of options gets random frames, most of
 from __future__ import annotations
 
 import random
+import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from itertools import product
 from pathlib import Path
 
 import pytest
+from codewheel.commands.cli import main
+from codewheel.commands.outputs import targets_named
+from codewheel.reference import codec
+from codewheel.targets import Library
+from codewheel.targets.biss.data_channels import master_settings
+from codewheel.targets.biss.identity import data_lengths, only_crc, single_cycle_data
+from codewheel.virtual.encoder import VirtualEncoder
 from exhaustive import mostly_exhaustive
 from five_engines import (
     ENGINES,
     NOT_USABLE,
+    SPECS,
     UNKNOWN,
     USABLE,
     WARNING,
@@ -208,3 +218,87 @@ def test_every_engine_decides_as_the_decoder_here_does(
         case.code for case in cases if case.code[-1] not in ("NV" if layout == "reply" else "N")
     }
     assert {case.verdict for case in cases} >= {NOT_USABLE, UNKNOWN, USABLE}
+
+
+def _frame(letters: str, layout: str) -> Case:
+    """Return a valid frame with these options."""
+    is_valid = (case for case in cases_of(layout, 40) if case.code.endswith(letters) and not case.fault)
+    return next(is_valid)
+
+
+def _output(*arguments: str, capsys: pytest.CaptureFixture[str]) -> str:
+    main([*arguments, "--specs", str(SPECS / "crc_options.yaml"), "--specs", str(SPECS / "manufacturer.yaml")])
+    return " ".join(capsys.readouterr().out.split())
+
+
+def test_a_frame_of_another_crc_is_that_of_another_order_code(capsys: pytest.CaptureFixture[str]) -> None:
+    """The frame has the same length, so only its CRC distinguishes the order codes."""
+    case = _frame("12EA", "word")
+    shown = _output("decode", "CRS12EB", f"0b{case.number:0{case.bits}b}", capsys=capsys)
+    assert "crc error" in shown
+    assert f"{case.bits} bits, the frame of CRS12EA" in shown
+
+
+def test_decode_says_that_an_order_code_has_no_crc(capsys: pytest.CaptureFixture[str]) -> None:
+    case = _frame("12EN", "word")
+    assert "this frame has no CRC" in _output("decode", case.code, f"0b{case.number:0{case.bits}b}", capsys=capsys)
+    case = _frame("12EB", "word")
+    assert "this frame has no CRC" not in _output("decode", case.code, f"0b{case.number:0{case.bits}b}", capsys=capsys)
+
+
+@pytest.mark.parametrize(
+    ("code", "line", "sections"),
+    [
+        ("CRS12EN", "- CRC: none.", set()),
+        ("CRS12EB", "- CRC: poly `0x11D` (x⁸ + x⁴ + x³ + x² + 1), init 0, inverted, 8 bits,", {"word_8_inverted"}),
+        ("CRB15XA", "- CRC: poly `0x12F` (x⁸ + x⁵ + x³ + x² + x + 1), init 0, inverted, 8 bits,", {"biss_8"}),
+        ("CRP12XV", "- CRC: poly `0x43` (x⁶ + x + 1), init 0, not inverted, 6 bits,", {"word_6"}),
+    ],
+)
+def test_the_page_of_an_order_code_has_its_crc_alone(code: str, line: str, sections: set[str]) -> None:
+    page = _pages()[f"docs/crc_options/{code}.md"]
+    assert line in page
+    assert set(re.findall(r'<a id="crc-(\w+)">', page)) == sections
+
+
+@cache
+def _pages() -> Mapping[str, str]:
+    (target,) = (target for target in targets_named() if target.name == "docs")
+    return {path: text for path, text in target.files(Library((made().device,)), {}).items() if path.endswith(".md")}
+
+
+def test_a_biss_master_gets_the_crc_of_each_order_code() -> None:
+    """Only an order code of its own has a polynomial in the XML. The comment for a family lists all of them."""
+    device = made().device
+    layout = single_cycle_data(device)
+    assert layout is not None
+    lengths = data_lengths(device, layout)
+    assert only_crc(device, layout, lengths) is None
+    lines = master_settings(device, layout, None, lengths, (), False).splitlines()
+    by_code = {line.split(":")[0].strip(): line for line in lines if line.startswith("  CRB")}
+    assert by_code["CRB12EN"].endswith("12 bits, with status bits 13, with CRC 13, without a CRC")
+    expected = "with CRC 21, CRC of 8 bits, x^8 + x^5 + x^3 + x^2 + x + 1, start value 0x5A, sent inverted"
+    assert by_code["CRB12EB"].endswith(expected)
+    of_one_code = [length for length in lengths if length.codes == ("CRB15XL",)]
+    assert only_crc(device, layout, of_one_code) == device.crc("biss_16")
+
+
+def test_c_says_which_words_no_crc_protects() -> None:
+    (target,) = (target for target in targets_named() if target.name == "c")
+    files = target.files(Library((made().device,)), {})
+    header = " ".join(files["c/include/test/crc_options_ssi.h"].replace("\n *", "").split())
+    assert "must agree, since some order codes have no CRC." in header
+    assert "no CRC protects" not in header
+    words = "These SSI words have no CRC: CRC_OPTIONS SSI: word (some order codes)."
+    assert words.replace("_", r"\_") in files["c/ASSUMPTIONS-test.md"] or words in files["c/ASSUMPTIONS-test.md"]
+
+
+@pytest.mark.parametrize("code", ["CRS12EN", "CRS12EL"])
+def test_a_virtual_encoder_sends_its_crc(code: str) -> None:
+    encoder = VirtualEncoder(code, specs=[SPECS / "crc_options.yaml", SPECS / "manufacturer.yaml"])
+    encoder.set_flag("failed")
+    _, layout = made().placed(code, "word")
+    decoded = codec.decode(made().device, layout, encoder.frame(layout.layout, {}))
+    assert not decoded.problems
+    assert (decoded.crc is None) == code.endswith("N")
+    assert decoded.values["failed"] is True
