@@ -197,10 +197,10 @@ def crc_functions(device: Device) -> Iterator[CrcFunction]:
             yield CrcFunction(crc, carrier, form, len(crc_carriers) == 1, in_words)
 
 
-def function_of(device: Device, layout: Layout) -> CrcFunction | None:
-    """Return the function for the CRC at the end of a layout, or None."""
+def function_of(device: Device, layout: Layout, crc: Crc) -> CrcFunction:
+    """Return the function for a CRC at the end of a layout."""
     functions = (function for function in crc_functions(device) if function.carrier is carrier_of(layout))
-    return next((function for function in functions if _ends_in(layout, function.crc)), None)
+    return next(function for function in functions if function.crc == crc)
 
 
 def folds(crc: Crc) -> bool:
@@ -234,10 +234,11 @@ def _ends_in(layout: Layout, crc: Crc) -> bool:
 def checks_whole_words(device: Device, crc: Crc) -> bool:
     """Return whether the CRC ends all its frames for every order code, and covers everything before it."""
     for _, layout in device.layouts():
-        for field in layout.fields:
-            if isinstance(field.kind, CrcValue) and field.kind.crc == crc.name:
-                if field.kind.of or not field.width.is_constant:
-                    return False
+        for field in layout.crc_fields:
+            assert isinstance(field.kind, CrcValue)
+            is_partial = field.kind.of or not field.width.is_constant
+            if field.kind.crc == crc.name and is_partial:
+                return False
     return True
 
 
