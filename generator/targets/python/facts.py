@@ -408,11 +408,12 @@ class Shape:
 
     def _crcs(self, crcs: Sequence[FrameCrc]) -> Literal:
         """Return the CRC of an encoder. None without one."""
-        if all(frame_crc.is_optional for frame_crc in crcs):
-            choices = [f"{literal(self._crc(crc))} if {self.coder.number(crc.field.width)} else " for crc in crcs]
-            return Code("".join([*choices, "None"])) if choices else None
-        (frame_crc,) = crcs
-        return self._crc(frame_crc)
+        if not crcs:
+            return None
+        if not crcs[0].is_optional:
+            return self._crc(crcs[0])
+        choices = tuple(ConditionalItem(self._crc(crc), str(self.coder.number(crc.field.width))) for crc in crcs)
+        return literal_call("next", literal_call("iter", choices), Code("None"))
 
     def _crc(self, frame_crc: FrameCrc) -> Call:
         """Return the CRC with the function that compares it, and the means to compute it for many frames."""
