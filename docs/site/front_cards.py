@@ -115,7 +115,7 @@ def _size_of(device: Device, variant: Variant, placed: PlacedLayout) -> str:
 def _rank(frame: tuple[Variant, PlacedLayout]) -> tuple[bool, int]:
     """Return the rank of a frame for the card. The longest is best, with a CRC if there is one."""
     _, placed = frame
-    return placed.layout.crc_field is not None, placed.bits
+    return placed.crc_field is not None, placed.bits
 
 
 def _frames_of_bits(device: Device) -> list[tuple[Variant, PlacedLayout]]:

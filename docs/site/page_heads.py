@@ -22,7 +22,7 @@ def code_title(device: Device, variant: Variant) -> str:
     """Return the title of the page of an order code: "AMM5A21/65KSC1: BiSS-C frame, CRC, pinout, preset"."""
     interface = device.interface(variant.interface)
     subjects = [f"{_common_name(interface.title)} frame"]
-    if any(layout.crc_field is not None for layout in interface.layouts):
+    if any(layout.place(variant.parameters).crc_field is not None for layout in interface.layouts):
         subjects.append("CRC")
     if any(interface.name in connector.interfaces for connector in device.connectors):
         subjects.append("pinout")

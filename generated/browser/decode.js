@@ -138,6 +138,7 @@
     const holds = (only) => !only || Boolean(parameters[only.parameter]) === Boolean(only.holds);
     return {
       family, layout, parameters, fields, name: layout.name, bits: at(layout.bits),
+      crc: layout.crcs ? layout.crcs[fields.find((item) => item.field.crc)?.name] : layout.crc,
       gray: gray && { low: at(gray.low), width: at(gray.width), excess: value(gray.excess ?? 0, parameters) },
       joins: (layout.joins ?? []).map((join) => ({
         name: join.name,
@@ -267,8 +268,8 @@
   const crcField = (at) => at.fields.find((item) => item.field.crc);
 
   function crcOf(at, number) {
-    if (!at.layout.crc) return null;
-    const crc = at.family.crcs[at.layout.crc];
+    if (!at.crc) return null;
+    const crc = at.family.crcs[at.crc];
     const field = crcField(at);
     const received = bits(number, field.low, field.width);
     return { crc, field: field.name, received, computed: computedBy(crc, at, number) };
@@ -379,7 +380,7 @@
       const of = at.fields.filter((one) => item.field.parity.includes(one.name));
       number |= parityOf(number, of, item.field) << BigInt(item.low);
     });
-    if (at.layout.crc) number |= computedBy(at.family.crcs[at.layout.crc], at, number) << BigInt(crcField(at).low);
+    if (at.crc) number |= computedBy(at.family.crcs[at.crc], at, number) << BigInt(crcField(at).low);
     for (const problem of decode(at, number).problems) throw new Refusal(problem.message);
     return number;
   }
@@ -1806,17 +1807,17 @@
     const found = data ? data.reduce((sum, byte) => (sum << 8n) | BigInt(byte), 0n) : given?.number ?? number;
     if (size < LEAST_STUCK || (found !== 0n && found !== ones(size))) return "";
     const level = found ? 1 : 0;
-    const doubt = at?.layout.crc ? "and the CRC is correct too" : "and there is no CRC to distinguish it";
-    return at && !(at.layout.crc && problems.length) ? `Every bit is ${level}. A dead line looks the same, ${doubt}.`
+    const doubt = at?.crc ? "and the CRC is correct too" : "and there is no CRC to distinguish it";
+    return at && !(at.crc && problems.length) ? `Every bit is ${level}. A dead line looks the same, ${doubt}.`
       : `Every bit is ${level}: the line never changes. Check for ${level ? "a broken wire" : "a short circuit"}, `
         + `the supply and ${over?.name === "rs485" ? "wires A and B" : "the clock"}.`;
   }
 
   /** Return the bits that make the frame valid if one of them is inverted: the usual cause if only some frames fail. */
   function disturbedBits({ at, number, problems }) {
-    if (!at?.layout.crc || problems[0]?.fault === "length" || !problems.some((item) => item.fault === "crc")) return [];
+    if (!at?.crc || problems[0]?.fault === "length" || !problems.some((item) => item.fault === "crc")) return [];
     const { low, width } = crcField(at);
-    const crc = at.family.crcs[at.layout.crc];
+    const crc = at.family.crcs[at.crc];
     const fits = (one) => computedBy(crc, at, one) === bits(one, low, width) && hasFixed(at, one);
     return [...Array(at.bits).keys()].filter((bit) => fits(number ^ (ONE << BigInt(bit))));
   }
@@ -1835,7 +1836,7 @@
     if (!problems.length || deadLine(frame)) return none;
     if (data) return !at || hasFault("crc", "length", "constant") ? chosen(triesWithBytes(frame), [], isWithPairs) : none;
     if (!at || !given || !hasFault("crc", "length", "constant")) return none;
-    const crc = at.layout.crc && at.family.crcs[at.layout.crc];
+    const crc = at.crc && at.family.crcs[at.crc];
     if (!crc) return readingsOf([...movedFrames(at, null, given), ...rearranged(at, null, given)]);
     const failed = given.bits > at.bits || (given.exact && given.bits !== at.bits) ? [] : [asSent(at, crc, given.number)];
     if (hasFault("crc", "length")) return chosen(triesWithBits(at, crc, given), failed, isWithPairs);
@@ -1848,7 +1849,7 @@
   function missingPart(frame) {
     const { at, given, problems } = frame;
     if (!given || !problems.some((item) => item.fault === "length") || deadLine(frame) || mayHave(given, at.bits)) return "";
-    const crc = at.layout.crc && at.family.crcs[at.layout.crc];
+    const crc = at.crc && at.family.crcs[at.crc];
     const isFound = (one) => one.kind !== TABLE.inside[0] && fits(one) && (!crc || one.known + one.demanded >= LEAST_BITS);
     if (movedFrames(at, crc, given).some(isFound)) return "";
     for (const [text, pattern] of lineOf(at)?.incomplete ?? []) {
@@ -2232,7 +2233,7 @@
     const answers = Object.fromEntries((label?.family.alternatives ?? []).map((item) => [item.name, item.answers[0][0]]));
     const moved = layouts.filter((layout) => layout.order && layout.sender === sender).flatMap((layout) => {
       const at = placedFor(label, layout, {}, answers);
-      const crc = layout.crc ? at.family.crcs[layout.crc] : null;
+      const crc = at.crc ? at.family.crcs[at.crc] : null;
       if (crc && crc.width !== 8) return [];
       const isExpected = expected?.layout === layout && 8 * data.length === at.bits;
       return [...(crc && isExpected ? otherByteCrcs(at, crc, data) : []), ...movedBytes(at, crc, data)];
@@ -2338,7 +2339,7 @@
     })];
   }
 
-  const evidenceOf = (at) => fixedBits(at) + (at.layout.crc ? at.family.crcs[at.layout.crc].width : 0);
+  const evidenceOf = (at) => fixedBits(at) + (at.crc ? at.family.crcs[at.crc].width : 0);
 
   /** The numbers in a frame, by name. */
   function numbersRead(at, number) {
@@ -2563,7 +2564,7 @@
   function isAnother(found, others) {
     const [other] = others;
     return found.problems.length > 0 && others.length === 1
-      && Boolean(other.layout.crc || other.checks.some((item) => item.check.fault === "constant"));
+      && Boolean(other.crc || other.checks.some((item) => item.check.fault === "constant"));
   }
 
   /** The names of the other frames that it can be, in a sentence. */
@@ -2596,7 +2597,7 @@
     const reasons = explained(found);
     const match = "these changes make the CRC match:";
     const withCrc = noise.length ? `If all frames fail, ${match}` : `T${match.slice(1)}`;
-    const start = found.at?.layout.crc ? withCrc : `${said("uncertain")}:`;
+    const start = found.at?.crc ? withCrc : `${said("uncertain")}:`;
     const told = reasons.length ? [element("p", {}, start), list(reasons.map((one) => reasonOf(one.at ?? found.at, one)))] : [];
     const missing = missingPart(found);
     const help = anotherHelps(reasons) ? [element("p", {}, said("another_frame"))] : [];

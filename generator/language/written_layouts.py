@@ -59,7 +59,7 @@ class WrittenField(WrittenPart):
         "Width in bits, or a parameter that gives it. The width is 0 for order codes and settings "
         "without the field. In a frame, this is also possible for a flag or parity bit: {name: error, "
         "bits: error_bits, active: high, makes_position: not_usable}, where each order code sets "
-        "error_bits to 1 or 0. Decoders return an absent number as 0 and an absent flag as inactive, "
+        "error_bits to 1 or 0, and for a CRC. Decoders return an absent number as 0 and an absent flag as inactive, "
         "and encoders reject other values. The verdict is unknown for order codes without any bit that "
         "says whether the position is usable.",
         default=None,
@@ -145,7 +145,10 @@ class WrittenField(WrittenPart):
         "The field takes its values from the interface's table of data IDs.", default=""
     )
     crc: Name = key(
-        "Name of the CRC that the field holds, computed over everything sent before it, or over the fields crc_of.",
+        "Name of the CRC that the field holds, computed over everything sent before it, or over the fields crc_of. "
+        "A frame can end with several CRCs, of which each order code has one or none: {name: crc_6, bits: short_bits, "
+        "crc: biss_6} and {name: crc_16, bits: long_bits, crc: biss_16}, where each order code sets short_bits to 6 or "
+        "0, and long_bits to 16 or 0.",
         default="",
     )
     crc_of: tuple[Name, ...] = key(

@@ -45,6 +45,7 @@ from ..order_codes.labels import combinations
 from ..order_codes.parameters import resolve_parameters
 from ..reference.bits import join_value
 from ..reference.codec import EncodeError, encode
+from .crc_rules import check_settings_of_crcs
 from .editions import editions
 from .evidence import with_placeholders
 from .examples import build_examples, check_examples, samples
@@ -91,6 +92,7 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
     _check_requests(device, report)
     check_spi_registers(device, report)
     check_frame_kinds(device, report)
+    check_settings_of_crcs(device, report)
     device = replace(device, procedures=build_procedures(raw, device))
     check_measurements(device, report)
     check_position_widths(device, report)

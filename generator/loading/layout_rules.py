@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
-from itertools import chain, pairwise
+from itertools import pairwise
 
-from ..language.problems import listed
 from ..model import (
     INTERFACES,
     Choice,
     Constant,
-    Crc,
     CrcValue,
     Decimal,
     Field,
@@ -28,6 +25,7 @@ from ..model import (
     assert_never,
 )
 from ..model.expressions import Expression
+from .crc_rules import check_crc, check_one_crc
 from .fields import Site
 from .gaps import values_text
 
@@ -223,6 +221,7 @@ def check_layout(layout: Layout, site: Site, low_byte_first: bool) -> bool:
         site.report("too-long", f"'{layout.name}' has {sent_bits} bits; the maximum is {LARGEST_BYTES}")
     for field in layout.fields:
         _check_field(layout, field, replace(site, path=(*site.path, "fields", field.name)))
+    check_one_crc(layout, site)
     selector = next((field for field in layout.fields if field.name == layout.selector), None)
     for selected in layout.selects:
         if selector is not None and selector.values and selected not in [value.value for value in selector.values]:
@@ -255,7 +254,7 @@ def _check_field(layout: Layout, field: Field, site: Site) -> None:
         case Text():
             _check_text(field, site)
         case CrcValue():
-            _check_crc(layout, field, kind, site)
+            check_crc(layout, field, kind, site)
         case _:
             assert_never(kind)
 
@@ -330,65 +329,4 @@ def _check_absent(field: Field, reason: str, site: Site) -> None:
             values = ", ".join(f"{name} = {parameters[name]}" for name in field.width.parameters)
             message = f"'{field.name}' has no bits with {values} and reads as 0, but {reason}"
             site.report("value-too-wide", message)
-            return
-
-
-def _check_crc(layout: Layout, field: Field, kind: CrcValue, site: Site) -> None:
-    crc = site.context.crcs.get(kind.crc)
-    if crc is None:
-        return
-    if field.width != Expression(crc.width):
-        site.report(
-            "width-mismatch", f"'{field.name}' has {field.widest} bits, but the CRC '{crc.name}' has {crc.width}"
-        )
-    if field is not layout.fields[-1]:
-        problem = f"'{field.name}' covers everything sent before it, so it must be the last field of '{layout.name}'"
-        if kind.of:
-            problem = f"'{field.name}' must be the last field of '{layout.name}', even with 'crc_of'"
-        site.report("crc-not-last", problem)
-    problem = next(chain(_no_run(layout, kind, site), _left_out(layout, field, kind)), "")
-    if problem:
-        site.report("crc-of", problem, "crc_of")
-    on_line = INTERFACES[site.interface].carried_as == "bits" and layout.byte_order == "high_byte_first"
-    if layout.in_bytes and crc.width % 8 and not on_line:
-        site.report("width-mismatch", f"a frame of whole bytes cannot end with a CRC of {crc.width} bits")
-    elif layout.in_bytes and (crc.width % 8 or layout.bits != layout.sent_bits) and not _is_plain(crc):
-        problem = f"'{field.name}' or the bits before it are not whole bytes, so the CRC must start at 0"
-        site.report("width-mismatch", f"{problem}, without 'refin' and 'refout'")
-
-
-def _is_plain(crc: Crc) -> bool:
-    """Return True if zeros before a frame do not change its CRC, and its bits are in the order sent."""
-    return not crc.init and not crc.refin and not crc.refout
-
-
-def _left_out(layout: Layout, crc: Field, kind: CrcValue) -> Iterator[str]:
-    """Yield the fields with data that a CRC with a list of fields leaves out, unless a note names them."""
-    if not kind.of:
-        return
-    words_in_notes = re.findall(r"\w+", f"{layout.note} {crc.note}")
-    mentioned_names = {crc.name, *kind.of, *words_in_notes}
-    data_names = [field.name for field in layout.fields if not isinstance(field.kind, (Constant, Unused))]
-    left_out = listed(name for name in data_names if name not in mentioned_names)
-    if left_out:
-        remedy = f"add the fields that it covers to 'crc_of', or add a 'note' that the manual leaves out {left_out}"
-        yield f"'{crc.name}' leaves out {left_out}; {remedy}"
-
-
-def _no_run(layout: Layout, kind: CrcValue, site: Site) -> Iterator[str]:
-    """Yield the reason why the fields of a CRC are not adjacent bits at a fixed place."""
-    if kind.of and layout.in_bytes:
-        interface = INTERFACES[site.interface]
-        place = f"over {interface.title}" if interface.carried_as == "bytes" else "with 'carried_as: bytes'"
-        yield f"{place}, a CRC covers everything before it; leave 'crc_of' out"
-        return
-    fields = {field.name: field for field in layout.fields}
-    covered_fields = [fields[name] for name in kind.of if name in fields]
-    for field in covered_fields:
-        if not field.is_fixed:
-            yield f"'{field.name}' differs in place or width between order codes, so 'crc_of' cannot list it"
-            return
-    for above, below in pairwise(covered_fields):
-        if below.low + below.width != above.low:
-            yield f"'{above.name}' and '{below.name}' are not adjacent; list adjacent fields, in the order sent"
             return

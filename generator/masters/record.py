@@ -169,7 +169,7 @@ def _parts_and_obstacle(frame: _PositionFrame) -> tuple[tuple[Part, ...], str]:
 
 def _crc_obstacle(device: Device, placed_layout: PlacedLayout) -> str:
     """Return the reason why no master can check the CRC, or an empty string."""
-    crc = device.crc_of(placed_layout.layout)
+    crc = device.crc_of(placed_layout)
     if crc is None or _is_common_form(device, crc):
         return ""
     form = "is not sent most significant bit first, either plain or fully inverted"
@@ -213,7 +213,7 @@ def _record(
 def _numbers(frame: _PositionFrame, parts: Sequence[Part]) -> dict[str, int | None]:
     """Return the numbers of a record, in their order there."""
     variant = frame.variant
-    crc = frame.device.crc_of(frame.placed_layout.layout)
+    crc = frame.device.crc_of(frame.placed_layout)
     widths = bit_counts(parts)
     numbers = (
         widths

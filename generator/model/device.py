@@ -363,15 +363,22 @@ class Device:
     def crc(self, name: str) -> Crc:
         return member_named(self.crcs, name, "CRC")
 
-    def crc_of(self, layout: Layout) -> Crc | None:
-        """Return the CRC at the end of a layout, or None."""
-        return next((self.crc(field.kind.crc) for field in layout.fields if isinstance(field.kind, CrcValue)), None)
+    def crcs_of(self, layout: Layout) -> tuple[Crc, ...]:
+        """Return the CRCs at the end of a layout, of which each order code has at most one."""
+        return tuple(self.crc(field.kind.crc) for field in layout.fields if isinstance(field.kind, CrcValue))
+
+    def crc_of(self, placed: PlacedLayout) -> Crc | None:
+        """Return the CRC at the end of the frames of one order code, or None."""
+        placed_field = placed.crc_field
+        if placed_field is None or not isinstance(placed_field.field.kind, CrcValue):
+            return None
+        return self.crc(placed_field.field.kind.crc)
 
     def reflects_input(self, crc: Crc) -> bool:
         """Return whether the input of a CRC is reflected. In frames of bits, there are no bytes to reflect."""
         layouts = [layout for _, layout in self.layouts()]
         layouts += [register.layout for register in self.registers]
-        covers_bytes = [layout.crc_covers_bytes for layout in layouts if self.crc_of(layout) == crc]
+        covers_bytes = [layout.crc_covers_bytes for layout in layouts if crc in self.crcs_of(layout)]
         return crc.refin and (any(covers_bytes) or not covers_bytes)
 
     def procedure(self, name: str) -> Procedure:

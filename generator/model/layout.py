@@ -173,13 +173,19 @@ class Layout:
         return (*filter(None, values), *(_sign_of_combination(self, combination) for combination in self.combinations))
 
     @cached_property
-    def crc_field(self) -> Field | None:
-        return next((field for field in self.fields if isinstance(field.kind, CrcValue)), None)
+    def crc_fields(self) -> tuple[Field, ...]:
+        """CRCs at the end. With several of them, each order code has at most one."""
+        return tuple(field for field in self.fields if isinstance(field.kind, CrcValue))
+
+    @property
+    def always_has_crc(self) -> bool:
+        """True if the frames of all order codes end with the same CRC."""
+        return any(field.width.is_constant for field in self.crc_fields)
 
     @property
     def crc_covers_bytes(self) -> bool:
         """True if the CRC at the end covers whole bytes, and not the bits of a frame of bits in bytes."""
-        return self.in_bytes and ((end := self.crc_field) is None or end.widest % 8 == 0)
+        return self.in_bytes and all(field.widest % 8 == 0 for field in self.crc_fields)
 
     @property
     def has_parity(self) -> bool:
@@ -271,23 +277,23 @@ class PlacedLayout:
 
     @cached_property
     def crc_field(self) -> PlacedField | None:
+        """CRC at the end of the frames of the order code."""
         return next((field for field in self.fields if isinstance(field.field.kind, CrcValue)), None)
 
     @cached_property
     def crc_covers(self) -> tuple[int, int]:
         """Lowest bit and number of bits that the CRC of a frame of bits covers. (0, 0) without a CRC."""
-        end = self.layout.crc_field
-        if end is None or not isinstance(end.kind, CrcValue):
+        end = self.crc_field
+        if end is None or not isinstance(end.field.kind, CrcValue):
             return (0, 0)
-        width = end.width.constant
-        run = self.find_fields(end.kind.of)
-        return (run[-1].low, run[0].high + 1 - run[-1].low) if run else (width, self.bits - width)
+        run = self.find_fields(end.field.kind.of)
+        return (run[-1].low, run[0].high + 1 - run[-1].low) if run else (end.width, self.bits - end.width)
 
     @property
     def covers_part(self) -> bool:
         """True if the CRC does not cover everything before it."""
-        end = self.layout.crc_field
-        return end is not None and isinstance(end.kind, CrcValue) and bool(end.kind.of)
+        end = self.crc_field
+        return end is not None and isinstance(end.field.kind, CrcValue) and bool(end.field.kind.of)
 
     def place_of(self, name: str) -> tuple[int, int]:
         """Return lowest bit and width of a field, or of a join of adjacent fields. An absent field has width 0."""

@@ -304,7 +304,17 @@ def with_quantities(device: Device, variant: Variant) -> Device:
     known_parameters = {name: value for name, value in variant.parameters.items() if name not in open_parameters}
     parts_with_numbers = {name: _with_numbers(getattr(device, name), known_parameters) for name in _NUMBERED_PARTS}
     interfaces = tuple(with_output_code(interface, variant) for interface in parts_with_numbers["interfaces"])
-    return replace(device, **parts_with_numbers | {"interfaces": interfaces})
+    device_with_numbers = replace(device, **parts_with_numbers | {"interfaces": interfaces})
+    return _without_crcs(device_with_numbers, sent_crcs(device.interfaces) - sent_crcs(interfaces))
+
+
+def _without_crcs(device: Device, names: Collection[str]) -> Device:
+    """Return the device without these CRCs and their examples."""
+    if not names:
+        return device
+    crcs = tuple(crc for crc in device.crcs if crc.name not in names)
+    examples = tuple(example for example in device.examples if getattr(example, "crc", "") not in names)
+    return replace(device, crcs=crcs, examples=examples)
 
 
 def with_output_code(interface: Interface, variant: Variant) -> Interface:

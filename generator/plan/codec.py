@@ -11,7 +11,7 @@ from ..model import Alternative, Device, Fault, Field, Layout, Piece
 from ..model.expressions import Expression
 from ..model.kinds import Constant, CrcValue, Flag, Parity, Text, Unused
 from ..model.record import dataclass
-from .crcs import covers_part, divides, fold_steps
+from .crcs import checks_whole_words, divides, fold_steps
 from .operations import (
     AlwaysIs,
     AtMost,
@@ -48,7 +48,7 @@ class Codec:
     by_word: bool
     length: int
     selector: Field | None
-    crc: FrameCrc | None
+    crcs: tuple[FrameCrc, ...]
     gray: Gray | None
     parts: tuple[Part, ...]
     wholes: tuple[Whole, ...]
@@ -65,6 +65,11 @@ class Codec:
     @property
     def in_bytes(self) -> bool:
         return self.layout.in_bytes
+
+    @property
+    def only_crc(self) -> FrameCrc | None:
+        """The CRC of all order codes. None without a CRC, or if order codes differ."""
+        return next((crc for crc in self.crcs if not crc.is_optional), None)
 
     @cached_property
     def parity_covers_gray(self) -> bool:
@@ -102,7 +107,7 @@ class Codec:
     def faults(self) -> tuple[Fault, ...]:
         """Return the errors that a decoder of this layout can find, without duplicates."""
         faults = {Fault.LENGTH, *(check.fault for check in self.checks)}
-        if self.crc is not None:
+        if self.crcs:
             faults.add(Fault.CRC)
         return tuple(fault for fault in Fault if fault in faults)
 
@@ -120,7 +125,7 @@ def codec_of(device: Device, layout: Layout) -> Codec:
         by_word=by_word,
         length=layout.widest // 8,
         selector=fixed_selector(layout),
-        crc=_crc(device, layout),
+        crcs=tuple(_crc(device, layout, field) for field in layout.crc_fields),
         gray=_gray(layout),
         parts=tuple(_parts(layout)),
         wholes=tuple(_wholes(layout, by_word)),
@@ -178,13 +183,11 @@ def _bits(layout: Layout, low: Expression, width: Expression, widest: int, piece
     return Bits(low, width, widest, on_top, pieces)
 
 
-def _crc(device: Device, layout: Layout) -> FrameCrc | None:
-    """Return the check of the CRC, which covers some fields or all before it. Without a CRC, return None."""
-    field = layout.crc_field
-    if field is None or not isinstance(field.kind, CrcValue):
-        return None
+def _crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
+    """Return the check of the CRC in a field, which covers some fields or all before it."""
+    assert isinstance(field.kind, CrcValue)
     crc = device.crc(field.kind.crc)
-    bits = bits_of(layout, field)
+    bits = bits_of(layout, field) if field.width.is_constant else _bits_at_end(layout, crc.width)
     if field.kind.of:
         first_covered, last_covered = layout.field(field.kind.of[0]), layout.field(field.kind.of[-1])
         return FrameCrc(
@@ -197,7 +200,7 @@ def _crc(device: Device, layout: Layout) -> FrameCrc | None:
             divides=False,
             steps=(),
         )
-    covers_all = not covers_part(device, crc)
+    is_of_whole_words = checks_whole_words(device, crc)
     return FrameCrc(
         crc=crc,
         field=field,
@@ -205,9 +208,21 @@ def _crc(device: Device, layout: Layout) -> FrameCrc | None:
         covered=layout.bits - Expression(crc.width),
         low=crc.width,
         is_part=False,
-        divides=covers_all and divides(crc, layout),
-        steps=fold_steps(crc, layout.widest) if covers_all else (),
+        divides=is_of_whole_words and divides(crc, layout),
+        steps=fold_steps(crc, layout.widest) if is_of_whole_words else (),
     )
+
+
+def _bits_at_end(layout: Layout, width: int) -> Bits:
+    """Return the last ``width`` bits of a frame. They are those of a CRC that only some order codes have."""
+    low = layout.bits - Expression(width) if layout.byte_order == "low_byte_first" else Expression(0)
+    length = layout.widest // 8
+    pieces = []
+    for left in range(0, width, 8) if layout.in_bytes else ():
+        byte = length - (width - left) // 8 if layout.byte_order == "low_byte_first" else length - 1 - left // 8
+        mask = (1 << min(8, width - left)) - 1
+        pieces.append(Piece(byte=byte, right=0, mask=mask, left=left))
+    return _bits(layout, low, Expression(width), width, tuple(pieces))
 
 
 def _gray(layout: Layout) -> Gray | None:

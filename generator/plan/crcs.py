@@ -208,17 +208,17 @@ def crc_functions(device: Device) -> Iterator[CrcFunction]:
         crc_carriers = carriers(device, crc)
         in_words = any(not layout.in_bytes and _has_crc(layout, crc) for _, layout in device.layouts())
         for carrier in crc_carriers:
-            form = Form.TABLE if covers_part(device, crc) else form_of(crc, carrier)
+            form = form_of(crc, carrier)
+            if carrier is Carrier.BITS and not checks_whole_words(device, crc):
+                form = Form.TABLE
             is_alone = len(crc_carriers) == 1
             yield CrcFunction(crc=crc, carrier=carrier, form=form, alone=is_alone, in_words=in_words)
 
 
-def function_of(device: Device, layout: Layout) -> CrcFunction | None:
-    """Return the function for the CRC at the end of a layout, or None if the layout has no CRC."""
-    for function in crc_functions(device):
-        if function.carrier is carrier_of(layout) and _has_crc(layout, function.crc):
-            return function
-    return None
+def function_of(device: Device, layout: Layout, crc: Crc) -> CrcFunction:
+    """Return the function for a CRC at the end of a layout."""
+    functions = (function for function in crc_functions(device) if function.carrier is carrier_of(layout))
+    return next(function for function in functions if function.crc == crc)
 
 
 def folds(crc: Crc) -> bool:
@@ -250,10 +250,15 @@ def _has_crc(layout: Layout, crc: Crc) -> bool:
     return any(isinstance(field.kind, CrcValue) and field.kind.crc == crc.name for field in layout.fields)
 
 
-def covers_part(device: Device, crc: Crc) -> bool:
-    """Return whether the CRC covers only a part of some frame."""
-    fields = (field for _, layout in device.layouts() for field in layout.fields)
-    return any(isinstance(field.kind, CrcValue) and field.kind.crc == crc.name and field.kind.of for field in fields)
+def checks_whole_words(device: Device, crc: Crc) -> bool:
+    """Return whether the CRC ends all its frames for every order code, and covers everything before it."""
+    for _, layout in device.layouts():
+        for field in layout.crc_fields:
+            assert isinstance(field.kind, CrcValue)
+            is_partial = field.kind.of or not field.width.is_constant
+            if field.kind.crc == crc.name and is_partial:
+                return False
+    return True
 
 
 _BRIDGE = "timonburkard/BiSS_Bridge: 2_hdl/tb/tb_data_checker.vhd"

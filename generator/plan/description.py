@@ -174,7 +174,7 @@ class Description:
     speaks: tuple[Speaks, ...]
     tells: tuple[Tells, ...]
     fields: tuple[BitField, ...]
-    crc: FrameCrc | None
+    crcs: tuple[FrameCrc, ...]
     gray: Gray | None
     fixed: tuple[tuple[Place, int], ...]
     otherwise: Verdict | None
@@ -201,7 +201,7 @@ def describe(codec: Codec, reporting: reports.Reporting | None = None) -> Descri
         speaks=(),
         tells=(),
         fields=tuple(BitField(field.name, field.low, field.width) for field in layout.fields),
-        crc=codec.crc,
+        crcs=codec.crcs,
         gray=codec.gray,
         fixed=tuple(_constant_ones(codec)),
         otherwise=None,

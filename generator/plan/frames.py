@@ -9,7 +9,6 @@ from ..model import (
     Answer,
     Biss,
     Constant,
-    CrcValue,
     Device,
     Exchange,
     Field,
@@ -102,10 +101,7 @@ def reply_to(device: Device, interface: str, data_id: str) -> Reply | None:
     layout = answer(rs485, request.id)
     if layout is None or not layout.bits.is_constant:
         return None
-    is_xor = False
-    if layout.crc_field is not None and isinstance(layout.crc_field.kind, CrcValue):
-        crc_name = layout.crc_field.kind.crc
-        is_xor = any(crc.is_xor for crc in device.crcs if crc.name == crc_name)
+    is_xor = layout.always_has_crc and all(crc.is_xor for crc in device.crcs_of(layout))
     return Reply(length=layout.bits.constant // 8, is_xor=is_xor)
 
 

@@ -140,11 +140,12 @@ Check = AlwaysIs | ZerosAbove | ParityIs | IsOneOf | AtMost | NotAbove | IsBetwe
 
 @dataclass(frozen=True, slots=True)
 class FrameCrc:
-    """The CRC at the end of a frame.
+    """A CRC at the end of a frame.
 
     It covers ``covered`` bits, starting at bit ``low``, which is everything before the CRC unless ``is_part`` is true.
     ``divides`` is true if the polynomial divides every valid word
-    once the final XOR is removed. ``steps``, if any, then reduce the word without a table.
+    once the final XOR is removed. ``steps``, if any, then reduce the word without a table. If only some order codes
+    have it, ``bits`` is its place in their frames.
     """
 
     crc: Crc
@@ -155,6 +156,11 @@ class FrameCrc:
     is_part: bool
     divides: bool
     steps: tuple[FoldStep, ...]
+
+    @property
+    def is_optional(self) -> bool:
+        """True if only some order codes have it: those for which the width of the field is not 0."""
+        return not self.field.width.is_constant
 
     @property
     def gap(self) -> int:

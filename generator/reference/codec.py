@@ -227,10 +227,9 @@ def _range_message(position_range: PositionRange, placed_field: PlacedField, raw
 
 def _decode_crc(device: Device, placed: PlacedLayout, number: int) -> CrcResult | None:
     """Return the received and the computed CRC of the frame ``number``, or None if it has no CRC."""
-    placed_field = placed.crc_field
-    if placed_field is None or not isinstance(placed_field.field.kind, CrcValue):
+    placed_field, crc = placed.crc_field, device.crc_of(placed)
+    if placed_field is None or crc is None:
         return None
-    crc = device.crc(placed_field.field.kind.crc)
     received = (number >> placed_field.low) & placed_field.mask
     return CrcResult(crc.name, received=received, computed=compute(crc, placed, number))
 
@@ -302,9 +301,9 @@ def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
     for placed_field in placed.fields:
         if isinstance(placed_field.field.kind, Parity):
             number |= parity_bit(placed, placed_field.field.kind, number) << placed_field.low
-    for placed_field in placed.fields:
-        if isinstance(placed_field.field.kind, CrcValue):
-            number |= compute(device.crc(placed_field.field.kind.crc), placed, number) << placed_field.low
+    crc_field, crc = placed.crc_field, device.crc_of(placed)
+    if crc_field is not None and crc is not None:
+        number |= compute(crc, placed, number) << crc_field.low
     return number
 
 

@@ -109,7 +109,7 @@ def _frames_in(device: Device, variant: Variant, data: bytes) -> tuple[Exchanged
 
 def _valid_frame(device: Device, placed: PlacedLayout, data: bytes) -> ExchangedFrame | None:
     """Return the bytes as a frame with this layout, or None if they are not one or could be one by chance."""
-    crc = device.crc_of(placed.layout)
+    crc = device.crc_of(placed)
     crc_bits = crc.width if crc is not None else 0
     constant_bits, _ = fixed_bits(placed, 0)
     evidence = constant_bits + crc_bits

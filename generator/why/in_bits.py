@@ -44,9 +44,9 @@ def tries(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text
     if placed.covers_part:
         return
     yield from _without_status(placed, crc, text)
-    yield from other_answers(device, variant, placed, crc, text)
+    yield from other_answers(device, variant, placed, text)
     yield from _other_polynomials(placed, crc, text)
-    yield from other_codes(device, variant, placed, crc, text)
+    yield from other_codes(device, variant, placed, text)
 
 
 def _lengths(placed: PlacedLayout, text: BitText) -> list[int]:
@@ -292,11 +292,12 @@ def _is_set_when_idle(kind: Kind) -> bool:
     return isinstance(kind, Unused)
 
 
-def other_answers(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
+def other_answers(device: Device, variant: Variant, placed: PlacedLayout, text: BitText) -> Iterator[Try]:
     """Yield the frame with each other answer to the open questions of the manual, complete or read one bit too long."""
     for answers, sets in choices(device.alternatives_of(placed.layout)):
         other_placed = placed.layout.place({**variant.parameters, **sets})
-        if other_placed == placed:
+        crc = device.crc_of(other_placed)
+        if other_placed == placed or crc is None:
             continue
         description = f"{other_placed.bits} bits, as with {' '.join(_options(device, answers))}"
         if text.may_have(other_placed.bits):

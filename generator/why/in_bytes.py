@@ -26,7 +26,7 @@ def tries_with_bytes(
         if layout.sender != sender or not layout.in_bytes:
             continue
         placed = layout.place(variant.parameters)
-        crc = device.crc_of(placed.layout)
+        crc = device.crc_of(placed)
         if crc is not None and crc.width != 8:
             continue
         is_expected = expected is not None and expected.name == placed.name and 8 * len(data) == placed.bits
@@ -37,7 +37,7 @@ def tries_with_bytes(
 
 def is_valid_in_bytes(device: Device, placed: PlacedLayout, data: bytes) -> bool:
     """Return whether the CRC and the constants of the frame are correct."""
-    crc = device.crc_of(placed.layout)
+    crc = device.crc_of(placed)
     return crc is not None and crc.width == 8 and _read_as("", "", placed, crc, data).fits
 
 

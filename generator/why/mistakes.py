@@ -108,7 +108,7 @@ def explain_bits(
 
     Return None if the frame is valid, unless all its bits are equal.
     """
-    crc = device.crc_of(placed.layout)
+    crc = device.crc_of(placed)
     bits = text.bits if text.exact else max(text.bits, placed.bits)
     stuck = _explain_equal_bits(variant, text.number, bits, _doubt_about_dead_line(crc, is_valid))
     if stuck is not None:
@@ -147,7 +147,7 @@ def _missing_part(device: Device, variant: Variant, placed: PlacedLayout, text: 
     line = LINES.get(line_name(device.interface(variant.interface)))
     if line is None or text.may_have(placed.bits):
         return ""
-    for attempt in moved_frames(device, variant, placed, device.crc_of(placed.layout), text):
+    for attempt in moved_frames(device, variant, placed, device.crc_of(placed), text):
         is_found_by_rule = attempt.fits and attempt.kind != FRAME_INSIDE
         if is_found_by_rule and (attempt.crc is None or _is_significant(attempt)):
             return ""
@@ -187,10 +187,10 @@ def explain_constant(device: Device, variant: Variant, placed: PlacedLayout, tex
     rearranged frame is valid by coincidence. Without a CRC, it is a moved or rearranged frame. Return None if nothing
     matches.
     """
-    crc = device.crc_of(placed.layout)
+    crc = device.crc_of(placed)
     if crc is None:
         return _readings(device, _frames_without_crc(device, variant, placed, text), "")
-    fitting = [candidate for candidate in other_answers(device, variant, placed, crc, text) if candidate.fits]
+    fitting = [candidate for candidate in other_answers(device, variant, placed, text) if candidate.fits]
     moved = (*rearranged_frames(placed, crc, text), *moved_frames(device, variant, placed, crc, text))
     fitting += _significant_tries((frame for frame in moved if frame.fits), _known_to_fail(placed, crc, text))
     return _why(device, fitting, (), (crc,)) if fitting else None

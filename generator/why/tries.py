@@ -293,12 +293,18 @@ class Shape(NamedTuple):
     codes: tuple[str, ...]
 
 
-def other_codes(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
+def other_codes(device: Device, variant: Variant, placed: PlacedLayout, text: BitText) -> Iterator[Try]:
     """Yield tries with the frame of another order code, or with the frame that results from other register values.
 
     The frame is complete, read too long, or truncated.
     """
-    shapes_by_length = _shapes(device, variant, placed)
+    for crc in device.crcs_of(placed.layout):
+        yield from _other_codes_with(device, variant, placed, crc, text)
+
+
+def _other_codes_with(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
+    """Yield tries with the frames that end with this CRC."""
+    shapes_by_length = _shapes(device, variant, placed, crc)
     yield from _complete_frame_tries(variant, placed, crc, text, shapes_by_length)
     for bits, shapes in shapes_by_length.items():
         extra_bits = placed.bits - bits
@@ -369,10 +375,11 @@ def _sender(variant: Variant, codes: Sequence[str]) -> str:
     return f"the frame of {first_of(codes, 1)}"
 
 
-def _shapes(device: Device, variant: Variant, placed: PlacedLayout) -> dict[int, list[Shape]]:
-    """Return the layout in each other length that is possible for it, by length, shortest first.
+def _shapes(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc) -> dict[int, list[Shape]]:
+    """Return the layout with this CRC in each other length that is possible for it, by length, shortest first.
 
-    Those of one length differ in their fixed bits, such as zeros above the position.
+    Those of one length differ in their fixed bits, such as zeros above the position. With another CRC than that of the
+    expected frame, the length can be the same.
     """
     shapes = _shapes_of_order_codes(device, variant, placed)
     lengths = {shape.placed.bits for shape in shapes}
@@ -382,22 +389,24 @@ def _shapes(device: Device, variant: Variant, placed: PlacedLayout) -> dict[int,
             lengths.add(bits)
             shapes.append(Shape(placed.layout.place(parameters), ()))
     shapes_by_length: dict[int, list[Shape]] = {}
-    for shape in sorted(shapes, key=lambda shape: shape.placed.bits):
-        if shape.placed.bits != placed.bits:
+    has_other_crc = device.crc_of(placed) != crc
+    shapes_with_crc = [shape for shape in shapes if device.crc_of(shape.placed) == crc]
+    for shape in sorted(shapes_with_crc, key=lambda shape: shape.placed.bits):
+        if shape.placed.bits != placed.bits or has_other_crc:
             shapes_by_length.setdefault(shape.placed.bits, []).append(shape)
     return shapes_by_length
 
 
 def _shapes_of_order_codes(device: Device, variant: Variant, placed: PlacedLayout) -> list[Shape]:
-    """Return the layout for each order code, once for those with the same length and the same constant bits."""
+    """Return the layout for each order code, once for those with the same length, CRC and constant bits."""
     # A question that the manual leaves open has the same answer for all of them.
     answered = [parameter.name for parameter in device.parameters if parameter.alternative]
     answers = {name: variant.parameters[name] for name in answered}
-    shapes: dict[tuple[int, object], Shape] = {}
+    shapes: dict[object, Shape] = {}
     for other_variant in device.variants_over(variant.interface):
         other_placed = placed.layout.place({**other_variant.parameters, **answers})
         constants = [field for field in other_placed.fields if isinstance(field.field.kind, Constant)]
-        key = (other_placed.bits, tuple((field.low, field.width) for field in constants))
+        key = (other_placed.bits, device.crc_of(other_placed), tuple((field.low, field.width) for field in constants))
         shape = shapes.get(key, Shape(other_placed, ()))
         shapes[key] = Shape(shape.placed, (*shape.codes, other_variant.code))
     return list(shapes.values())

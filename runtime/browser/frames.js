@@ -13,6 +13,7 @@ function placed(family, layout, parameters) {
   const holds = (only) => !only || Boolean(parameters[only.parameter]) === Boolean(only.holds);
   return {
     family, layout, parameters, fields, name: layout.name, bits: at(layout.bits),
+    crc: layout.crcs ? layout.crcs[fields.find((item) => item.field.crc)?.name] : layout.crc,
     gray: gray && { low: at(gray.low), width: at(gray.width), excess: value(gray.excess ?? 0, parameters) },
     joins: (layout.joins ?? []).map((join) => ({
       name: join.name,
@@ -142,8 +143,8 @@ function joined(join, number, plain) {
 const crcField = (at) => at.fields.find((item) => item.field.crc);
 
 function crcOf(at, number) {
-  if (!at.layout.crc) return null;
-  const crc = at.family.crcs[at.layout.crc];
+  if (!at.crc) return null;
+  const crc = at.family.crcs[at.crc];
   const field = crcField(at);
   const received = bits(number, field.low, field.width);
   return { crc, field: field.name, received, computed: computedBy(crc, at, number) };
@@ -254,7 +255,7 @@ function encode(at, values) {
     const of = at.fields.filter((one) => item.field.parity.includes(one.name));
     number |= parityOf(number, of, item.field) << BigInt(item.low);
   });
-  if (at.layout.crc) number |= computedBy(at.family.crcs[at.layout.crc], at, number) << BigInt(crcField(at).low);
+  if (at.crc) number |= computedBy(at.family.crcs[at.crc], at, number) << BigInt(crcField(at).low);
   for (const problem of decode(at, number).problems) throw new Refusal(problem.message);
   return number;
 }

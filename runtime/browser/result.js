@@ -165,7 +165,7 @@ function headline(found) {
 function isAnother(found, others) {
   const [other] = others;
   return found.problems.length > 0 && others.length === 1
-    && Boolean(other.layout.crc || other.checks.some((item) => item.check.fault === "constant"));
+    && Boolean(other.crc || other.checks.some((item) => item.check.fault === "constant"));
 }
 
 /** The names of the other frames that it can be, in a sentence. */
@@ -198,7 +198,7 @@ function whyOf(found) {
   const reasons = explained(found);
   const match = "these changes make the CRC match:";
   const withCrc = noise.length ? `If all frames fail, ${match}` : `T${match.slice(1)}`;
-  const start = found.at?.layout.crc ? withCrc : `${said("uncertain")}:`;
+  const start = found.at?.crc ? withCrc : `${said("uncertain")}:`;
   const told = reasons.length ? [element("p", {}, start), list(reasons.map((one) => reasonOf(one.at ?? found.at, one)))] : [];
   const missing = missingPart(found);
   const help = anotherHelps(reasons) ? [element("p", {}, said("another_frame"))] : [];

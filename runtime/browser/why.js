@@ -15,17 +15,17 @@ function deadLine({ at, given, number, data, problems, over }) {
   const found = data ? data.reduce((sum, byte) => (sum << 8n) | BigInt(byte), 0n) : given?.number ?? number;
   if (size < LEAST_STUCK || (found !== 0n && found !== ones(size))) return "";
   const level = found ? 1 : 0;
-  const doubt = at?.layout.crc ? "and the CRC is correct too" : "and there is no CRC to distinguish it";
-  return at && !(at.layout.crc && problems.length) ? `Every bit is ${level}. A dead line looks the same, ${doubt}.`
+  const doubt = at?.crc ? "and the CRC is correct too" : "and there is no CRC to distinguish it";
+  return at && !(at.crc && problems.length) ? `Every bit is ${level}. A dead line looks the same, ${doubt}.`
     : `Every bit is ${level}: the line never changes. Check for ${level ? "a broken wire" : "a short circuit"}, `
       + `the supply and ${over?.name === "rs485" ? "wires A and B" : "the clock"}.`;
 }
 
 /** Return the bits that make the frame valid if one of them is inverted: the usual cause if only some frames fail. */
 function disturbedBits({ at, number, problems }) {
-  if (!at?.layout.crc || problems[0]?.fault === "length" || !problems.some((item) => item.fault === "crc")) return [];
+  if (!at?.crc || problems[0]?.fault === "length" || !problems.some((item) => item.fault === "crc")) return [];
   const { low, width } = crcField(at);
-  const crc = at.family.crcs[at.layout.crc];
+  const crc = at.family.crcs[at.crc];
   const fits = (one) => computedBy(crc, at, one) === bits(one, low, width) && hasFixed(at, one);
   return [...Array(at.bits).keys()].filter((bit) => fits(number ^ (ONE << BigInt(bit))));
 }
@@ -44,7 +44,7 @@ function explanationsOf(frame, isWithPairs = false) {
   if (!problems.length || deadLine(frame)) return none;
   if (data) return !at || hasFault("crc", "length", "constant") ? chosen(triesWithBytes(frame), [], isWithPairs) : none;
   if (!at || !given || !hasFault("crc", "length", "constant")) return none;
-  const crc = at.layout.crc && at.family.crcs[at.layout.crc];
+  const crc = at.crc && at.family.crcs[at.crc];
   if (!crc) return readingsOf([...movedFrames(at, null, given), ...rearranged(at, null, given)]);
   const failed = given.bits > at.bits || (given.exact && given.bits !== at.bits) ? [] : [asSent(at, crc, given.number)];
   if (hasFault("crc", "length")) return chosen(triesWithBits(at, crc, given), failed, isWithPairs);
@@ -57,7 +57,7 @@ function explanationsOf(frame, isWithPairs = false) {
 function missingPart(frame) {
   const { at, given, problems } = frame;
   if (!given || !problems.some((item) => item.fault === "length") || deadLine(frame) || mayHave(given, at.bits)) return "";
-  const crc = at.layout.crc && at.family.crcs[at.layout.crc];
+  const crc = at.crc && at.family.crcs[at.crc];
   const isFound = (one) => one.kind !== TABLE.inside[0] && fits(one) && (!crc || one.known + one.demanded >= LEAST_BITS);
   if (movedFrames(at, crc, given).some(isFound)) return "";
   for (const [text, pattern] of lineOf(at)?.incomplete ?? []) {
@@ -441,7 +441,7 @@ function triesWithBytes(frame) {
   const answers = Object.fromEntries((label?.family.alternatives ?? []).map((item) => [item.name, item.answers[0][0]]));
   const moved = layouts.filter((layout) => layout.order && layout.sender === sender).flatMap((layout) => {
     const at = placedFor(label, layout, {}, answers);
-    const crc = layout.crc ? at.family.crcs[layout.crc] : null;
+    const crc = at.crc ? at.family.crcs[at.crc] : null;
     if (crc && crc.width !== 8) return [];
     const isExpected = expected?.layout === layout && 8 * data.length === at.bits;
     return [...(crc && isExpected ? otherByteCrcs(at, crc, data) : []), ...movedBytes(at, crc, data)];
@@ -547,7 +547,7 @@ function wholeFrames({ data, label, over, sender }) {
   })];
 }
 
-const evidenceOf = (at) => fixedBits(at) + (at.layout.crc ? at.family.crcs[at.layout.crc].width : 0);
+const evidenceOf = (at) => fixedBits(at) + (at.crc ? at.family.crcs[at.crc].width : 0);
 
 /** The numbers in a frame, by name. */
 function numbersRead(at, number) {

@@ -426,7 +426,7 @@ def is_compared(case: Case) -> bool:
     """
     if case.register is not None or case.placed.bits < 12:
         return False
-    crc = case.device.crc_of(case.layout)
+    crc = case.device.crc_of(case.placed)
     return not case.layout.in_bytes or crc is None or crc.width == 8
 
 
@@ -442,7 +442,7 @@ def disturbed_texts(case: Case, random_: random.Random) -> Iterator[str]:
             yield f"1A{data}"
             yield "1A"
             continue
-        crc = case.device.crc_of(case.layout)
+        crc = case.device.crc_of(case.placed)
         yield f"0b{number ^ (crc.mask if crc is not None else 1):0{bits}b}"
         yield f"0b1{random_.getrandbits(1)}{number:0{bits}b}"
         yield f"0b{number >> 1:0{bits - 1}b}"

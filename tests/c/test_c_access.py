@@ -118,7 +118,7 @@ def test_data_ids_of_other_replies_are_refused(family: tuple[Device, Run]) -> No
         for data_id in range(16):
             control = 0x02 | data_id << 3 | (data_id.bit_count() & 1) << 7
             frame = bytes([control]) + sound[1:]
-            crc = device.crc_of(layout)
+            crc = device.crc_of(placed)
             if crc is not None:
                 frame = frame[:-1] + bytes([compute_bytes(crc, frame[:-1])])
             expected = table.expected_answer(layout.name, placed, number_from_bytes(layout, frame))

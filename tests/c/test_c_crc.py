@@ -55,7 +55,7 @@ def test_every_flipped_bit_is_noticed(crcs: Device, run_form: Run) -> None:
     random_ = random.Random("flipped")
     pairs = []
     for name, variant, placed in Table(crcs).cases():
-        if placed.layout.crc_field is None:
+        if placed.crc_field is None:
             continue
         for bit in range(placed.bits):
             data = [field for field in placed.fields if field.field.carries_data]

@@ -250,22 +250,22 @@ def test_unused_bits_of_bytes() -> None:
 
 
 def test_crcs_of_frames(small: Device, by_hand: Device) -> None:
-    whole, other = plan(small, "word").crc, plan(small, "padded_word").crc
+    whole, other = plan(small, "word").only_crc, plan(small, "padded_word").only_crc
     assert whole is not None
     assert other is not None
     assert (whole.covered.value({"position_bits": 12}), whole.low, whole.is_part) == (12 + 2, 6, False)
     assert (whole.gap, whole.inverted) == (0, 0x3F)
     # The start value 55h makes the remainder of a valid frame depend on its length.
     assert (whole.divides, other.divides) == (True, False)
-    part = plan(by_hand, "part_word").crc
+    part = plan(by_hand, "part_word").only_crc
     assert part is not None
     # Three bits are between the 8 covered bits and the CRC of 4 bits.
     assert (part.covered.constant, part.low, part.gap, part.is_part) == (8, 7, 3, True)
     assert (part.divides, part.steps) == (False, ())
-    crc = plan(by_hand, "crc_word").crc
+    crc = plan(by_hand, "crc_word").only_crc
     assert crc is not None
     assert (crc.covered.constant, crc.low, crc.gap, crc.is_part, crc.divides) == (8, 4, 0, False, False)
-    assert plan(by_hand, "text_word").crc is None
+    assert plan(by_hand, "text_word").only_crc is None
 
 
 def test_checks_of_frames(by_hand: Device) -> None:

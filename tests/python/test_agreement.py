@@ -423,7 +423,7 @@ def damaged_frames(case: Case, source: random.Random) -> Iterator[int]:
     """Frames with changed bits, some with a CRC that matches the change, and random numbers."""
     device, placed = case.family.device, case.placed
     sound = encode(device, placed, values_of(case, "random", source))
-    crc = placed.layout.crc_field
+    crc = placed.crc_field
     yield sound
     yield sound | 1 << placed.bits
     for bit in range(placed.bits):
@@ -438,9 +438,11 @@ def damaged_frames(case: Case, source: random.Random) -> Iterator[int]:
 
 
 def with_matching_crc(device: Device, placed: PlacedLayout, number: int) -> int:
-    crc_field = next(crc_field for crc_field in placed.fields if isinstance(crc_field.field.kind, CrcValue))
+    crc_field, crc = placed.crc_field, device.crc_of(placed)
+    assert crc_field is not None
+    assert crc is not None
     cleared = number & ~(crc_field.mask << crc_field.low)
-    return cleared | compute(device.crc(crc_field.field.kind.crc), placed, cleared) << crc_field.low
+    return cleared | compute(crc, placed, cleared) << crc_field.low
 
 
 def has_selector(device: Device, variant: Variant) -> bool:

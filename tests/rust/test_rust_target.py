@@ -133,13 +133,18 @@ def test_a_layout_that_is_too_wide_has_its_place(codewheel: Run, tmp_path: Path)
 
 
 @pytest.mark.parametrize(
-    ("spec", "part"), [("gray_parity", "a parity bit over Gray code"), ("options", "a flag that order codes lack")]
+    ("spec", "rule", "part"),
+    [
+        ("gray_parity", "rust-parity", "a parity bit over Gray code"),
+        ("options", "rust-parity", "a flag that order codes lack"),
+        ("crc_options", "rust-crc", "a CRC that order codes lack"),
+    ],
 )
-def test_what_cannot_be_computed_is_refused(spec: str, part: str, codewheel: Run, tmp_path: Path) -> None:
+def test_what_cannot_be_computed_is_refused(spec: str, rule: str, part: str, codewheel: Run, tmp_path: Path) -> None:
     specs = [ROOT / "tests" / "specs" / name for name in (f"{spec}.yaml", "manufacturer.yaml")]
     code, _, output = codewheel("generate", *specs, "-o", tmp_path, "--target", "rust")
     assert code == 1
-    assert f"rust-parity: 'word' has {part}, which this target does not compute" in output
+    assert f"{rule}: 'word' has {part}, which this target does not compute" in output
 
 
 # -- hostile names and texts

@@ -110,7 +110,8 @@ class Codec:
 
     @property
     def crc(self) -> Crc | None:
-        return self.device.crc_of(self.layout)
+        """The CRC of all its frames. Order codes with different CRCs have no proof."""
+        return next(iter(self.device.crcs_of(self.layout)), None)
 
     def allowed(self, field: Field) -> tuple[int, ...]:
         """Return the only values that a field may have, or nothing if it may have any."""

@@ -91,8 +91,8 @@ def ones(field: Field) -> str:
 
 def layout_crc(codec: Codec, word: str = "word") -> str:
     """Return the CRC in a word, or nothing if it has none."""
-    field = codec.layout.crc_field
-    return f"received({word}, {in_c(field.low)}, {in_c(field.width)})" if field is not None else ""
+    fields = codec.layout.crc_fields
+    return f"received({word}, {in_c(fields[0].low)}, {in_c(fields[0].width)})" if fields else ""
 
 
 def _out_of_gray(codec: Codec) -> Iterator[str]:

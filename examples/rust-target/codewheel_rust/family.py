@@ -135,13 +135,19 @@ class Family:
         runs = [run.name for field in layout.fields for run in field.runs]
         for name in [*(join.name for join in layout.joins), *runs]:
             methods.give(snake(name), *place)
-        struct = Struct(layout, codec_of(self.device, layout), function_of(self.device, layout), types)
+        codec = codec_of(self.device, layout)
+        crc = codec.only_crc
+        crc_function = function_of(self.device, layout, crc.crc) if crc is not None else None
+        struct = Struct(layout, codec, crc_function, types)
         for problem in struct.width_problems():
             self._wide.append(TargetProblem(self.device, "rust-size", place, f"{problem}. Rust allows at most {WORD}"))
         if struct.codec.parity_covers_gray or layout.has_optional_flags:
             part = "a flag that order codes lack" if layout.has_optional_flags else "a parity bit over Gray code"
             problem = f"'{layout.name}' has {part}, which this target does not compute"
             self._wide.append(TargetProblem(self.device, "rust-parity", place, problem))
+        if layout.crc_fields and not layout.always_has_crc:
+            problem = f"'{layout.name}' has a CRC that order codes lack, which this target does not compute"
+            self._wide.append(TargetProblem(self.device, "rust-crc", place, problem))
         return struct
 
 

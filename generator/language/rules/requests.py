@@ -212,14 +212,15 @@ def _check_parities(interface: WrittenSpi, report: DocumentReport) -> None:
     """Check that the parity bits of a word without a CRC cover the other fields, unless a note names those left out."""
     for layout in interface.layouts:
         parity_fields = [field for field in layout.fields if field.parity_of]
-        if not parity_fields or any(field.crc for field in layout.fields):
+        always_has_crc = any(field.crc and not isinstance(field.bits, str) for field in layout.fields)
+        if not parity_fields or always_has_crc:
             continue
         covered_names: set[str] = set()
         words_in_notes: set[str] = set()
         for parity_field in parity_fields:
             covered_names.update(_covered_fields(layout, parity_field.parity_of))
             words_in_notes.update(re.findall(r"\w+", parity_field.note))
-        other_names = [field.name for field in layout.fields if not field.parity_of and field.name]
+        other_names = [field.name for field in layout.fields if not field.parity_of and not field.crc and field.name]
         left_out = [name for name in other_names if name not in covered_names and name not in words_in_notes]
         if left_out:
             parity_field = parity_fields[0]

@@ -144,12 +144,12 @@ _PROFILE_NOTE = (
 def master_settings(
     device: Device,
     layout: Layout,
-    crc: Crc,
+    crc: Crc | None,
     lengths: Sequence[DataLength],
     ids: Sequence[IdBits],
     one_encoder: bool,
 ) -> str:
-    """Return the other master settings as the lines of a comment."""
+    """Return the other master settings as the lines of a comment. ``crc`` is None if order codes differ."""
     about = "Further settings of the master:" if one_encoder else _about_length(device, layout, lengths)
     lines = [about, *_lengths_by_profile(device, lengths)]
     for length in lengths:
@@ -157,10 +157,12 @@ def master_settings(
         lines.append(
             f"  {', '.join(length.codes)}{_answers_text(length)}: {parts} = {length.data_bits} bits, "
             f"with status bits {length.with_status}, with CRC {length.total}"
+            f"{_own_crc(device, length) if crc is None else ''}"
         )
     lines.append(f"  sent in this order, most significant bit first: {_order(layout)}")
     lines.append(f"  code: {_code(device, layout)}")
-    lines.append(f"  CRC: {_crc_words(device, crc)}. CrcPoly is the polynomial with its top bit")
+    if crc is not None:
+        lines.append(f"  CRC: {_crc_words(device, crc)}. CrcPoly is the polynomial with its top bit")
     lines += _other_channels(device, layout)
     facts = say_order_code.settings(device, device.interface("biss"))
     lines += [f"  {BY_NAME.sentence(setting)}" for setting in facts]
@@ -176,6 +178,11 @@ def master_settings(
 def _answers_text(length: DataLength) -> str:
     """Return the answers on which a length depends."""
     return f" with {' and '.join(length.answers)}" if length.answers else ""
+
+
+def _own_crc(device: Device, length: DataLength) -> str:
+    """Return the CRC of a length, which others do not have."""
+    return f", CRC of {_crc_words(device, length.crc)}" if length.crc is not None else ", without a CRC"
 
 
 def _active_level(status: Field) -> str:
@@ -222,13 +229,14 @@ def _other_channels(device: Device, layout: Layout) -> list[str]:
     """Return lines about the data channels that do not carry the position. The format has no known place for them."""
     lines = []
     for channel_layout in device.interface(Biss.name).layouts:
-        crc = device.crc_of(channel_layout)
-        if channel_layout is layout or channel_layout.channel is None or crc is None:
+        crcs = device.crcs_of(channel_layout)
+        if channel_layout is layout or channel_layout.channel is None or not crcs:
             continue
-        fields = (field for field in channel_layout.fields if field is not channel_layout.crc_field)
+        fields = (field for field in channel_layout.fields if field not in channel_layout.crc_fields)
         parts = ", ".join(f"{field.name} {field.width.render()}" for field in fields)
         channel = f"  other data channel {channel_layout.channel}, {channel_layout.name}"
-        lines.append(f"{channel}: {parts} bits, CRC of {_crc_words(device, crc)}")
+        crc_words = " or ".join(_crc_words(device, crc) for crc in crcs)
+        lines.append(f"{channel}: {parts} bits, CRC of {crc_words}")
     return lines
 
 
@@ -238,7 +246,7 @@ def _order(layout: Layout) -> str:
     for field in layout.fields:
         if field in layout.status_fields:
             names.append(f"{field.name} ({_active_level(field)})")
-        elif field is not layout.crc_field:
+        elif field not in layout.crc_fields:
             names.append(field.name)
     status = "" if layout.status_fields else ", no status bits"
     return f"{', '.join(names)}, CRC{status}"

@@ -21,7 +21,7 @@ from ...render import Templates, our_templates
 from .. import NO_OPTIONS, Library, Option, Options, Target
 from ..registry import licence_in, names_of_codes
 from .data_channels import Node, ascii_text, channels_by_length, comment, comment_text, master_settings
-from .identity import IdBits, data_lengths, device_bits, manufacturer_bits, single_cycle_data
+from .identity import IdBits, data_lengths, device_bits, manufacturer_bits, only_crc, single_cycle_data
 
 _EACH = "each"
 _BY_CODE = Option(
@@ -109,10 +109,9 @@ def _identified_nodes(devices: Sequence[Device]) -> tuple[list[Node], str]:
 
 def _of_encoders(biss_id: int, device: Device, library: Library) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield a file for each order code, or for each answer where the manual leaves the length open."""
-    ids, cycle_data, maker = device_bits(device), single_cycle_data(device), device.manufacturer
-    if not ids or cycle_data is None:
+    ids, layout, maker = device_bits(device), single_cycle_data(device), device.manufacturer
+    if not ids or layout is None:
         return
-    layout, _ = cycle_data
     open_questions = device.alternatives_of(layout)
     variants = device.variants_over(Biss.name)
     encoders = [(variant, answers) for variant in variants for answers, _ in choices(open_questions)]
@@ -206,14 +205,14 @@ _ONE_ENCODER_NOTE = (
 
 
 def _device(device: Device, ids: tuple[IdBits, ...], one_encoder: bool = False) -> Node | None:
-    cycle_data = single_cycle_data(device)
-    if cycle_data is None:
+    layout = single_cycle_data(device)
+    if layout is None:
         return None
-    layout, crc = cycle_data
     lengths = data_lengths(device, layout)
     manual = device.manual
     notes = (f"{device.title}; manual {manual.title}, revision {manual.revision}.",)
-    polynomial = f"0x{crc.poly_with_top_bit:02X}"
+    crc = only_crc(device, layout, lengths)
+    polynomial = f"0x{crc.poly_with_top_bit:02X}" if crc is not None else ""
     changing = not one_encoder and bool(run_time_widths(device, layout))
     inner = () if changing else channels_by_length(device, layout, ids, lengths)
     return Node(

@@ -8,7 +8,7 @@ register order of the BiSS C protocol description: bit 63 is the highest of 78h,
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 from ...model import Biss, Crc, Device, Field, Layout, PlacedLayout, Register, Variant, choices
 from ...model.expressions import Expression
@@ -56,7 +56,7 @@ class DataLength:
     answers: tuple[str, ...]
     data_bits: int
     status_bits: int
-    crc_bits: int
+    crc: Crc | None
     parts: Mapping[str, int]
 
     @property
@@ -65,7 +65,7 @@ class DataLength:
 
     @property
     def total(self) -> int:
-        return self.with_status + self.crc_bits
+        return self.with_status + (self.crc.width if self.crc is not None else 0)
 
 
 def manufacturer_bits(biss_id: int) -> IdBits:
@@ -124,14 +124,20 @@ def _fixed_value(layout: Layout, field: Field) -> int | None:
     return field.equals
 
 
-def single_cycle_data(device: Device) -> tuple[Layout, Crc] | None:
-    """Return the frame that a BiSS master receives in every cycle, and its CRC."""
+def single_cycle_data(device: Device) -> Layout | None:
+    """Return the frame that a BiSS master receives in every cycle."""
     for interface, layout in device.layouts():
-        if isinstance(interface, Biss) and layout.sender == "encoder" and not layout.in_bytes:
-            crc = device.crc_of(layout)
-            if crc is not None:
-                return layout, crc
+        if isinstance(interface, Biss) and layout.sender == "encoder" and not layout.in_bytes and layout.crc_fields:
+            return layout
     return None
+
+
+def only_crc(device: Device, layout: Layout, lengths: Sequence[DataLength]) -> Crc | None:
+    """Return the CRC of the single cycle data, or None if order codes differ."""
+    if layout.always_has_crc:
+        return device.crcs_of(layout)[0]
+    crcs = {length.crc for length in lengths}
+    return crcs.pop() if len(crcs) == 1 else None
 
 
 def data_lengths(device: Device, layout: Layout) -> tuple[DataLength, ...]:
@@ -147,7 +153,8 @@ def data_lengths(device: Device, layout: Layout) -> tuple[DataLength, ...]:
             shape = tuple((field.name, field.width) for field in placed_layout.fields)
             placed.setdefault(shape, (placed_layout, []))[1].append(variant.code)
         names = tuple(answer.name for answer in answers)
-        lengths += (_data_length(placed_layout, tuple(codes), names) for placed_layout, codes in placed.values())
+        for placed_layout, codes in placed.values():
+            lengths.append(_data_length(device, placed_layout, tuple(codes), names))
     return tuple(sorted(lengths, key=lambda length: (length.data_bits, length.codes)))
 
 
@@ -185,16 +192,15 @@ def _stated_value(layout: Layout, field: Field, variant: Variant) -> int:
     return only_value(layout, field) or 0
 
 
-def _data_length(placed: PlacedLayout, codes: tuple[str, ...], answers: tuple[str, ...]) -> DataLength:
-    crc_field = placed.layout.crc_field
+def _data_length(device: Device, placed: PlacedLayout, codes: tuple[str, ...], answers: tuple[str, ...]) -> DataLength:
     status_names = [field.name for field in placed.layout.status_fields]
-    data_fields = [field for field in placed.fields if field.field is not crc_field and field.name not in status_names]
+    data_fields = [field for field in placed.fields if field != placed.crc_field and field.name not in status_names]
     data_widths = {field.name: field.width for field in data_fields}
     return DataLength(
         codes=codes,
         answers=answers,
         data_bits=sum(data_widths.values()),
         status_bits=sum(field.width for field in placed.fields if field.name in status_names),
-        crc_bits=sum(field.width for field in placed.fields if field.field is crc_field),
+        crc=device.crc_of(placed),
         parts=data_widths,
     )

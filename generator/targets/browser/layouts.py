@@ -188,7 +188,8 @@ def _layout_data(device: Device, codec: Codec, description: Description) -> Data
     """Return the description of a frame or register with the texts about its parts."""
     members = ("bits", "order", "joins", "speaks", "gray", "otherwise", "judging_bits")
     checks = zip(description.checks, codec.checks, strict=True)
-    crc = description.crc
+    crc = codec.only_crc
+    optional_crcs = {frame_crc.field.name: frame_crc.crc.name for frame_crc in codec.crcs if frame_crc.is_optional}
     return without_empty(
         name=codec.layout.name,
         **{name: plain_data(getattr(description, name)) for name in members},
@@ -197,6 +198,7 @@ def _layout_data(device: Device, codec: Codec, description: Description) -> Data
         # A byte that the bits sent do not fill begins with these zeros.
         fill=(codec.layout.bits - codec.layout.sent_bits).constant,
         crc=crc.crc.name if crc is not None else "",
+        crcs=optional_crcs,
         crc_of=[crc.low, crc.covered.constant] if crc is not None and crc.is_part else [],
         asks=[alternative.name for alternative in codec.alternatives],
         offers=[alternative.name for alternative in device.verdict_alternatives(codec.layout)],

@@ -10,7 +10,17 @@ from ...model import Biss, Field, Piece, Spi, Ssi, assert_never
 from ...model.expressions import Expression
 from ...plan.codec import characters
 from ...plan.limits import NoPowerOfTwo, OutsideLimits, Refusal, TooWide, depends, refusals
-from ...plan.operations import Fixed, ParityIs, ParityOf, ReservedBits, Term, ValueOfField, Whole, ZerosAbove
+from ...plan.operations import (
+    Fixed,
+    FrameCrc,
+    ParityIs,
+    ParityOf,
+    ReservedBits,
+    Term,
+    ValueOfField,
+    Whole,
+    ZerosAbove,
+)
 from ...plan.values import (
     Active,
     Characters,
@@ -179,7 +189,7 @@ class Encoder:
 
     def _crc_bytes(self) -> set[int]:
         """Return the bytes of a CRC that is computed over whole bytes."""
-        crc = self.plan.crc
+        crc = self.plan.only_crc
         if crc is None or not self.plan.layout.crc_covers_bytes:
             return set()
         return {piece.byte for piece in crc.bits.pieces}
@@ -312,8 +322,7 @@ class StructCodec:
         yield from self.reports.names() if self.reports is not None else ()
         if self.word_crc is not None:
             yield self.word_crc.name
-        if self.bits_crc is not None:
-            yield self.bits_crc.name
+        yield from (bits_crc.name for bits_crc in self.bits_crcs.values())
         if self.measured:
             yield f"{self.name}_position"
         if self.is_received:
@@ -406,22 +415,25 @@ class StructCodec:
     @cached_property
     def word_crc(self) -> WordCrc | None:
         """The function that computes the CRC of a whole word."""
-        crc, bits = self.plan.crc, self.plan.layout.widest
+        crc, bits = self.plan.only_crc, self.plan.layout.widest
         # Its register has 32 bits.
         if crc is None or not crc.divides or crc.crc.width > 32:
             return None
         steps = tuple(folds(crc.steps, bits, "word")) if crc.steps else ()
         about = tuple(about_word_crc(self.struct.device, crc.crc, bool(steps)))
-        return WordCrc(f"{self.name}_crc", self.struct.crc_function, crc.crc, bits, steps, about)
+        return WordCrc(f"{self.name}_crc", self.struct.crc_function(crc), crc.crc, bits, steps, about)
 
     @property
-    def bits_crc(self) -> BitsCrc | None:
-        """The function that computes the CRC of a frame of bits in bytes."""
-        crc, layout = self.plan.crc, self.plan.layout
-        if crc is None or not layout.in_bytes or layout.crc_covers_bytes:
-            return None
+    def bits_crcs(self) -> dict[str, BitsCrc]:
+        """The functions that compute the CRCs of a frame of bits in bytes, by the name of the field."""
+        if not self.plan.in_bytes or self.plan.layout.crc_covers_bytes:
+            return {}
+        return {crc.field.name: self._bits_crc(crc) for crc in self.plan.crcs}
+
+    def _bits_crc(self, crc: FrameCrc) -> BitsCrc:
+        name = f"{self.name}_{crc.field.name}_crc" if crc.is_optional else f"{self.name}_crc"
         about = tuple(about_bits_crc(self.struct.device, crc.crc))
-        return BitsCrc(f"{self.name}_crc", crc.crc, crc.covered.constant, unsigned(crc.crc.width), about)
+        return BitsCrc(name, crc.crc, crc.covered.constant, unsigned(crc.crc.width), about)
 
     def alternatives_for(self, *expressions: Expression) -> tuple[AlternativeCode, ...]:
         """Return the alternatives whose answers these expressions need."""
@@ -435,7 +447,7 @@ class StructCodec:
     @property
     def encoder_depends(self) -> bool:
         """True if the encoder uses the variant."""
-        crc, plan = self.plan.crc, self.plan
+        plan = self.plan
         if self.alternatives and not plan.depends:
             return False
         return (
@@ -443,8 +455,13 @@ class StructCodec:
             or any(op.depends for op in plan.terms)
             or self.struct.unused.depends
             or any(depends(op) for op in self.encoder.refusals)
-            or (crc is not None and not plan.in_bytes and self.word_crc is None and not crc.covered.is_constant)
+            or any(map(self._crc_depends, plan.crcs))
         )
+
+    def _crc_depends(self, crc: FrameCrc) -> bool:
+        """Return whether the variant decides if the frame has the CRC, or how many bits the encoder passes to it."""
+        covers_other_bits = not self.plan.in_bytes and self.word_crc is None and not crc.covered.is_constant
+        return crc.is_optional or covers_other_bits
 
     # -- values of fields that the manual states
 

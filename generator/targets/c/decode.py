@@ -104,7 +104,7 @@ class Decoder:
         untaken = self._plain_flags | self._only_reported | self.plan.constants.keys()
         untaken |= self._word_parities.keys()
         untaken |= {part.field.name for part in self.plan.parts if isinstance(part.meaning, Characters)}
-        untaken |= {self.plan.crc.field.name} if self.plan.crc is not None else set()
+        untaken |= {crc.field.name for crc in self.plan.crcs}
         return tuple(field for field in self.plan.layout.fields if field.name not in untaken)
 
     def raw(self, field: Field) -> tuple[str, Expr]:

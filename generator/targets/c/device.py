@@ -90,8 +90,8 @@ class CrcCode:
 
 def crc_code(context: Context, function: CrcFunction, codecs: Sequence[StructCodec]) -> CrcCode:
     crc = function.crc
-    users = [codec for codec in codecs if codec.plan.crc is not None and codec.plan.crc.crc == crc]
-    users = [codec for codec in users if carrier_of(codec.struct.layout) is function.carrier and codec.bits_crc is None]
+    users = [codec for codec in codecs if any(frame_crc.crc == crc for frame_crc in codec.plan.crcs)]
+    users = [codec for codec in users if carrier_of(codec.struct.layout) is function.carrier and not codec.bits_crcs]
     is_called = any(codec.word_crc is None for codec in users)
     name = context.crc_name(crc, function.carrier.value)
     values: tuple[int, ...] = ()
@@ -349,7 +349,7 @@ class DeviceView:
         """Return True if no CRC protects the position, and it is not negative, so that two words can agree."""
         meanings = (part.meaning for part in codec.plan.parts if part.field.name == member)
         is_signed = any(isinstance(meaning, TwosComplement) for meaning in meanings)
-        is_unprotected = bool(codec.measured) and isinstance(self.context.interface, Ssi) and not codec.plan.crc
+        is_unprotected = bool(codec.measured) and isinstance(self.context.interface, Ssi) and not codec.plan.only_crc
         return is_unprotected and not is_signed
 
     def errata(self, *paths: str) -> list[Paragraph]:

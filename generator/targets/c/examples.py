@@ -168,7 +168,7 @@ class ExampleCode:
 
     @property
     def has_crc(self) -> bool:
-        return self.frame.layout.crc_field is not None
+        return self.frame.layout.always_has_crc
 
     @property
     def title(self) -> str:

@@ -64,11 +64,8 @@ def _frames(devices: tuple[Device, ...]) -> Iterator[Frames]:
     names_by_crc: dict[tuple[int, int, int], tuple[Crc, list[str]]] = {}
     for device in devices:
         for interface, layout in device.layouts():
-            crc = device.crc_of(layout)
-            if crc is None:
-                continue
             name = _frame_name(device, interface.title, layout)
-            for bits in sorted(_lengths(device, interface.name, layout)):
+            for crc, bits in _crcs_and_lengths(device, interface.name, layout):
                 names = names_by_crc.setdefault((crc.width, crc.poly, bits), (crc, []))[1]
                 if name not in names:
                     names.append(name)
@@ -76,14 +73,16 @@ def _frames(devices: tuple[Device, ...]) -> Iterator[Frames]:
         yield Frames(crc, tuple(names), residual(crc, bits))
 
 
-def _lengths(device: Device, interface: str, layout: Layout) -> set[int]:
-    """Return the possible lengths of frames of a layout: of each order code, and the longest that registers allow."""
-    variants = device.variants_over(interface)
-    decided = [sets for _, sets in choices(device.alternatives)]
-    return {
-        layout.widest,
-        *(layout.bits.value({**variant.parameters, **sets}) for variant in variants for sets in decided),
-    }
+def _crcs_and_lengths(device: Device, interface: str, layout: Layout) -> list[tuple[Crc, int]]:
+    """Return each CRC with the possible lengths of its frames: of each order code, and the longest for registers."""
+    crcs_and_lengths = dict.fromkeys((crc, layout.widest) for crc in device.crcs_of(layout) if layout.always_has_crc)
+    for variant in device.variants_over(interface):
+        for _, sets in choices(device.alternatives):
+            placed = layout.place({**variant.parameters, **sets})
+            crc = device.crc_of(placed)
+            if crc is not None:
+                crcs_and_lengths[crc, placed.bits] = None
+    return sorted(crcs_and_lengths, key=lambda crc_and_length: crc_and_length[1])
 
 
 def _without_verdict(devices: tuple[Device, ...]) -> Iterator[str]:
@@ -98,16 +97,21 @@ def _unprotected(devices: tuple[Device, ...]) -> Iterator[str]:
     for device in devices:
         for interface, layout in device.layouts():
             has_position = device.tells_position(interface.name, layout)
-            if isinstance(interface, Ssi) and has_position and device.crc_of(layout) is None:
-                yield _frame_name(device, interface.title, layout)
+            if isinstance(interface, Ssi) and has_position and not layout.always_has_crc:
+                yield _frame_name(device, interface.title, layout) + _of_some_codes(layout)
 
 
 def _with_parity(devices: tuple[Device, ...]) -> Iterator[str]:
     for device in devices:
         for interface, layout in device.layouts():
-            is_alone = layout.has_parity and device.crc_of(layout) is None
+            is_alone = layout.has_parity and not layout.always_has_crc
             if is_alone and device.tells_position(interface.name, layout):
-                yield _frame_name(device, interface.title, layout)
+                yield _frame_name(device, interface.title, layout) + _of_some_codes(layout)
+
+
+def _of_some_codes(layout: Layout) -> str:
+    """Return the remark that only some order codes lack a CRC, or an empty string if all do."""
+    return " (some order codes)" if layout.crc_fields else ""
 
 
 def _frame_name(device: Device, interface: str, layout: Layout) -> str:

@@ -7,6 +7,7 @@ from types import MappingProxyType
 
 from ...model import Field, Layout, Register, assert_never
 from ...plan.codec import Codec, characters, codec_of
+from ...plan.operations import FrameCrc
 from ...plan.values import (
     Active,
     Characters,
@@ -81,10 +82,8 @@ class Struct:
         (kind,) = (interface.name for interface, layout in self.device.layouts() if layout is self.layout)
         return ("interfaces", kind, "layouts", self.layout.name)
 
-    @property
-    def crc_function(self) -> str:
-        assert self.plan.crc is not None
-        return self.context.crc_name(self.plan.crc.crc, self.layout.carried_as)
+    def crc_function(self, crc: FrameCrc) -> str:
+        return self.context.crc_name(crc.crc, self.layout.carried_as)
 
     # -- members
 

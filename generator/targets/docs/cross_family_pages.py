@@ -124,7 +124,8 @@ def _interface_fact_rows(device: Device) -> Iterator[Row]:
 def _position_frame_rows(device: Device) -> Iterator[Row]:
     for interface, layout in device.layouts():
         if device.tells_position(interface.name, layout):
-            crc = device.crc_of(layout)
+            crcs = [f"{crc.polynomial}, {crc_sent(crc)}" for crc in device.crcs_of(layout)]
+            without_crc = [] if layout.always_has_crc else ["none"]
             byte_order = layout.byte_order.replace("_", " ")
             yield (
                 interface.title,
@@ -132,7 +133,7 @@ def _position_frame_rows(device: Device) -> Iterator[Row]:
                 link_to_layout(device, layout, code(layout.name)),
                 _range_of_lengths(device, interface, layout),
                 byte_order if layout.in_bytes else "most significant bit first",
-                text(f"{crc.polynomial}, {crc_sent(crc)}") if crc is not None else "none",
+                text(" or ".join([*crcs, *without_crc])),
             )
 
 

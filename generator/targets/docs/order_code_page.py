@@ -318,7 +318,7 @@ def lead_sentences(note: str) -> str:
 
 
 def _frame_section(group: CodeGroup, layout: Layout, pictures: Pictures) -> Section:
-    crc = group.family.crc_of(layout)
+    crc = group.family.crc_of(layout.place(group.variants[0].parameters))
     choices = [alternative.name for alternative in group.device.alternatives]
     # The layout of the page has other notes. Verdicts are known for that of the family.
     family_layout = member_named(group.family.interface(group.interface.name).layouts, layout.name, "layout")

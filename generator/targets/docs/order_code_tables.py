@@ -285,7 +285,7 @@ def frame_facts(
 
     ``choices`` are the names of the alternatives on the page, to which the verdicts link.
     """
-    crc = family.crc_of(layout)
+    crc = family.crc_of(layout.place(variant.parameters))
     yield "CRC", "none" if crc is None else crc_line(family, crc)
     # The layout of a page has other notes, and the range of a position is known for that of the family.
     family_layout = member_named(family.interface(variant.interface).layouts, layout.name, "layout")

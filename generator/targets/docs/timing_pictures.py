@@ -212,7 +212,7 @@ def _data_boxes(codec: Codec, position_names: Container[str]) -> Iterator[tuple[
     """Yield the name and colour class of each field of the single cycle data, with the position as one field."""
     has_position = False
     for field in codec.layout.fields:
-        if field is codec.layout.crc_field:
+        if field in codec.layout.crc_fields:
             yield "CRC", box_colour(field)
         elif isinstance(meaning_of(field), Active):
             yield words(field.name), box_colour(field)

@@ -44,7 +44,7 @@ def verdict_table(family: Device, device: Device, layout: Layout, variant: Varia
     rows = list(_cause_rows(device, placed, causes_by_verdict))
     rows += _rows_of_other_flags(device, placed, causes_by_verdict, judgement)
     if judgement is not None and causes_by_verdict:
-        with_crc = "" if family.crc_of(layout) is None else ", and the CRC is correct"
+        with_crc = "" if placed.crc_field is None else ", and the CRC is correct"
         rows.append(("", f"none of these{with_crc}", "", EFFECTS[judgement.otherwise], ""))
     used_columns = [index for index in range(len(_HEAD)) if any(row[index] for row in rows)]
     return _columns(_HEAD, used_columns), [_columns(row, used_columns) for row in rows]

@@ -14,7 +14,7 @@ from ...model.record import dataclass
 from ...plan.codec import codec_of
 from ...plan.crcs import carrier_of
 from ...plan.limits import Limits, limits_of, powers_of_two
-from ...plan.operations import Part, Whole
+from ...plan.operations import FrameCrc, Part, Whole
 from ...plan.values import (
     Active,
     Characters,
@@ -220,10 +220,9 @@ class Coder:
     def selects(self, field: Field) -> bool:
         return field.name == self.layout.selector
 
-    @property
-    def crc_name(self) -> str:
-        """Name of the function for the CRC at the end of the frame."""
-        return self.context.crc_name(self.plan.crc.crc, carrier_of(self.layout)) if self.plan.crc is not None else ""
+    def crc_name(self, frame_crc: FrameCrc) -> str:
+        """Return the name of the function for a CRC at the end of the frame."""
+        return self.context.crc_name(frame_crc.crc, carrier_of(self.layout))
 
     @property
     def gray_when(self) -> str:

@@ -14,6 +14,7 @@ from ...plan.codec import Codec, parity
 from ...plan.operations import (
     AlwaysIs,
     Check,
+    FrameCrc,
     IsBetween,
     IsOneOf,
     NotAbove,
@@ -301,23 +302,21 @@ class Decoder:
 
     # -- CRC
 
-    @property
-    def xor(self) -> str:
-        """XOR of all bytes before a CRC that is this XOR. Empty for any other CRC."""
-        crc = self.codec.crc
-        before = self.codec.length - crc.crc.width // 8 if crc is not None else 0
-        if crc is None or not crc.crc.is_xor or before > _UNPACKED:
+    def xor_before(self, crc: FrameCrc) -> str:
+        """Return the XOR of all bytes before a CRC that is this XOR. Empty for any other CRC."""
+        before = self.codec.length - crc.crc.width // 8
+        if not crc.crc.is_xor or before > _UNPACKED:
             return ""
         inverted = [f"0x{crc.inverted:02X}"] if crc.inverted else []
         return " ^ ".join([*(self.byte.format(place) for place in range(before)), *inverted])
 
     @property
     def crc_covers(self) -> Expr | None:
-        """Number of bits before the CRC of a word, for its tables. None if an answer decides it.
+        """Number of bits before the CRC of a word, for its tables. None if an answer or the order code decides it.
 
         With the start value 0, zeros before the word do not change the CRC, so the longest word has tables for all.
         """
-        crc = self.codec.crc
+        crc = self.codec.only_crc
         if crc is None or self.codec.in_bytes:
             return None
         if not crc.crc.init and not crc.is_part:

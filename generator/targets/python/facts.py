@@ -366,7 +366,7 @@ class Shape:
             # The class of a register checks its values.
             values = self._shown(getattr(described, name)) if name != "checks" or register is None else ()
             yield _RUNTIME_NAMES.get(name, name), values
-        yield "crc", self._crc(described.crc) if described.crc is not None else None
+        yield "crc", self._crcs(described.crcs)
         if described.gray is not None:
             bits = literal(self._shown((described.gray.low, described.gray.width)))
             yield "gray", Code(f"{bits} if variant.{coder.gray_when} else None" if coder.gray_when else str(bits))
@@ -416,18 +416,27 @@ class Shape:
             values=values,
         )
 
+    def _crcs(self, crcs: Sequence[FrameCrc]) -> Literal:
+        """Return the CRC of an encoder. None without one."""
+        if not crcs:
+            return None
+        if not crcs[0].is_optional:
+            return self._crc(crcs[0])
+        choices = tuple(ConditionalItem(self._crc(crc), str(self.coder.number(crc.field.width))) for crc in crcs)
+        return literal_call("next", literal_call("iter", choices), Code("None"))
+
     def _crc(self, frame_crc: FrameCrc) -> Call:
         """Return the CRC with the function that compares it, and the means to compute it for many frames."""
         crc, coder = frame_crc.crc, self.coder
         members: dict[str, Literal] = {"low": self._shown(frame_crc.bits.low), "width": crc.width}
         if coder.layout.crc_covers_bytes:
             place = f'length={self.plan.length}, width={crc.width // 8}, order="{byte_order(coder.layout)}"'
-            members["differs"] = Code(f"compare_bytes({coder.crc_name}, {place})")
+            members["differs"] = Code(f"compare_bytes({coder.crc_name(frame_crc)}, {place})")
             members |= {"xorout": crc.xorout, "is_xor": True} if crc.is_xor else {}
         else:
             gap = f", gap={frame_crc.gap}" if frame_crc.gap else ""
             place = f"covered={coder.number(frame_crc.covered)}, width={crc.width}{gap}"
-            members["differs"] = Code(f"compare_bits({coder.crc_name}, {place})")
+            members["differs"] = Code(f"compare_bits({coder.crc_name(frame_crc)}, {place})")
             folds = tuple(
                 Call("Fold", (("shift", step.shift), ("mask", Hex(step.mask)), ("back", step.back)))
                 for step in frame_crc.steps

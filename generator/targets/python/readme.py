@@ -9,8 +9,8 @@ from math import prod
 
 from ...model import (
     CrcExample,
-    Field,
     ModifyStep,
+    PlacedField,
     PlacedLayout,
     PollStep,
     ProcedureExample,
@@ -168,7 +168,7 @@ class Readme:
         reported = coder.reports.name_of(flag)
         example = replace(example, spoilt=_text(placed, sample.spoilt), reported=reported, flag=flag.name)
         example = replace(example, flag_attribute=coder.names.attribute(flag.name))
-        crc_field = layout.crc_field
+        crc_field = placed.crc_field
         if crc_field is None or layout.in_bytes or coder.measured not in numbers:
             return example
         invalid = f"invalid frame of {variant.code}: {_damaged_crc(crc_field, number)}"
@@ -318,9 +318,9 @@ def _is_number_of(coder: Coder, name: str) -> bool:
     return is_number(meaning_of(field)) and not coder.selects(field)
 
 
-def _damaged_crc(crc_field: Field, number: int) -> str:
+def _damaged_crc(crc_field: PlacedField, number: int) -> str:
     """Return the message for a frame whose last bit is inverted."""
-    received = (number ^ 1) & ((1 << crc_field.widest) - 1)
+    received = (number ^ 1) & crc_field.mask
     return f"expected CRC {received ^ 1:#04x}, got {received:#04x}"
 
 

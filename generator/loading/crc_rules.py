@@ -1,0 +1,123 @@
+"""Checks of the CRCs at the end of a layout: place, width, covered fields, and that an order code has at most one."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from itertools import chain, pairwise
+
+from ..language.problems import DocumentReport, listed
+from ..model import INTERFACES, Constant, Crc, CrcValue, Device, Field, Layout, Unused
+from ..model.expressions import Expression
+from .fields import Site
+from .gaps import values_text
+
+
+def check_one_crc(layout: Layout, site: Site) -> None:
+    """Check that no order code has several CRCs."""
+    for parameters in site.sets:
+        sent_fields = [field for field in layout.crc_fields if field.width.value(parameters)]
+        if len(sent_fields) > 1:
+            first, second, *_ = sent_fields
+            values = values_text(parameters, first.width, second.width)
+            problem = f"'{layout.name}' ends with '{first.name}' and '{second.name}'{values}"
+            remedy = "give each of them a 'bits' that is 0 where the other is sent"
+            site.report("several-crcs", f"{problem}; {remedy}", "fields", second.name)
+            return
+
+
+def check_settings_of_crcs(device: Device, report: DocumentReport) -> None:
+    """Check that a register that decides on a CRC holds a code, because other widths between its limits are wrong."""
+    limited_names = {parameter.name for parameter in device.run_time_parameters if not parameter.by_code}
+    for interface, layout in device.layouts():
+        for field in layout.crc_fields:
+            names = limited_names & device.needed_parameters(field.width.parameters)
+            if names:
+                problem = f"the CRC '{field.name}' depends on the register value '{min(names)}'"
+                remedy = f"list its widths, 0 and {field.widest}, in 'by_code' of this parameter"
+                path = ("interfaces", interface.name, "layouts", layout.name, "fields", field.name)
+                report.add("width-mismatch", path, f"{problem}; {remedy}")
+
+
+def check_crc(layout: Layout, field: Field, kind: CrcValue, site: Site) -> None:
+    """Check the width of a CRC, that it ends the frame, and the fields that it covers."""
+    crc = site.context.crcs.get(kind.crc)
+    if crc is None:
+        return
+    _check_width(field, crc, site)
+    place = layout.fields.index(field)
+    if any(not isinstance(later_field.kind, CrcValue) for later_field in layout.fields[place:]):
+        problem = f"'{field.name}' covers everything sent before it, so it must be the last field of '{layout.name}'"
+        if kind.of:
+            problem = f"'{field.name}' must be the last field of '{layout.name}', even with 'crc_of'"
+        site.report("crc-not-last", problem)
+    problem = next(chain(_no_run(layout, kind, site), _left_out(layout, field, kind)), "")
+    if problem:
+        site.report("crc-of", problem, "crc_of")
+    on_line = INTERFACES[site.interface].carried_as == "bits" and layout.byte_order == "high_byte_first"
+    if layout.in_bytes and crc.width % 8 and not on_line:
+        site.report("width-mismatch", f"a frame of whole bytes cannot end with a CRC of {crc.width} bits")
+    elif layout.in_bytes and (not layout.crc_covers_bytes or layout.bits != layout.sent_bits) and not _is_plain(crc):
+        problem = f"'{field.name}' or the bits before it are not whole bytes, so the CRC must start at 0"
+        site.report("width-mismatch", f"{problem}, without 'refin' and 'refout'")
+
+
+def _check_width(field: Field, crc: Crc, site: Site) -> None:
+    """Check that a CRC has its width, or no bits for order codes without it."""
+    if field.width.is_constant:
+        if field.width != Expression(crc.width):
+            message = f"'{field.name}' has {field.widest} bits, but the CRC '{crc.name}' has {crc.width}"
+            site.report("width-mismatch", message)
+        return
+    if site.path[0] == "registers":
+        message = f"'{field.name}' is a CRC in a register, so its width is {crc.width} for all order codes"
+        site.report("width-mismatch", f"{message}, but 'bits' is {field.width.render()}; leave 'bits' out")
+        return
+    for parameters in site.sets:
+        width = field.width.value(parameters)
+        if width not in (0, crc.width):
+            message = f"'{field.name}' has {width} bits{values_text(parameters, field.width)}"
+            remedy = f"use a parameter that is 0 or {crc.width}"
+            site.report("width-mismatch", f"{message}, but the CRC '{crc.name}' has {crc.width} or none; {remedy}")
+            return
+    if field.widest == 0:
+        message = f"'{field.name}' has no bits, since '{field.width.render()}' is 0 for all order codes"
+        remedy = f"remove the field, or give the parameter {crc.width} where it is sent"
+        site.report("width-mismatch", f"{message}; {remedy}")
+
+
+def _is_plain(crc: Crc) -> bool:
+    """Return True if zeros before a frame do not change its CRC, and its bits are in the order sent."""
+    return not crc.init and not crc.refin and not crc.refout
+
+
+def _left_out(layout: Layout, crc: Field, kind: CrcValue) -> Iterator[str]:
+    """Yield the fields with data that a CRC with a list of fields leaves out, unless a note names them."""
+    if not kind.of:
+        return
+    words_in_notes = re.findall(r"\w+", f"{layout.note} {crc.note}")
+    mentioned_names = {crc.name, *kind.of, *words_in_notes}
+    data_names = [field.name for field in layout.fields if not isinstance(field.kind, (Constant, Unused))]
+    left_out = listed(name for name in data_names if name not in mentioned_names)
+    if left_out:
+        remedy = f"add the fields that it covers to 'crc_of', or add a 'note' that the manual leaves out {left_out}"
+        yield f"'{crc.name}' leaves out {left_out}; {remedy}"
+
+
+def _no_run(layout: Layout, kind: CrcValue, site: Site) -> Iterator[str]:
+    """Yield the reason why the fields of a CRC are not adjacent bits at a fixed place."""
+    if kind.of and layout.in_bytes:
+        interface = INTERFACES[site.interface]
+        place = f"over {interface.title}" if interface.carried_as == "bytes" else "with 'carried_as: bytes'"
+        yield f"{place}, a CRC covers everything before it; leave 'crc_of' out"
+        return
+    fields = {field.name: field for field in layout.fields}
+    covered_fields = [fields[name] for name in kind.of if name in fields]
+    for field in covered_fields:
+        if not field.is_fixed:
+            yield f"'{field.name}' differs in place or width between order codes, so 'crc_of' cannot list it"
+            return
+    for above, below in pairwise(covered_fields):
+        if below.low + below.width != above.low:
+            yield f"'{above.name}' and '{below.name}' are not adjacent; list adjacent fields, in the order sent"
+            return

@@ -1,0 +1,282 @@
+"""Five engines that decode frames of a made encoder, for comparison with a decoder that a test contains.
+
+The engines are the reference codec, the generated Python package, its columns, the generated C, and the script of the
+page.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+from c_harness import GCC, compile_programs, runner_over, write
+from codewheel.loading.library import load_library
+from codewheel.model import Device, PlacedLayout, Variant, Verdict
+from codewheel.plan.verdicts import reports_of
+from codewheel.reference import codec
+from codewheel.reference.findings import findings
+from codewheel.targets import Library
+from codewheel.targets.browser.files import generate as generate_page
+from test_c_reports import by_interface
+
+SPECS = Path(__file__).resolve().parents[1] / "specs"
+VERDICTS = [verdict.value for verdict in Verdict]
+NOT_USABLE, UNKNOWN, WARNING, USABLE = VERDICTS
+FAULTS = {"0": "", "1": "length", "2": "crc", "3": "constant", "4": "range"}
+Import = Callable[[Library, str], tuple[Path, ModuleType]]
+#: Values by name. A flag that the order code does not have is False, and a number 0.
+Values = Mapping[str, int | bool]
+
+
+@dataclass(frozen=True)
+class Case:
+    """A frame with the result that every engine must give. ``values`` is None for a frame with an error."""
+
+    code: str
+    layout: str
+    bits: int
+    number: int
+    fault: str
+    verdict: str = ""
+    reports: frozenset[str] = frozenset()
+    values: Values | None = None
+
+
+@dataclass(frozen=True)
+class MadeEncoder:
+    """A made encoder, with the members of each layout's struct in C.
+
+    ``reserved`` are the reserved fields, with the bits that the spec documents, by layout. Layouts called ``reply``
+    have four bytes, lowest first. All others are words.
+    """
+
+    device: Device
+    members: Mapping[str, tuple[str, ...]]
+    reserved: Mapping[str, tuple[str, int]] = field(default_factory=dict)
+
+    def placed(self, code: str, layout: str) -> tuple[Variant, PlacedLayout]:
+        variant = self.device.variant(code)
+        return variant, self.device.layout(layout).place(variant.parameters)
+
+
+def load_made(name: str) -> Device:
+    """Return the family of a spec in ``tests/specs``."""
+    devices, report = load_library([SPECS / f"{name}.yaml", SPECS / "manufacturer.yaml"])
+    assert not report
+    (device,) = devices
+    return device
+
+
+def split(number: int, widths: Sequence[tuple[str, int]]) -> dict[str, int]:
+    """Return the bits of each field. The last one has the lowest bits. A field of 0 bits is 0."""
+    parts = {}
+    for name, width in reversed(widths):
+        parts[name] = number & (1 << width) - 1
+        number >>= width
+    assert number == 0
+    return parts
+
+
+def joined(parts: Mapping[str, int], widths: Sequence[tuple[str, int]]) -> int:
+    number = 0
+    for name, width in widths:
+        number = number << width | parts[name]
+    return number
+
+
+def ones(*numbers: int) -> int:
+    return sum(number.bit_count() for number in numbers)
+
+
+def remainder(data: int, count: int, poly: int, width: int, start: int = 0) -> int:
+    """Return the CRC over ``count`` bits, bit by bit."""
+    rest = start
+    for place in reversed(range(count)):
+        top = (rest >> width - 1 ^ data >> place) & 1
+        rest = (rest << 1 & (1 << width) - 1) ^ (poly if top else 0)
+    return rest
+
+
+def named(**conditions: bool) -> frozenset[str]:
+    return frozenset(name for name, is_active in conditions.items() if is_active)
+
+
+def by_code(cases: Sequence[Case]) -> Iterator[tuple[str, list[Case]]]:
+    """Yield the cases of each order code, which are adjacent."""
+    codes = dict.fromkeys(case.code for case in cases)
+    grouped: dict[str, list[Case]] = {code: [] for code in codes}
+    for case in cases:
+        grouped[case.code].append(case)
+    yield from grouped.items()
+
+
+def frame_of(case: Case) -> int | bytes:
+    return case.number.to_bytes(4, "little") if case.layout == "reply" else case.number
+
+
+def with_result(
+    case: Case, fault: str, verdict: str = "", reports: frozenset[str] = frozenset(), values: Values | None = None
+) -> Case:
+    return Case(case.code, case.layout, case.bits, case.number, fault, verdict, reports, values)
+
+
+def decode_by_reference(encoder: MadeEncoder, cases: Sequence[Case], *_: object) -> Iterator[Case]:
+    names = {case.layout: tuple(case.values) for case in cases if case.values is not None}
+    for case in cases:
+        variant, layout = encoder.placed(case.code, case.layout)
+        decoded = codec.decode(encoder.device, layout, case.number)
+        if decoded.problems:
+            yield with_result(case, decoded.problems[0].fault.value)
+            continue
+        found = findings(encoder.device, variant, decoded)
+        assert found.verdict is not None
+        values = {name: decoded.values.get(name, 0) for name in names[case.layout]}
+        numbers = {name: value for name, value in values.items() if not isinstance(value, str)}
+        reports = frozenset(report.field for report in found.reports)
+        yield with_result(case, "", found.verdict.value, reports, numbers)
+
+
+def decode_in_python(made: MadeEncoder, cases: Sequence[Case], import_generated: Import, _: Path) -> Iterator[Case]:
+    package = import_generated(Library((made.device,)), made.device.manufacturer.python_package)[1]
+    fault_of = {"CrcError": "crc", "ConstantError": "constant", "RangeError": "range", "LengthError": "length"}
+    for code, group in by_code(cases):
+        encoder: Any = package.lookup(code)
+        for case in group:
+            try:
+                frame = encoder.decode(frame_of(case))
+            except ValueError as error:
+                yield with_result(case, fault_of[type(error).__name__])
+                continue
+            values = {name: getattr(frame, name) for name in case.values or ()}
+            reports = frozenset(report.name for report in frame.reports)
+            assert (frame.usable_position is None) is (frame.verdict.value == NOT_USABLE)
+            assert frame.encode() == frame_of(case)
+            yield with_result(case, "", frame.verdict.value, reports, values)
+
+
+def decode_in_columns(made: MadeEncoder, cases: Sequence[Case], import_generated: Import, _: Path) -> Iterator[Case]:
+    np: Any = pytest.importorskip("numpy")
+    package = import_generated(Library((made.device,)), made.device.manufacturer.python_package)[1]
+    names = next(tuple(case.values) for case in cases if case.values is not None)
+    for code, group in by_code(cases):
+        encoder: Any = package.lookup(code)
+        frames: Any = np.array([case.number for case in group], np.uint64)
+        if group[0].layout == "reply":
+            frames = np.array([list(case.number.to_bytes(4, "little")) for case in group], np.uint8)
+        table = encoder.decode_many(frames)
+        faults = [FAULTS[str(fault)] for fault in table.fault.tolist()]
+        columns = {name: table[name].tolist() for name in names}
+        reports = {name: column.tolist() for name, column in table.reports.items()}
+        verdicts = table.verdict.tolist()
+        for row, case in enumerate(group):
+            if faults[row]:
+                yield with_result(case, faults[row])
+                continue
+            values = {name: column[row] for name, column in columns.items()}
+            active = frozenset(name for name, column in reports.items() if column[row])
+            yield with_result(case, "", VERDICTS[verdicts[row]], active, values)
+        valid_frames = frames[[not fault for fault in faults]]
+        kind: Any = type(encoder.decode(frame_of(next(case for case in group if not case.fault))))
+        assert (kind.encode_many(encoder.decode_many(valid_frames), encoder) == valid_frames).all()
+
+
+def decode_in_c(made: MadeEncoder, cases: Sequence[Case], _: Import, folder: Path) -> Iterator[Case]:
+    compile_programs([*GCC, "-Wall", "-Wextra", "-Werror"], made.device, folder, write(folder, (made.device,)))
+    run = runner_over(made.device, folder)
+    interface = made.placed(cases[0].code, cases[0].layout)[0].interface
+    view = next(view for view in by_interface(made.device) if view.interfaces[0].name == interface)
+    names = {1 << report.number: report.name for report in reports_of(view)}
+    member_names = made.members[cases[0].layout]
+    texts = [
+        case.number.to_bytes(4, "little").hex() if case.layout == "reply" else f"{case.number:X}" for case in cases
+    ]
+    decoded = run([f"{case.code} decode {case.layout} {text}" for case, text in zip(cases, texts, strict=True)])
+    valid = [(case, text, row[2:]) for case, text, row in zip(cases, texts, decoded, strict=True) if row[0] == "0"]
+    encoded = run([f"{case.code} encode {case.layout} {row}" for case, _, row in valid])
+    assert encoded == [f"0 {text.upper()}" for _, text, _ in valid]
+    judged = run([f"{case.code} tells {case.layout} {text}" for case, text in zip(cases, texts, strict=True)])
+    for case, values_text, verdict_text in zip(cases, decoded, judged, strict=True):
+        fault, *numbers = values_text.split()
+        if fault != "0":
+            yield with_result(case, FAULTS[fault])
+            continue
+        _, verdict, mask = verdict_text.split()
+        reports = frozenset(name for bit, name in names.items() if int(mask, 16) & bit)
+        values = dict(zip(member_names, map(int, numbers), strict=True))
+        yield with_result(case, "", VERDICTS[int(verdict)], reports, values)
+
+
+#: Decodes frames with the script of the page: words as hexadecimal texts.
+_SCRIPT = """
+const groups = JSON.parse(require("fs").readFileSync("frames.json", "utf8"));
+require("vm").runInThisContext(require("fs").readFileSync("decode.js", "utf8"));
+const wheel = globalThis.codewheelDecode;
+const [family] = wheel.table.families;
+const shown = (value) => (typeof value === "bigint" ? Number(value) : value);
+const results = groups.map(([code, layout, frames, parameters]) => {
+  const given = Object.fromEntries(Object.entries(parameters).map(([name, one]) => [name, BigInt(one)]));
+  const at = family.interfaces.find((one) => one.frames.some((frame) => frame.name === layout));
+  const placed = wheel.placedFor({ code, family, interface: at, given },
+    at.frames.find((one) => one.name === layout));
+  const word = (text) => wheel.decodeBits(placed, wheel.numberIn(text, placed.bits));
+  return frames.map((one) => (Array.isArray(one) ? wheel.decodeBytes(placed, one) : word(one))).map((found) => [
+    found.problems.length ? found.problems[0].fault : "", found.verdict,
+    found.reports.map((one) => one.report), Object.fromEntries(found.fields.map((one) => [one.name, shown(one.value)])),
+  ]);
+});
+console.log(JSON.stringify(results));
+"""
+
+
+def decode_in_browser(made: MadeEncoder, cases: Sequence[Case], _: Import, folder: Path) -> Iterator[Case]:
+    node = shutil.which("node") or shutil.which("nodejs")
+    if node is None:
+        pytest.skip("needs node")
+    (folder / "decode.js").write_text(generate_page(Library((made.device,)))["browser/decode.js"], encoding="utf-8")
+    groups = [group for _, group in by_code(cases)]
+    data = [_group_for_script(made, group) for group in groups]
+    (folder / "frames.json").write_text(json.dumps(data), encoding="utf-8")
+    done = subprocess.run([node, "-e", _SCRIPT], cwd=folder, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    names = next(tuple(case.values) for case in cases if case.values is not None)
+    for group, results in zip(groups, json.loads(done.stdout), strict=True):
+        for case, (fault, verdict, reports, fields) in zip(group, results, strict=True):
+            if fault:
+                yield with_result(case, fault)
+                continue
+            fields["unused"] = _unused(made, case.layout, fields)
+            values = {name: fields.get(name, 0) for name in names}
+            yield with_result(case, "", verdict, frozenset(reports), values)
+
+
+def _unused(made: MadeEncoder, layout: str, fields: Mapping[str, int]) -> int:
+    """Return the reserved bits that differ. The page shows the bits as sent."""
+    name, documented = made.reserved.get(layout, ("", 0))
+    return fields[name] ^ documented if name in fields else 0
+
+
+def _group_for_script(made: MadeEncoder, group: Sequence[Case]) -> list[object]:
+    code, layout = group[0].code, group[0].layout
+    variant, _ = made.placed(code, layout)
+    return [code, layout, [_frame_for_script(case) for case in group], dict(variant.parameters)]
+
+
+def _frame_for_script(case: Case) -> object:
+    frame = frame_of(case)
+    return list(frame) if isinstance(frame, bytes) else f"0x{frame:X}"
+
+
+ENGINES = {
+    "reference": decode_by_reference,
+    "python": decode_in_python,
+    "columns": decode_in_columns,
+    "c": decode_in_c,
+    "browser": decode_in_browser,
+}
