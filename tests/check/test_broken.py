@@ -33,7 +33,7 @@ RULES_WITH_BROKEN_SPECS = """
     order-code-ambiguous order-code-pattern out-of-range output-code parameter-cycle
     parameter-interface parameter-origin plain-bit port-mismatch printed-number procedure-name
     quantity-repeated quantity-text register-range repeated-item repeated-text request-purpose
-    revision-not-in-history rs485-exchange saved-too-early sender several-documents signal-twice
+    revision-not-in-history rs485-exchange same-answers saved-too-early sender several-documents signal-twice
     spi-exchange spi-parity step-shape summed-twice summed-verdict supply-range table-shape tag
     time-repeated timeout-mismatch timing-order timing-without-bound too-deep too-large too-long
     too-short typographic-quotes undefined-reference unit-mismatch unknown-key unknown-standard

@@ -238,4 +238,9 @@ RULES: tuple[Rule, ...] = (
     flag_agreement.summed_verdicts,
     flag_agreement.explained_flags,
     flag_agreement.read_only_registers,
+    repeated_identity.numbers_of_conditions,
+    repeated_identity.address_tables,
+    step_agreement.polled_levels,
+    flag_agreement.returning_registers,
+    flag_agreement.equal_answers,
 )

@@ -227,3 +227,27 @@ def _explaining_registers(spec: WrittenSpec) -> Iterator[str]:
 
 #: Keys of a register that matter only if it is written.
 _KEYS_OF_WRITABLE = ("default", "min", "max", "meanings", "opened_by", "clears_itself", "write_clears")
+
+
+_RETURNS = re.compile(r"\bautomatically returns to 0|\breturns to 0+h? (?:automatically|by itself)", re.IGNORECASE)
+
+
+def returning_registers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a register that returns to 0 in its note clears itself."""
+    for register in spec.registers:
+        if _RETURNS.search(register.note) and not register.clears_itself:
+            message = "the note says that the register returns to 0; write 'clears_itself: true', or correct the note"
+            key = "clears_itself" if register.has("clears_itself") else "name"
+            report.add("words-contradict", register.place_of(key), message)
+
+
+def equal_answers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that two answers of an alternative do not set the same numbers."""
+    for alternative in spec.alternatives:
+        names_by_numbers: dict[tuple[tuple[str, int], ...], str] = {}
+        for name, answer in alternative.values.items():
+            numbers = tuple(sorted(answer.sets.items()))
+            if numbers and numbers in names_by_numbers:
+                message = f"{quoted(names_by_numbers[numbers])} sets the same numbers; correct one of the two answers"
+                report.add("same-answers", answer.place_of("sets"), message)
+            names_by_numbers.setdefault(numbers, name)

@@ -86,9 +86,10 @@ def monoflop(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> Non
     located_monoflop = timings[_MONOFLOP]
     time_us, key = _shortest(located_monoflop)
     lowest_hz = ssi.clock.part.min_hz
-    if explained(report.document, "interfaces", "ssi", _MONOFLOP) or not time_us:
+    place = ".".join(map(str, (*located_monoflop.path[:-1], _MONOFLOP, key)))
+    if explained(report.document, place) or not time_us:
         return
-    remedy = f"If this is what the manual says, add an erratum that affects interfaces.ssi.{_MONOFLOP}"
+    remedy = f"If this is what the manual says, add an erratum that affects {place}"
     if lowest_hz and 2 * lowest_hz * time_us * _NS_PER_US < _NS_PER_S:
         message = (
             f"{time_us} µs is shorter than half a period of the slowest clock, 'min_hz: {lowest_hz}', so it would end"
@@ -115,7 +116,7 @@ def _shortest(timing: Located[Timing]) -> tuple[int | None, str]:
 def cable_clocks(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the clocks for cables are above the slowest clock, except for one row that begins there."""
     ssi = spec.interfaces.ssi
-    if ssi is None or explained(report.document, "interfaces", "ssi", "clock"):
+    if ssi is None or explained(report.document, "interfaces", "ssi", "clock", "min_hz"):
         return
     lowest_hz, highest_hz = ssi.clock.part.min_hz or 0, ssi.clock.part.max_hz
     for row in ssi.cable_lengths:
@@ -129,14 +130,14 @@ def cable_clocks(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
             if is_too_high:
                 message = f"{below_hz} Hz is above 'max_hz: {highest_hz}'"
             remedy = "correct one of the two. If this is what the manual says, add an erratum that affects"
-            report.add("clock-range", (*row.path, "below_hz"), f"{message}; {remedy} interfaces.ssi.clock")
+            report.add("clock-range", (*row.path, "below_hz"), f"{message}; {remedy} interfaces.ssi.clock.min_hz")
 
 
 def timeouts_and_clocks(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a BiSS time-out is longer than half a clock period, and a whole number of half periods."""
     biss = spec.interfaces.biss
     timeout = biss.timeout if biss is not None else None
-    if biss is None or timeout is None or explained(report.document, *map(str, timeout.path)):
+    if biss is None or timeout is None or explained(report.document, *map(str, timeout.path), "printed"):
         return
     remedy = f"correct one of the two. If this is what the manual says, add an erratum that affects {_dotted(timeout)}"
     _check_longest_timeout(biss, timeout, remedy, report)
@@ -165,4 +166,4 @@ def _check_longest_timeout(biss: WrittenBiss, timeout: Located[Timeout], remedy:
 
 
 def _dotted(timeout: Located[Timeout]) -> str:
-    return ".".join(map(str, timeout.path))
+    return ".".join(map(str, (*timeout.path, "printed")))

@@ -14,9 +14,9 @@ from .parts import by_name, explained, interface_of
 from .walk import leaves
 
 #: Name of a device description file: idbiss and the manufacturer ID in hexadecimal.
-_DESCRIPTION_FILE = re.compile(r"idbiss([0-9A-Fa-f]{4})\.xml")
+_DESCRIPTION_FILE = re.compile(r"idbiss([0-9A-Fa-f]+)\.xml")
 _ALIGNMENTS = {"left": "msb_left", "right": "lsb_right"}
-_ALIGNED = re.compile(r"\b[ML]SB (left|right)[ -]aligned", re.IGNORECASE)
+_ALIGNED = re.compile(r"\b[ML]SB (?:(?=\w+[ -]aligned)|aligned to the )(left|right)\b", re.IGNORECASE)
 _NUMBERS = {"one": 1, "two": 2, "nine": 9, "ten": 10, "eleven": 11, "twelve": 12}
 _STOP_BITS = re.compile(r"\b(one|two|[12]) stop bits?\b", re.IGNORECASE)
 _CHARACTER = re.compile(r"\b(nine|ten|eleven|twelve|9|1[0-2]) bits\b", re.IGNORECASE)
@@ -41,17 +41,20 @@ def description_file(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
 
 
 def alignment(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the SSI word has the alignment that a title of the contents names, if only one does."""
+    """Check that the SSI word has the alignment that the contents and the order code name, if these name one."""
     ssi = spec.interfaces.ssi
-    words = [_ALIGNED.findall(section.title) for section in spec.manual.contents.values()]
+    titles = [section.title for section in spec.manual.contents.values()]
+    for part in spec.order_code.parts:
+        titles += [value.meaning for value in part.values.values()]
+    words = [_ALIGNED.findall(title) for title in titles]
     named = {_ALIGNMENTS[word.casefold()] for found_words in words for word in found_words}
     if ssi is None or len(named) != 1 or explained(report.document, "interfaces", "ssi", "alignment"):
         return
     named_alignment = named.pop()
     if ssi.alignment and ssi.alignment != named_alignment:
         message = (
-            f"a title in the contents of the manual names {quoted(named_alignment)}; correct this. If both are right,"
-            " add an erratum that affects interfaces.ssi.alignment"
+            f"the contents of the manual or the order code name {quoted(named_alignment)}; correct one of the two. If"
+            " both are right, add an erratum that affects interfaces.ssi.alignment"
         )
         report.add("alignment-mismatch", ssi.place_of("alignment"), message)
 
@@ -99,3 +102,36 @@ def bounds(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
             if value.min is not None and value.min == value.max:
                 message = f"'min' and 'max' are both {value.min:g}; correct one of them, or write 'typical'"
                 report.add("quantity-text", (*characteristic.path, "values", index, "min"), message)
+
+
+def numbers_of_conditions(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the numbers in the condition of a quantity are in the text of the characteristic."""
+    for characteristic in spec.characteristics:
+        printed_numbers = set(_NUMBER.findall(characteristic.part.value))
+        for index, value in enumerate(characteristic.part.values):
+            unknown = [number for number in _NUMBER.findall(value.where) if number not in printed_numbers]
+            if unknown:
+                message = f"'where' has {unknown[0]}, which the text does not have; correct one of the two"
+                report.add("quantity-text", (*characteristic.path, "values", index, "where"), message)
+
+
+_NUMBER = re.compile(r"(?<![\w.,])\d+(?:\.\d+)?(?![\w,]*\d)")
+_HEX_CELL = re.compile(r"(?:0x)?([0-9A-F]+)h?")
+
+
+def address_tables(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a table with first and last addresses has ranges, written with equally many digits."""
+    for table in spec.tables:
+        columns = [column.casefold() for column in table.part.columns]
+        places = [index for index, column in enumerate(columns) if column in ("first address", "last address")]
+        if len(places) != 2:
+            continue
+        for row_index, row in enumerate(table.part.rows):
+            cells = [row[place] for place in places if place < len(row)]
+            digits = [match[1] for match in map(_HEX_CELL.fullmatch, cells) if match is not None]
+            if len(digits) != 2:
+                continue
+            path = (*table.path, "rows", row_index, places[0])
+            if len(digits[0]) != len(digits[1]) or int(digits[0], 16) > int(digits[1], 16):
+                message = f"{cells[0]} to {cells[1]} is not a range of addresses; correct one of the two"
+                report.add("table-shape", path, message)

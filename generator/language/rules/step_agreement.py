@@ -167,3 +167,19 @@ def _counts_in_texts(data: Mapping[str, object]) -> Iterator[tuple[Path, int]]:
         for number_text in _REPETITIONS.findall(text) if isinstance(text, str) else ():
             is_digits = number_text.isdigit()
             yield path, int(number_text) if is_digits else _NUMBERS.index(number_text.casefold()) + 2
+
+
+def polled_levels(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the meaning of a poll says what it waits for: 0 until, while or during something, or 1 when."""
+    for procedure in spec.procedures:
+        for step in procedure.steps:
+            level = _LEVEL_OF_STEP.match(step.meaning)
+            if step.do != "poll" or level is None or step.until not in (0, 1):
+                continue
+            expected = int(level[1]) if level[2] == "when" else 1 - int(level[1])
+            if step.until != expected:
+                message = f"the meaning says {quoted(level[0])}, but 'until' is {step.until}; one of the two is wrong"
+                report.add("words-contradict", step.place_of("until"), message)
+
+
+_LEVEL_OF_STEP = re.compile(r"([01]) (until|while|during|when)\b")
