@@ -167,8 +167,8 @@ def equal_numbers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -
 def _own_texts(spec: WrittenSpec, report: DocumentReport) -> Iterator[tuple[Path, str]]:
     """Yield the texts of a spec in its own words, with their places."""
     for path, text in leaves_of(spec.data, report):
-        is_own = isinstance(text, str) and path[-1] in PROSE and path[-1] not in _QUOTED
-        if is_own and path[0] not in _ELSEWHERE:
+        is_prose = path[-1] in PROSE or (path[0], path[-1]) == ("characteristics", "value")
+        if isinstance(text, str) and is_prose and path[-1] not in _QUOTED and path[0] not in _ELSEWHERE:
             yield path, text
 
 
