@@ -243,4 +243,5 @@ RULES: tuple[Rule, ...] = (
     step_agreement.polled_levels,
     flag_agreement.returning_registers,
     flag_agreement.equal_answers,
+    repeated_identity.swapped_letters,
 )

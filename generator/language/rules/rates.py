@@ -145,7 +145,7 @@ def timeouts_and_clocks(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
         return
     for index, printed in enumerate(timeout.part.printed):
         half_periods = 2 * printed.clock_hz * printed.timeout_ns / _NS_PER_S
-        rounding = 2 * printed.clock_hz / _NS_PER_S
+        rounding = printed.clock_hz / _NS_PER_S  # Half a nanosecond, in half periods.
         if abs(half_periods - round(half_periods)) > rounding or round(half_periods) < 1:
             message = (
                 f"{printed.timeout_ns} ns are {half_periods:.3g} half periods at {printed.clock_hz} Hz, but a time-out"

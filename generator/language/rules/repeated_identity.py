@@ -11,7 +11,7 @@ from ..problems import DocumentReport, quoted
 from ..written_interfaces import WrittenRs485
 from ..written_parts import WrittenSpec
 from .parts import by_name, explained, interface_of
-from .walk import leaves
+from .walk import leaves, leaves_of
 
 #: Name of a device description file: idbiss and the manufacturer ID in hexadecimal.
 _DESCRIPTION_FILE = re.compile(r"idbiss([0-9A-Fa-f]+)\.xml")
@@ -135,3 +135,24 @@ def address_tables(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
             if len(digits[0]) != len(digits[1]) or int(digits[0], 16) > int(digits[1], 16):
                 message = f"{cells[0]} to {cells[1]} is not a range of addresses; correct one of the two"
                 report.add("table-shape", path, message)
+
+
+_WORD = re.compile(r"\b[A-Za-z]+\d\w*")
+#: Shortest start of an order code of which a word with the same letters in another order is a mistake.
+_SHORTEST_START = 5
+
+
+def swapped_letters(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no text has the start of an order code with two characters swapped, such as SMA12 for SMA21."""
+    start = spec.order_code.pattern.partition("{")[0].strip("-/ ")
+    if len(start) < _SHORTEST_START:
+        return
+    for path, text in leaves_of(spec.data, report):
+        if not isinstance(text, str) or path[-1] == "printed" or path[0] in ("documents", "evidence"):
+            continue
+        misspelt = [word for word in _WORD.findall(text) if word != start and sorted(word) == sorted(start)]
+        if misspelt:
+            message = (
+                f"{quoted(misspelt[0])} has the characters of {quoted(start)}, which begins order codes; correct it"
+            )
+            report.add("misspelt-name", path, message)
