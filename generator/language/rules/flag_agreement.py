@@ -207,6 +207,7 @@ def read_only_registers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
         has_values = any(field.values for field in register.fields)
         is_used = has_values or register.name in written_names or register.has(*_KEYS_OF_WRITABLE)
         is_reported = register.name in flag_registers or any(field.explained_by for field in register.fields)
+        is_reported = is_reported and all(field.has("active", "constant", "unused") for field in register.fields)
         content = "flags of alarms" if is_reported else "the position"
         has_position = register.name in position_names(spec, interface_of(register))
         is_explained = any(_mentions(text, "writ") for text in (register.meaning, register.note))
@@ -242,12 +243,12 @@ def returning_registers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
 
 
 def equal_answers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that two answers of an alternative do not set the same numbers."""
+    """Check that the two answers of an alternative do not set the same numbers."""
     for alternative in spec.alternatives:
-        names_by_numbers: dict[tuple[tuple[str, int], ...], str] = {}
-        for name, answer in alternative.values.items():
-            numbers = tuple(sorted(answer.sets.items()))
-            if numbers and numbers in names_by_numbers:
-                message = f"{quoted(names_by_numbers[numbers])} sets the same numbers; correct one of the two answers"
-                report.add("same-answers", answer.place_of("sets"), message)
-            names_by_numbers.setdefault(numbers, name)
+        answers = list(alternative.values.items())
+        if len(answers) != 2:
+            continue
+        (first_name, first_answer), (_, second_answer) = answers
+        if first_answer.sets and first_answer.sets == second_answer.sets:
+            message = f"{quoted(first_name)} sets the same numbers; correct one of the two answers"
+            report.add("same-answers", second_answer.place_of("sets"), message)
