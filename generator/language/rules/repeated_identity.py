@@ -143,7 +143,7 @@ _SHORTEST_START = 5
 
 
 def swapped_letters(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that no text has the start of an order code with two characters swapped, such as SMA12 for SMA21."""
+    """Check that no text has the start of an order code with two characters swapped, such as ABC12 for ABC21."""
     start = spec.order_code.pattern.partition("{")[0].strip("-/ ")
     if len(start) < _SHORTEST_START:
         return
