@@ -32,6 +32,7 @@ from ..model import (
     Parity,
     PlacedLayout,
     ProcedureExample,
+    Register,
     RegisterExample,
     Sample,
     Sources,
@@ -165,7 +166,17 @@ def _check_register(device: Device, example: RegisterExample) -> Iterator[Wrong]
         yield ("bytes",), message
         return
     number = number_from_bytes(register.layout, example.bytes)
-    yield from _check_decoded(device, decode(device, register.layout.place(variant.parameters), number), example)
+    decoded = decode(device, register.layout.place(variant.parameters), number)
+    differences = list(_check_decoded(device, decoded, example))
+    yield from differences or _check_identity(register, decoded, variant)
+
+
+def _check_identity(register: Register, decoded: Decoded, variant: Variant) -> Iterator[Wrong]:
+    """Yield the fields that do not have the value by which a master identifies the encoder."""
+    for field in register.layout.fields:
+        expected, value = field.documented(variant.parameters), decoded.values.get(field.name)
+        if type(expected) is type(value) and value != expected:
+            yield ("bytes",), f"'{field.name}' is {value}, but 'equals' is {expected} for {variant.code}"
 
 
 def _check_frame(device: Device, example: FrameExample) -> Iterator[Wrong]:

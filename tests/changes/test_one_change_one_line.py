@@ -96,12 +96,13 @@ def test_the_same_pause_in_several_procedures_is_one_line() -> None:
     longer_first = ("{do: wait, at_least_ms: 30, meaning", "{do: wait, at_least_ms: 50, meaning")
     both = ("{do: wait, at_least_ms: 30, meaning", "{do: wait, at_least_ms: 40, meaning")
     both_longer = ("{do: wait, at_least_ms: 40, meaning", "{do: wait, at_least_ms: 60, meaning")
-    before = devices([SECOND_PROCEDURE, both])
-    after = devices([SECOND_PROCEDURE, both, longer, both_longer])
+    no_wait_of_register = ("    wait_at_least_ms: 30\n", "")
+    before = devices([no_wait_of_register, SECOND_PROCEDURE, both])
+    after = devices([no_wait_of_register, SECOND_PROCEDURE, both, longer, both_longer])
     texts = [change.text for change in compare(before, after)]
     assert texts == ["procedures save, set_preset: pause 40 ms → 60 ms"]
     # Other pauses are two changes.
-    other = compare(before, devices([SECOND_PROCEDURE, longer, longer_first]))
+    other = compare(before, devices([no_wait_of_register, SECOND_PROCEDURE, longer, longer_first]))
     assert len(other) == 2
 
 

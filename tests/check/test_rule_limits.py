@@ -254,13 +254,13 @@ LIMITS: dict[str, tuple[list[list[Change]], list[list[Change]], str, str]] = {
         "the clock is 200000 to 10000000 Hz, so there is no time-out at 10000001 Hz",
     ),
     "limit of a time-out that follows the clock": (
-        [[timeout("rule: follows_clock, typical_ns: 150")], [timeout("rule: follows_clock, at_most_ns: 150")]],
+        [[timeout("rule: follows_clock, typical_ns: 150")], [timeout("rule: follows_clock, at_most_ns: 2500")]],
         [[timeout("rule: follows_clock")]],
         "timeout-mismatch",
         "a time-out that depends on the clock needs 'half_clock_periods'",
     ),
     "limit of a fixed time-out": (
-        [[timeout("rule: fixed, typical_ns: 150")], [timeout("rule: fixed, at_most_ns: 150")]],
+        [[timeout("rule: fixed, typical_ns: 150")], [timeout("rule: fixed, at_most_ns: 2500")]],
         [[timeout("rule: fixed")]],
         "timeout-mismatch",
         "a fixed time-out needs 'at_most_ns' or 'typical_ns'",

@@ -1539,7 +1539,7 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
     Checked by decode():
         sync: SC: Sync code, binary 010. Always 2.
         parity: cc4. Even parity of ``data_id``.
-        encoder_id_1: ENID1: Encoder ID, first byte, fixed for the absolute linear encoder. Always 51h.
+        encoder_id_1: ENID1: Encoder ID, first byte, 51h for the absolute linear encoder. Always 51h.
         encoder_id_2: ENID2: Encoder ID, second byte, fixed. Always 0.
         crc: CRC. CRC ``rs485_8`` over everything before it.
     """

@@ -147,7 +147,7 @@ def _field_faults(sent_fields: SentFields, crcs: Mapping[str, Located[Crc]], fra
         name = field.name
         if name in _FLAGS and field.active == "high":
             problem = f"{quoted(name)} is active high, but in BiSS it is active low; write 'active: low'"
-            yield _Fault((*path, "active"), f"{frame_path}.{name}", problem)
+            yield _Fault((*path, "active"), f"{frame_path}.{name}.active", problem)
         if field.has("crc_of"):
             problem = (
                 f"{quoted(name)} has 'crc_of', but in BiSS the CRC covers everything before it; leave 'crc_of' out"

@@ -263,8 +263,12 @@ class _TimesBelow:
         return self._times[id(node)]
 
 
+#: Keys of timings and of the time-out of BiSS.
+_KEYS_OF_TIMINGS = frozenset(("at_least_us", "typical_us", "at_most_us", "at_most_ns", "typical_ns"))
+
+
 def _is_timing(fact: Any) -> bool:
-    return isinstance(fact, dict) and not {"at_least_us", "typical_us", "at_most_us"}.isdisjoint(fact)
+    return isinstance(fact, dict) and not _KEYS_OF_TIMINGS.isdisjoint(fact)
 
 
 def _with_symbol(spec: Spec) -> Iterator[tuple[Path, Spec]]:

@@ -362,7 +362,8 @@ def measurement_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
         # A key rejected by the schema was removed. It must not be reported as missing, too.
         is_complete = measurement.data.keys() == raw_measurement.data.keys()
         if is_complete and not measurement.has(unit_key) and not measurement.has("step_nm"):
-            message = f"{quoted(unit_key)} is missing; the measurement of a {movement} encoder needs it"
+            unit_text = "'step_um', or 'step_nm' with 'per_counts'," if movement == "linear" else quoted(unit_key)
+            message = f"{unit_text} is missing; the measurement of a {movement} encoder needs it"
             report.add("measurement-shape", measurement.path, message, at_key=True)
         for key in foreign_keys:
             if measurement.has(key):

@@ -893,7 +893,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="encoder_id_1",
                 printed_name="ENID1",
-                meaning="Encoder ID, first byte, fixed for the absolute linear encoder",
+                meaning="Encoder ID, first byte, 51h for the absolute linear encoder",
                 constant=81,
             ),
             FieldFacts(name="encoder_id_2", printed_name="ENID2", meaning="Encoder ID, second byte, fixed", constant=0),

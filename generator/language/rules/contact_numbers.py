@@ -1,0 +1,53 @@
+"""Rules for the numbers of contacts."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from itertools import pairwise
+
+from ...model import Connector
+from ..problems import DocumentReport, quoted
+from ..schema_files import is_second
+from ..written import Located
+from ..written_parts import WrittenSpec
+
+#: Contacts with a number and its place in the list.
+Numbered = Sequence[tuple[int, int]]
+
+
+def contact_numbers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that numbered contacts are in order, without gaps from 1 on, unless a note explains it."""
+    if is_second(report.document.file) or report.document.family:  # The note is that of the newest edition.
+        return
+    for connector in spec.connectors:
+        names = [contact.contact for contact in connector.part.contacts]
+        numbered = [(index, int(name)) for index, name in enumerate(names) if name.isdecimal()]
+        if not numbered:
+            continue
+        is_numbered_cable = connector.part.kind == "cable" and len(numbered) == len(names)
+        if is_numbered_cable and "number" not in connector.part.note:
+            message = (
+                f"all wires of {quoted(connector.part.name)} have numbers, as the contacts of a connector; write 'kind:"
+                " connector', or say in a 'note' that the wires are numbered"
+            )
+            report.add("contact-numbers", (*connector.path, "kind"), message)
+        _check_order(connector, numbered, report)
+
+
+def _check_order(connector: Located[Connector], numbered: Numbered, report: DocumentReport) -> None:
+    """Report the first contact that has not the number after that of the one before it."""
+    for (_, earlier_number), (index, number) in pairwise([(-1, 0), *numbered]):
+        expected_number = earlier_number + 1
+        is_explained = re.search(rf"\b{expected_number}\b", connector.part.note) is not None
+        # One contact can have several signals, for different order codes.
+        is_next = number == expected_number or number == earlier_number > 0
+        has_leading_zero = connector.part.contacts[index].contact != str(number)
+        if has_leading_zero or not (is_next or is_explained):
+            message = (
+                f"contact {quoted(connector.part.contacts[index].contact)} is where {quoted(str(expected_number))}"
+                " should be; list all contacts in order, those that are not connected too, or say in a 'note' of"
+                f" {quoted(connector.part.name)} that there is no contact {expected_number}"
+            )
+            report.add("contact-numbers", (*connector.path, "contacts", index, "contact"), message)
+            return

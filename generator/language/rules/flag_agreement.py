@@ -1,0 +1,254 @@
+"""Rules for flags, alarms and registers whose properties must agree with each other."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+
+from ...model import Alarm, Biss
+from ..problems import DocumentReport, quoted
+from ..schema_files import is_second
+from ..written import Located
+from ..written_layouts import WrittenField, WrittenFieldGroup
+from ..written_parts import WrittenSpec
+from .parts import FieldList, Has, by_name, field_lists, interface_of, owner_of_alarm, position_names
+
+#: A level that a text of a flag gives.
+_LEVEL = re.compile(r"\b(?:[01]|low|high)\b", re.IGNORECASE)
+#: Number of flags with the same level from which another one in the same register is suspicious.
+_SEVERAL = 4
+#: Number of flags of a group from which one that no other flag combines is suspicious.
+_FLAGS_OF_GROUP = 4
+
+
+def lone_levels(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no flag alone has another active level than all others of its list, unless a text gives it."""
+    if is_second(report.document.file):  # It has no texts.
+        return
+    for fields in field_lists(spec):
+        flags = [field for field in fields.fields if field.active and not field.sums_up]
+        levels = Counter(flag.active for flag in flags)
+        if len(levels) != 2:
+            continue
+        (usual_level, usual_count), (_, count) = levels.most_common()
+        for flag in flags:
+            if count == 1 and usual_count >= _SEVERAL and flag.active != usual_level and not _gives_level(flag):
+                message = (
+                    f"{quoted(flag.name)} is active {flag.active}, but the other {usual_count} flags of"
+                    f" {quoted(fields.name)} are active {usual_level}; correct it, or say in its 'meaning' that it is"
+                    f" active {flag.active}"
+                )
+                report.add("level-differs", flag.place_of("active"), message)
+
+
+def _gives_level(flag: WrittenField) -> bool:
+    """Return True if a text gives the level of a flag, or its name negates what the bit says."""
+    if flag.name.startswith("not_"):
+        return True
+    texts = (flag.meaning, flag.note, flag.when_active, flag.when_inactive)
+    return any(_LEVEL.search(text) for text in texts)
+
+
+def repeated_flags(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that flags with the same name in several groups or layouts of an interface are the same flag."""
+    first_flags: dict[tuple[str, str], WrittenField] = {}
+    for fields in field_lists(spec):
+        # Another rule checks those of BiSS.
+        for flag in (field for field in _sent_fields(fields) if field.active and fields.interface != Biss.name):
+            first_flag = first_flags.setdefault((fields.interface, flag.name), flag)
+            for key, value, first_value in _differences(flag, first_flag):
+                line, _ = report.document.position(first_flag.path)
+                message = (
+                    f"{quoted(flag.name)} has {quoted(key)} {value} here, but {first_value} on line {line}; correct one"
+                    " of the two, or rename the flag if it is another one"
+                )
+                report.add("flag-differs", flag.place_of(key), message)
+
+
+def _sent_fields(fields: FieldList) -> Sequence[WrittenField]:
+    return fields.fields if fields.kind in (Has.GROUP, Has.LAYOUT) else ()
+
+
+def _differences(flag: WrittenField, first_flag: WrittenField) -> Iterator[tuple[str, str, str]]:
+    """Yield the keys in which two flags differ, with both values."""
+    if flag.active != first_flag.active:
+        yield "active", flag.active, first_flag.active
+    if flag.makes_position and first_flag.makes_position and flag.makes_position != first_flag.makes_position:
+        yield "makes_position", flag.makes_position, first_flag.makes_position
+
+
+def cleared_alarms(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that only an alarm that latches names procedures that clear it."""
+    for alarm in spec.alarms:
+        if alarm.part.latch is False and alarm.part.cleared_by:
+            message = (
+                f"{quoted(alarm.part.cleared_by[0])} clears the alarm, but 'latch' is false, so that it clears itself;"
+                " correct one of the two"
+            )
+            report.add("alarm-latch", (*alarm.path, "latch"), message)
+
+
+def implemented_alarms(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that an alarm and its flag are both implemented, or neither of them."""
+    for alarm in spec.alarms:
+        flag = _flag_of(spec, alarm)
+        if flag is not None and flag.implemented != alarm.part.implemented:
+            flag_text = "is implemented" if flag.implemented else "is not implemented"
+            message = f"its flag {quoted(flag.name)} {flag_text}, unlike this alarm; write 'implemented: false' at both"
+            key = "implemented" if alarm.has("implemented") else "name"
+            report.add("alarm-implemented", (*alarm.path, key), message)
+
+
+def _flag_of(spec: WrittenSpec, alarm: Located[Alarm]) -> WrittenField | None:
+    owner = owner_of_alarm(spec, alarm)
+    for field in owner.fields if owner is not None else ():
+        if alarm.part.field and field.name == alarm.part.field:
+            return field
+    return None
+
+
+def cleared_registers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a register that clears itself returns to 0, unless its note gives another number."""
+    if is_second(report.document.file):  # It has no notes.
+        return
+    for register in spec.registers:
+        default = register.default
+        if register.clears_itself and default and not _gives_number(register.note, default):
+            message = (
+                f"{quoted(register.name)} clears itself, but its default is {default:#04x}; correct one of the two, or"
+                f" say in a 'note' that it returns to {default:02X}h"
+            )
+            report.add("default-mismatch", register.place_of("default"), message)
+
+
+def _gives_number(text: str, number: int) -> bool:
+    """Return True if a text has a number, in decimal or in hexadecimal."""
+    return re.search(rf"\b(?:{number}|{number:02X}h|0x{number:02x})\b", text, re.IGNORECASE) is not None
+
+
+def summands(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that one flag of a list combines each flag, and all flags of a group of which it combines several."""
+    groups = by_name(spec.field_groups)
+    for fields in field_lists(spec):
+        summed_by: dict[str, str] = {}
+        for flag in fields.fields:
+            for index, name in enumerate(flag.sums_up):
+                if name in summed_by and flag.name != summed_by[name]:
+                    message = f"{quoted(summed_by[name])} combines {quoted(name)} too; remove it from one of the two"
+                    report.add("summed-twice", (*flag.place_of("sums_up"), index), message)
+                summed_by.setdefault(name, flag.name)
+        for group in groups.values():
+            _report_unsummed(group, summed_by, fields, report)
+
+
+def _report_unsummed(
+    group: WrittenFieldGroup, summed_by: Mapping[str, str], fields: FieldList, report: DocumentReport
+) -> None:
+    """Report the first flag of a group that no flag of a list combines, if this list combines most of the others."""
+    flags = [field for field in group.fields if field.active]
+    unsummed = [flag for flag in flags if flag.name not in summed_by]
+    if len(unsummed) == 1 and len(flags) >= _FLAGS_OF_GROUP and not _mentions(unsummed[0].meaning, "combine"):
+        message = (
+            f"no flag of {quoted(fields.name)} combines {quoted(unsummed[0].name)}, unlike the other flags of"
+            f" {quoted(group.name)}; add it to 'sums_up' of one, or say in its 'meaning' that none combines it"
+        )
+        report.add("not-summed", unsummed[0].place_of("name"), message)
+
+
+def _mentions(text: str, word: str) -> bool:
+    return word in text.casefold()
+
+
+#: Verdicts in order, with the most severe one last.
+_SEVERITIES = ("usable", "usable_with_warning", "not_usable")
+
+
+def summed_verdicts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the verdict of a flag that combines others is not milder than one of theirs."""
+    flags: dict[str, WrittenField] = {}
+    for fields in field_lists(spec):
+        flags |= {field.name: field for field in fields.fields if field.active and not field.sums_up}
+    for fields in field_lists(spec):
+        for flag in fields.fields:
+            verdicts = [flags[name].makes_position for name in flag.sums_up if name in flags]
+            if not verdicts or not all(verdict in _SEVERITIES for verdict in (flag.makes_position, *verdicts)):
+                continue
+            most_severe = max(verdicts, key=_SEVERITIES.index)
+            if _SEVERITIES.index(flag.makes_position) < _SEVERITIES.index(most_severe):
+                message = (
+                    f"{quoted(flag.name)} makes the position {flag.makes_position}, but the most severe of the flags"
+                    f" that it combines makes it {most_severe}; correct one of them"
+                )
+                report.add("summed-verdict", flag.place_of("makes_position"), message)
+
+
+def explained_flags(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a diagnostic bit explains only one flag of a register."""
+    for register in spec.registers:
+        explained_by: dict[str, str] = {}
+        for flag in register.fields:
+            for index, bit in enumerate(flag.explained_by):
+                if bit in explained_by:
+                    message = (
+                        f"{quoted(bit)} explains {quoted(explained_by[bit])} already; remove it from one of the two"
+                    )
+                    report.add("explains-twice", (*flag.place_of("explained_by"), index), message)
+                explained_by.setdefault(bit, flag.name)
+
+
+def read_only_registers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a register with flags of alarms or with the position is not writable without anything to write."""
+    if is_second(report.document.file):  # It has no notes.
+        return
+    written_names = {step.register for procedure in spec.procedures for step in procedure.steps if step.do == "write"}
+    flag_registers = {alarm.part.register for alarm in spec.alarms} | set(_explaining_registers(spec))
+    for register in spec.registers:
+        has_values = any(field.values for field in register.fields)
+        is_used = has_values or register.name in written_names or register.has(*_KEYS_OF_WRITABLE)
+        is_reported = register.name in flag_registers or any(field.explained_by for field in register.fields)
+        is_reported = is_reported and all(field.has("active", "constant", "unused") for field in register.fields)
+        content = "flags of alarms" if is_reported else "the position"
+        has_position = register.name in position_names(spec, interface_of(register))
+        is_explained = any(_mentions(text, "writ") for text in (register.meaning, register.note))
+        if register.access == "read_write" and (is_reported or has_position) and not (is_used or is_explained):
+            message = (
+                f"{quoted(register.name)} has {content}, and nothing says what to write there; write 'access:"
+                " read_only', or say in a 'note' what can be written"
+            )
+            report.add("access-mismatch", register.place_of("access"), message)
+
+
+def _explaining_registers(spec: WrittenSpec) -> Iterator[str]:
+    """Yield the registers whose bits explain flags."""
+    for register in spec.registers:
+        for field in register.fields:
+            yield from (bit.partition(".")[0] for bit in field.explained_by)
+
+
+#: Keys of a register that matter only if it is written.
+_KEYS_OF_WRITABLE = ("default", "min", "max", "meanings", "opened_by", "clears_itself", "write_clears")
+
+
+_RETURNS = re.compile(r"\bautomatically returns to 0|\breturns to 0+h? (?:automatically|by itself)", re.IGNORECASE)
+
+
+def returning_registers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a register that returns to 0 in its note clears itself."""
+    for register in spec.registers:
+        if _RETURNS.search(register.note) and not register.clears_itself:
+            message = "the note says that the register returns to 0; write 'clears_itself: true', or correct the note"
+            key = "clears_itself" if register.has("clears_itself") else "name"
+            report.add("words-contradict", register.place_of(key), message)
+
+
+def equal_answers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the two answers of an alternative do not set the same numbers."""
+    for alternative in spec.alternatives:
+        answers = list(alternative.values.items())
+        if len(answers) != 2:
+            continue
+        (first_name, first_answer), (_, second_answer) = answers
+        if first_answer.sets and first_answer.sets == second_answer.sets:
+            message = f"{quoted(first_name)} sets the same numbers; correct one of the two answers"
+            report.add("same-answers", second_answer.place_of("sets"), message)

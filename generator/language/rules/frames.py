@@ -1,0 +1,140 @@
+"""Rules for frames that must agree with each other: senders, requests by data ID, memory accesses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from ...model import Biss, Ssi
+from ...model.interfaces import DataId
+from ..problems import DocumentReport, quoted
+from ..written import Located
+from ..written_interfaces import WrittenRs485
+from ..written_layouts import WrittenField, WrittenLayout
+from ..written_parts import WrittenSpec
+from .parts import FieldList, Groups, Has, by_name, expanded, explained, layouts
+
+#: Interfaces over which a master sends only a clock, or control data that are not a layout.
+_WITHOUT_REQUESTS = frozenset((Biss.name, Ssi.name))
+_SENDERS = ("master", "encoder")
+#: Purposes of requests that carry an address.
+_OF_MEMORY = frozenset(("read", "write"))
+
+
+def sent_by_encoder(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the encoder sends every layout of an interface without requests."""
+    for fields in layouts(spec):
+        layout = fields.layout
+        if layout is not None and fields.interface in _WITHOUT_REQUESTS and layout.from_ == "master":
+            message = f"a master sends no frame over {fields.interface}; write 'from: encoder'"
+            report.add("sender", layout.place_of("from"), message)
+
+
+def slaves(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that only a bus has several slaves."""
+    biss = spec.interfaces.biss
+    network = biss.network if biss is not None else None
+    if network is None or not network.is_valid("topology") or not network.is_valid("multiple_slaves"):
+        return
+    is_bus = network.part.topology == "bus"
+    if is_bus != network.part.multiple_slaves and not explained(report.document, *map(str, network.path)):
+        slaves_text = "several slaves" if network.part.multiple_slaves else "one slave"
+        message = (
+            f"{quoted(network.part.topology)} does not fit {slaves_text}; correct one of the two. If this is what the"
+            f" manual says, add an erratum that affects {'.'.join(map(str, network.path))}"
+        )
+        report.add("network-mismatch", (*network.path, "multiple_slaves"), message)
+
+
+def layouts_by_data_id(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a data ID with a request has a reply, and the other way round."""
+    rs485 = spec.interfaces.rs485
+    if rs485 is None or not rs485.data_ids:
+        return
+    layouts_by_sender = {sender: [layout for layout in rs485.layouts if layout.from_ == sender] for sender in _SENDERS}
+    requested_ids, replied_ids = (set(_selected_ids(layouts_by_sender[sender])) for sender in _SENDERS)
+    if requested_ids and replied_ids and all(layout.has("when") for layout in rs485.layouts):
+        for data_id in rs485.data_ids:
+            _report_missing_frame(data_id, requested_ids, replied_ids, report)
+
+
+def _selected_ids(sent_layouts: Sequence[WrittenLayout]) -> Iterator[int]:
+    for layout in sent_layouts:
+        for numbers in layout.when.values():
+            yield from numbers
+
+
+def _report_missing_frame(
+    data_id: Located[DataId], requested_ids: set[int], replied_ids: set[int], report: DocumentReport
+) -> None:
+    """Report a data ID with a request but no reply, or with a reply but no request."""
+    number = data_id.part.id
+    is_complete = (number in requested_ids) == (number in replied_ids)
+    if data_id.is_valid("id") and not is_complete and data_id.part.purpose not in _OF_MEMORY:
+        kind, other_kind = ("request", "reply") if number in requested_ids else ("reply", "request")
+        message = (
+            f"the data ID {number:#x} of {quoted(data_id.part.name)} has a {kind}, but no {other_kind}; add it to"
+            f" 'when' of the layout of its {other_kind}"
+        )
+        report.add("data-id-frames", (*data_id.path, "id"), message)
+
+
+def purposes(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a request that reads or writes the memory carries an address."""
+    rs485, groups = spec.interfaces.rs485, by_name(raw.field_groups)
+    for data_id in rs485.data_ids if rs485 is not None else ():
+        request = _request_with(data_id, rs485) if rs485 is not None else None
+        if request is None or data_id.part.purpose not in _OF_MEMORY:
+            continue
+        if not any(_carries_data(field) for field in _fields_of(request, groups)):
+            message = (
+                f"{quoted(data_id.part.name)} has the purpose {quoted(data_id.part.purpose)}, but its request"
+                f" {quoted(request.name)} carries only the data ID; correct one of the two"
+            )
+            report.add("request-purpose", (*data_id.path, "purpose"), message)
+
+
+def _request_with(data_id: Located[DataId], rs485: WrittenRs485) -> WrittenLayout | None:
+    """Return the layout of the request with a data ID, or None."""
+    for layout in rs485.layouts:
+        numbers = [number for selected in layout.when.values() for number in selected]
+        if layout.from_ == "master" and data_id.part.id in numbers:
+            return layout
+    return None
+
+
+def _fields_of(layout: WrittenLayout, groups: Groups) -> Iterator[WrittenField]:
+    for _, field in expanded(FieldList(Has.LAYOUT, layout, ""), groups):
+        yield field
+
+
+def _carries_data(field: WrittenField) -> bool:
+    """Return True for a field with data of the request, other than its data ID."""
+    return bool(field.name) and not field.has("constant", "unused", "values_of", "crc", "parity_of")
+
+
+def sent_requests(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a step sends no request that needs an address."""
+    rs485 = spec.interfaces.rs485
+    purpose_by_name = {data_id.part.name: data_id.part.purpose for data_id in rs485.data_ids} if rs485 else {}
+    for procedure in spec.procedures:
+        for step in procedure.steps:
+            purpose = purpose_by_name.get(step.data_id, "")
+            if step.do == "send" and purpose in _OF_MEMORY:
+                message = (
+                    f"{quoted(step.data_id)} has the purpose {quoted(purpose)} and needs an address, which a step"
+                    " cannot give; name the data ID of another request"
+                )
+                report.add("request-purpose", step.place_of("data_id"), message)
+
+
+def memory_accesses(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the replies to memory accesses cover each access with each busy flag once."""
+    rs485 = spec.interfaces.rs485
+    rows = [row for row in rs485.memory_access if row.is_valid("busy")] if rs485 is not None else []
+    seen_cases: set[tuple[str, int]] = set()
+    for row in rows:
+        case = row.part.access, row.part.busy
+        if case in seen_cases:
+            message = f"there is already a row for {case[0]} with 'busy' {case[1]}; correct one of the two"
+            report.add("memory-access-repeated", (*row.path, "busy"), message)
+        seen_cases.add(case)

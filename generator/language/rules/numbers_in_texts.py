@@ -1,0 +1,205 @@
+"""Rules for texts with numbers that follow from data: characters, fixed values, counts, figures and standards."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+
+from ...model.expressions import Expression, ExpressionError
+from ..document import Path
+from ..problems import DocumentReport, listed, quoted
+from ..schema_files import PROSE
+from ..written_codes import WrittenCodeValue, WrittenParameter
+from ..written_parts import WrittenSpec
+from .parts import field_lists, measurements
+from .walk import leaves_of
+
+_CHARACTERS = re.compile(r"\b((?:[0-9A-F]{2} )*[0-9A-F]{2}) in hexadecimal")
+_ALWAYS = re.compile(r"\balways (\d+)\b(?!\.\d)")
+_NUMBER = r"\d{1,3}(?:,\d{3})+|\d+"
+_COUNTS = re.compile(r"(?<![\d.,])(\d[\d,]*) (counts per (?:turn|revolution)|revolutions|turns)\b")
+_BITS_RANGE = re.compile(r"(?<![\d.,])(\d+) to (\d+) bits\b")
+_EQUAL = re.compile(rf"(?<![\w.,+])({_NUMBER}) (?:is|=) (0x[0-9A-Fa-f]+|[0-9A-F]+h)\b")
+_EQUAL_HEX = re.compile(rf"\b(0x[0-9A-Fa-f]+|[0-9][0-9A-F]*h) (?:is|=) ({_NUMBER})(?![\w.,]*\d| bits?\b)")
+_SECTION_OF_BITS = re.compile(r"\bbits (\d+):(\d+), which are (\d+) bits")
+_STANDARD = re.compile(r"\bRS[- ]?(\d{2,4})\b")
+_STANDARDS = ("232", "422", "423", "485")
+_FIGURES = re.compile(r"\bFigures? (\d+(?:(?:, | and | to )\d+)*)\b")
+#: Texts that quote the manual, or are about other documents.
+_ELSEWHERE = frozenset(("documents", "editions", "evidence"))
+_QUOTED = frozenset(("printed", "title", "why"))
+
+
+def characters(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the hexadecimal characters in the meaning of a text are those of the text."""
+    for fields in field_lists(spec):
+        for field in fields.fields:
+            printed = _CHARACTERS.search(field.meaning)
+            if printed is None or not isinstance(field.equals, str) or not field.equals.isascii() or not field.text:
+                continue
+            expected = field.equals.encode("ascii").hex(" ").upper()
+            if printed[1] != expected:
+                message = (
+                    f"the meaning says {printed[1]}, but 'equals' is {quoted(field.equals)}, which is {expected} in"
+                    " hexadecimal; one of the two is wrong"
+                )
+                report.add("printed-number", field.place_of("equals"), message)
+
+
+def constant_bits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a field that is always a number in its meaning has this number."""
+    for fields in field_lists(spec):
+        for field in fields.fields:
+            always = _ALWAYS.findall(field.meaning)
+            for key, number in (("constant", field.constant), ("unused", field.unused)):
+                if number is not None and len(always) == 1 and int(always[0]) != number:
+                    message = (
+                        f"the meaning says always {always[0]}, but {quoted(key)} is {number}; one of the two is wrong"
+                    )
+                    report.add("printed-number", field.place_of(key), message)
+
+
+def counts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the counts or revolutions in the meaning of an order code value are those that it sets."""
+    formulas = dict(_formulas(spec))
+    for part in spec.order_code.parts:
+        for value in part.values.values():
+            if value.meaning_differs:
+                continue
+            for number_text, words in _COUNTS.findall(value.meaning):
+                formula = formulas.get("counts" if words.startswith("counts") else "turns")
+                number = _number(formula, value, spec.parameters) if formula is not None else None
+                if number is not None and number_text not in (str(number), f"{number:,}"):
+                    message = (
+                        f"the meaning says {number_text} {words}, but the value sets {number}; one of the two is wrong."
+                        " If the manual prints it so, give the reason in 'meaning_differs'"
+                    )
+                    report.add("meaning-mismatch", value.place_of("meaning"), message)
+
+
+def _formulas(spec: WrittenSpec) -> Iterator[tuple[str, str]]:
+    """Yield the formulas of the counts per turn and of the revolutions."""
+    for measurement in measurements(spec):
+        for kind, key in (("counts", "counts_per_turn"), ("turns", "turns")):
+            if measurement.has(key):
+                yield kind, str(measurement.data[key])
+
+
+def _number(formula: str, value: WrittenCodeValue, parameters: Mapping[str, WrittenParameter]) -> int | None:
+    """Return the number of a formula for an order code value, or None if the value does not decide it."""
+    return _value_of(formula, value.sets, parameters, depth=len(parameters))
+
+
+def _value_of(
+    formula: object, numbers: Mapping[str, int], parameters: Mapping[str, WrittenParameter], depth: int
+) -> int | None:
+    """Return the value of a formula with derived parameters, or None. The depth limits cycles."""
+    if not isinstance(formula, (int, str)) or depth < 0:
+        return None
+    try:
+        expression = Expression.parse(formula)
+    except ExpressionError:  # Reported by the rule on expressions.
+        return None
+    known_numbers: dict[str, int] = {}
+    for name in expression.parameters:
+        derived = parameters[name].equals if name in parameters else None
+        number = numbers[name] if name in numbers else _value_of(derived, numbers, parameters, depth - 1)
+        if number is None:
+            return None
+        known_numbers[name] = number
+    try:
+        return expression.value(known_numbers)
+    except ExpressionError:  # The exponent is out of range. Another rule reports it.
+        return None
+
+
+def widths(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the range of bits in the meaning of a parameter is that of the order codes."""
+    ranges = _ranges_set(spec)
+    for name, parameter in spec.parameters.items():
+        printed_ranges = _BITS_RANGE.findall(parameter.meaning)
+        if len(printed_ranges) != 1 or parameter.unit != "bits":
+            continue
+        formula = name if name in ranges else parameter.equals
+        bounds = []
+        for bound in (0, 1):
+            bounds.append(_value_of(formula, {key: pair[bound] for key, pair in ranges.items()}, spec.parameters, 64))
+        low, high = map(int, printed_ranges[0])
+        if None not in bounds and bounds != [low, high]:
+            message = (
+                f"the meaning says {low} to {high} bits, but the order codes set {bounds[0]} to {bounds[1]}; one of the"
+                " two is wrong"
+            )
+            report.add("printed-number", parameter.place_of("meaning"), message)
+
+
+def _ranges_set(spec: WrittenSpec) -> dict[str, tuple[int, int]]:
+    """Return the lowest and the highest number that order codes set, by parameter, if all combinations exist."""
+    numbers: dict[str, list[int]] = {}
+    for part in spec.order_code.parts:
+        for value in part.values.values():
+            if value.only_with:
+                return {}
+            for name, number in value.sets.items():
+                numbers.setdefault(name, []).append(number)
+    return {name: (min(set_numbers), max(set_numbers)) for name, set_numbers in numbers.items()}
+
+
+def equal_numbers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a text that gives a number in decimal and in hexadecimal gives the same number, and its bits."""
+    for path, text in _own_texts(spec, report):
+        pairs = [(decimal, hexadecimal) for decimal, hexadecimal in _EQUAL.findall(text)]
+        pairs += [(decimal, hexadecimal) for hexadecimal, decimal in _EQUAL_HEX.findall(text)]
+        for decimal, hexadecimal in pairs:
+            number = int(hexadecimal.removesuffix("h"), 16)
+            if int(decimal.replace(",", "")) != number:
+                message = f"{hexadecimal} is {number}, not {decimal}; correct one of the two"
+                report.add("printed-number", path, message)
+        for high, low, width in _SECTION_OF_BITS.findall(text):
+            bits = int(high) - int(low) + 1
+            if bits != int(width):
+                report.add(
+                    "printed-number", path, f"bits {high}:{low} are {bits} bits, not {width}; correct one of them"
+                )
+
+
+def _own_texts(spec: WrittenSpec, report: DocumentReport) -> Iterator[tuple[Path, str]]:
+    """Yield the texts of a spec in its own words, with their places."""
+    for path, text in leaves_of(spec.data, report):
+        is_prose = path[-1] in PROSE or (path[0], path[-1]) == ("characteristics", "value")
+        if isinstance(text, str) and is_prose and path[-1] not in _QUOTED and path[0] not in _ELSEWHERE:
+            yield path, text
+
+
+def standards(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a text names an existing standard, such as RS-485."""
+    for path, text in leaves_of(spec.data, report):
+        if not isinstance(text, str) or path[-1] == "printed" or path[0] in _ELSEWHERE:
+            continue
+        unknown = [number for number in _STANDARD.findall(text) if number not in _STANDARDS]
+        if unknown:
+            names = listed([f"RS-{number}" for number in _STANDARDS], "or")
+            message = f"there is no standard RS-{unknown[0]}; write {names}"
+            report.add("unknown-standard", path, message)
+
+
+def figures(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a figure that a text names is one of the figures that the spec lists as lost, if it numbers these."""
+    lost_numbers: set[int] = set()
+    for figure in spec.lost_figures:
+        lost_numbers.update(_figure_numbers(figure.part.content))
+    for path, text in _own_texts(spec, report):
+        if not lost_numbers or path[0] == "lost_figures":
+            continue
+        unlisted = [number for number in _figure_numbers(text) if number not in lost_numbers]
+        if unlisted:
+            message = f"'lost_figures' has no Figure {unlisted[0]}; correct the number, or add the figure"
+            report.add("figure-number", path, message)
+
+
+def _figure_numbers(text: str) -> Iterator[int]:
+    """Yield the numbers of the figures that a text names, and of those between two of them."""
+    for listed_numbers in _FIGURES.findall(text):
+        for numbers in re.split(", | and ", listed_numbers):
+            first, _, last = numbers.partition(" to ")
+            yield from range(int(first), int(last or first) + 1)

@@ -1,0 +1,158 @@
+"""Rules for facts about an encoder as a whole that a spec has in several places."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+from ...model import Biss
+from ..document import Path
+from ..problems import DocumentReport, quoted
+from ..written_interfaces import WrittenRs485
+from ..written_parts import WrittenSpec
+from .parts import by_name, explained, interface_of
+from .walk import leaves, leaves_of
+
+#: Name of a device description file: idbiss and the manufacturer ID in hexadecimal.
+_DESCRIPTION_FILE = re.compile(r"idbiss([0-9A-Fa-f]+)\.xml")
+_ALIGNMENTS = {"left": "msb_left", "right": "lsb_right"}
+_ALIGNED = re.compile(r"\b[ML]SB (?:(?=\w+[ -]aligned)|aligned to the )(left|right)\b", re.IGNORECASE)
+_NUMBERS = {"one": 1, "two": 2, "nine": 9, "ten": 10, "eleven": 11, "twelve": 12}
+_STOP_BITS = re.compile(r"\b(one|two|[12]) stop bits?\b", re.IGNORECASE)
+_CHARACTER = re.compile(r"\b(nine|ten|eleven|twelve|9|1[0-2]) bits\b", re.IGNORECASE)
+_PARITY = re.compile(r"\b(no|even|odd) parity\b", re.IGNORECASE)
+
+
+def description_file(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the name of the description file contains the manufacturer ID of the register."""
+    biss = spec.interfaces.biss
+    file_name = _DESCRIPTION_FILE.fullmatch(biss.description_file) if biss is not None else None
+    register = by_name(spec.registers).get("manufacturer_id")
+    if biss is None or file_name is None or register is None or interface_of(register) != Biss.name:
+        return
+    texts = [field.equals for field in register.fields if isinstance(field.equals, str) and field.equals.isascii()]
+    manufacturer_id = "".join(texts).encode("ascii").hex()
+    if len(manufacturer_id) == 4 and manufacturer_id != file_name[1].casefold():
+        message = (
+            f"the file is for the manufacturer ID {file_name[1].upper()}h, but the register 'manufacturer_id' has"
+            f" {manufacturer_id.upper()}h; correct one of the two"
+        )
+        report.add("description-file", biss.place_of("description_file"), message)
+
+
+def alignment(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the SSI word has the alignment that the contents and the order code name, if these name one."""
+    ssi = spec.interfaces.ssi
+    titles = [section.title for section in spec.manual.contents.values()]
+    for part in spec.order_code.parts:
+        titles += [value.meaning for value in part.values.values()]
+    words = [_ALIGNED.findall(title) for title in titles]
+    named = {_ALIGNMENTS[word.casefold()] for found_words in words for word in found_words}
+    if ssi is None or len(named) != 1 or explained(report.document, "interfaces", "ssi", "alignment"):
+        return
+    named_alignment = named.pop()
+    if ssi.alignment and ssi.alignment != named_alignment:
+        message = (
+            f"the contents of the manual or the order code name {quoted(named_alignment)}; correct one of the two. If"
+            " both are right, add an erratum that affects interfaces.ssi.alignment"
+        )
+        report.add("alignment-mismatch", ssi.place_of("alignment"), message)
+
+
+def serial_port(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the texts of an RS-485 interface have the stop bits, parity and bits per character of its port."""
+    rs485 = spec.interfaces.rs485
+    if rs485 is None or not rs485.port.data:
+        return
+    port = rs485.port.part
+    parity_bits = 0 if port.parity == "none" else 1
+    numbers = {
+        "stop_bits": (_STOP_BITS, str(port.stop_bits)),
+        "parity": (_PARITY, {"none": "no"}.get(port.parity, port.parity)),
+    }
+    for path, text in leaves({"note": rs485.note}):
+        if "start bit" in text:
+            numbers["data_bits"] = (_CHARACTER, str(1 + port.data_bits + parity_bits + port.stop_bits))
+        _compare_with_port(text, numbers, (*rs485.path, *path), rs485, report)
+
+
+def _compare_with_port(
+    text: str,
+    numbers: Mapping[str, tuple[re.Pattern[str], str]],
+    path: Path,
+    rs485: WrittenRs485,
+    report: DocumentReport,
+) -> None:
+    """Report the first words of a text that contradict a setting of the port."""
+    for key, (pattern, expected) in numbers.items():
+        for word in pattern.findall(text):
+            if str(_NUMBERS.get(word.casefold(), word.casefold())) != expected:
+                line, _ = report.document.position((*rs485.port.path, key))
+                message = (
+                    f"the text says {quoted(word)}, but {quoted(key)} of 'port' on line {line} requires {expected}"
+                )
+                report.add("port-mismatch", path, f"{message}; correct one of the two")
+                return
+
+
+def bounds(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the two bounds of a quantity are different numbers."""
+    for characteristic in spec.characteristics:
+        for index, value in enumerate(characteristic.part.values):
+            if value.min is not None and value.min == value.max:
+                message = f"'min' and 'max' are both {value.min:g}; correct one of them, or write 'typical'"
+                report.add("quantity-text", (*characteristic.path, "values", index, "min"), message)
+
+
+def numbers_of_conditions(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the numbers in the condition of a quantity are in the text of the characteristic."""
+    for characteristic in spec.characteristics:
+        printed_numbers = set(_NUMBER.findall(characteristic.part.value))
+        for index, value in enumerate(characteristic.part.values):
+            unknown = [number for number in _NUMBER.findall(value.where) if number not in printed_numbers]
+            if unknown:
+                message = f"'where' has {unknown[0]}, which the text does not have; correct one of the two"
+                report.add("quantity-text", (*characteristic.path, "values", index, "where"), message)
+
+
+_NUMBER = re.compile(r"(?<![\w.,])\d+(?:\.\d+)?(?![\w,]*\d)")
+_HEX_CELL = re.compile(r"(?:0x)?([0-9A-F]+)h?")
+
+
+def address_tables(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a table with first and last addresses has ranges, written with equally many digits."""
+    for table in spec.tables:
+        columns = [column.casefold() for column in table.part.columns]
+        places = [index for index, column in enumerate(columns) if column in ("first address", "last address")]
+        if len(places) != 2:
+            continue
+        for row_index, row in enumerate(table.part.rows):
+            cells = [row[place] for place in places if place < len(row)]
+            digits = [match[1] for match in map(_HEX_CELL.fullmatch, cells) if match is not None]
+            if len(digits) != 2:
+                continue
+            path = (*table.path, "rows", row_index, places[0])
+            if len(digits[0]) != len(digits[1]) or int(digits[0], 16) > int(digits[1], 16):
+                message = f"{cells[0]} to {cells[1]} is not a range of addresses; correct one of the two"
+                report.add("table-shape", path, message)
+
+
+_WORD = re.compile(r"\b[A-Za-z]+\d\w*")
+#: Shortest start of an order code of which a word with the same letters in another order is a mistake.
+_SHORTEST_START = 5
+
+
+def swapped_letters(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no text has the start of an order code with two characters swapped, such as ABC12 for ABC21."""
+    start = spec.order_code.pattern.partition("{")[0].strip("-/ ")
+    if len(start) < _SHORTEST_START:
+        return
+    for path, text in leaves_of(spec.data, report):
+        if not isinstance(text, str) or path[-1] == "printed" or path[0] in ("documents", "evidence"):
+            continue
+        misspelt = [word for word in _WORD.findall(text) if word != start and sorted(word) == sorted(start)]
+        if misspelt:
+            message = (
+                f"{quoted(misspelt[0])} has the characters of {quoted(start)}, which begins order codes; correct it"
+            )
+            report.add("misspelt-name", path, message)

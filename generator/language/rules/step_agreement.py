@@ -1,0 +1,185 @@
+"""Rules for procedures that must agree with their registers, and with times and counts given elsewhere."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import takewhile
+
+from ..problems import DocumentReport, Path, listed, quoted
+from ..schema_files import is_second
+from ..written_codes import WrittenRegister
+from ..written_parts import WrittenProcedure, WrittenSpec, WrittenStep
+from .parts import Groups, by_name, constant_width, fields_of, interface_of
+from .walk import leaves
+
+#: Kinds of steps that access a register.
+_ACCESSES = frozenset(("write", "read", "poll"))
+_MILLISECONDS = re.compile(r"(?<![\w.,])(\d+) ?ms\b")
+_NUMBERS = ("two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")
+_REPETITIONS = re.compile(rf"\b({'|'.join(_NUMBERS)}|[1-9]\d?) requests\b", re.IGNORECASE)
+
+
+def interface_of_steps(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a procedure accesses only registers of its interface."""
+    registers = by_name(spec.registers)
+    for procedure in spec.procedures:
+        for step in procedure.steps:
+            register = registers.get(step.register)
+            if step.do not in _ACCESSES or register is None or procedure.interface not in spec.interfaces.data:
+                continue
+            if interface_of(register) != procedure.interface:
+                message = (
+                    f"{quoted(step.register)} is a register of {interface_of(register)}, but the procedure is for"
+                    f" {procedure.interface}; correct the interface of one of the two"
+                )
+                report.add("interface-mismatch", step.place_of("register"), message, cause=procedure.name)
+
+
+def register_of_argument(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a step writes an argument to the register whose limits apply to it."""
+    registers = by_name(raw.registers)
+    for procedure in spec.procedures:
+        for argument in procedure.arguments:
+            writes = [step for step in procedure.steps if step.do == "write" and step.value == argument.name]
+            written_names = [write.register for write in writes]
+            if writes and argument.of in registers and argument.of not in written_names:
+                message = (
+                    f"the limits of {quoted(argument.name)} are those of {quoted(argument.of)}, but a step writes it to"
+                    f" {quoted(written_names[0])}; correct one of the two"
+                )
+                report.add("argument-register", argument.place_of("of"), message)
+
+
+def polled_values(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a poll waits for a value that its field can have."""
+    registers, groups = by_name(spec.registers), by_name(raw.field_groups)
+    for procedure in spec.procedures:
+        for step in procedure.steps:
+            register = registers.get(step.register)
+            if step.do != "poll" or register is None or step.until is None:
+                continue
+            width = _width_of(register, step.field, groups)
+            if width is not None and step.until >> width:
+                bits_text = "1 bit" if width == 1 else f"{width} bits"
+                message = f"{quoted(step.field)} has {bits_text}, so it is never {step.until}"
+                report.add("value-too-wide", step.place_of("until"), message)
+
+
+def _width_of(register: WrittenRegister, field_name: str, groups: Groups) -> int | None:
+    """Return the width of a field of a register, or None if it is not constant or there is no such field."""
+    for field in fields_of(register, groups):
+        if field.name == field_name:
+            return constant_width(field)
+    return None
+
+
+def waits_of_registers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a wait after a write is not longer than that of the register, unless a text gives its time."""
+    if is_second(report.document.file):  # It has no texts.
+        return
+    registers = by_name(spec.registers)
+    for procedure in spec.procedures:
+        printed_ms = set(_printed_milliseconds(procedure))
+        for write, waits in _waits_after_writes(procedure):
+            register = registers.get(write.register)
+            needed_ms = register.wait_at_least_ms if register is not None else None
+            waited_ms = sum(wait.at_least_ms or 0 for wait in waits)
+            if needed_ms is not None and waited_ms > needed_ms and waited_ms not in printed_ms:
+                message = (
+                    f"{quoted(write.register)} needs a wait of {needed_ms} ms after a write, but the wait here is"
+                    f" {waited_ms} ms; correct one of the two, or say in a 'note' of the procedure why it takes"
+                    f" {waited_ms} ms"
+                )
+                report.add("wait-mismatch", waits[0].place_of("at_least_ms"), message)
+
+
+def _printed_milliseconds(procedure: WrittenProcedure) -> Iterator[int]:
+    """Yield the times in milliseconds in the texts of a procedure."""
+    for _, text in leaves(procedure.data):
+        if isinstance(text, str):
+            yield from map(int, _MILLISECONDS.findall(text))
+
+
+def _waits_after_writes(procedure: WrittenProcedure) -> Iterator[tuple[WrittenStep, Sequence[WrittenStep]]]:
+    """Yield each write with the waits directly after it, if there are any."""
+    for index, step in enumerate(procedure.steps):
+        waits = list(takewhile(lambda later_step: later_step.do == "wait", procedure.steps[index + 1 :]))
+        if step.do == "write" and waits:
+            yield step, waits
+
+
+def wait_at_end(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the last wait of a procedure is not before a last write that needs it, after a step that does not."""
+    registers = by_name(spec.registers)
+    for procedure in spec.procedures:
+        steps = procedure.steps
+        if len(steps) < 2 or (steps[-2].do, steps[-1].do) != ("wait", "write"):
+            continue
+        earlier_register, last_register = (
+            registers.get(step.register) for step in (steps[-3] if len(steps) > 2 else steps[-2], steps[-1])
+        )
+        needed_ms = last_register.wait_at_least_ms if last_register is not None else None
+        earlier_ms = earlier_register.wait_at_least_ms if earlier_register is not None else None
+        if needed_ms is not None and earlier_ms is None and steps[-2].at_least_ms == needed_ms:
+            message = (
+                f"{quoted(steps[-1].register)} needs a wait of {needed_ms} ms after a write, and the procedure waits"
+                " before it; move the wait behind this step, or add another one"
+            )
+            report.add("wait-too-short", steps[-1].path, message, cause=steps[-1].register)
+
+
+def intervals(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the interval between requests is one of the times of the interface, if it has shortest times."""
+    interface = spec.interfaces.rs485
+    shortest_times = [] if interface is None else [timing.part.at_least_us for timing in interface.timings]
+    known_us = sorted({time for time in shortest_times if time is not None})
+    for procedure in spec.procedures:
+        for step in procedure.steps:
+            interval_us = step.every_at_least_us
+            if known_us and interval_us is not None and interval_us not in known_us:
+                known_text = listed([f"{time} µs" for time in known_us], "or")
+                message = (
+                    f"the interval is {interval_us} µs, but the shortest time in 'timings' of rs485 is {known_text};"
+                    " correct one of the two, or add the interval to 'timings'"
+                )
+                report.add("time-repeated", step.place_of("every_at_least_us"), message)
+
+
+def counted_requests(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a text of a procedure with one repeated request gives the number of its repetitions."""
+    for procedure in spec.procedures:
+        repeated_steps = [step for step in procedure.steps if step.times is not None]
+        if len(repeated_steps) != 1 or len(procedure.steps) == 1:  # Another rule checks a procedure of one step.
+            continue
+        for path, number in _counts_in_texts(procedure.data):
+            if number != repeated_steps[0].times:
+                message = (
+                    f"the text says {number} requests, but 'times' is {repeated_steps[0].times}; one of the two is"
+                    " wrong"
+                )
+                report.add("quantity-repeated", (*procedure.path, *path), message)
+
+
+def _counts_in_texts(data: Mapping[str, object]) -> Iterator[tuple[Path, int]]:
+    """Yield the numbers of requests in the texts of a procedure, with the paths of the texts."""
+    for path, text in leaves(data):
+        for number_text in _REPETITIONS.findall(text) if isinstance(text, str) else ():
+            is_digits = number_text.isdigit()
+            yield path, int(number_text) if is_digits else _NUMBERS.index(number_text.casefold()) + 2
+
+
+def polled_levels(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the meaning of a poll says what it waits for: 0 until, while or during something, or 1 when."""
+    for procedure in spec.procedures:
+        for step in procedure.steps:
+            level = _LEVEL_OF_STEP.match(step.meaning)
+            if step.do != "poll" or level is None or step.until not in (0, 1):
+                continue
+            expected = int(level[1]) if level[2] == "when" else 1 - int(level[1])
+            if step.until != expected:
+                message = f"the meaning says {quoted(level[0])}, but 'until' is {step.until}; one of the two is wrong"
+                report.add("words-contradict", step.place_of("until"), message)
+
+
+_LEVEL_OF_STEP = re.compile(r"([01]) (until|while|during|when)\b")
