@@ -12,7 +12,7 @@ from typing import Any
 from ...say.text import counted, nanoseconds
 from ..document import Affected
 from ..problems import DocumentReport, Path, listed, quoted
-from .printed_twice import supply_named
+from .code_meanings import supply_named
 from .walk import Spec, items, leaves, leaves_of, mapping
 
 _UNITS = {

@@ -18,17 +18,18 @@ from ..written import Located
 from ..written_interfaces import WrittenRs485, WrittenSsi
 from ..written_layouts import WrittenField
 from ..written_parts import WrittenSpec
-from . import parts
 from .parts import (
     MAX_FIELDS,
+    WrittenInterface,
     by_name,
+    constant_width,
     explained,
     field_lists,
     interface_of,
     interfaces,
     last_address,
 )
-from .walk import Spec, leaves_of, sources
+from .walk import leaves_of, sources
 
 _PIECE = re.compile(r"(?:(?P<key>[a-z][a-z0-9_]*):)?(?P<place>.*)")
 _NUMBER = r"(?:[A-Z]\.)?[0-9]+(?:[.-][0-9]+)*"
@@ -83,7 +84,7 @@ def value_too_wide(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
     """Check that the values of a field fit into it, if its width does not depend on the order code."""
     for fields in field_lists(spec):
         for field in fields.fields:
-            width = parts.constant_width(field)
+            width = constant_width(field)
             if width is None:
                 continue
             for path, subject, number in _numbers_in(field):
@@ -156,7 +157,7 @@ def clock_range(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
                 report.add("clock-range", (*clock.path, low_key), problem)
 
 
-def _clock_of(interface: parts.WrittenInterface) -> Located[Clock] | None:
+def _clock_of(interface: WrittenInterface) -> Located[Clock] | None:
     """Return the clock of an interface. Over RS-485 there is none."""
     return None if isinstance(interface, WrittenRs485) else interface.clock
 
@@ -335,11 +336,6 @@ def _timings(spec: WrittenSpec) -> Iterator[Located[Timing]]:
     for _, interface in interfaces(spec):
         yield from interface.timings
     yield from spec.timings
-
-
-def constant_width(field: Spec) -> int | None:
-    """Return the width of a field if it is constant, or None if it depends on others or another rule reports it."""
-    return parts.constant_width(WrittenField(field))
 
 
 #: No encoder has such a low limit in Hz. The highest limits in kHz, of SPI, are still below.
