@@ -14,7 +14,7 @@ from itertools import islice
 from types import MappingProxyType
 from typing import Any, Protocol, TypeVar
 
-from ...model import INTERFACES, Alarm, Biss
+from ...model import INTERFACES, Alarm, Biss, Timing
 from ...model.measurement import Measurement
 from ..document import Document
 from ..problems import DocumentReport, Path
@@ -216,6 +216,13 @@ def readable_names(fields: FieldList, groups: Groups) -> list[str]:
     for field in fields_by_name.values():
         names += [run.part.name for run in field.digits if run.part.name]
     return names
+
+
+def timings(spec: WrittenSpec) -> Iterator[Located[Timing]]:
+    """Yield the timings of the interfaces and of the device."""
+    for _, interface in interfaces(spec):
+        yield from interface.timings
+    yield from spec.timings
 
 
 def measurements(spec: WrittenSpec) -> Iterator[Located[Measurement]]:

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from fractions import Fraction
 from itertools import pairwise
 
-from ...model import INTERFACES, Clock, Supply, Timeout, Timing
+from ...model import INTERFACES, Clock, Supply, Timeout
 from ...say.plain_text import counted
 from ..document import Path, is_placeholder
 from ..problems import DocumentReport, missing, quoted, suggestion
@@ -28,6 +28,7 @@ from .parts import (
     interface_of,
     interfaces,
     last_address,
+    timings,
 )
 from .walk import leaves_of, sources
 
@@ -114,7 +115,7 @@ def register_range(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
 
 def timing_bounds(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a timing has bounds, in ascending order."""
-    for timing in _timings(spec):
+    for timing in timings(spec):
         part = timing.part
         possible_bounds = (
             ("at_least_us", part.at_least_us),
@@ -330,12 +331,6 @@ def _check_piece(
             " a colon"
         )
         report.add("bad-source", path, message)
-
-
-def _timings(spec: WrittenSpec) -> Iterator[Located[Timing]]:
-    for _, interface in interfaces(spec):
-        yield from interface.timings
-    yield from spec.timings
 
 
 #: No encoder has such a low limit in Hz. The highest limits in kHz, of SPI, are still below.
