@@ -61,15 +61,15 @@ def _on_data(rule: RuleOnData) -> Rule:
 
 #: Rules on order codes and parameters, on which every width depends. If they find an error, the build omits these.
 FOUNDATIONS: tuple[Rule, ...] = (
-    _on_data(order_code_references),
+    order_code_references,
     _on_data(alternative_references),
     _on_data(parameters.parameter_origin),
     _on_data(parameters.alternative_use),
     position_verdicts.default_answers,
     position_verdicts.verdicts_by_answer,
     _on_data(expressions),
-    _on_data(order_code.parameter_cycle),
-    _on_data(order_code.order_code_pattern),
+    order_code.parameter_cycle,
+    order_code.order_code_pattern,
 )
 
 #: Rules on layouts, registers, groups and CRCs. One with an error cannot be built.
@@ -84,8 +84,8 @@ SHAPES: tuple[Rule, ...] = (
 RULES: tuple[Rule, ...] = (
     *FOUNDATIONS,
     *SHAPES,
-    _on_data(order_code.order_code_ambiguous),
-    _on_data(order_code.also_written),
+    order_code.order_code_ambiguous,
+    order_code.also_written,
     names.device_name,
     names.duplicate_name,
     names.duplicate_title,
@@ -186,9 +186,9 @@ RULES: tuple[Rule, ...] = (
     words.name_and_meaning,
     words.wires_named,
     repetitions.repeated_text,
-    _on_data(left_behind.start_values),
-    _on_data(left_behind.defaults),
-    _on_data(left_behind.order_codes_in_texts),
+    left_behind.start_values,
+    left_behind.defaults,
+    left_behind.order_codes_in_texts,
     _on_data(stale_texts.erratum_quantities),
     _on_data(stale_texts.waits_given_twice),
     _on_data(stale_texts.quoted_names),

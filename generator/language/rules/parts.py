@@ -20,7 +20,7 @@ from ..document import Document
 from ..problems import DocumentReport, Path
 from ..schema_files import is_second
 from ..written import Located
-from ..written_codes import WrittenRegister
+from ..written_codes import WrittenParameter, WrittenRegister
 from ..written_interfaces import WrittenBiss, WrittenControlData, WrittenRs485, WrittenSpi, WrittenSsi
 from ..written_layouts import WrittenField, WrittenFieldGroup, WrittenLayout
 from ..written_parts import WrittenSpec
@@ -216,6 +216,12 @@ def readable_names(fields: FieldList, groups: Groups) -> list[str]:
     for field in fields_by_name.values():
         names += [run.part.name for run in field.digits if run.part.name]
     return names
+
+
+def origins_of(parameter: WrittenParameter) -> list[str]:
+    """Return the keys for the origin of a parameter's value. Without any, the order code sets it."""
+    origins = {"equals": parameter.equals, "read_from": parameter.read_from, "alternative": parameter.alternative}
+    return [key for key, origin in origins.items() if origin not in (None, "")]
 
 
 def timings(spec: WrittenSpec) -> Iterator[Located[Timing]]:
