@@ -14,7 +14,7 @@ from itertools import islice
 from types import MappingProxyType
 from typing import Any, Protocol, TypeVar
 
-from ...model import INTERFACES, Alarm, Biss, Timing
+from ...model import INTERFACES, Alarm, Biss, Clock, Timing
 from ...model.measurement import Measurement
 from ..document import Document
 from ..problems import DocumentReport, Path
@@ -222,6 +222,11 @@ def origins_of(parameter: WrittenParameter) -> list[str]:
     """Return the keys for the origin of a parameter's value. Without any, the order code sets it."""
     origins = {"equals": parameter.equals, "read_from": parameter.read_from, "alternative": parameter.alternative}
     return [key for key, origin in origins.items() if origin not in (None, "")]
+
+
+def clock_of(interface: WrittenInterface) -> Located[Clock] | None:
+    """Return the clock of an interface. Over RS-485 there is none."""
+    return None if isinstance(interface, WrittenRs485) else interface.clock
 
 
 def timings(spec: WrittenSpec) -> Iterator[Located[Timing]]:

@@ -20,8 +20,8 @@ from ..written_layouts import WrittenField
 from ..written_parts import WrittenSpec
 from .parts import (
     MAX_FIELDS,
-    WrittenInterface,
     by_name,
+    clock_of,
     constant_width,
     explained,
     field_lists,
@@ -134,9 +134,9 @@ def timing_bounds(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -
 
 def clock_range(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a clock has limits or clocks in use, in ascending order and within the limits."""
-    raw_clocks = {name: _clock_of(interface) for name, interface in interfaces(raw)}
+    raw_clocks = {name: clock_of(interface) for name, interface in interfaces(raw)}
     for name, interface in interfaces(spec):
-        clock, raw_clock = _clock_of(interface), raw_clocks[name]
+        clock, raw_clock = clock_of(interface), raw_clocks[name]
         if clock is None or not clock.data:
             continue
         # A key rejected by the schema was removed. It must not be reported as missing, too.
@@ -156,11 +156,6 @@ def clock_range(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
             if low > high and low_key != high_key:
                 problem = f"{quoted(low_key)} ({low}) is above {quoted(high_key)} ({high})"
                 report.add("clock-range", (*clock.path, low_key), problem)
-
-
-def _clock_of(interface: WrittenInterface) -> Located[Clock] | None:
-    """Return the clock of an interface. Over RS-485 there is none."""
-    return None if isinstance(interface, WrittenRs485) else interface.clock
 
 
 def _report_missing_limit(clock: Located[Clock], report: DocumentReport) -> None:
@@ -352,7 +347,7 @@ def plausible_rate(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
     for _, interface in interfaces(spec):
         if interface.note:
             continue
-        clock = _clock_of(interface)
+        clock = clock_of(interface)
         highest_hz, lowest_hz = (clock.part.max_hz, clock.part.min_hz) if clock is not None else (None, None)
         if clock is not None and highest_hz is not None and highest_hz < _LOWEST_MAXIMUM_HZ:
             _report_rate(highest_hz, "max_hz", "Hz", (*clock.path, "max_hz"), report)
