@@ -20,15 +20,14 @@ from .parts import by_name, origins_of
 
 def order_code_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of order code values: parameters, interfaces, other parts and their values."""
-    resolver, parts = NameResolver(raw.data, report), by_name(raw.order_code.parts)
+    resolver, parts = NameResolver(raw, report), by_name(raw.order_code.parts)
     for part in spec.order_code.parts:
         other_parts = [name for name in parts if name != part.name]
         _check_combinations(resolver, part.place_of("open_only_with"), part.open_only_with, parts, other_parts)
         for value in part.values.values():
             for name in value.sets:
                 resolver.refer((*value.path, "sets", name), "parameter", name)
-            if value.interface is not None:
-                resolver.refer(value.place_of("interface"), "interface", value.interface)
+            resolver.refer_if_given(value.place_of("interface"), "interface", value.interface)
             _check_combinations(resolver, value.place_of("only_with"), value.only_with, parts, other_parts)
 
 
@@ -44,8 +43,7 @@ def _check_combinations(
         resolver.refer((*path, name), "other part", name, other_parts)
         if name in parts:
             known_labels = parts[name].names_in("values")
-            for index, label in enumerate(labels):
-                resolver.refer((*path, name, index), name, label, known_labels)
+            resolver.refer_to_each((*path, name), name, labels, known_labels)
 
 
 #: Largest number of codes of one family. More indicate an error, as the largest catalogue pages list a few hundred.

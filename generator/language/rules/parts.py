@@ -161,7 +161,8 @@ def field_lists(spec: WrittenSpec) -> Iterator[FieldList]:
         yield FieldList(Has.GROUP, group, "")
     yield from layouts(spec)
     for name, interface in interfaces(spec):
-        control_data = interface.control_data if isinstance(interface, WrittenBiss) else None
+        # An interface with an unknown name, which is reported, may be BiSS.
+        control_data = WrittenBiss(interface.data, interface.path).control_data
         if control_data is not None and control_data.data:
             yield FieldList(Has.CONTROL, control_data, name)
     for register in spec.registers:
@@ -212,7 +213,8 @@ def readable_names(fields: FieldList, groups: Groups) -> list[str]:
     if fields.kind is Has.REGISTER and not fields.owner.has("fields"):
         return [fields.name]
     fields_by_name = field_names(fields, groups)
-    names = [*fields_by_name, *fields.joins]
+    # A join with a wrong value is reported, but its name is known.
+    names = [*fields_by_name, *fields.owner.names_in("join")]
     for field in fields_by_name.values():
         names += [run.part.name for run in field.digits if run.part.name]
     return names
