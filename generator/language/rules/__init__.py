@@ -1,6 +1,6 @@
 """The rules beyond the schema, for errors in specs whose single keys and values are all valid.
 
-A rule is a function of the pruned data, the data as read, and the report of the document.
+A rule is a function of the spec without broken parts, the spec as read, and the report of the document.
 It adds problems under a stable name and never raises. To add a rule, write the function in the module of its subject,
 list it here, and add a broken spec in ``tests/check/broken``.
 """
@@ -50,13 +50,6 @@ from .references import (
     register_references,
     unused_crc,
 )
-from .walk import Rule as RuleOnData
-
-
-def _on_data(rule: RuleOnData) -> Rule:
-    """Return a rule that gets plain data instead of the parts of a spec."""
-    return lambda spec, raw, report: rule(spec.data, raw.data, report)
-
 
 #: Rules on order codes and parameters, on which every width depends. If they find an error, the build omits these.
 FOUNDATIONS: tuple[Rule, ...] = (
