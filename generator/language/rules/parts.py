@@ -285,7 +285,7 @@ def bits_of(register: WrittenRegister, groups: Groups) -> list[str]:
 
 def owner_of_alarm(spec: WrittenSpec, alarm: Located[Alarm]) -> WrittenFieldGroup | WrittenRegister | None:
     """Return the field group or register that contains the flag of an alarm, or None if it does not exist."""
-    if alarm.has("group"):
+    if alarm.part.group:
         return by_name(spec.field_groups).get(alarm.part.group)
     return by_name(spec.registers).get(alarm.part.register)
 

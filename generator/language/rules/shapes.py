@@ -261,14 +261,14 @@ def _wrong_order(interface: str, layout: WrittenLayout) -> str:
         return f"{name} is carried as bits, which have no byte order; leave 'byte_order' out"
     if layout.byte_order == "high_byte_first":
         return f"{name} is sent over SPI, high byte first unless it says otherwise; leave 'byte_order' out"
-    if not layout.has("join"):
+    if not layout.join:
         return f"{name} sends the low byte first, so describe each byte as a field, and 'join' them"
     return ""
 
 
 def _is_one_byte(layout: WrittenLayout, raw: WrittenSpec) -> bool:
     """Return True if the layout is one byte whose fields need no order: a single field, or all with positions."""
-    if all(field.has("at", "top_bit") for field in layout.fields):
+    if all(field.at is not None or field.top_bit is not None for field in layout.fields):
         return max(map(_top_bit, layout.fields), default=0) == 7
     if len(layout.fields) > 1:
         return False
@@ -310,7 +310,7 @@ def example_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -
 
 def _check_frame(example: WrittenExample, report: DocumentReport) -> None:
     """Check that an example of a frame has bits or bytes, its layout, and what the decoder should make of it."""
-    has_bytes, has_bits, is_refused = example.has("bytes"), example.has("bits"), example.has("refused")
+    has_bytes, has_bits, is_refused = bool(example.bytes), bool(example.bits), bool(example.refused)
     if has_bytes and has_bits:
         message = "a frame example needs 'bytes' or 'bits'; this one has both; keep one of them"
         report.add("example-shape", example.path, message)
