@@ -144,7 +144,7 @@ def _of_words(interface: WrittenInterface) -> _Expressions:
 
 def _of_field(field: WrittenField, path: Path) -> _Expressions:
     """Yield the expressions of a field at a place. ``equals`` of a text field is text, otherwise an expression."""
-    keys = ("bits", "low_bit") if field.text else ("bits", "low_bit", "equals")
+    keys = ("bits", "low_bit") if field.has("text") else ("bits", "low_bit", "equals")
     return (((*path, key), field.data[key]) for key in keys if key in field.data)
 
 

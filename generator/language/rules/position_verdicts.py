@@ -133,7 +133,7 @@ def _report_names(fields: FieldList, groups: Groups) -> Iterator[tuple[Path, str
     use_paths = {field.path for field in fields.fields if field.use}
     for path, field in expanded(fields, groups):
         for name, value in field.values.items():
-            if value.makes_position:
+            if value.has("makes_position"):
                 # A value in a group is reported at the use of the group.
                 yield path if path in use_paths else value.path, f"{field.name}_{name}"
     for combination in fields.layout.combinations if fields.layout is not None else ():
@@ -172,7 +172,7 @@ def _no_condition(fields: FieldList, name: str, field: WrittenField) -> str:
     """Return the reason that a combination cannot contain a field, and the fix. Empty if it can."""
     if not field.has("active") and not value_names(field):
         return f"{quoted(name)} is neither a flag nor a field with 'values'; give names to its values with 'values'"
-    if field.only:
+    if field.has("only"):
         return f"the manual explains {quoted(name)} only for some order codes; a combination applies to all of them"
     if name in fields.selectors:
         return f"{quoted(name)} identifies the frame, so it has the same value in all of them; leave it out"

@@ -245,7 +245,7 @@ def _first_unsaved(later_steps: Iterable[WrittenStep], arguments: set[str], regi
 def bank_named(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the interface of a register in a bank has banks and names the register that selects them."""
     biss = raw.interfaces.biss
-    is_select_named = biss is not None and biss.bank_select != ""
+    is_select_named = biss is not None and biss.has("bank_select")
     for register in spec.registers:
         if register.bank is None:
             continue

@@ -343,7 +343,7 @@ def _constant_bits(layout: WrittenLayout, groups: Groups) -> str:
     """Return a word as 0, 1 and ? for bits that are not constant. Empty if a width is not constant or too large."""
     bits = ""
     for _, field in expanded(_as_fields(layout), groups):
-        width = 1 if field.parity_of else constant_width(field)
+        width = 1 if field.has("parity_of") else constant_width(field)
         if width is None or width > _WIDEST_WORD:
             return ""
         constant = _fixed_value(field)
@@ -353,11 +353,11 @@ def _constant_bits(layout: WrittenLayout, groups: Groups) -> str:
 
 def _fixed_value(field: WrittenField) -> int | None:
     """Return the value that a field always has, or None."""
-    return field.unused if field.constant is None else field.constant
+    return field.constant if field.has("constant") else field.unused
 
 
 def _free_names(layout: WrittenLayout, groups: Groups) -> Iterator[str]:
     """Yield the names of the fields that have no fixed value."""
     for _, field in expanded(_as_fields(layout), groups):
-        if _fixed_value(field) is None:
+        if not field.has("constant", "unused"):
             yield field.name
