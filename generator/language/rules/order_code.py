@@ -383,7 +383,9 @@ def _codes(spec: WrittenSpec) -> list[_Code] | None:
     if math.prod(len(part.values) for part in parts) > MAX_CODES:
         return None
     # For each part, its name with each of its labels and values.
-    choices = [[(part.name, label, value) for label, value in part.values.items()] for part in parts]
+    choices = []
+    for part in parts:
+        choices.append([(part.name, label, value) for label, value in part.values.items()])
     codes = []
     for chosen in itertools.product(*choices):
         labels = {name: label for name, label, _ in chosen}
