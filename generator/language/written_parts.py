@@ -8,21 +8,25 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Literal
 
+from ..model.documents import (
+    Edition,
+    EditionTest,
+    Evidence,
+    LostFigure,
+    Revision,
+)
+from ..model.examples import (
+    Write,
+)
 from ..model.facts import (
     Alarm,
     Characteristic,
     Connector,
-    Edition,
-    EditionTest,
-    Evidence,
     Input,
     Led,
-    LostFigure,
-    Revision,
     Supply,
     Table,
     Timing,
-    Write,
 )
 from ..model.fields import Crc
 from ..model.measurement import Measurement

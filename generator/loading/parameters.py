@@ -11,6 +11,7 @@ from ..language.problems import DocumentReport, quoted
 from ..language.rules.parameters import all_parameters, uses
 from ..language.rules.walk import by_name, expanded, field_lists, interface_of, leaves
 from ..language.schema_files import is_second
+from ..language.written_parts import WrittenSpec
 from ..model import Alternative, CodedValue, Device, Interface, Layout, Parameter, Variant
 from ..model.expressions import Expression, ExpressionError
 from ..order_codes.parameters import State, coded_states, corners, resolve_parameters
@@ -70,8 +71,9 @@ def _difference(device: Device, parameter: Parameter, interface: Interface, layo
 def check_reach(raw: Raw, context: Context, variants: Sequence[Variant]) -> bool:
     """Report expressions without a value for an order code of their interface, and parameters that never have one."""
     problems_before = len(context.report)
-    for path, interface, text in uses(dict(raw)):
-        names = list(all_parameters(text, raw["parameters"]))
+    spec = WrittenSpec(dict(raw))
+    for path, interface, text in uses(spec):
+        names = list(all_parameters(text, spec.parameters))
         formulas = [raw["parameters"][name]["equals"] for name in names if "equals" in raw["parameters"][name]]
         sets = context.parameter_sets.get(interface, ())
         # A number has the same value in each set.

@@ -9,8 +9,9 @@ from pathlib import PurePath
 
 from ..language.document import Document, Path
 from ..language.problems import DocumentReport, Report, quoted
-from ..language.rules.printed_twice import MEANING_DIFFERS
-from ..language.rules.walk import Spec, by_name, explained, items, mapping
+from ..language.rules.code_meanings import MEANING_DIFFERS
+from ..language.rules.parts import explained
+from ..language.rules.walk import Spec, by_name, items, mapping
 from ..model import Biss, Device, Fault, PlacedField, Register, RegisterExample, Variant, number_to_bytes
 from ..reference import codec
 from .from_mapping import Raw

@@ -19,6 +19,8 @@ from .. import model
 from ..cache import Cache
 from ..model import (
     device,
+    documents,
+    examples,
     expressions,
     facts,
     fields,
@@ -30,7 +32,6 @@ from ..model import (
     registers,
     steps,
 )
-from ..model import facts as examples
 
 if TYPE_CHECKING:
     pass
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
 _MODULES: tuple[ModuleType, ...] = (
     *(
         device,
+        documents,
         examples,
         expressions,
         facts,

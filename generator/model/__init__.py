@@ -6,44 +6,48 @@ integer whose byte order is in the layout.
 """
 
 from .device import Device, Release, ReleasedChange, TimesRead, Variant
-from .facts import (
+from .documents import (
     LEFT_OUT,
     NOT_KNOWN,
-    Alarm,
-    Characteristic,
-    Connector,
-    Contact,
-    CrcExample,
     Document,
     Edition,
     EditionTest,
     Erratum,
     Evidence,
-    Example,
-    FrameExample,
-    Input,
-    Led,
-    LedState,
     LostFigure,
     Manual,
     ManualEdition,
     Manufacturer,
-    MeasureExample,
     Overlay,
-    ProcedureExample,
-    Quantity,
-    RegisterExample,
     Revision,
-    Sample,
     Source,
     Sources,
+    cite,
+    layer_in_words,
+)
+from .examples import (
+    CrcExample,
+    Example,
+    FrameExample,
+    MeasureExample,
+    ProcedureExample,
+    RegisterExample,
+    Sample,
+    Values,
+    Write,
+)
+from .facts import (
+    Alarm,
+    Characteristic,
+    Connector,
+    Contact,
+    Input,
+    Led,
+    LedState,
+    Quantity,
     Supply,
     Table,
     Timing,
-    Values,
-    Write,
-    cite,
-    layer_in_words,
 )
 from .fields import Combination, Crc, Field, Join, Piece, PlacedField, Sign
 from .interfaces import (

@@ -10,23 +10,27 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import NamedTuple, TypeVar
 
-from .expressions import Expression
-from .facts import (
-    Alarm,
-    Characteristic,
-    Connector,
+from .documents import (
     Document,
     Erratum,
     Evidence,
-    Example,
-    Input,
-    Led,
     LostFigure,
     Manual,
     ManualEdition,
     Manufacturer,
     Overlay,
+)
+from .examples import (
+    Example,
     Sample,
+)
+from .expressions import Expression
+from .facts import (
+    Alarm,
+    Characteristic,
+    Connector,
+    Input,
+    Led,
     Supply,
     Table,
     Timing,

@@ -10,8 +10,10 @@ from collections.abc import Mapping
 from dataclasses import field, replace
 from types import MappingProxyType
 
+from .documents import (
+    Sources,
+)
 from .expressions import Expression
-from .facts import Sources
 from .kinds import (
     Choice,
     Constant,

@@ -10,8 +10,13 @@ from dataclasses import field
 from types import MappingProxyType
 from typing import ClassVar, Literal, get_args
 
+from .documents import (
+    Sources,
+)
 from .expressions import Expression
-from .facts import Sources, Timing
+from .facts import (
+    Timing,
+)
 from .kinds import Value
 from .layout import Layout
 from .measurement import Measurement

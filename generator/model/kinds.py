@@ -11,7 +11,9 @@ from itertools import count
 from math import gcd
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from .facts import Sources
+from .documents import (
+    Sources,
+)
 from .part import (
     Name,
     Prose,

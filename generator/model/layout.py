@@ -12,8 +12,10 @@ from enum import Enum
 from functools import cached_property
 from types import MappingProxyType
 
+from .documents import (
+    Sources,
+)
 from .expressions import Expression
-from .facts import Sources
 from .fields import Combination, Field, Join, PlacedField, Sign
 from .kinds import CrcValue, Flag, Kind, Parity, Unused, Value, Verdict
 from .lookup import member_named

@@ -6,8 +6,10 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from .documents import (
+    Sources,
+)
 from .expressions import Expression
-from .facts import Sources
 from .part import (
     Name,
     key,

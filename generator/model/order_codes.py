@@ -12,8 +12,13 @@ from itertools import product
 from types import MappingProxyType
 from typing import Protocol, TypeVar
 
+from .documents import (
+    Sources,
+)
 from .expressions import Expression
-from .facts import Sources, Supply
+from .facts import (
+    Supply,
+)
 from .record import dataclass
 
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from .documents import (
+    Sources,
+)
 from .expressions import Expression
-from .facts import Sources
 from .interfaces import INTERFACES
 from .kinds import Value
 from .layout import Layout, PlacedLayout

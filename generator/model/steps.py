@@ -5,7 +5,9 @@ from __future__ import annotations
 import re
 from typing import ClassVar
 
-from .facts import Sources
+from .documents import (
+    Sources,
+)
 from .record import dataclass
 
 

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import ast
+import json
 from pathlib import Path
 
 import pytest
 import yaml
-from codewheel.language import written_parts
+from codewheel.language import written_masters, written_parts
 from codewheel.language.part_schema import described_parts
 from codewheel.language.written import Located, WrittenPart
 from codewheel.language.written_codes import WrittenRegister
 from codewheel.language.written_interfaces import WrittenBiss
 from codewheel.language.written_layouts import WrittenField, WrittenLayout
 from codewheel.model.expressions import Expression
+from codewheel.model.key_types import name_of_part
 from codewheel.model.part import keys_of
 
 #: Methods of written parts whose argument is a key.
@@ -91,9 +93,29 @@ def test_every_key_of_every_part_can_be_read_from_an_empty_map() -> None:
             assert is_empty or value is described.default, f"{kind.__name__}.{name}"
 
 
+def master_classes() -> list[type[WrittenPart]]:
+    """Return the classes of the parts of a master."""
+    classes = [value for value in vars(written_masters).values() if isinstance(value, type)]
+    return [kind for kind in classes if issubclass(kind, WrittenPart) and kind is not WrittenPart]
+
+
+def test_classes_of_masters_have_the_keys_of_their_schema() -> None:
+    master = json.loads((Path(written_parts.__file__).parent / "master.schema.json").read_text(encoding="utf-8"))
+    schemas = {"master": master, **master["$defs"]}
+    classes = master_classes()
+    assert len(classes) > 10
+    for kind in classes:
+        schema = schemas[name_of_part(kind.__name__).removeprefix("master_")]
+        for described in keys_of(kind):
+            assert described.name in schema["properties"], f"{kind.__name__}.{described.name}"
+            is_required = described.name in schema.get("required", ())
+            assert described.is_required == is_required, f"{kind.__name__}.{described.name}"
+
+
 def test_rules_ask_only_for_keys_that_exist() -> None:
     """mypy sees misspelt attributes, but not keys in texts."""
-    known_keys = {described.name for kind in described_parts().values() for described in keys_of(kind)}
+    classes = (*described_parts().values(), *master_classes())
+    known_keys = {described.name for kind in classes for described in keys_of(kind)}
     asked_keys = set()
     for path in (Path(written_parts.__file__).parent / "rules").glob("*.py"):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):

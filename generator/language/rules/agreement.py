@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Protocol
 
+from ...model import Table
 from ..hints import POLYNOMIAL, polynomial_powers
 from ..problems import DocumentReport, Path, is_typo, quoted
-from .walk import Has, Spec, by_name, explained, field_lists, items, leaves, leaves_of, mapping, owner_of_alarm
+from ..written_layouts import WrittenField
+from ..written_parts import WrittenErratum, WrittenSpec
+from .parts import Has, by_name, constant_width, explained, field_lists, owner_of_alarm
+from .walk import leaves, leaves_of
 
 #: A hexadecimal number in a text.
 _HEX = re.compile(r"\b(?:0x([0-9A-Fa-f]+)|([0-9][0-9A-F]*)h)\b")
@@ -30,33 +34,50 @@ _LONG = 6
 #: Longest contents and most tables that are compared. A manual has some 50 entries and 10 tables.
 _MOST_ENTRIES, _MOST_TABLES = 200, 50
 _NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
+#: Printed names that are numbers: binary in quotes, hexadecimal as in 0x1F or 0Ah, binary as in 0b01. Plain digits may
+#: be a name.
+_IN_QUOTES = re.compile(r"\"([01]+)\"|'([01]+)'|“([01]+)”")
+_WITH_PREFIX = re.compile(r"0[xX][0-9A-Fa-f]+|0b[01]+")
+_WITH_SUFFIX = re.compile(r"((?:0[0-9A-F]*|[0-9A-F]*[A-F][0-9A-F]*))h")
 
 
-def misspelt_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+class _Printed(Protocol):
+    """A part with its names in manuals."""
+
+    @property
+    def printed_name(self) -> str: ...
+
+    @property
+    def names(self) -> Mapping[str, str]: ...
+
+
+def misspelt_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a printed name does not differ by one letter from an entry of the contents, or from its flag."""
     _compare_with_contents(spec, raw, report)
-    for path, alarm in items(spec, "alarms"):
-        flag = by_name(owner_of_alarm(spec, alarm), "fields").get(alarm.get("field", ""), {})
-        flag_names = dict(_names_of(flag))
-        for name_path, name in _names_of(alarm):
+    for alarm in spec.alarms:
+        owner = owner_of_alarm(spec, alarm)
+        flag = by_name(owner.fields).get(alarm.part.field) if owner is not None else None
+        if flag is None:
+            continue
+        flag_names = dict(_printed_names(flag))
+        for name_path, name in _printed_names(alarm.part):
             flag_name = flag_names.get(name_path, "")
             if _misspells(name, flag_name):
                 message = f"the flag of this alarm has {quoted(flag_name)}; correct one of the two"
-                report.add("misspelt-name", (*path, *name_path), message)
+                report.add("misspelt-name", (*alarm.path, *name_path), message)
 
 
-def _compare_with_contents(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def _compare_with_contents(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Report the printed names that differ by one letter from an entry of the contents."""
     titles: dict[str, str] = {}
-    for section in mapping(raw, "manual", "contents").values():
-        titles |= {title.casefold(): title for title in mapping(section, "entries")}
+    for section in raw.manual.contents.values():
+        titles |= {title.casefold(): title for title in section.names_in("entries")}
     if len(titles) > _MOST_ENTRIES:
         return
-    language = mapping(raw, "manual").get("language")
-    texts_of_errata = "\n".join(erratum.get("used", "") for _, erratum in items(spec, "errata")).casefold()
-    for path, name in leaves_of(spec, report):
+    texts_of_errata = "\n".join(erratum.used for erratum in spec.errata).casefold()
+    for path, name in leaves_of(spec.data, report):
         # A name in another language can differ by one letter too: temperature, temperatura.
-        is_name = path[-1] == "printed_name" or path[-2:] == ("names", language)
+        is_name = path[-1] == "printed_name" or path[-2:] == ("names", raw.manual.language)
         if not is_name or not isinstance(name, str):
             continue
         similar_titles = [title for title in titles if _misspells(name, title)]
@@ -84,45 +105,78 @@ def _misspells(name: str, correct_name: str) -> bool:
     return len(correct_word) >= _LONG and not differs_only_in_plural and is_typo(word, correct_word)
 
 
-def _names_of(owner: Spec) -> Iterator[tuple[Path, str]]:
-    for path, name in leaves({key: owner[key] for key in ("printed_name", "names") if key in owner}):
-        if isinstance(name, str):
-            yield path, name
+def _printed_names(part: _Printed) -> Iterator[tuple[Path, str]]:
+    """Yield the printed names of a part, each with its path below it."""
+    yield ("printed_name",), part.printed_name
+    for language, name in part.names.items():
+        yield ("names", language), name
 
 
-def number_in_meaning(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def printed_number(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a value whose printed name is a number has that number."""
+    for fields in field_lists(spec):
+        for field in fields.fields:
+            for name, value in field.values.items():
+                number = _printed_number(value.printed_name, constant_width(field))
+                if number is not None and number != value.value:
+                    problem = f"{quoted(name)} is printed as {value.printed_name}, which is {number}"
+                    message = f"{problem}, but 'value' is {value.value}"
+                    report.add("printed-number", value.place_of("value"), message)
+
+
+def _printed_number(printed_name: str, width: int | None) -> int | None:
+    """Return the number in a printed name if it is clearly only a number, otherwise None.
+
+    Zeros and ones in quotes are a binary number if they have as many digits as the field has bits.
+    """
+    if _IN_QUOTES.fullmatch(printed_name):
+        digits = printed_name[1:-1]
+        return int(digits, 2) if len(digits) == width else None
+    if _WITH_PREFIX.fullmatch(printed_name):
+        return int(printed_name, 0)
+    with_suffix = _WITH_SUFFIX.fullmatch(printed_name)
+    return int(with_suffix[1], 16) if with_suffix is not None else None
+
+
+def number_in_meaning(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a field with a fixed number does not have another hexadecimal number in its meaning."""
     for fields in field_lists(spec):
-        for path, field in fields:
-            meaning = field.get("meaning", "")
-            fixed_keys = [key for key in ("constant", "equals", "unused") if isinstance(field.get(key), int)]
-            if not fixed_keys or _PLACE.search(meaning):
+        for field in fields.fields:
+            fixed_numbers = _fixed_numbers(field)
+            if not fixed_numbers or _PLACE.search(field.meaning):
                 continue
-            key = fixed_keys[0]
-            printed_numbers = {int(with_prefix or with_h, 16) for with_prefix, with_h in _HEX.findall(meaning)}
-            if len(printed_numbers) == 1 and field[key] not in printed_numbers:
+            key, fixed_number = fixed_numbers[0]
+            printed_numbers = {int(with_prefix or with_h, 16) for with_prefix, with_h in _HEX.findall(field.meaning)}
+            if len(printed_numbers) == 1 and fixed_number not in printed_numbers:
                 message = (
-                    f"the meaning has {printed_numbers.pop():#x}, but {quoted(key)} is {field[key]:#x}; "
+                    f"the meaning has {printed_numbers.pop():#x}, but {quoted(key)} is {fixed_number:#x}; "
                     "one of the two is wrong"
                 )
-                report.add("printed-number", (*path, key), message)
+                report.add("printed-number", field.place_of(key), message)
 
 
-def polynomial_in_note(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def _fixed_numbers(field: WrittenField) -> list[tuple[str, int]]:
+    """Return the numbers that a field always has, each with its key."""
+    values = (("constant", field.constant), ("equals", field.equals), ("unused", field.unused))
+    return [(key, value) for key, value in values if isinstance(value, int)]
+
+
+def polynomial_in_note(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a CRC does not have another polynomial in its note.
 
     A hexadecimal number with one bit more than the CRC is a polynomial with its top bit.
     """
-    for path, crc in items(spec, "crcs"):
-        printed_polynomials = _printed_polynomials(crc.get("note", ""), crc["width"])
-        polynomial = crc["poly"] + (1 << crc["width"])
+    for located_crc in spec.crcs:
+        crc = located_crc.part
+        printed_polynomials = _printed_polynomials(crc.note, crc.width)
+        polynomial = crc.poly + (1 << crc.width)
         if printed_polynomials and polynomial not in printed_polynomials.values():
             first_text, *_ = printed_polynomials
             message = (
-                f"the note has {first_text}, but 'poly' is {crc['poly']:#x}, "
+                f"the note has {first_text}, but 'poly' is {crc.poly:#x}, "
                 f"or {polynomial:#x} with its top bit; one of the two is wrong"
             )
-            report.add("printed-number", (*path, "poly"), message)
+            report.add("printed-number", (*located_crc.path, "poly"), message)
 
 
 def _printed_polynomials(note: str, width: int) -> dict[str, int]:
@@ -142,26 +196,25 @@ def _printed_polynomials(note: str, width: int) -> dict[str, int]:
     return polynomials
 
 
-def unused_bits(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def unused_bits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a register has no field at bits that its note calls unused."""
     for fields in field_lists(spec):
-        unused_in_note = set(_unused_bits_in(fields.owner.get("note", "")))
+        unused_in_note = set(_unused_bits_in(fields.owner.note))
         if fields.kind is not Has.REGISTER or not unused_in_note:
             continue
-        for path, field in fields:
-            bits = _bits_at(field.get("at", ""))
+        for field in fields.fields:
+            bits = _bits_at(field.at)
             used_bits = [bit for bit in unused_in_note if bit in bits]
-            is_without_content = "constant" in field or "unused" in field or field.get("equals") == 0
+            is_without_content = field.constant is not None or field.unused is not None or field.equals == 0
             if used_bits and not is_without_content:
-                field_name = quoted(str(field.get("name", "")))
                 message = (
-                    f"the note says that bit {min(used_bits)} is not used, but {field_name} uses it; "
+                    f"the note says that bit {min(used_bits)} is not used, but {quoted(field.name)} uses it; "
                     "one of the two is wrong"
                 )
-                report.add("unused-bits", (*path, "at"), message)
+                report.add("unused-bits", field.place_of("at"), message)
 
 
-def _bits_at(at: object) -> range:
+def _bits_at(at: int | str | None) -> range:
     """Return the bits of a place such as ``7:6`` or ``5``, or none if it is not a place."""
     high, _, low = str(at).partition(":")
     if not high.isdigit():
@@ -176,58 +229,56 @@ def _unused_bits_in(text: str) -> Iterator[int]:
             yield from range(int(low or high), int(high) + 1)
 
 
-def access_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def access_repeated(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a register with fixed contents is not writable, and has the access that its errata use."""
-    for path, register in items(spec, "registers"):
-        fields = [field for _, field in items(register, "fields")]
-        is_fixed = bool(fields) and all("equals" in field for field in fields)
-        is_explained = "note" in register or explained(report.document, "registers", register["name"], "access")
-        if is_fixed and register["access"] == "read_write" and not is_explained:
+    for register in spec.registers:
+        is_fixed = bool(register.fields) and all(field.equals is not None for field in register.fields)
+        if not is_fixed or register.access != "read_write" or register.note:
+            continue
+        if not explained(report.document, "registers", register.name, "access"):
             message = (
-                f"all fields of {quoted(register['name'])} have a fixed value ('equals'), so it should be read_only; "
+                f"all fields of {quoted(register.name)} have a fixed value ('equals'), so it should be read_only; "
                 "if the manual says read_write, say so in a 'note'"
             )
-            report.add("access-mismatch", (*path, "access"), message)
-    for path, erratum in items(spec, "errata"):
-        _check_access_in_erratum(spec, path, erratum, report)
+            report.add("access-mismatch", register.place_of("access"), message)
+    for erratum in spec.errata:
+        _check_access_in_erratum(spec, erratum, report)
 
 
-def _check_access_in_erratum(spec: Spec, path: Path, erratum: Spec, report: DocumentReport) -> None:
+def _check_access_in_erratum(spec: WrittenSpec, erratum: WrittenErratum, report: DocumentReport) -> None:
     """Check that a register has the access that an erratum about it uses."""
-    registers = by_name(spec, "registers")
-    used = erratum.get("used", "")
-    is_about_bits = re.search(r"\b(?:bit|field)", used, re.IGNORECASE) is not None
-    stated_accesses = set(_ONLY.findall(used))
+    registers = by_name(spec.registers)
+    is_about_bits = re.search(r"\b(?:bit|field)", erratum.used, re.IGNORECASE) is not None
+    stated_accesses = set(_ONLY.findall(erratum.used))
     if is_about_bits or len(stated_accesses) != 1:
         return
     access = f"{stated_accesses.pop()}_only"
-    for affected in erratum.get("affects", ()):
+    for affected in erratum.affects:
         kind, _, name = affected.partition(".")
-        if kind == "registers" and name in registers and registers[name]["access"] != access:
-            message = f"this says {access}, but {quoted(name)} is {registers[name]['access']}; one of the two is wrong"
-            report.add("access-mismatch", (*path, "used"), message)
+        if kind == "registers" and name in registers and registers[name].access != access:
+            message = f"this says {access}, but {quoted(name)} is {registers[name].access}; one of the two is wrong"
+            report.add("access-mismatch", erratum.place_of("used"), message)
 
 
-def zero_within_limits(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def zero_within_limits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the number for which zero stands is within the limits of its register."""
-    for path, register in items(spec, "registers"):
-        for _, field in items(register, "fields"):
-            zero, highest = field.get("zero_means"), register.get("max")
-            is_limited = register.get("limits_of") in (None, field.get("name"))
+    for register in spec.registers:
+        for field in register.fields:
+            zero, highest = field.zero_means, register.max
+            is_limited = register.limits_of in ("", field.name)
             # 0 can stand for the number after the highest one, such as 65536 in 16 bits.
             if isinstance(zero, int) and isinstance(highest, int) and is_limited and zero > highest + 1:
                 message = f"zero stands for {zero}, which is above 'max' ({highest}); one of the two is wrong"
-                report.add("limit-does-not-fit", (*path, "max"), message)
+                report.add("limit-does-not-fit", register.place_of("max"), message)
 
 
-def requests_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def requests_repeated(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the number of requests in a text of a procedure is the one that its step sends."""
-    for path, procedure in items(spec, "procedures"):
-        steps = procedure["steps"]
-        if len(steps) != 1 or "times" not in steps[0]:
+    for procedure in spec.procedures:
+        times = procedure.steps[0].times if len(procedure.steps) == 1 else None
+        if times is None:
             continue
-        times = steps[0]["times"]
-        for text_path, text in leaves(procedure):
+        for text_path, text in leaves(procedure.data):
             if not isinstance(text, str):
                 continue
             for printed_number in _REQUESTS.findall(text):
@@ -235,7 +286,7 @@ def requests_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                     message = (
                         f"the text says {printed_number} requests, but 'times' is {times}; one of the two is wrong"
                     )
-                    report.add("quantity-repeated", (*path, *text_path), message)
+                    report.add("quantity-repeated", (*procedure.path, *text_path), message)
 
 
 def _number_of(text: str) -> int:
@@ -243,21 +294,22 @@ def _number_of(text: str) -> int:
     return int(text) if text.isdigit() else _NUMBERS.index(text.casefold()) + 2
 
 
-def table_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def table_repeated(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that two tables with common columns agree in their numbers, if they do so in all cells but one.
 
     Rows belong together if a column whose cells are all different has the same cell in both.
     """
-    tables = list(items(spec, "tables"))[:_MOST_TABLES]
-    for index, (path, table) in enumerate(tables):
-        for _, earlier_table in tables[:index]:
+    tables = spec.tables[:_MOST_TABLES]
+    for index, located_table in enumerate(tables):
+        table = located_table.part
+        for earlier_table in (earlier.part for earlier in tables[:index]):
             pair = _only_difference(table, earlier_table)
             if pair is not None:
                 message = (
                     f"{quoted(pair.column)} is {pair.cell} here, but {pair.earlier_cell} in the table "
-                    f"{quoted(earlier_table['name'])}; one of the two is wrong"
+                    f"{quoted(earlier_table.name)}; one of the two is wrong"
                 )
-                place = (*path, "rows", pair.row, table["columns"].index(pair.column))
+                place = (*located_table.path, "rows", pair.row, table.columns.index(pair.column))
                 report.add("quantity-repeated", place, message)
 
 
@@ -275,9 +327,9 @@ class _CellPair:
         return all(map(_NUMBER.fullmatch, (self.cell, self.earlier_cell)))
 
 
-def _only_difference(table: Spec, earlier_table: Spec) -> _CellPair | None:
+def _only_difference(table: Table, earlier_table: Table) -> _CellPair | None:
     """Return the pair of cells that differs if the tables agree in all others."""
-    common_columns = [name for name in table["columns"] if name in earlier_table["columns"]]
+    common_columns = [name for name in table.columns if name in earlier_table.columns]
     for key_column in common_columns:
         if not _is_key(table, key_column) or not _is_key(earlier_table, key_column):
             continue
@@ -296,13 +348,13 @@ def _only_difference(table: Spec, earlier_table: Spec) -> _CellPair | None:
     return None
 
 
-def _number_pairs(table: Spec, earlier_table: Spec, key_column: str, column: str) -> list[_CellPair]:
+def _number_pairs(table: Table, earlier_table: Table, key_column: str, column: str) -> list[_CellPair]:
     """Return the pairs of numbers in a column, from the rows that have the same cell in the key column."""
     earlier_cells: dict[str, str] = {}
-    for row in earlier_table["rows"]:
+    for row in earlier_table.rows:
         earlier_cells[_cell(earlier_table, row, key_column)] = _cell(earlier_table, row, column)
     pairs = []
-    for index, row in enumerate(table["rows"]):
+    for index, row in enumerate(table.rows):
         key_cell = _cell(table, row, key_column)
         if key_cell in earlier_cells:
             pairs.append(_CellPair(index, column, _cell(table, row, column), earlier_cells[key_cell]))
@@ -313,13 +365,13 @@ def _differing_cells(pairs: list[_CellPair]) -> list[_CellPair]:
     return [pair for pair in pairs if pair.cell != pair.earlier_cell]
 
 
-def _cell(table: Spec, row: list[Any], column: str) -> str:
+def _cell(table: Table, row: Sequence[str], column: str) -> str:
     """Return the text in a column of a row, or an empty string if the row is too short."""
-    index = table["columns"].index(column)
-    return str(row[index]) if index < len(row) else ""
+    index = table.columns.index(column)
+    return row[index] if index < len(row) else ""
 
 
-def _is_key(table: Spec, column: str) -> bool:
+def _is_key(table: Table, column: str) -> bool:
     """Return True if all cells of a column are different, so that each identifies its row."""
-    cells = [_cell(table, row, column) for row in table["rows"]]
+    cells = [_cell(table, row, column) for row in table.rows]
     return len(cells) == len(set(cells))

@@ -102,7 +102,7 @@ def alarm_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> N
         owner = owner_of_alarm(spec, located_alarm)
         flags = by_name(owner.fields) if owner is not None else {}
         if name != flag and name in flags and flag in flags:
-            owner_name = alarm.group if located_alarm.has("group") else alarm.register
+            owner_name = alarm.group or alarm.register
             problem = (
                 f"the alarm {quoted(name)} has the same name as a flag of {quoted(owner_name)}, but describes"
                 f" {quoted(flag)}; use that flag, or rename the alarm"

@@ -74,7 +74,7 @@ class _Connector:
         return re.search(rf"(?<![\w/]){words}(?![\w+-])", note) is not None
 
     def shares_interface(self, other: _Connector) -> bool:
-        if not self.located.has("interfaces") or not other.located.has("interfaces"):
+        if not self.part.interfaces or not other.part.interfaces:
             return True
         return not {*self.part.interfaces}.isdisjoint(other.part.interfaces)
 

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from itertools import takewhile
-from typing import Any
+from typing import Literal
 
 from ..document import Path
 from ..problems import DocumentReport, quoted
 from ..schema_files import PROSE
-from .walk import Spec, by_name, items, leaves_of
+from ..written_codes import WrittenOrderCode, WrittenRegister
+from ..written_parts import WrittenErratum, WrittenExample, WrittenSpec
+from .parts import by_name
+from .walk import leaves_of
 
 _NUMBER = r"(?P<number>0[xX][0-9A-Fa-f]+|[0-9][0-9A-F]*h\b|[0-9]+(?![0-9A-Fa-f]*h\b|[.,]?[0-9A-Za-z]))"
 #: The start value of a CRC in words, unless the sentence restricts it.
@@ -28,60 +31,75 @@ _SHORTEST_START = 3
 _BRACES = re.compile(r"\{(\w+)\}")
 
 
-def start_values(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+#: Numbers by the names of their registers or CRCs. None if the spec does not give one.
+_Numbers = Mapping[str, int | None]
+
+
+def start_values(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that notes of CRCs, and errata about them, have the start value of the CRC."""
-    crcs = by_name(spec, "crcs")
-    for path, crc in items(spec, "crcs"):
-        _check_words((*path, "note"), crc.get("note", ""), _START_VALUE, "init", [crc], report)
-    for path, erratum in items(spec, "errata"):
-        affected = _affected(erratum, "crcs", crcs, "init")
-        _check_words((*path, "used"), erratum.get("used", ""), _START_VALUE, "init", affected, report)
+    for crc in spec.crcs:
+        own_value = {crc.part.name: crc.part.init}
+        _check_words((*crc.path, "note"), crc.part.note, _START_VALUE, "init", own_value, report)
+    start_values = {crc.part.name: crc.part.init for crc in reversed(spec.crcs)}
+    for erratum in spec.errata:
+        affected = _affected(erratum, "crcs", start_values, "init")
+        _check_words(erratum.place_of("used"), erratum.used, _START_VALUE, "init", affected, report)
 
 
-def defaults(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def defaults(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that errata and examples of a register have its default."""
-    registers = by_name(spec, "registers")
-    for path, erratum in items(spec, "errata"):
-        affected = _affected(erratum, "registers", registers, "default")
-        _check_words((*path, "used"), erratum.get("used", ""), _DEFAULT, "default", affected, report)
-    for path, example in items(spec, "examples"):
-        register = registers.get(example.get("register", ""), {})
-        if example.get("kind") != "register" or "default" not in register or "bytes" not in example:
-            continue
-        if _AS_DELIVERED.isdisjoint(example["name"].split("_")) or "erratum" in example:
-            continue
-        default, shown = _bytes_of(register), example["bytes"].replace(" ", "").casefold()
-        if not default or shown == default:
-            continue
-        message = f"the example shows the default of {quoted(example['register'])}, which is {register['default']:#x}"
-        if shown == bytes.fromhex(default)[::-1].hex():
-            message += ", in the other byte order; correct 'byte_order', 'default' or the bytes"
-        else:
-            message += "; correct one of the two, or give the example another name"
-        report.add("left-behind", (*path, "bytes"), message)
+    registers = by_name(spec.registers)
+    defaults = {name: register.default for name, register in registers.items()}
+    for erratum in spec.errata:
+        affected = _affected(erratum, "registers", defaults, "default")
+        _check_words(erratum.place_of("used"), erratum.used, _DEFAULT, "default", affected, report)
+    for example in spec.examples:
+        register = registers.get(example.register)
+        if register is not None and _shows_default(example):
+            _check_shown_default(example, register, report)
 
 
-def _affected(erratum: Spec, section: str, parts: dict[str, Spec], key: str) -> list[Spec]:
-    """Return the parts of a section that an erratum affects as a whole or by the key."""
-    names = []
-    for affected in erratum.get("affects", ()):
+def _shows_default(example: WrittenExample) -> bool:
+    """Return True for an example whose name says that it shows the default of its register."""
+    is_named_so = not _AS_DELIVERED.isdisjoint(example.name.split("_"))
+    return example.kind == "register" and bool(example.bytes) and is_named_so and not example.erratum
+
+
+def _check_shown_default(example: WrittenExample, register: WrittenRegister, report: DocumentReport) -> None:
+    """Check that the bytes of an example are the default of the register."""
+    default, shown = _bytes_of(register), example.bytes.replace(" ", "").casefold()
+    if not default or shown == default:
+        return
+    message = f"the example shows the default of {quoted(example.register)}, which is {register.default:#x}"
+    if shown == bytes.fromhex(default)[::-1].hex():
+        message += ", in the other byte order; correct 'byte_order', 'default' or the bytes"
+    else:
+        message += "; correct one of the two, or give the example another name"
+    report.add("left-behind", example.place_of("bytes"), message)
+
+
+def _affected(erratum: WrittenErratum, section: str, numbers: _Numbers, key: str) -> _Numbers:
+    """Return the numbers of those parts of a section that an erratum affects as a whole or by the key."""
+    affected_numbers: dict[str, int | None] = {}
+    for affected in erratum.affects:
         steps = affected.split(".")
-        if steps[0] == section and steps[1:2] and steps[2:] in ([], [key]):
-            names.append(steps[1])
-    return [parts[name] for name in names if name in parts]
+        is_affected = steps[0] == section and steps[1:2] and steps[2:] in ([], [key])
+        if is_affected and steps[1] in numbers:
+            affected_numbers[steps[1]] = numbers[steps[1]]
+    return affected_numbers
 
 
 def _check_words(
-    path: Path, text: str, pattern: re.Pattern[str], key: str, parts: Sequence[Spec], report: DocumentReport
+    path: Path, text: str, pattern: re.Pattern[str], key: str, numbers: _Numbers, report: DocumentReport
 ) -> None:
-    """Report the first part whose value is not the one in the words."""
+    """Report the first part whose number is not the one in the words."""
     match = pattern.search(text)
     if match is None:
         return
-    for part in parts:
-        if isinstance(part.get(key), int) and part[key] != _number(match["number"]):
+    for name, number in numbers.items():
+        if number is not None and number != _number(match["number"]):
             message = (
-                f"the text says {quoted(match[0])}, but {quoted(key)} of {quoted(part['name'])} is {part[key]:#x}; "
+                f"the text says {quoted(match[0])}, but {quoted(key)} of {quoted(name)} is {number:#x}; "
                 "correct one of the two"
             )
             report.add("left-behind", path, message)
@@ -94,34 +112,32 @@ def _number(text: str) -> int:
     return int(text, 0) if text[:2].lower() == "0x" else int(text)
 
 
-def _bytes_of(register: Spec) -> str:
+def _bytes_of(register: WrittenRegister) -> str:
     """Return the default of a register of one byte, or of several in a stated order, in hexadecimal digits."""
-    length, order = register.get("length", 1), register.get("byte_order", "")
-    if not isinstance(register["default"], int) or (length > 1 and not order):
+    length, default = register.length, register.default
+    if default is None or (length > 1 and not register.byte_order):
         return ""
-    default = register["default"]
+    byte_order: Literal["little", "big"] = "little" if register.byte_order == "low_byte_first" else "big"
     try:
-        if order == "low_byte_first":
-            return default.to_bytes(length, "little", signed=default < 0).hex()
-        return default.to_bytes(length, "big", signed=default < 0).hex()
+        return default.to_bytes(length, byte_order, signed=default < 0).hex()
     except OverflowError:
         return ""
 
 
-def order_codes_in_texts(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def order_codes_in_texts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that tables and other texts name no part of an order code that the order code does not have.
 
     A text may leave parts open, such as ``TV62-xxx-0050-...``, and may end after any part.
     """
-    pattern = spec.get("order_code", {}).get("pattern", "")
-    starts, pieces = _starts(spec, pattern), _pieces(spec, pattern)
+    pattern = spec.order_code.pattern
+    starts, pieces = _starts(spec.order_code), _pieces(spec.order_code)
     # The texts of an older edition are those of today, with other order codes.
     if not starts or report.document.family:
         return
     if pattern.startswith("{"):
         pieces = pieces[1:]
     word = re.compile(rf"(?<![\w-])({'|'.join(starts)})([\w.…/*-]+)")
-    for path, text in leaves_of(spec, report):
+    for path, text in leaves_of(spec.data, report):
         if not isinstance(text, str) or not _is_text(path):
             continue
         for start, rest in word.findall(text):
@@ -133,16 +149,16 @@ def order_codes_in_texts(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 break
 
 
-def _starts(spec: Spec, pattern: str) -> list[str]:
+def _starts(order_code: WrittenOrderCode) -> list[str]:
     """Return expressions for the start of an order code: the text of the pattern, or the labels of its first part.
 
     A letter of a label can be an x for several models, as in ENx10 for EN10 and ENB10.
     """
-    start = pattern.partition("{")[0]
+    start, _, rest = order_code.pattern.partition("{")
     if start:
         return [re.escape(start)] if len(start) >= _SHORTEST_START else []
-    first_part = by_name(spec, "order_code", "parts").get(pattern.partition("{")[2].partition("}")[0], {})
-    labels = [str(label) for label in first_part.get("values", {})]
+    first_part = by_name(order_code.parts).get(rest.partition("}")[0])
+    labels = list(first_part.values) if first_part is not None else []
     if not labels or any(len(label) < _SHORTEST_START or not label[0].isalpha() for label in labels):
         return []
     expressions = {re.escape(label) for label in labels}
@@ -172,15 +188,17 @@ def _is_text(path: Path) -> bool:
     return path[0] not in _ELSEWHERE and (is_value or path[-1] in _TEXTS)
 
 
-def _pieces(spec: Spec, pattern: str) -> list[tuple[str, re.Pattern[str] | None]]:
+def _pieces(order_code: WrittenOrderCode) -> list[tuple[str, re.Pattern[str] | None]]:
     """Return the text before each part of the pattern, and the expression for the part."""
-    parts = by_name(spec, "order_code", "parts")
-    texts = _BRACES.split(pattern)  # Text and names of parts in turn.
+    parts = by_name(order_code.parts)
+    texts = _BRACES.split(order_code.pattern)  # Text and names of parts in turn.
     pieces: list[tuple[str, re.Pattern[str] | None]] = []
     for place in range(1, len(texts), 2):
-        part: dict[str, Any] = parts.get(texts[place], {})
-        labels = sorted(map(re.escape, map(str, part.get("values", {}))), key=len, reverse=True)
-        alternatives = [*labels, *([part["open"]] if "open" in part else [])]
+        part = parts.get(texts[place])
+        alternatives: list[str] = []
+        if part is not None:
+            alternatives = sorted(map(re.escape, part.values), key=len, reverse=True)
+            alternatives += [part.open] if part.open else []
         expression = None
         with suppress(re.error):  # An invalid expression is reported elsewhere.
             expression = re.compile("|".join(alternatives)) if all(alternatives) and alternatives else None

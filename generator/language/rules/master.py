@@ -3,75 +3,85 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from graphlib import CycleError, TopologicalSorter
 from pathlib import PurePath
-from typing import Any
+from typing import Any, NamedTuple
 
 from ...model.expressions import Expression, ExpressionError
 from ...say.text import counted
 from ..master_items import FILE_FORMATS, NUMBERS, WORDS
 from ..problems import DocumentReport, Path, listed, quoted, suggestion
-
-Raw = Mapping[str, Any]
+from ..written_masters import (
+    WrittenAnyClock,
+    WrittenChoice,
+    WrittenCondition,
+    WrittenMaster,
+    WrittenMasterFile,
+    WrittenPlace,
+    WrittenSetting,
+    WrittenString,
+    WrittenWriting,
+)
 
 _ITEMS = (*WORDS, *NUMBERS)
 _KINDS = ("value", "choice", "clocks", "any_clock", "text", "string", "unknown")
 _WRITING = ("needs", "after", "then", "takes_effect")
 _PLACES = ("index", "symbol", "register", "address", "where")
+#: Keys of a place whose values can be lists, with one entry for each channel.
+_PER_CHANNEL = ("index", "subindex", "symbol", "register", "address")
 _FOR_NUMBERS = ("one_of", "none_of", "at_least", "at_most")
 _BITS = re.compile(r"[0-9]{1,3}(:[0-9]{1,3})?")
 _BRACES = re.compile(r"\{([^{}]*)\}")
 
 
-def check_master(data: Raw, report: DocumentReport) -> None:
+def check_master(data: Mapping[str, Any], report: DocumentReport) -> None:
     """Add every problem of a description that follows the schema."""
-    _check_name(data, report)
+    master = WrittenMaster(dict(data))
+    _check_name(master, report)
     for path, node in _nodes(data, ()):
-        if isinstance(node.get("source"), str):
-            _check_source(node["source"], (*path, "source"), data, report)
-        if isinstance(node.get("item"), str):
-            _check_limit(node, path, report)
-        for index, place in enumerate(node.get("places", ())):
-            _check_place(place, (*path, "places", index), data, report)
-    for index, note in enumerate(data.get("notes", ())):
-        _check_braces(note["text"], _ITEMS, ("notes", index, "text"), report)
-    for index, setting in enumerate(data.get("settings", ())):
-        _check_setting(setting, _written_setting(index, report), ("settings", index), report)
-    _check_writing(data, report)
-    _check_files(data, report)
+        source, condition, place_list = node.get("source"), WrittenCondition(node, path), node.get("places", ())
+        if isinstance(source, str):
+            _check_source(source, (*path, "source"), master, report)
+        if condition.item:
+            _check_limit(condition, report)
+        for index, place in enumerate(place_list):
+            _check_place(WrittenPlace(place, (*path, "places", index)), master, report)
+    for note in master.notes:
+        _check_braces(note.text, _ITEMS, note.place_of("text"), report)
+    for index, setting in enumerate(master.settings):
+        _check_setting(setting, _written_setting(index, report), report)
+    _check_writing(master, report)
+    _check_files(master, report)
 
 
-def _check_files(data: Raw, report: DocumentReport) -> None:
+def _check_files(master: WrittenMaster, report: DocumentReport) -> None:
     """Check that each format is listed once, with what it needs."""
     listed_formats: set[str] = set()
-    for index, file in enumerate(data.get("files", ())):
-        if file["format"] in listed_formats:
-            report.add("duplicate-name", ("files", index, "format"), f"{quoted(file['format'])} is listed twice")
-        listed_formats.add(file["format"])
-        _check_file(file, ("files", index), data, report)
+    for file in master.files:
+        if file.format in listed_formats:
+            report.add("duplicate-name", file.place_of("format"), f"{quoted(file.format)} is listed twice")
+        listed_formats.add(file.format)
+        _check_file(file, master, report)
 
 
-def _written_setting(index: int, report: DocumentReport) -> Raw:
+def _written_setting(index: int, report: DocumentReport) -> WrittenSetting:
     """Return a setting as written. The checked data no longer has values rejected by the schema."""
     original_indices = report.document.kept_indices.get(("settings",))
     if original_indices is not None:
         index = original_indices[index]
-    written_setting: Raw = report.document.data["settings"][index]
-    return written_setting
+    return WrittenSetting(report.document.data["settings"][index])
 
 
-def _check_name(data: Raw, report: DocumentReport) -> None:
+def _check_name(master: WrittenMaster, report: DocumentReport) -> None:
     """Check that a master and its file have the same name."""
     stem = PurePath(report.document.file).stem
-    if "master" in data and data["master"] != stem:
-        message = (
-            f"the master is called '{data['master']}', but the file is called '{stem}'; use the same name for both"
-        )
+    if master.master not in ("", stem):
+        message = f"the master is called '{master.master}', but the file is called '{stem}'; use the same name for both"
         report.add("device-name", ("master",), message)
 
 
-def _nodes(node: Any, path: Path) -> Iterator[tuple[Path, Raw]]:
+def _nodes(node: Any, path: Path) -> Iterator[tuple[Path, Mapping[str, Any]]]:
     """Yield every map at a place and below it, with its path."""
     if isinstance(node, Mapping):
         yield path, node
@@ -82,9 +92,9 @@ def _nodes(node: Any, path: Path) -> Iterator[tuple[Path, Raw]]:
             yield from _nodes(value, (*path, index))
 
 
-def _check_source(text: str, path: Path, data: Raw, report: DocumentReport) -> None:
+def _check_source(text: str, path: Path, master: WrittenMaster, report: DocumentReport) -> None:
     """Check a source: documents separated by semicolons, each with an optional place after a colon."""
-    documents = data.get("documents", {})
+    documents = master.documents
     for piece in text.split(";"):
         key = piece.partition(":")[0].strip()
         if key not in documents:
@@ -101,14 +111,14 @@ def _is_item(name: str, path: Path, report: DocumentReport, valid_items: tuple[s
     return False
 
 
-def _check_limit(node: Raw, path: Path, report: DocumentReport) -> None:
+def _check_limit(condition: WrittenCondition, report: DocumentReport) -> None:
     """Check that a condition or limit gives words for a word, and bounds for a number."""
-    name = node["item"]
-    if not _is_item(name, (*path, "item"), report):
+    name, path = condition.item, condition.path
+    if not _is_item(name, condition.place_of("item"), report):
         return
     is_word = name in WORDS
     kind, allowed_keys = ("word", ("is",)) if is_word else ("number", _FOR_NUMBERS)
-    used_keys = [key for key in ("is", *_FOR_NUMBERS) if key in node]
+    used_keys = [key for key in ("is", *_FOR_NUMBERS) if condition.has(key)]
     allowed_text = listed(map(quoted, allowed_keys), "or")
     for key in used_keys:
         if key not in allowed_keys:
@@ -116,16 +126,25 @@ def _check_limit(node: Raw, path: Path, report: DocumentReport) -> None:
     if not used_keys:
         report.add("missing-key", path, f"no condition for '{name}'; add {allowed_text}")
     if is_word:
-        for index, word in enumerate(node.get("is", ())):
+        for index, word in enumerate(condition.is_ or ()):
             _check_word(word, name, (*path, "is", index), report)
-    _check_bounds(node, "at_least", "at_most", path, report)
+    lowest = _Bound("at_least", condition.at_least)
+    _check_bounds(lowest, _Bound("at_most", condition.at_most), path, report)
 
 
-def _check_bounds(node: Raw, low_key: str, high_key: str, path: Path, report: DocumentReport) -> None:
-    """Check that the highest number under two keys is not less than the lowest one. Either may be missing."""
-    low, high = node.get(low_key, 0), node.get(high_key)
-    if high is not None and high < low:
-        report.add("value-clash", (*path, high_key), f"'{high_key}' is less than '{low_key}', which is {low}")
+class _Bound(NamedTuple):
+    """The lowest or the highest number under a key, or None if it is missing."""
+
+    key: str
+    number: int | None
+
+
+def _check_bounds(lowest: _Bound, highest: _Bound, path: Path, report: DocumentReport) -> None:
+    """Check that the highest number is not less than the lowest one. Either may be missing."""
+    low = lowest.number or 0
+    if highest.number is not None and highest.number < low:
+        message = f"'{highest.key}' is less than '{lowest.key}', which is {low}"
+        report.add("value-clash", (*path, highest.key), message)
 
 
 def _check_word(word: int | str, name: str, path: Path, report: DocumentReport) -> bool:
@@ -137,152 +156,158 @@ def _check_word(word: int | str, name: str, path: Path, report: DocumentReport) 
     return word in words
 
 
-def _check_setting(setting: Raw, written: Raw, path: Path, report: DocumentReport) -> None:
+def _check_setting(setting: WrittenSetting, as_written: WrittenSetting, report: DocumentReport) -> None:
     """Check that a setting has one kind of value, and that the value is possible."""
-    for key in ("name", "at"):
-        _check_braces(setting.get(key, ""), _ITEMS, (*path, key), report)
-    kinds = [kind for kind in _KINDS if kind in written]
+    _check_braces(setting.name, _ITEMS, setting.place_of("name"), report)
+    _check_braces(setting.at, _ITEMS, setting.place_of("at"), report)
+    kinds = [kind for kind in _KINDS if as_written.has(kind)]
     if len(kinds) > 1:
-        message = f"{quoted(setting['name'])} has {listed(map(quoted, kinds))}; keep one of them"
-        report.add("setting-shape", path, message)
+        message = f"{quoted(setting.name)} has {listed(map(quoted, kinds))}; keep one of them"
+        report.add("setting-shape", setting.path, message)
     elif not kinds:
-        message = f"{quoted(setting['name'])} has no value; add one of {', '.join(map(quoted, _KINDS))}"
-        report.add("setting-shape", path, message)
+        message = f"{quoted(setting.name)} has no value; add one of {', '.join(map(quoted, _KINDS))}"
+        report.add("setting-shape", setting.path, message)
     else:
-        _check_setting_value(setting, written, path, report)
+        _check_setting_value(setting, kinds[0], report)
 
 
-def _check_setting_value(setting: Raw, written: Raw, path: Path, report: DocumentReport) -> None:
+def _check_setting_value(setting: WrittenSetting, kind: str, report: DocumentReport) -> None:
     """Check the value of a setting, and the keys that belong to it."""
-    for key in ("as", "bound"):
-        if key in setting and "value" not in written:
-            report.add("setting-shape", (*path, key), f"'{key}' needs 'value'", at_key=True)
-    if setting.get("as") == "boolean" and "bound" in setting:
-        report.add("setting-shape", (*path, "bound"), "a boolean cannot be a bound", at_key=True)
-    if "value" in setting:
-        _check_expression(setting["value"], (*path, "value"), report)
-    if "choice" in setting:
-        _check_choice(setting["choice"], (*path, "choice"), report)
-    if "text" in setting:
-        _check_braces(setting["text"], _ITEMS, (*path, "text"), report)
-    if "string" in setting:
-        _check_string(setting["string"], (*path, "string"), report)
-    if "any_clock" in setting:
-        _check_bounds(setting["any_clock"], "at_least_hz", "at_most_hz", (*path, "any_clock"), report)
+    for key, text in (("as", setting.as_), ("bound", setting.bound)):
+        if text and kind != "value":
+            report.add("setting-shape", setting.place_of(key), f"'{key}' needs 'value'", at_key=True)
+    if setting.as_ == "boolean" and setting.bound:
+        report.add("setting-shape", setting.place_of("bound"), "a boolean cannot be a bound", at_key=True)
+    if setting.value is not None:
+        _check_expression(setting.value, setting.place_of("value"), report)
+    if setting.choice is not None:
+        _check_choice(setting.choice, report)
+    _check_braces(setting.text, _ITEMS, setting.place_of("text"), report)
+    if setting.string is not None:
+        _check_string(setting.string, report)
+    if setting.any_clock is not None:
+        _check_clocks(setting.any_clock, report)
 
 
-def _check_place(place: Raw, path: Path, data: Raw, report: DocumentReport) -> None:
+def _check_clocks(clocks: WrittenAnyClock, report: DocumentReport) -> None:
+    """Check that the highest clock is not below the lowest one."""
+    lowest, highest = _Bound("at_least_hz", clocks.at_least_hz), _Bound("at_most_hz", clocks.at_most_hz)
+    _check_bounds(lowest, highest, clocks.path, report)
+
+
+def _check_place(place: WrittenPlace, master: WrittenMaster, report: DocumentReport) -> None:
     """Check that a place is given once, on known devices, and with one entry for each of their channels."""
-    place_keys = [key for key in _PLACES if key in place]
+    path = place.path
+    place_keys = [key for key in _PLACES if place.has(key)]
     if not place_keys:
         report.add("setting-shape", path, f"a place is missing; add {listed(map(quoted, _PLACES), 'or')}")
     if "where" in place_keys and len(place_keys) > 1:
         message = f"'where' says that no place is given, but {quoted(place_keys[0])} gives one; keep one of the two"
         report.add("setting-shape", (*path, "where"), message, at_key=True)
-    _check_object_and_bits(place, path, report)
-    _check_channels(place, path, data, report)
-    symbol = place.get("symbol", [])
-    symbol_of_each_channel = symbol if isinstance(symbol, list) else [symbol]
-    for text in symbol_of_each_channel:
-        _check_braces(text, _ITEMS, (*path, "symbol"), report)
+    _check_object_and_bits(place, report)
+    _check_channels(place, master, report)
+    symbols = place.symbol if isinstance(place.symbol, list) else [place.symbol]
+    for symbol in symbols:
+        _check_braces(str(symbol), _ITEMS, (*path, "symbol"), report)
 
 
-def _check_object_and_bits(place: Raw, path: Path, report: DocumentReport) -> None:
+def _check_object_and_bits(place: WrittenPlace, report: DocumentReport) -> None:
     """Check that the index, the bits and the limits of a place are complete and possible."""
-    has_index, has_subindex = "index" in place, "subindex" in place
+    has_index, has_subindex = place.index is not None, place.subindex is not None
     if has_index != has_subindex:
-        report.add("setting-shape", path, "use 'index' and 'subindex' together or not at all")
-    is_bits, has_bit_range = place.get("type") == "bits", "at" in place
+        report.add("setting-shape", place.path, "use 'index' and 'subindex' together or not at all")
+    is_bits, has_bit_range = place.type == "bits", place.at is not None
     if is_bits != has_bit_range:
-        report.add("setting-shape", path, "use the type 'bits' and the key 'at' together or not at all")
-    if has_bit_range and not _BITS.fullmatch(str(place["at"])):
-        report.add("setting-shape", (*path, "at"), "'at' is a bit number, or a range such as 7:6")
-    _check_bounds(place, "min", "max", path, report)
+        report.add("setting-shape", place.path, "use the type 'bits' and the key 'at' together or not at all")
+    if has_bit_range and not _BITS.fullmatch(str(place.at)):
+        report.add("setting-shape", place.place_of("at"), "'at' is a bit number, or a range such as 7:6")
+    _check_bounds(_Bound("min", place.min), _Bound("max", place.max), place.path, report)
 
 
-def _check_channels(place: Raw, path: Path, data: Raw, report: DocumentReport) -> None:
+def _check_channels(place: WrittenPlace, master: WrittenMaster, report: DocumentReport) -> None:
     """Check that a place is on known devices, with one entry for each of their channels."""
     channel_counts: dict[str, int] = {}
-    for device in data.get("devices", ()):
-        channel_counts[device["name"]] = len(device["channels"]) if "channels" in device else 1
+    for device in master.devices:
+        channel_counts[device.name] = 1 if device.channels is None else len(device.channels)
     if not channel_counts:  # Without devices, the master itself is one.
-        channel_counts = {data.get("title", ""): 1}
-    for index, name in enumerate(place.get("on", ())):
-        if name not in channel_counts:
-            message = f"there is no device {quoted(name)}{suggestion(name, channel_counts)}"
-            report.add("undefined-reference", (*path, "on", index), message)
-    used_devices = [name for name in channel_counts if name in place.get("on", channel_counts)]
-    for key in ("index", "subindex", "symbol", "register", "address"):
-        values = place.get(key)
+        channel_counts = {master.title: 1}
+    _check_devices(place.on or (), place.place_of("on"), list(channel_counts), report)
+    used_devices = [name for name in channel_counts if place.on is None or name in place.on]
+    for key in _PER_CHANNEL:
+        values = place.data.get(key)
         if not isinstance(values, list):
             continue
         for name in used_devices:
             count = channel_counts[name]
             if len(values) != count:
                 message = f"'{key}' needs one entry for each channel of {name}, which has {counted(count, 'channel')}"
-                report.add("setting-shape", (*path, key), message, at_key=True)
+                report.add("setting-shape", place.place_of(key), message, at_key=True)
 
 
-def _check_file(file: Raw, path: Path, data: Raw, report: DocumentReport) -> None:
-    """Check that a file names existing devices and settings, and has the names that its format needs."""
-    devices = [device["name"] for device in data.get("devices", ())]
-    if not devices:  # Without devices, the master itself is one.
-        devices = [data.get("title", "")]
-    for index, name in enumerate(file.get("on", ())):
+def _check_devices(names: Sequence[str], path: Path, devices: Sequence[str], report: DocumentReport) -> None:
+    """Check that devices of these names exist."""
+    for index, name in enumerate(names):
         if name not in devices:
             message = f"there is no device {quoted(name)}{suggestion(name, devices)}"
-            report.add("undefined-reference", (*path, "on", index), message)
-    for key in ("names", "words"):
-        for name in file.get(key, ()):
-            _check_setting_name(name, (*path, key, name), data, report, at_key=True)
-    needs_names = FILE_FORMATS[file["format"]].needs == "name"
-    if needs_names and "names" not in file:
-        report.add("setting-shape", path, f"the format {quoted(file['format'])} needs 'names'")
-    elif "names" in file and not needs_names:
-        message = f"the format {quoted(file['format'])} has no names of its own; remove 'names'"
-        report.add("setting-shape", path, message)
-    names_in_file = tuple(file.get("names", {}).values())
-    _check_braces(file.get("line", ""), names_in_file, (*path, "line"), report)
+            report.add("undefined-reference", (*path, index), message)
 
 
-def _check_setting_name(name: str, path: Path, data: Raw, report: DocumentReport, *, at_key: bool = False) -> None:
+def _check_file(file: WrittenMasterFile, master: WrittenMaster, report: DocumentReport) -> None:
+    """Check that a file names existing devices and settings, and has the names that its format needs."""
+    devices = [device.name for device in master.devices] or [master.title]  # Without devices, the master is one.
+    _check_devices(file.on, file.place_of("on"), devices, report)
+    for key, names in (("names", file.names), ("words", file.words)):
+        for name in names:
+            _check_setting_name(name, (*file.path, key, name), master, report, at_key=True)
+    needs_names = FILE_FORMATS[file.format].needs == "name"
+    has_names = file.has("names")
+    if needs_names and not has_names:
+        report.add("setting-shape", file.path, f"the format {quoted(file.format)} needs 'names'")
+    elif has_names and not needs_names:
+        message = f"the format {quoted(file.format)} has no names of its own; remove 'names'"
+        report.add("setting-shape", file.path, message)
+    _check_braces(file.line, tuple(file.names.values()), file.place_of("line"), report)
+
+
+def _check_setting_name(
+    name: str, path: Path, master: WrittenMaster, report: DocumentReport, *, at_key: bool = False
+) -> None:
     """Check that there is a setting of this name."""
-    names = [setting["name"] for setting in data.get("settings", ())]
+    names = [setting.name for setting in master.settings]
     if name not in names:
         message = f"there is no setting {quoted(name)}{suggestion(name, names)}"
         report.add("undefined-reference", path, message, at_key=at_key)
 
 
-def _check_writing(data: Raw, report: DocumentReport) -> None:
+def _check_writing(master: WrittenMaster, report: DocumentReport) -> None:
     """Check that write conditions have one kind, name existing settings, and define an order without cycles."""
     earlier_settings: dict[str, set[str]] = {}
-    for index, condition in enumerate(data.get("writing", ())):
-        path: Path = ("writing", index)
-        _check_write_condition(condition, path, data, report)
-        for name in condition.get("of", ()):
-            earlier_settings.setdefault(name, set()).update(condition.get("after", ()))
+    for condition in master.writing:
+        _check_write_condition(condition, master, report)
+        for name in condition.of:
+            earlier_settings.setdefault(name, set()).update(condition.after)
         try:
             TopologicalSorter(earlier_settings).prepare()
         except CycleError as error:
             circle = " after ".join(quoted(name) for name in reversed(error.args[1]))
-            report.add("value-clash", (*path, "after"), f"circular order: {circle}")
+            report.add("value-clash", condition.place_of("after"), f"circular order: {circle}")
             earlier_settings.clear()  # Each circle is reported once.
 
 
-def _check_write_condition(condition: Raw, path: Path, data: Raw, report: DocumentReport) -> None:
+def _check_write_condition(condition: WrittenWriting, master: WrittenMaster, report: DocumentReport) -> None:
     """Check that a write condition has one kind and names existing settings."""
-    kinds = [key for key in _WRITING if key in condition]
+    kinds = [key for key in _WRITING if condition.has(key)]
     if not kinds:
         message = f"a write condition is empty; add {listed(map(quoted, _WRITING), 'or')}"
-        report.add("writing-shape", path, message)
+        report.add("writing-shape", condition.path, message)
     elif len(kinds) > 1:
         message = f"a write condition has {listed(map(quoted, kinds))}; keep one of them"
-        report.add("writing-shape", path, message)
-    for key in ("of", "after"):
-        for index, name in enumerate(condition.get(key, ())):
-            _check_setting_name(name, (*path, key, index), data, report)
-    if "after" in condition and "of" not in condition:
-        report.add("writing-shape", path, "'after' also needs 'of', the settings to write later")
+        report.add("writing-shape", condition.path, message)
+    for key, names in (("of", condition.of), ("after", condition.after)):
+        for index, name in enumerate(names):
+            _check_setting_name(name, (*condition.path, key, index), master, report)
+    if condition.after and not condition.of:
+        report.add("writing-shape", condition.path, "'after' also needs 'of', the settings to write later")
 
 
 def _check_expression(value: int | str, path: Path, report: DocumentReport) -> None:
@@ -295,19 +320,17 @@ def _check_expression(value: int | str, path: Path, report: DocumentReport) -> N
         _is_item(name, path, report, tuple(NUMBERS))
 
 
-def _check_choice(choice: Raw, path: Path, report: DocumentReport) -> None:
+def _check_choice(choice: WrittenChoice, report: DocumentReport) -> None:
     """Check that a choice has one case for each value, and only values that its item can have."""
-    name = choice["of"]
-    if not _is_item(name, (*path, "of"), report):
+    name = choice.of
+    if not _is_item(name, choice.place_of("of"), report):
         return
     earlier_values: set[int | str] = set()
-    for index, case in enumerate(choice["cases"]):
-        value_path = (*path, "cases", index, "is")
-        value = case["is"]
-        is_valid = _check_case_value(name, value, value_path, report)
-        if is_valid and value in earlier_values:
-            report.add("duplicate-name", value_path, f"{quoted(value)} already has a case")
-        earlier_values.add(value)
+    for case in choice.cases:
+        is_valid = _check_case_value(name, case.is_, case.place_of("is"), report)
+        if is_valid and case.is_ in earlier_values:
+            report.add("duplicate-name", case.place_of("is"), f"{quoted(case.is_)} already has a case")
+        earlier_values.add(case.is_)
 
 
 def _check_case_value(name: str, value: int | str, path: Path, report: DocumentReport) -> bool:
@@ -320,16 +343,16 @@ def _check_case_value(name: str, value: int | str, path: Path, report: DocumentR
     return True
 
 
-def _check_string(rule: Raw, path: Path, report: DocumentReport) -> None:
+def _check_string(rule: WrittenString, report: DocumentReport) -> None:
     """Check that a text composed of the fields of a frame has the position and only known names in braces."""
-    _check_braces(rule.get("start", ""), _ITEMS, (*path, "start"), report)
-    kinds = {field["of"] for field in rule["fields"]}
-    has_position = "position" in kinds or ("multiturn" in kinds and "singleturn" in kinds)
+    _check_braces(rule.start, _ITEMS, rule.place_of("start"), report)
+    kinds = {field.of for field in rule.fields}
+    has_position = "position" in kinds or kinds >= {"multiturn", "singleturn"}
     if not has_position:
         message = "there is no entry for the position; add one for position, or for multiturn and singleturn"
-        report.add("missing-key", (*path, "fields"), message)
-    for index, field in enumerate(rule["fields"]):
-        _check_braces(field["text"], ("bits", "name", *_ITEMS), (*path, "fields", index, "text"), report)
+        report.add("missing-key", rule.place_of("fields"), message)
+    for field in rule.fields:
+        _check_braces(field.text, ("bits", "name", *_ITEMS), field.place_of("text"), report)
 
 
 def _check_braces(text: str, known_names: tuple[str, ...], path: Path, report: DocumentReport) -> None:

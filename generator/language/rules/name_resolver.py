@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 
 from ...model import INTERFACES
 from ..document import Path
 from ..problems import DocumentReport, nearest_choice, quoted, suggestion
 from ..schema_check import value_at
-from .walk import Spec, bits_of, by_name, mapping, named_values
+from ..written_parts import WrittenSpec
+from .parts import bits_of, by_name, by_part_name, named_values
 
 _NAME = re.compile("[a-z][a-z0-9]*(_[a-z0-9]+)*")
 
@@ -17,21 +18,22 @@ _NAME = re.compile("[a-z][a-z0-9]*(_[a-z0-9]+)*")
 class NameResolver:
     """Names defined in a spec as read, by kind, and the report for undefined ones."""
 
-    def __init__(self, raw: Spec, report: DocumentReport) -> None:
+    def __init__(self, raw: WrittenSpec, report: DocumentReport) -> None:
         self._report = report
-        self._broken = {name for name in mapping(raw, "interfaces") if name not in INTERFACES}
+        interfaces, self.parameter_names = list(raw.interfaces.data), raw.names_in("parameters")
+        self._broken = {name for name in interfaces if name not in INTERFACES}
         for path in report.faults():
-            name = value_at(raw, path) if path[-1] == "name" else path[-1]
+            name = value_at(raw.data, path) if path[-1] == "name" else path[-1]
             if isinstance(name, str) and not _NAME.fullmatch(name):
                 self._broken.add(name)
-        self.groups, self.registers = by_name(raw, "field_groups"), by_name(raw, "registers")
-        self.procedures, self.parameters = by_name(raw, "procedures"), mapping(raw, "parameters")
+        self.groups, self.registers = by_name(raw.field_groups), by_name(raw.registers)
+        self.procedures = by_name(raw.procedures)
         self._known: Mapping[str, Collection[str]] = {
-            "CRC": by_name(raw, "crcs"),
-            "erratum": by_name(raw, "errata"),
+            "CRC": by_part_name(raw.crcs),
+            "erratum": by_name(raw.errata),
             "field group": self.groups,
-            "interface": mapping(raw, "interfaces"),
-            "parameter": self.parameters,
+            "interface": interfaces,
+            "parameter": self.parameter_names,
             "procedure": self.procedures,
             "register": self.registers,
         }
@@ -56,16 +58,19 @@ class NameResolver:
         """Report a name that exists but is not sufficient."""
         self._report.add("undefined-reference", path, problem)
 
-    def refer_by(
-        self, key: str, path: Path, owner: Spec, kind: str, known_names: Collection[str] | None = None
+    def refer_if_given(
+        self, path: Path, kind: str, name: str | None, known_names: Collection[str] | None = None
     ) -> None:
-        """Call ``refer`` for the value of a key: one name, several names, or none."""
-        names = owner.get(key, ())
-        if isinstance(names, str):
-            self.refer((*path, key), kind, names, known_names)
-            return
+        """Call ``refer`` for a name that may be missing."""
+        if name:
+            self.refer(path, kind, name, known_names)
+
+    def refer_to_each(
+        self, path: Path, kind: str, names: Sequence[str], known_names: Collection[str] | None = None
+    ) -> None:
+        """Call ``refer`` for each name of a list."""
         for index, name in enumerate(names):
-            self.refer((*path, key, index), kind, name, known_names)
+            self.refer((*path, index), kind, name, known_names)
 
     def refer_to_bit(self, path: Path, text: str) -> None:
         """Report ``text``, written as ``register.field``, unless both exist."""
@@ -78,6 +83,6 @@ class NameResolver:
         """Return the names allowed after the dot that follows a register."""
         return bits_of(self.registers[register], self.groups)
 
-    def values(self, register: str, field: str | None) -> list[str]:
+    def values(self, register: str, field: str = "") -> list[str]:
         """Return the names of values of a register, or of one of its fields."""
         return named_values(self.registers[register], self.groups, field)

@@ -12,33 +12,38 @@ from typing import Any
 from ...model.expressions import Expression, ExpressionError
 from ..document import Path
 from ..problems import WORDS_ONLY, DocumentReport, quoted
+from ..written_codes import WrittenCodePart, WrittenCodeValue, WrittenParameter, WrittenSpelling
+from ..written_parts import WrittenSpec
 from .name_resolver import NameResolver
-from .walk import Spec, by_name, items, mapping
+from .parts import by_name, origins_of
 
 
-def order_code_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def order_code_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of order code values: parameters, interfaces, other parts and their values."""
-    resolver, parts = NameResolver(raw, report), by_name(raw, *_PARTS)
-    for path, part in items(spec, *_PARTS):
-        own_name = part["name"]
-        _check_parts(resolver, (*path, "open_only_with"), mapping(part, "open_only_with"), own_name, parts)
-        for text, value in part["values"].items():
-            value_path = (*path, "values", text)
-            for name in mapping(value, "sets"):
-                resolver.refer((*value_path, "sets", name), "parameter", name)
-            resolver.refer_by("interface", value_path, value, "interface")
-            _check_parts(resolver, (*value_path, "only_with"), mapping(value, "only_with"), own_name, parts)
+    resolver, parts = NameResolver(raw, report), by_name(raw.order_code.parts)
+    for part in spec.order_code.parts:
+        other_parts = [name for name in parts if name != part.name]
+        _check_combinations(resolver, part.place_of("open_only_with"), part.open_only_with, parts, other_parts)
+        for value in part.values.values():
+            for name in value.sets:
+                resolver.refer((*value.path, "sets", name), "parameter", name)
+            resolver.refer_if_given(value.place_of("interface"), "interface", value.interface)
+            _check_combinations(resolver, value.place_of("only_with"), value.only_with, parts, other_parts)
 
 
-def _check_parts(
-    resolver: NameResolver, path: Path, texts_by_part: Spec, own_name: str, parts: Mapping[str, Spec]
+def _check_combinations(
+    resolver: NameResolver,
+    path: Path,
+    labels_by_part: Mapping[str, Sequence[str]],
+    parts: Mapping[str, WrittenCodePart],
+    other_parts: Sequence[str],
 ) -> None:
     """Check that the parts with which a value can be combined exist, and that they have the listed values."""
-    other_parts = [name for name in parts if name != own_name]
-    for name in texts_by_part:
+    for name, labels in labels_by_part.items():
         resolver.refer((*path, name), "other part", name, other_parts)
         if name in parts:
-            resolver.refer_by(name, path, texts_by_part, name, mapping(parts[name], "values"))
+            known_labels = parts[name].names_in("values")
+            resolver.refer_to_each((*path, name), name, labels, known_labels)
 
 
 #: Largest number of codes of one family. More indicate an error, as the largest catalogue pages list a few hundred.
@@ -63,27 +68,27 @@ class _Code:
     """One enumerated code: its text and the chosen value of each part."""
 
     text: str
-    chosen: tuple[tuple[str, str, Spec], ...]
+    chosen: tuple[tuple[str, str, WrittenCodeValue], ...]
 
     @property
     def interfaces(self) -> list[str]:
-        return [value["interface"] for _, _, value in self.chosen if "interface" in value]
+        return [value.interface for _, _, value in self.chosen if value.interface is not None]
 
     @property
     def set_parameters(self) -> list[str]:
         """Names of the parameters that its parts set, with duplicates."""
         names: list[str] = []
         for _, _, value in self.chosen:
-            names += mapping(value, "sets")
+            names += value.sets
         return names
 
 
-def parameter_cycle(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def parameter_cycle(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no parameter is defined by itself."""
     definitions: dict[str, tuple[str, ...]] = {}
-    for name, parameter in mapping(spec, "parameters").items():
-        if "equals" in parameter:
-            definitions[name] = _parameters_in(parameter["equals"])
+    for name, parameter in spec.parameters.items():
+        if parameter.equals is not None:
+            definitions[name] = _parameters_in(parameter.equals)
     settled: set[str] = set()
     for name in definitions:
         cycle = _find_cycle(name, definitions, settled)
@@ -116,9 +121,9 @@ def _find_cycle(start: str, definitions: Mapping[str, tuple[str, ...]], settled:
     return []
 
 
-def order_code_pattern(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def order_code_pattern(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that pattern and parts agree, and that every code sets each parameter once and selects one interface."""
-    if not is_whole(spec, raw):
+    if not is_whole(spec.data, raw.data):
         return
     problems_before = len(report)
     _check_pattern(spec, report)
@@ -136,31 +141,31 @@ def order_code_pattern(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         _check_codes(spec, codes, report)
 
 
-def order_code_ambiguous(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def order_code_ambiguous(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no text on a label can be read in two ways."""
-    if not is_whole(spec, raw):
+    if not is_whole(spec.data, raw.data):
         return
-    parts = [part for _, part in items(spec, *_PARTS)]
-    part_names = {part["name"] for part in parts}
+    parts, pattern = spec.order_code.parts, spec.order_code.pattern
+    part_names = {part.name for part in parts}
     has_duplicate_names = len(part_names) < len(parts)
-    has_invalid_expression = any(_expression_fault(part.get("open", "")) for part in parts)
-    pattern = str(mapping(spec, "order_code").get("pattern", ""))
+    has_invalid_expression = any(_expression_fault(part.open) for part in parts)
     names_each_part_once = sorted(_BRACES.findall(pattern)) == sorted(part_names)
     if has_duplicate_names or has_invalid_expression or not names_each_part_once:
         return  # Other rules report these.
-    message = _ambiguity(spec, parts, pattern)
+    message = _ambiguity(spec)
     if message:
         report.add("order-code-ambiguous", ("order_code", "pattern"), message)
 
 
-def _ambiguity(spec: Spec, parts: Sequence[Spec], pattern: str) -> str:
+def _ambiguity(spec: WrittenSpec) -> str:
     """Return the message about the first text that can be read in two ways, or an empty string."""
     # Literals are at even indices, and names of parts at odd ones. Blanks on a label are ignored.
-    pieces = _BRACES.split(pattern)
+    parts = spec.order_code.parts
+    pieces = _BRACES.split(spec.order_code.pattern)
     pieces[::2] = map(_without_blanks, pieces[::2])
     # With parts of fixed length each code splits at fixed places, so it can only be read as it was composed.
     has_fixed_lengths = all(map(_has_fixed_length, parts))
-    value_tests = {part["name"]: _value_test(part) for part in parts}
+    value_tests = {part.name: _value_test(part) for part in parts}
     first_codes: dict[str, _Code] = {}
     for code in _codes(spec) or ():
         label = _without_blanks(code.text)
@@ -177,49 +182,49 @@ def _ambiguity(spec: Spec, parts: Sequence[Spec], pattern: str) -> str:
     return ""
 
 
-def _has_fixed_length(part: Spec) -> bool:
-    return "open" not in part and len(set(map(len, part["values"]))) == 1
+def _has_fixed_length(part: WrittenCodePart) -> bool:
+    return not part.open and len(set(map(len, part.values))) == 1
 
 
 def _reading_text(names: Sequence[str], reading: Sequence[str]) -> str:
     return ", ".join(f"{name} {text}" for name, text in zip(names, reading, strict=True))
 
 
-def also_written(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def also_written(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that an alternative spelling has every part exactly once, and that its texts represent listed values."""
-    if not is_whole(spec, raw):
+    if not is_whole(spec.data, raw.data):
         return
-    parts = {part["name"]: part for _, part in items(spec, *_PARTS)}
-    for path, spelling in items(spec, "order_code", "also_written"):
-        used_parts = _BRACES.findall(spelling["pattern"])
+    parts = {part.name: part for part in spec.order_code.parts}
+    for spelling in spec.order_code.also_written:
+        used_parts = _BRACES.findall(spelling.pattern)
         if sorted(used_parts) == sorted(parts):
-            _check_spelling(path, spelling, parts, report)
+            _check_spelling(spelling, parts, report)
             continue
         noun = "part" if len(used_parts) == 1 else "parts"
         used_text = f"the {noun} {', '.join(used_parts)}" if used_parts else "no parts"
         message = (
-            f"{quoted(spelling['pattern'])} has {used_text}; "
-            f"each part ({', '.join(parts)}) must occur exactly once, as in {quoted(spec['order_code']['pattern'])}"
+            f"{quoted(spelling.pattern)} has {used_text}; "
+            f"each part ({', '.join(parts)}) must occur exactly once, as in {quoted(spec.order_code.pattern)}"
         )
-        report.add("also-written", (*path, "pattern"), message)
+        report.add("also-written", spelling.place_of("pattern"), message)
 
 
-def _check_spelling(path: Path, spelling: Spec, parts: Mapping[str, Spec], report: DocumentReport) -> None:
+def _check_spelling(spelling: WrittenSpelling, parts: Mapping[str, WrittenCodePart], report: DocumentReport) -> None:
     """Check that the texts of an alternative spelling represent listed values, and that its expression is valid."""
-    for name, texts in mapping(spelling, "values").items():
+    for name, labels in spelling.values.items():
         if name not in parts:
             message = f"there is no part {quoted(name)}; known: {', '.join(parts)}"
-            report.add("also-written", (*path, "values", name), message, at_key=True)
+            report.add("also-written", (*spelling.path, "values", name), message, at_key=True)
             continue
-        listed_values = parts[name]["values"]
-        for text, value in texts.items():
+        listed_values = parts[name].values
+        for label, value in labels.items():
             if value not in listed_values:
                 message = f"{quoted(value)} is not a value of {name}; known: {', '.join(listed_values)}"
-                report.add("also-written", (*path, "values", name, text), message, cause=f"{name} {value}")
-    fault = _expression_fault(spelling.get("then", ""))
+                report.add("also-written", (*spelling.path, "values", name, label), message, cause=f"{name} {value}")
+    fault = _expression_fault(spelling.then)
     if fault:
-        message = f"{quoted(spelling['then'])} is not a valid regular expression: {fault}"
-        report.add("also-written", (*path, "then"), message)
+        message = f"{quoted(spelling.then)} is not a valid regular expression: {fault}"
+        report.add("also-written", spelling.place_of("then"), message)
 
 
 def _without_blanks(text: str) -> str:
@@ -227,13 +232,13 @@ def _without_blanks(text: str) -> str:
     return "".join(text.split()).upper()
 
 
-def is_whole(spec: Spec, raw: Spec) -> bool:
+def is_whole(data: dict[str, Any], data_as_read: dict[str, Any]) -> bool:
     """Return True if only prose was cut out of order codes and parameters.
 
     Any other missing part would cause errors in the remaining data.
     """
     for key in ("order_code", "parameters"):
-        if key not in spec or _without_prose(spec[key]) != _without_prose(raw[key]):
+        if key not in data or _without_prose(data[key]) != _without_prose(data_as_read[key]):
             return False
     return True
 
@@ -246,12 +251,11 @@ def _without_prose(value: Any) -> Any:
     return value
 
 
-def _check_pattern(spec: Spec, report: DocumentReport) -> None:
+def _check_pattern(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a pattern has each part once, and only characters of order codes between them."""
-    pattern = spec["order_code"]["pattern"]
-    path: Path = ("order_code", "pattern")
+    pattern, path = spec.order_code.pattern, spec.order_code.place_of("pattern")
     used_parts = _BRACES.findall(pattern)
-    names = [part["name"] for _, part in items(spec, *_PARTS)]
+    names = [part.name for part in spec.order_code.parts]
     literals = "".join(_BRACES.split(pattern)[0::2])
     forbidden = [character for character in literals if not _LITERAL.fullmatch(character)]
     if forbidden:
@@ -266,41 +270,40 @@ def _check_pattern(spec: Spec, report: DocumentReport) -> None:
         count = used_parts.count(name)
         if count > 1:
             report.add("order-code-pattern", path, f"the part {{{name}}} occurs {count} times in the pattern")
-    for part_path, part in items(spec, *_PARTS):
-        if part["name"] not in used_parts:
-            message = f"the pattern {quoted(pattern)} does not contain {{{part['name']}}}"
-            report.add("order-code-pattern", (*part_path, "name"), message)
+    for part in spec.order_code.parts:
+        if part.name not in used_parts:
+            message = f"the pattern {quoted(pattern)} does not contain {{{part.name}}}"
+            report.add("order-code-pattern", part.place_of("name"), message)
 
 
-def _check_values(spec: Spec, report: DocumentReport) -> None:
+def _check_values(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that order codes set only parameters without another origin, and that open parts have valid expressions."""
-    parameters = spec["parameters"]
-    for path, part in items(spec, *_PARTS):
-        for text, value in part["values"].items():
-            for name in mapping(value, "sets"):
-                origin = _other_origin(spec, parameters.get(name, {}))
+    for part in spec.order_code.parts:
+        for value in part.values.values():
+            for name in value.sets:
+                origin = _other_origin(spec, spec.parameters[name]) if name in spec.parameters else None
                 if origin is not None:
                     message = f"{quoted(name)} {_NOT_SET[origin]}, so an order code cannot set it too"
-                    report.add("order-code-pattern", (*path, "values", text, "sets", name), message)
-        fault = _expression_fault(part.get("open", ""))
+                    report.add("order-code-pattern", (*value.path, "sets", name), message)
+        fault = _expression_fault(part.open)
         if fault:
-            message = f"{quoted(part['open'])} is not a valid regular expression: {fault}"
-            report.add("order-code-pattern", (*path, "open"), message)
+            message = f"{quoted(part.open)} is not a valid regular expression: {fault}"
+            report.add("order-code-pattern", part.place_of("open"), message)
 
 
-def _other_origin(spec: Spec, parameter: Spec) -> str | None:
+def _other_origin(spec: WrittenSpec, parameter: WrittenParameter) -> str | None:
     """Return the key because of which an order code cannot set a parameter, or None if it can."""
-    origins = [key for key in _NOT_SET if key in parameter]
+    origins = origins_of(parameter)
     if not origins:
         return None
     needs_order_code = origins[0] == "read_from" and _has_no_default(spec, parameter)
     return None if needs_order_code else origins[0]
 
 
-def _has_no_default(spec: Spec, parameter: Spec) -> bool:
+def _has_no_default(spec: WrittenSpec, parameter: WrittenParameter) -> bool:
     """Return True if a parameter is read from a register without a default, so that the order code must set it."""
-    name = str(parameter["read_from"]).partition(".")[0]
-    return any(register["name"] == name and "default" not in register for _, register in items(spec, "registers"))
+    name = parameter.read_from.partition(".")[0]
+    return any(register.name == name and register.default is None for register in spec.registers)
 
 
 def _expression_fault(text: str) -> str:
@@ -314,7 +317,7 @@ def _expression_fault(text: str) -> str:
     return "more than three repetitions" if len(repetitions) > 3 else ""
 
 
-def _check_codes(spec: Spec, codes: Sequence[_Code], report: DocumentReport) -> None:
+def _check_codes(spec: WrittenSpec, codes: Sequence[_Code], report: DocumentReport) -> None:
     """Report each kind of error once, for the first code that has it."""
     problems: dict[str, tuple[Path, str]] = {}
     required_parameters = _required_parameters(spec, codes)
@@ -325,7 +328,7 @@ def _check_codes(spec: Spec, codes: Sequence[_Code], report: DocumentReport) -> 
             message = f"each code must select one interface; {code.text} selects {selected}"
             problems.setdefault("interface", (_PARTS, message))
         for name in required_parameters:
-            message = _parameter_fault(name, code, spec["parameters"])
+            message = _parameter_fault(name, code, spec.parameters)
             if message:
                 problems.setdefault(name, (("parameters", name), message))
     for path, message in problems.values():
@@ -333,7 +336,7 @@ def _check_codes(spec: Spec, codes: Sequence[_Code], report: DocumentReport) -> 
     _check_selected_interfaces(spec, codes, report)
 
 
-def _parameter_fault(name: str, code: _Code, parameters: Spec) -> str:
+def _parameter_fault(name: str, code: _Code, parameters: Mapping[str, WrittenParameter]) -> str:
     """Return the message about a code that does not set a parameter exactly once, or an empty string."""
     set_parameters = code.set_parameters
     count = set_parameters.count(name)
@@ -349,20 +352,20 @@ def _parameter_fault(name: str, code: _Code, parameters: Spec) -> str:
     return ""
 
 
-def _required_parameters(spec: Spec, codes: Sequence[_Code]) -> list[str]:
+def _required_parameters(spec: WrittenSpec, codes: Sequence[_Code]) -> list[str]:
     """Return the parameters that every code must set."""
     set_by_codes = {name for code in codes for name in code.set_parameters}
     names = []
-    for name, parameter in spec["parameters"].items():
-        is_optional = any(key in parameter for key in _NOT_SET)
-        if not is_optional or ("read_from" in parameter and name in set_by_codes):
+    for name, parameter in spec.parameters.items():
+        is_read_and_set = bool(parameter.read_from) and name in set_by_codes
+        if not origins_of(parameter) or is_read_and_set:
             names.append(name)
     return names
 
 
-def _check_selected_interfaces(spec: Spec, codes: Sequence[_Code], report: DocumentReport) -> None:
+def _check_selected_interfaces(spec: WrittenSpec, codes: Sequence[_Code], report: DocumentReport) -> None:
     """Report each interface that no code selects."""
-    interfaces = mapping(spec, "interfaces")
+    interfaces = spec.interfaces.data
     selected_interfaces: set[str] = set()
     for code in codes:
         selected_interfaces.update(code.interfaces)
@@ -374,40 +377,42 @@ def _check_selected_interfaces(spec: Spec, codes: Sequence[_Code], report: Docum
             report.add("order-code-pattern", ("interfaces", interface), message, at_key=True)
 
 
-def _codes(spec: Spec) -> list[_Code] | None:
+def _codes(spec: WrittenSpec) -> list[_Code] | None:
     """Return every enumerated code, or None if there are too many."""
-    parts = [part for _, part in items(spec, *_PARTS)]
-    if math.prod(len(part["values"]) for part in parts) > MAX_CODES:
+    parts = spec.order_code.parts
+    if math.prod(len(part.values) for part in parts) > MAX_CODES:
         return None
-    # For each part, its name with each of its texts and values.
-    choices = [[(part["name"], text, value) for text, value in part["values"].items()] for part in parts]
+    # For each part, its name with each of its labels and values.
+    choices = []
+    for part in parts:
+        choices.append([(part.name, label, value) for label, value in part.values.items()])
     codes = []
     for chosen in itertools.product(*choices):
-        texts = {name: text for name, text, _ in chosen}
-        if _is_allowed(chosen, texts):
-            codes.append(_Code(_fill_pattern(spec["order_code"]["pattern"], texts), chosen))
+        labels = {name: label for name, label, _ in chosen}
+        if _is_allowed(chosen, labels):
+            codes.append(_Code(_fill_pattern(spec.order_code.pattern, labels), chosen))
     return codes
 
 
-def _is_allowed(chosen: Sequence[tuple[str, str, Spec]], texts: Mapping[str, str]) -> bool:
-    """Return True if each chosen value can be combined with the texts of the other parts."""
+def _is_allowed(chosen: Sequence[tuple[str, str, WrittenCodeValue]], labels: Mapping[str, str]) -> bool:
+    """Return True if each chosen value can be combined with the labels of the other parts."""
     for _, _, value in chosen:
-        for name, allowed_texts in mapping(value, "only_with").items():
-            if texts.get(name) not in allowed_texts:
+        for name, allowed_labels in value.only_with.items():
+            if labels.get(name) not in allowed_labels:
                 return False
     return True
 
 
-def _fill_pattern(pattern: str, texts: dict[str, str]) -> str:
-    return _BRACES.sub(lambda brace: texts.get(brace[1], ""), pattern)
+def _fill_pattern(pattern: str, labels: dict[str, str]) -> str:
+    return _BRACES.sub(lambda brace: labels.get(brace[1], ""), pattern)
 
 
-def _value_test(part: Spec) -> Callable[[str], bool]:
+def _value_test(part: WrittenCodePart) -> Callable[[str], bool]:
     """Return the test whether a text in capitals is a value of a part."""
-    listed_values = frozenset(value.upper() for value in part["values"])
-    if "open" not in part:
+    listed_values = frozenset(value.upper() for value in part.values)
+    if not part.open:
         return listed_values.__contains__
-    expression = re.compile(part["open"], re.IGNORECASE)
+    expression = re.compile(part.open, re.IGNORECASE)
     return lambda text: text in listed_values or expression.fullmatch(text) is not None
 
 

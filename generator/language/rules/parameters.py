@@ -1,24 +1,29 @@
-"""Rules for parameters: the interface that may use them, and their unit."""
+"""Rules for parameters and alternatives: the origin of their values, the places that may use them, and units."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from ...model.expressions import Expression, ExpressionError, Factor
 from ..problems import DocumentReport, Path, listed, quoted
-from .walk import (
-    Fields,
+from ..written_codes import WrittenAlternative, WrittenParameter, WrittenRegister
+from ..written_interfaces import WrittenSpi
+from ..written_layouts import WrittenField
+from ..written_parts import WrittenSpec
+from .name_resolver import NameResolver
+from .parts import (
+    FieldList,
     Has,
-    Spec,
+    PlacedPart,
+    WrittenInterface,
     by_name,
     expanded,
     field_lists,
     interface_of,
-    items,
+    interfaces,
     layouts,
-    mapping,
     measurements,
-    position_ranges,
+    origins_of,
 )
 
 #: Quantities by their units as manuals name them. Other units are used unchanged.
@@ -49,13 +54,12 @@ def kind_of_unit(unit: str) -> str:
     return _KIND_OF.get(unit, unit)
 
 
-def parameter_interface(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def parameter_interface(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a parameter of one interface is not used for another."""
-    parameters = mapping(raw, "parameters")
     for path, interface, text in uses(spec, raw):
-        for name in dict.fromkeys(all_parameters(text, parameters)):
-            owner_interface = mapping(parameters, name).get("interface")
-            if isinstance(owner_interface, str) and owner_interface != interface:
+        for name in dict.fromkeys(all_parameters(text, raw.parameters)):
+            owner_interface = raw.parameters[name].interface
+            if owner_interface is not None and owner_interface != interface:
                 report.add(
                     "parameter-interface",
                     path,
@@ -64,84 +68,87 @@ def parameter_interface(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 break
 
 
-def expressions(spec: Spec) -> Iterator[tuple[Path, int | str]]:
+#: An expression as written, with its path.
+_Expressions = Iterator[tuple[Path, int | str]]
+
+
+def expressions(spec: WrittenSpec) -> _Expressions:
     """Yield every expression of a spec, those of groups once."""
-    for path, part in items(spec, "order_code", "parts"):
-        yield from _expressions_under(path, part, ("label_is",))
-    for name, parameter in mapping(spec, "parameters").items():
-        yield from _expressions_under(("parameters", name), parameter, ("equals",))
+    for part in spec.order_code.parts:
+        yield from _expressions_under(part, ("label_is",))
+    for parameter in spec.parameters.values():
+        yield from _expressions_under(parameter, ("equals",))
     for fields in field_lists(spec):
-        for path, field in fields:
-            yield from _of_field(path, field)
-    for path, register in items(spec, "registers"):
-        yield from _of_limits(path, register)
-    for path, measurement in measurements(spec):
-        yield from _expressions_under(path, measurement, _MEASURED)
-    for path, _, own_range in position_ranges(spec):
-        yield from _expressions_under(path, own_range, _MEASURED)
-    for kind, interface in mapping(spec, "interfaces").items():
-        yield from _of_words(kind, interface)
+        for field in fields.fields:
+            yield from _of_field(field, field.path)
+    for register in spec.registers:
+        for limited in (register, *register.meanings):
+            yield from _expressions_under(limited, ("min", "max"))
+    for measurement in measurements(spec):
+        yield from _expressions_under(measurement, _MEASURED)
+    for fields in layouts(spec):
+        yield from _of_position_range(fields)
+    for _, interface in interfaces(spec):
+        yield from _of_words(interface)
 
 
-def uses(spec: Spec, raw: Spec | None = None) -> Iterator[tuple[Path, str, int | str]]:
+def uses(spec: WrittenSpec, raw: WrittenSpec | None = None) -> Iterator[tuple[Path, str, int | str]]:
     """Yield each use of an expression or parameter by an interface: the place, the interface, and the text."""
-    groups = by_name(raw if raw is not None else spec, "field_groups")
+    groups = by_name((raw if raw is not None else spec).field_groups)
     field_owners = list(layouts(spec))
-    for path, register in items(spec, "registers"):
-        field_owners.append(Fields(Has.REGISTER, register, path, interface_of(register)))
+    field_owners += [FieldList(Has.REGISTER, register, interface_of(register)) for register in spec.registers]
     for fields in field_owners:
-        for path, text in _expressions_of_fields(fields, groups):
-            yield path, fields.interface, text
-    for path, kind, own_range in position_ranges(spec):
-        for key_path, text in _expressions_under(path, own_range, _MEASURED):
-            yield key_path, kind, text
-    for kind, interface in mapping(spec, "interfaces").items():
+        for path, field in expanded(fields, groups):
+            yield from _used_by(fields.interface, _of_field(field, path))
+        yield from _used_by(fields.interface, _of_owner(fields))
+    for name, interface in interfaces(spec):
         # A measurement of the device applies to each interface without its own.
-        measurement_path: Path = ("measurement",)
-        measurement = mapping(spec, "measurement")
-        if "measurement" in interface:
-            measurement_path = ("interfaces", kind, "measurement")
-            measurement = mapping(interface, "measurement")
-        for path, text in _expressions_under(measurement_path, measurement, _MEASURED):
-            yield path, kind, text
-        for path, text in _of_words(kind, interface):
-            yield path, kind, text
+        measurement = interface.measurement if interface.has("measurement") else spec.measurement
+        if measurement is not None:
+            yield from _used_by(name, _expressions_under(measurement, _MEASURED))
+        yield from _used_by(name, _of_words(interface))
 
 
-def _expressions_of_fields(fields: Fields, groups: Mapping[str, Spec]) -> Iterator[tuple[Path, int | str]]:
-    """Yield the expressions of a layout or register: those of its fields, of its limits and of its Gray code."""
-    for path, field in expanded(fields, groups):
-        yield from _of_field(path, field)
-    yield from _of_limits(fields.path, fields.owner)
-    yield from _expressions_under((*fields.path, "gray"), mapping(fields.owner, "gray"), ("when", "excess"))
+def _used_by(interface: str, expressions: _Expressions) -> Iterator[tuple[Path, str, int | str]]:
+    """Yield expressions with the interface that uses them."""
+    for path, text in expressions:
+        yield path, interface, text
 
 
-def _expressions_under(path: Path, spec: Spec, keys: Iterable[str]) -> Iterator[tuple[Path, int | str]]:
-    return (((*path, key), spec[key]) for key in keys if key in spec)
+def _of_owner(fields: FieldList) -> _Expressions:
+    """Yield the limits of a register, or the position range and the Gray code of a layout."""
+    if isinstance(fields.owner, WrittenRegister):
+        for limited in (fields.owner, *fields.owner.meanings):
+            yield from _expressions_under(limited, ("min", "max"))
+    yield from _of_position_range(fields)
+    if fields.layout is not None and fields.layout.gray is not None:
+        yield from _expressions_under(fields.layout.gray, ("when", "excess"))
 
 
-def _of_words(kind: str, interface: Spec) -> Iterator[tuple[Path, int | str]]:
-    """Yield the lengths of words, of the interface and of its exchanges."""
-    interface_path = ("interfaces", kind)
-    yield from _expressions_under(interface_path, interface, ("word_bits",))
-    for path, exchange in items(interface, "exchanges"):
-        yield from _expressions_under((*interface_path, *path), exchange, ("word_bits",))
+def _of_position_range(fields: FieldList) -> _Expressions:
+    """Yield the numbers of the range that a layout has for itself."""
+    if fields.layout is not None and fields.layout.position_range is not None:
+        yield from _expressions_under(fields.layout.position_range, _MEASURED)
 
 
-def _of_field(path: Path, field: Spec) -> Iterator[tuple[Path, int | str]]:
-    """Return the expressions of a field. ``equals`` of a text field is text, otherwise an expression."""
-    keys = ("bits", "low_bit") if "text" in field else ("bits", "low_bit", "equals")
-    return _expressions_under(path, field, keys)
+def _expressions_under(part: PlacedPart, keys: Iterable[str]) -> _Expressions:
+    return (((*part.path, key), part.data[key]) for key in keys if key in part.data)
 
 
-def _of_limits(path: Path, owner: Spec) -> Iterator[tuple[Path, int | str]]:
-    """Yield the limits of a register, and those of its meanings."""
-    yield from _expressions_under(path, owner, ("min", "max"))
-    for meaning_path, meaning in items(owner, "meanings"):
-        yield from _expressions_under((*path, *meaning_path), meaning, ("min", "max"))
+def _of_words(interface: WrittenInterface) -> _Expressions:
+    """Yield the lengths of words over SPI: of the interface and of its exchanges."""
+    if isinstance(interface, WrittenSpi):
+        for owner in (interface, *interface.exchanges):
+            yield from _expressions_under(owner, ("word_bits",))
 
 
-def all_parameters(text: object, parameters: Spec) -> Iterator[str]:
+def _of_field(field: WrittenField, path: Path) -> _Expressions:
+    """Yield the expressions of a field at a place. ``equals`` of a text field is text, otherwise an expression."""
+    keys = ("bits", "low_bit") if field.has("text") else ("bits", "low_bit", "equals")
+    return (((*path, key), field.data[key]) for key in keys if key in field.data)
+
+
+def all_parameters(text: object, parameters: Mapping[str, WrittenParameter]) -> Iterator[str]:
     """Yield the parameters in an expression, and those that define them."""
     factors = _factors(text)
     visited_names: set[str] = set()
@@ -151,7 +158,7 @@ def all_parameters(text: object, parameters: Spec) -> Iterator[str]:
         if name not in visited_names and name in parameters:
             visited_names.add(name)
             yield name
-            factors += _factors(mapping(parameters, name).get("equals"))
+            factors += _factors(parameters[name].equals)
 
 
 def _factors(text: object) -> list[Factor]:
@@ -165,76 +172,120 @@ def _factors(text: object) -> list[Factor]:
     return [factor for term in terms for factor in term.factors]
 
 
-#: Keys for the origin of a parameter's value. Without any, the order code sets it.
-_ORIGINS = ("equals", "read_from", "alternative")
-
-
-def parameter_origin(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def parameter_origin(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the value of a parameter has one origin, and that codes are those of a register."""
-    for name, parameter in mapping(spec, "parameters").items():
-        origins = [key for key in _ORIGINS if key in parameter]
+    for name, parameter in spec.parameters.items():
+        origins = origins_of(parameter)
         if len(origins) > 1:
             problem = f"{listed(map(quoted, origins))} each define {quoted(name)}; keep one"
-            report.add("parameter-origin", ("parameters", name, origins[1]), problem, at_key=True)
-        if "by_code" not in parameter:
+            report.add("parameter-origin", parameter.place_of(origins[1]), problem, at_key=True)
+        if not parameter.by_code:
             continue
-        limits = [key for key in ("min", "max") if key in parameter]
-        if "read_from" not in parameter:
+        limits = [key for key in ("min", "max") if parameter.has(key)]
+        if not parameter.read_from:
             problem = "'by_code' needs 'read_from', the register field that holds the code"
-            report.add("parameter-origin", ("parameters", name, "by_code"), problem, at_key=True)
+            report.add("parameter-origin", parameter.place_of("by_code"), problem, at_key=True)
         elif limits:
             problem = f"'by_code' already lists the values of {quoted(name)}; leave out {quoted(limits[0])}"
-            report.add("parameter-origin", ("parameters", name, limits[0]), problem, at_key=True)
+            report.add("parameter-origin", parameter.place_of(limits[0]), problem, at_key=True)
 
 
-def alternative_use(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def alternative_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the answers of an alternative set the same parameters, and that these name the alternative."""
+    resolver, alternatives = NameResolver(raw, report), by_name(raw.alternatives)
+    for alternative in spec.alternatives:
+        parameters_as_read = raw.parameters.items()
+        own_parameters = [name for name, parameter in parameters_as_read if parameter.alternative == alternative.name]
+        _check_answers(alternative, own_parameters, resolver)
+    for name, parameter in spec.parameters.items():
+        path = parameter.place_of("alternative")
+        resolver.refer_if_given(path, "alternative", parameter.alternative, alternatives)
+        chosen = alternatives.get(parameter.alternative)
+        if chosen is not None and not _is_set(name, chosen):
+            problem = f"no answer of {quoted(parameter.alternative)} sets {quoted(name)}"
+            report.add("undefined-reference", path, problem)
+    for example in spec.examples:
+        for name, answer in example.alternatives.items():
+            answer_path = (*example.path, "alternatives", name)
+            resolver.refer(answer_path, "alternative", name, alternatives)
+            if name in alternatives:
+                answers = alternatives[name].names_in("values")
+                resolver.refer(answer_path, f"answer of {quoted(name)} called", answer, answers)
+
+
+def _is_set(parameter_name: str, alternative: WrittenAlternative) -> bool:
+    """Return True if any answer of an alternative sets a parameter."""
+    return any(parameter_name in answer.names_in("sets") for answer in alternative.values.values())
+
+
+def _check_answers(alternative: WrittenAlternative, own_parameters: Sequence[str], resolver: NameResolver) -> None:
+    """Check that each answer of an alternative sets all its parameters, and no others."""
+    owner = alternative.name
+    first_answers: dict[str, str] = {}
+    for answer_name, answer in alternative.values.items():
+        for name in answer.sets:
+            first_answers.setdefault(name, answer_name)
+    for answer_name, answer in alternative.values.items():
+        sets_path = answer.place_of("sets")
+        for name in answer.sets:
+            resolver.refer((*sets_path, name), "parameter", name)
+            if name in resolver.parameter_names and name not in own_parameters:
+                problem = f"{quoted(name)} is not a parameter of {quoted(owner)}; give it 'alternative: {owner}'"
+                resolver.report_problem((*sets_path, name), problem)
+        for name in own_parameters:
+            if name in first_answers and name not in answer.sets:
+                first_answer = quoted(first_answers[name])
+                problem = f"{quoted(answer_name)} does not set {quoted(name)}, which {first_answer} sets"
+                resolver.report_problem(sets_path, problem)
+
+
+def alternative_use(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that alternatives affect only the places of fields, because generated code can use them only there.
 
     Those with a default affect only verdicts, which do not need a choice.
     """
-    parameters, alternatives = mapping(raw, "parameters"), by_name(raw, "alternatives")
+    alternatives = by_name(raw.alternatives)
+    set_by_alternative = {name: parameter for name, parameter in raw.parameters.items() if parameter.alternative}
     used_texts = list(expressions(spec))
     used_texts += [(path, text) for path, _, text in uses(spec, raw) if path[-1] == "when"]
     for path, text in used_texts:
-        set_by_alternative = [
-            factor.parameter for factor in _factors(text) if "alternative" in mapping(parameters, factor.parameter)
-        ]
-        if not set_by_alternative:
+        names = [factor.parameter for factor in _factors(text) if factor.parameter in set_by_alternative]
+        if not names:
             continue
-        name = set_by_alternative[0]
-        alternative = mapping(parameters, name)["alternative"]
-        problem = f"{quoted(name)} is set by the alternative {quoted(alternative)}"
+        alternative_name = set_by_alternative[names[0]].alternative
+        alternative = alternatives.get(alternative_name)
+        problem = f"{quoted(names[0])} is set by the alternative {quoted(alternative_name)}"
         if path[-1] not in _WIDTHS:
             remedy = "use it only in 'bits' or 'low_bit' of a field"
             message = f"{problem}, so only frames and registers can depend on it; {remedy}"
             report.add("alternative-use", path, message)
-        elif "default" in alternatives.get(alternative, {}):
-            remedy = f"use it only in 'makes_position_if' of a flag, or remove 'default' from {quoted(alternative)}"
+        elif alternative is not None and alternative.has("default"):
+            alternative_text = quoted(alternative_name)
+            remedy = f"use it only in 'makes_position_if' of a flag, or remove 'default' from {alternative_text}"
             report.add("alternative-use", path, f"{problem}, whose default applies without a choice; {remedy}")
 
 
-def units(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def units(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that exponents are in bits, and that numbers of a measurement and fields have the right unit."""
-    parameters = mapping(raw, "parameters")
     for fields in field_lists(spec):
-        for path, field in fields:
-            unit = field.get("unit")
-            equal_unit = mapping(parameters, str(field.get("equals"))).get("unit")
-            if unit and equal_unit and kind_of_unit(unit) != _KIND_OF.get(str(equal_unit), equal_unit):
-                problem = f"{quoted(field['name'])} is in {unit}, but it equals {quoted(field['equals'])}"
-                report.add("unit-mismatch", (*path, "unit"), f"{problem}, which is in {equal_unit}")
+        for field in fields.fields:
+            equal_parameter = raw.parameters.get(str(field.equals))
+            equal_unit = equal_parameter.unit if equal_parameter is not None else ""
+            if field.unit and equal_unit and kind_of_unit(field.unit) != kind_of_unit(equal_unit):
+                problem = f"{quoted(field.name)} is in {field.unit}, but it equals {quoted(field.equals)}"
+                report.add("unit-mismatch", field.place_of("unit"), f"{problem}, which is in {equal_unit}")
     for path, text in expressions(spec):
         for factor in _factors(text):
-            _check_unit_of_factor(path, factor, parameters, report)
+            if factor.parameter in raw.parameters:
+                _check_unit_of_factor(path, factor, raw.parameters[factor.parameter].unit, report)
 
 
-def _check_unit_of_factor(path: Path, factor: Factor, parameters: Spec, report: DocumentReport) -> None:
+def _check_unit_of_factor(path: Path, factor: Factor, unit: str, report: DocumentReport) -> None:
     """Check that a parameter in an expression has the unit that its place needs, if that unit is known."""
     key = str(path[-1])
     is_exponent = bool(factor.power)
     needed_kind = "bits" if is_exponent or key in _WIDTHS else _MEASURED.get(key)
-    unit = mapping(parameters, factor.parameter).get("unit")
-    kind = _KIND_OF.get(str(unit))
+    kind = _KIND_OF.get(unit)
     if needed_kind is None or kind is None or kind == needed_kind:
         return
     place = f"the exponent in 2^{factor.parameter}" if is_exponent else quoted(key)

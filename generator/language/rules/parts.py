@@ -14,13 +14,13 @@ from itertools import islice
 from types import MappingProxyType
 from typing import Any, Protocol, TypeVar
 
-from ...model import INTERFACES, Alarm, Biss
+from ...model import INTERFACES, Alarm, Biss, Clock, Timing
 from ...model.measurement import Measurement
 from ..document import Document
 from ..problems import DocumentReport, Path
 from ..schema_files import is_second
 from ..written import Located
-from ..written_codes import WrittenRegister
+from ..written_codes import WrittenParameter, WrittenRegister
 from ..written_interfaces import WrittenBiss, WrittenControlData, WrittenRs485, WrittenSpi, WrittenSsi
 from ..written_layouts import WrittenField, WrittenFieldGroup, WrittenLayout
 from ..written_parts import WrittenSpec
@@ -161,7 +161,8 @@ def field_lists(spec: WrittenSpec) -> Iterator[FieldList]:
         yield FieldList(Has.GROUP, group, "")
     yield from layouts(spec)
     for name, interface in interfaces(spec):
-        control_data = interface.control_data if isinstance(interface, WrittenBiss) else None
+        # An interface with an unknown name, which is reported, may be BiSS.
+        control_data = WrittenBiss(interface.data, interface.path).control_data
         if control_data is not None and control_data.data:
             yield FieldList(Has.CONTROL, control_data, name)
     for register in spec.registers:
@@ -212,10 +213,29 @@ def readable_names(fields: FieldList, groups: Groups) -> list[str]:
     if fields.kind is Has.REGISTER and not fields.owner.has("fields"):
         return [fields.name]
     fields_by_name = field_names(fields, groups)
-    names = [*fields_by_name, *fields.joins]
+    # A join with a wrong value is reported, but its name is known.
+    names = [*fields_by_name, *fields.owner.names_in("join")]
     for field in fields_by_name.values():
         names += [run.part.name for run in field.digits if run.part.name]
     return names
+
+
+def origins_of(parameter: WrittenParameter) -> list[str]:
+    """Return the keys for the origin of a parameter's value. Without any, the order code sets it."""
+    origins = {"equals": parameter.equals, "read_from": parameter.read_from, "alternative": parameter.alternative}
+    return [key for key, origin in origins.items() if origin not in (None, "")]
+
+
+def clock_of(interface: WrittenInterface) -> Located[Clock] | None:
+    """Return the clock of an interface. Over RS-485 there is none."""
+    return None if isinstance(interface, WrittenRs485) else interface.clock
+
+
+def timings(spec: WrittenSpec) -> Iterator[Located[Timing]]:
+    """Yield the timings of the interfaces and of the device."""
+    for _, interface in interfaces(spec):
+        yield from interface.timings
+    yield from spec.timings
 
 
 def measurements(spec: WrittenSpec) -> Iterator[Located[Measurement]]:
@@ -265,7 +285,7 @@ def bits_of(register: WrittenRegister, groups: Groups) -> list[str]:
 
 def owner_of_alarm(spec: WrittenSpec, alarm: Located[Alarm]) -> WrittenFieldGroup | WrittenRegister | None:
     """Return the field group or register that contains the flag of an alarm, or None if it does not exist."""
-    if alarm.has("group"):
+    if alarm.part.group:
         return by_name(spec.field_groups).get(alarm.part.group)
     return by_name(spec.registers).get(alarm.part.register)
 

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from ...model import Evidence
 from ..document import Path, is_placeholder
 from ..problems import DocumentReport, listed, quoted, suggestion
-from .walk import Spec, by_name, explained, items, leaves, leaves_of, mapping, sources
+from ..written import Located
+from ..written_interfaces import WrittenBiss, WrittenSsi
+from ..written_parts import WrittenExample, WrittenSection, WrittenSpec
+from .parts import PlacedPart, WrittenInterface, by_name, clock_of, explained, interfaces
+from .walk import leaves, leaves_of, mapping, sources
 
 _CITED = re.compile(r"(?P<section>[0-9]+(?:\.[0-9]+)*|[^\W\d_][^:;]*?)(?:\s+p\.(?P<page>[0-9]+))?")
 _NUMBERED = re.compile(r"[0-9]+(?:\.[0-9]+)*")
@@ -35,19 +40,19 @@ class _LaterPage:
 _Spans = Mapping[str, Mapping[str, tuple[int, int]]]
 
 
-def cited_place(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def cited_place(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that every cited section of the manual is in its contents, and every cited page in its section.
 
     In a spec whose sources cite the pages on which sections and entries begin, no source may cite another page.
     """
-    contents = mapping(raw, "manual", "contents")
+    contents = raw.manual.contents
     if not contents:
         return
     spans = _spans(contents)
     first_page_count = 0
     later_pages: list[_LaterPage] = []
-    for path, source in sources(leaves_of(spec, report)):
-        own_names, enclosing_names = _printed_names(spec, path)
+    for path, source in sources(leaves_of(spec.data, report)):
+        own_names, enclosing_names = _printed_names(spec.data, path)
         citations = _citations(source)
         for citation in citations:
             section = citation["section"]
@@ -92,12 +97,12 @@ def _first_pages(spans: Mapping[str, tuple[int, int]], own_names: list[str]) -> 
     return {start for start, _ in spans.values()}
 
 
-def _spans(contents: Mapping[str, Any]) -> dict[str, dict[str, tuple[int, int]]]:
+def _spans(contents: Mapping[str, WrittenSection]) -> dict[str, dict[str, tuple[int, int]]]:
     """Return the first and the last page of each section, under an empty name, and of its entries by name.
 
     The last page is the one on which the next section begins. A page that the contents omit is not checked.
     """
-    sections = [(name, section) for name, section in contents.items() if isinstance(section, dict)]
+    sections = list(contents.items())
     page_spans: dict[str, dict[str, tuple[int, int]]] = {}
     for index, (name, section) in enumerate(sections):
         after = sections[index + 1 :]
@@ -107,24 +112,23 @@ def _spans(contents: Mapping[str, Any]) -> dict[str, dict[str, tuple[int, int]]]
         page_spans[name] = {_WHOLE_SECTION: (_page(section, _FIRST), end)}
         # The entries of a section come before its subsections.
         end_of_entries = _page(subsections[0], end) if subsections else end
-        entries = [(title, page) for title, page in mapping(section, "entries").items() if isinstance(page, int)]
+        entries = list(section.entries.items())
         starts_after = [*(page for _, page in entries[1:]), end_of_entries]
         for (title, page), next_page in zip(entries, starts_after, strict=False):
             page_spans[name][title.casefold()] = (page, max(page, next_page))
     return page_spans
 
 
-def _page(section: Mapping[str, Any], default: int) -> int:
+def _page(section: WrittenSection, default: int) -> int:
     """Return the page of a section, or a default if the contents do not give it."""
-    page = section.get("page")
-    return page if isinstance(page, int) else default
+    return default if section.page is None else section.page
 
 
-def _printed_names(spec: Spec, path: Path) -> tuple[list[str], list[str]]:
+def _printed_names(data: dict[str, Any], path: Path) -> tuple[list[str], list[str]]:
     """Return the printed names of the item with a source, and those of all items around it, the innermost first."""
     enclosing_names: list[str] = []
     own_names: list[str] = []
-    node: Any = spec
+    node: Any = data
     for step in path[:-1]:
         node = node[step]
         if isinstance(node, dict):
@@ -171,41 +175,39 @@ _WHOLE = "all pages"
 _SOURCE = re.compile(r"\s*(?:([a-z][a-z0-9_]*):\s)?(.*?)\s*", re.DOTALL)
 
 
-def evidence(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def evidence(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the evidence supports the grade, and report what is missing."""
-    stated_evidence = mapping(spec, "evidence")
-    grade = stated_evidence.get("grade")
-    documents_read = mapping(stated_evidence, "documents")
-    implementations = list(stated_evidence.get("implementations", ()))
-    vectors = list(stated_evidence.get("vectors", ()))
-    for index, key in enumerate(implementations):
-        if key in documents_read or key in implementations[:index]:
+    stated = spec.evidence.part
+    for index, key in enumerate(stated.implementations):
+        if key in stated.documents or key in stated.implementations[:index]:
             problem = f"{quoted(key)} is listed twice; list each source once, so that it counts once"
             report.add("evidence-grade", ("evidence", "implementations", index), problem)
-    _check_vectors(grade, vectors, by_name(raw, "examples"), report)
-    if not grade:
+    _check_vectors(stated, by_name(raw.examples), report)
+    if not spec.evidence.is_valid("grade"):
         return
-    for problem in _missing(grade, documents_read, implementations, vectors):
-        report.add("evidence-grade", ("evidence", "grade"), f"the grade {quoted(grade)} {problem}")
-    if grade == "quoted" or grade in _CORROBORATED:
-        _check_sources(spec, grade, documents_read, implementations, report)
+    for problem in _missing(stated):
+        report.add("evidence-grade", ("evidence", "grade"), f"the grade {quoted(stated.grade)} {problem}")
+    if stated.grade == "quoted" or stated.grade in _CORROBORATED:
+        _check_sources(spec, report)
 
 
-def _check_vectors(grade: object, vectors: list[str], examples: Mapping[str, Spec], report: DocumentReport) -> None:
+def _check_vectors(stated: Evidence, examples: Mapping[str, WrittenExample], report: DocumentReport) -> None:
     """Check that the examples from hardware can show an error, and that one of them is data from an encoder."""
-    for index, name in enumerate(vectors):
+    for index, name in enumerate(stated.vectors):
         if name in examples and not _discriminates(examples[name]):
             problem = f"{quoted(name)} has the same bits throughout, so it cannot show an error; use another example"
             report.add("evidence-grade", ("evidence", "vectors", index), problem)
-    are_known = bool(vectors) and all(name in examples for name in vectors)
-    if grade in _WITH_FRAME and are_known and not any(_is_reading(examples[name]) for name in vectors):
-        problem = f"the grade {quoted(grade)} needs data from an encoder"
+    are_known = bool(stated.vectors) and all(name in examples for name in stated.vectors)
+    has_reading = are_known and any(_is_reading(examples[name]) for name in stated.vectors)
+    if stated.grade in _WITH_FRAME and are_known and not has_reading:
+        problem = f"the grade {quoted(stated.grade)} needs data from an encoder"
         remedy = "add a frame 'from: encoder' without 'refused', or a register reading"
         report.add("evidence-grade", ("evidence", "vectors", 0), f"{problem}: {remedy}, {_OR} without 'vectors'")
 
 
-def _missing(grade: str, documents_read: Spec, implementations: list[str], vectors: list[str]) -> Iterator[str]:
+def _missing(stated: Evidence) -> Iterator[str]:
     """Yield what the grade needs and the evidence does not have."""
+    grade, documents_read, implementations = stated.grade, stated.documents, stated.implementations
     has_source = bool(documents_read) or bool(implementations)
     if grade == "manual" and documents_read.get("manual") != _WHOLE:
         yield f"needs the whole manual: write 'documents: {{manual: {_WHOLE}}}', or another grade"
@@ -218,16 +220,16 @@ def _missing(grade: str, documents_read: Spec, implementations: list[str], vecto
     needed_implementations = 1 if documents_read else 2
     if grade in _CORROBORATED and len(implementations) < needed_implementations:
         yield "needs two sources that share no code: list them under 'implementations'"
-    if grade in _WITH_FRAME and not vectors:
+    if grade in _WITH_FRAME and not stated.vectors:
         yield f"needs an example from real hardware: list it under 'vectors', {_OR}"
-    if grade == _CORROBORATED[1] and vectors:
+    if grade == _CORROBORATED[1] and stated.vectors:
         yield "has no vectors: remove them, or write 'corroborated'"
 
 
-def _check_sources(
-    spec: Spec, grade: str, documents_read: Spec, implementations: list[str], report: DocumentReport
-) -> None:
+def _check_sources(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that each fact cites the manufacturer or, for a lower grade, two implementations."""
+    grade, documents_read = spec.evidence.part.grade, spec.evidence.part.documents
+    implementations = spec.evidence.part.implementations
     is_corroborated = grade in _CORROBORATED
     can_cite_two_implementations = is_corroborated and len(implementations) > 1
     if not documents_read and not can_cite_two_implementations:
@@ -235,7 +237,7 @@ def _check_sources(
     needed_sources = [f"a source in {listed(documents_read, 'or')}"] if documents_read else []
     if can_cite_two_implementations:
         needed_sources.append(f"two sources among {listed(implementations)}")
-    for path, source in sources(leaves({**spec, "errata": [], "examples": []})):
+    for path, source in sources(leaves({**spec.data, "errata": [], "examples": []})):
         if is_corroborated and "clock" in path:
             continue  # One program is enough for its own clock. Limits have a rule of their own.
         matches = [_SOURCE.fullmatch(piece) for piece in source.split(";")]
@@ -247,10 +249,10 @@ def _check_sources(
             problem = f"the grade {quoted(grade)} needs {', or '.join(needed_sources)} for each fact"
             places_without_key = [place for key, place in keys_and_places if not key]
             first_place = places_without_key[0] if places_without_key else ""
-            report.add("evidence-grade", path, problem + _remedy(first_place, mapping(spec, "documents")))
+            report.add("evidence-grade", path, problem + _remedy(first_place, spec.documents))
 
 
-def _remedy(place: str, documents: Spec) -> str:
+def _remedy(place: str, documents: Collection[str]) -> str:
     """Return how to write a source without the key of a document, or an empty string if all have one."""
     if not place:
         return ""
@@ -259,20 +261,18 @@ def _remedy(place: str, documents: Spec) -> str:
     return f"; write {quoted(f'KEY: {place}')} with the key of its document"
 
 
-def _discriminates(example: Spec) -> bool:
+def _discriminates(example: WrittenExample) -> bool:
     """Return whether the bits of an example differ from one another."""
-    frame_text = example.get("bits") or example.get("bytes") or ""
-    if not isinstance(frame_text, str):
-        return False
+    frame_text = example.bits or example.bytes
     is_bytes = " " in frame_text
     bits_or_bytes = frame_text.split() if is_bytes else list(frame_text)
     return len(set(bits_or_bytes)) > 1
 
 
-def _is_reading(example: Spec) -> bool:
+def _is_reading(example: WrittenExample) -> bool:
     """Return whether an example is an accepted frame of the encoder or the content of a register."""
-    is_frame = example.get("kind") == "frame" and example.get("from") == "encoder" and "refused" not in example
-    return is_frame or example.get("kind") == "register"
+    is_frame = example.kind == "frame" and example.from_ == "encoder" and not example.has("refused")
+    return is_frame or example.kind == "register"
 
 
 #: Grades with which every fact is in the manufacturer's words.
@@ -291,10 +291,9 @@ class _LimitKeys:
 
 @dataclass(frozen=True, slots=True)
 class _Limited:
-    """A part of a spec that can have limits, with its place and its source."""
+    """A part of a spec that can have limits, with its source, or that of the part around it."""
 
-    path: Path
-    part: Spec
+    part: PlacedPart
     source: str
     kind: _LimitKeys
 
@@ -306,12 +305,11 @@ _CABLE = _LimitKeys(("below_hz",), "leave the table out")
 _SUPPLY = _LimitKeys(("min_mv", "max_mv"), "list the voltage in use under 'characteristics'")
 
 
-def limit_source(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def limit_source(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that limits come from a document of the manufacturer if other facts do not have to."""
-    evidence = mapping(spec, "evidence")
-    if evidence.get("grade", "manual") in _IN_THE_MANUFACTURERS_WORDS:
+    grade, documents_read = spec.evidence.part.grade, spec.evidence.part.documents
+    if not spec.evidence.is_valid("grade") or grade in _IN_THE_MANUFACTURERS_WORDS:
         return
-    documents_read = mapping(evidence, "documents")
     needed_source = "a document of the manufacturer under 'evidence'"
     if documents_read:
         needed_source = f"a source in {listed(documents_read, 'or')}"
@@ -321,39 +319,47 @@ def limit_source(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             document = _DOCUMENT.match(piece)
             if document is not None:
                 cited_keys.add(document[1] or "manual")
-        limits = [key for key in limited.kind.keys if key in limited.part]
+        limits = [key for key in limited.kind.keys if key in limited.part.data]
         if limits and cited_keys.isdisjoint(documents_read):
             problem = f"{quoted(limits[0])} needs {needed_source}, because it is a limit"
             message = f"{problem}; without one, {limited.kind.alternative}"
-            report.add("limit-source", (*limited.path, limits[0]), message, at_key=True)
+            report.add("limit-source", (*limited.part.path, limits[0]), message, at_key=True)
 
 
-def _limits(spec: Spec) -> Iterator[_Limited]:
+def _limits(spec: WrittenSpec) -> Iterator[_Limited]:
     """Yield each part of a spec that can have limits."""
-    supply = mapping(spec, "supply")
-    if supply:
-        yield _Limited(("supply",), supply, _source(supply), _SUPPLY)
-    for path, timing in items(spec, "timings"):
-        yield _Limited(path, timing, _source(timing), _TIMING)
-    for name, interface in mapping(spec, "interfaces").items():
-        interface_path = ("interfaces", name)
-        for key, kind in (("clock", _CLOCK), ("timeout", _TIMEOUT)):
-            part = mapping(interface, key)
-            yield _Limited((*interface_path, key), part, _source(part, interface), kind)
-        for key, kind in (("timings", _TIMING), ("cable_lengths", _CABLE)):
-            for path, part in items(interface, key):
-                yield _Limited((*interface_path, *path), part, _source(part, interface), kind)
+    if spec.supply is not None:
+        yield _Limited(spec.supply, _source(spec.supply), _SUPPLY)
+    for timing in spec.timings:
+        yield _Limited(timing, _source(timing), _TIMING)
+    for _, interface in interfaces(spec):
+        for part, kind in _limited_parts(interface):
+            yield _Limited(part, _source(part) or interface.source, kind)
 
 
-def _source(part: Spec, parent: Spec | None = None) -> str:
-    """Return the source of a part, or that of its parent."""
-    return str(part.get("source") or (parent or {}).get("source") or "")
+def _limited_parts(interface: WrittenInterface) -> Iterator[tuple[Located[Any], _LimitKeys]]:
+    """Yield the parts of an interface that can have limits."""
+    clock = clock_of(interface)
+    if clock is not None:
+        yield clock, _CLOCK
+    if isinstance(interface, WrittenBiss) and interface.timeout is not None:
+        yield interface.timeout, _TIMEOUT
+    for timing in interface.timings:
+        yield timing, _TIMING
+    for cable_length in interface.cable_lengths if isinstance(interface, WrittenSsi) else ():
+        yield cable_length, _CABLE
 
 
-def revision_in_history(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def _source(part: Located[Any]) -> str:
+    """Return the source of a part, or an empty string if it has none."""
+    return str(part.source or "")
+
+
+def revision_in_history(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the history of a manual lists its own revision, unless an erratum explains it."""
-    revisions = [str(history_row.get("revision")) for _, history_row in items(raw, "manual", "history")]
-    revision = mapping(spec, "manual").get("revision")
+    # A revision that is not text is reported by the schema, and can still be the right one.
+    revisions = [str(history_row.data.get("revision")) for history_row in raw.manual.history]
+    revision = spec.manual.revision
     is_repeated = len(set(revisions)) < len(revisions)  # Reported by another rule.
     if not revisions or is_repeated or not revision or revision in revisions:
         return
@@ -364,9 +370,9 @@ def revision_in_history(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     report.add("revision-not-in-history", ("manual", "revision"), f"{problem}; {remedy}")
 
 
-def open_quotation(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def open_quotation(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that double quotation marks in the printed text of an erratum come in pairs."""
-    for path, erratum in items(spec, "errata"):
-        if erratum["printed"].count('"') % 2:
+    for erratum in spec.errata:
+        if erratum.printed.count('"') % 2:
             message = "a quotation mark has no partner; text between two of them is quoted to the letter"
-            report.add("open-quotation", (*path, "printed"), message)
+            report.add("open-quotation", erratum.place_of("printed"), message)

@@ -7,10 +7,15 @@ from collections.abc import Iterable, Iterator, Mapping
 from decimal import Decimal
 from typing import Any
 
+from ...model import Timing
 from ..document import Affected
 from ..problems import DocumentReport, listed, quoted, suggestion
 from ..schema_files import PROSE
-from .walk import Spec, by_name, items, leaves, leaves_of, mapping
+from ..written import Located
+from ..written_codes import WrittenRegister
+from ..written_parts import WrittenSpec
+from .parts import by_name, interfaces
+from .walk import items, leaves, leaves_of
 
 #: Factors to the smallest unit of a quantity, by the units of texts and by the ends of keys.
 _UNITS: Mapping[str, Mapping[str, int]] = {
@@ -37,25 +42,25 @@ _TEXTS = (PROSE | {"used"}) - {"title", "why", "changes", "source"}
 _ELSEWHERE = frozenset(("documents", "manual", "editions", "evidence", "lost_figures"))
 
 
-def erratum_quantities(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def erratum_quantities(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the quantities that an erratum uses are those of the facts that it affects.
 
     An erratum without quantities under 'used' uses those that are printed.
     """
     if report.document.family or report.document.other_files:
         return
-    affected_places = Affected(spec)
-    for path, erratum in items(spec, "errata"):
-        key = "used" if _QUANTITY.search(erratum.get("used", "")) else "printed"
-        matches = list(_QUANTITY.finditer(erratum.get(key, "")))
-        if not matches or "readings" in erratum:
+    affected_places = Affected(spec.data)
+    for erratum in spec.errata:
+        key, text = ("used", erratum.used) if _QUANTITY.search(erratum.used) else ("printed", erratum.printed)
+        matches = list(_QUANTITY.finditer(text))
+        if not matches or erratum.readings:
             continue
         facts: list[Any] = []
-        for affected in erratum.get("affects", ()):
+        for affected in erratum.affects:
             facts += affected_places.at(affected)
         stated: dict[str, dict[Decimal, str]] = {}
-        for kind, number, text in _stated_quantities(facts):
-            stated.setdefault(kind, {})[number] = text
+        for kind, number, stated_text in _stated_quantities(facts):
+            stated.setdefault(kind, {})[number] = stated_text
         for match in matches:
             kind, number = _KIND_OF_UNIT[match["unit"]], _in_smallest_unit(match["number"], match["unit"])
             if kind in stated and number not in stated[kind]:
@@ -63,7 +68,7 @@ def erratum_quantities(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 message = (
                     f"the text says {quoted(match[0])}, but the facts affected have {known}; correct one of the two"
                 )
-                report.add("left-behind", (*path, key), message)
+                report.add("left-behind", erratum.place_of(key), message)
                 break
 
 
@@ -86,35 +91,39 @@ def _in_smallest_unit(number: str, unit: str) -> Decimal:
     return Decimal(number.replace(",", "").replace("−", "-")) * _UNITS[_KIND_OF_UNIT[unit]][unit]
 
 
-def waits_given_twice(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def waits_given_twice(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a timing about writes to a register has the wait of this register."""
-    waits = {
-        str(register["printed_name"]): register
-        for register in by_name(spec, "registers").values()
-        if "wait_at_least_ms" in register and "printed_name" in register
-    }
-    for interface in mapping(spec, "interfaces"):
-        for path, timing in items(spec, "interfaces", interface, "timings"):
-            match = re.search(r"\bwrite to the (.+?) register\b", timing.get("meaning", ""))
-            register = waits.get(match[1].strip('"')) if match is not None else None
-            if register is None or "at_least_us" not in timing:
-                continue
-            wait_ms = register["wait_at_least_ms"]
-            if timing["at_least_us"] != wait_ms * 1000:
-                message = (
-                    f"'at_least_us' is {timing['at_least_us']}, but 'wait_at_least_ms' of {quoted(register['name'])} "
-                    f"is {wait_ms}; correct one of the two"
-                )
-                report.add("left-behind", (*path, "at_least_us"), message)
+    waiting_registers: dict[str, WrittenRegister] = {}
+    for register in by_name(spec.registers).values():
+        if register.printed_name and register.wait_at_least_ms is not None:
+            waiting_registers[register.printed_name] = register
+    for _, interface in interfaces(spec):
+        for timing in interface.timings:
+            _check_wait(timing, waiting_registers, report)
 
 
-def quoted_names(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def _check_wait(timing: Located[Timing], registers: Mapping[str, WrittenRegister], report: DocumentReport) -> None:
+    """Check that a timing about writes to one of these registers, by printed name, has its wait."""
+    match = re.search(r"\bwrite to the (.+?) register\b", timing.part.meaning)
+    register = registers.get(match[1].strip('"')) if match is not None else None
+    wait_us = timing.part.at_least_us
+    if register is None or register.wait_at_least_ms is None or wait_us is None:
+        return
+    if wait_us != register.wait_at_least_ms * 1000:
+        message = (
+            f"'at_least_us' is {wait_us}, but 'wait_at_least_ms' of {quoted(register.name)} "
+            f"is {register.wait_at_least_ms}; correct one of the two"
+        )
+        report.add("left-behind", (*timing.path, "at_least_us"), message)
+
+
+def quoted_names(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a bit, register, command, alarm or input that a text names in quotes has this printed name."""
     if report.document.family or report.document.other_files:
         return
     known = _printed_names(spec, report)
     known_folded = {_folded(name) for name in known}
-    for path, text in leaves_of(spec, report):
+    for path, text in leaves_of(spec.data, report):
         if not isinstance(text, str) or path[0] in _ELSEWHERE or path[-1] not in _TEXTS:
             continue
         for match in _QUOTED_NAME.finditer(text):
@@ -124,10 +133,10 @@ def quoted_names(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 report.add("left-behind", path, message, cause=name)
 
 
-def _printed_names(spec: Spec, report: DocumentReport) -> list[str]:
+def _printed_names(spec: WrittenSpec, report: DocumentReport) -> list[str]:
     """Return the names of all parts of a spec, as printed and in other languages."""
     names: dict[str, None] = {}
-    for path, text in leaves_of(spec, report):
+    for path, text in leaves_of(spec.data, report):
         if path[0] in _ELSEWHERE or path[0] == "errata" or not isinstance(text, str):
             continue
         if path[-1] in _NAMES or path[-2:-1] == ("names",):
@@ -142,31 +151,30 @@ def _folded(name: str) -> str:
 _LABEL = re.compile(r"(?<![\w/-])[A-Z][A-Z0-9]+(?![\w/-])")
 
 
-def labels_in_errata(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def labels_in_errata(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that an erratum about order codes uses only existing labels next to another label of the part."""
     if report.document.family or report.document.other_files:
         return
     known_labels = _known_labels(spec)
-    for path, erratum in items(spec, "errata"):
-        affects = erratum.get("affects", ())
-        if not any(affected.split(".")[0] == "order_code" for affected in affects):
+    for erratum in spec.errata:
+        if not any(affected.split(".")[0] == "order_code" for affected in erratum.affects):
             continue
-        words = _LABEL.findall(erratum.get("used", ""))
+        words = _LABEL.findall(erratum.used)
         shapes = {_shape(word) for word in words if word in known_labels}
         unknown_labels = [word for word in words if word not in known_labels and _shape(word) in shapes]
         if unknown_labels:
             message = f"{quoted(unknown_labels[0])} is not in the order code; correct the text"
-            report.add("left-behind", (*path, "used"), message, cause=unknown_labels[0])
+            report.add("left-behind", erratum.place_of("used"), message, cause=unknown_labels[0])
 
 
-def _known_labels(spec: Spec) -> set[str]:
+def _known_labels(spec: WrittenSpec) -> set[str]:
     """Return the labels of all parts of the order code, also as they are written elsewhere."""
     known_labels: set[str] = set()
-    for part in by_name(spec, "order_code", "parts").values():
-        known_labels.update(map(str, mapping(part, "values")))
-    for _, spelling in items(spec, "order_code", "also_written"):
-        for texts in mapping(spelling, "values").values():
-            known_labels.update(map(str, texts))
+    for part in by_name(spec.order_code.parts).values():
+        known_labels.update(part.values)
+    for spelling in spec.order_code.also_written:
+        for labels in spelling.values.values():
+            known_labels.update(labels)
     return known_labels
 
 
@@ -179,22 +187,22 @@ def _shape(label: str) -> str:
 _NAMED_ERROR = re.compile(r"\b([A-Z]{2,}) (error|alarm|flag|warning)\b")
 
 
-def alarm_names(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def alarm_names(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a text that lists alarms names only alarms that exist.
 
     It lists alarms if it has the name of one of them, or says when one of their flags is active.
     """
     if report.document.family or report.document.other_files:
         return
-    names = {str(alarm.get("printed_name", "")) for _, alarm in items(spec, "alarms")}
+    names = {alarm.part.printed_name for alarm in spec.alarms}
     capital_names = {name for name in names if _NAMED_ERROR.fullmatch(name)}
     if not capital_names:
         return
     printed_names = [
-        str(text) for path, text in leaves_of(spec, report) if path[-1] in ("printed_name", "title", "signal")
+        str(text) for path, text in leaves_of(spec.data, report) if path[-1] in ("printed_name", "title", "signal")
     ]
     known_words = {word for name in printed_names for word in re.findall(r"[A-Z]{2,}", name)}
-    for path, text in leaves_of(spec, report):
+    for path, text in leaves_of(spec.data, report):
         if (
             not isinstance(text, str)
             or path[0] in _ELSEWHERE

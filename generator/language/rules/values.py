@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from fractions import Fraction
 from itertools import pairwise
 
-from ...model import INTERFACES, Clock, Supply, Timeout, Timing
+from ...model import INTERFACES, Clock, Supply, Timeout
 from ...say.plain_text import counted
 from ..document import Path, is_placeholder
 from ..problems import DocumentReport, missing, quoted, suggestion
@@ -18,17 +18,19 @@ from ..written import Located
 from ..written_interfaces import WrittenRs485, WrittenSsi
 from ..written_layouts import WrittenField
 from ..written_parts import WrittenSpec
-from . import parts
 from .parts import (
     MAX_FIELDS,
     by_name,
+    clock_of,
+    constant_width,
     explained,
     field_lists,
     interface_of,
     interfaces,
     last_address,
+    timings,
 )
-from .walk import Spec, leaves_of, sources
+from .walk import leaves_of, sources
 
 _PIECE = re.compile(r"(?:(?P<key>[a-z][a-z0-9_]*):)?(?P<place>.*)")
 _NUMBER = r"(?:[A-Z]\.)?[0-9]+(?:[.-][0-9]+)*"
@@ -83,7 +85,7 @@ def value_too_wide(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
     """Check that the values of a field fit into it, if its width does not depend on the order code."""
     for fields in field_lists(spec):
         for field in fields.fields:
-            width = parts.constant_width(field)
+            width = constant_width(field)
             if width is None:
                 continue
             for path, subject, number in _numbers_in(field):
@@ -113,7 +115,7 @@ def register_range(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
 
 def timing_bounds(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a timing has bounds, in ascending order."""
-    for timing in _timings(spec):
+    for timing in timings(spec):
         part = timing.part
         possible_bounds = (
             ("at_least_us", part.at_least_us),
@@ -132,9 +134,9 @@ def timing_bounds(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -
 
 def clock_range(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a clock has limits or clocks in use, in ascending order and within the limits."""
-    raw_clocks = {name: _clock_of(interface) for name, interface in interfaces(raw)}
+    raw_clocks = {name: clock_of(interface) for name, interface in interfaces(raw)}
     for name, interface in interfaces(spec):
-        clock, raw_clock = _clock_of(interface), raw_clocks[name]
+        clock, raw_clock = clock_of(interface), raw_clocks[name]
         if clock is None or not clock.data:
             continue
         # A key rejected by the schema was removed. It must not be reported as missing, too.
@@ -154,11 +156,6 @@ def clock_range(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
             if low > high and low_key != high_key:
                 problem = f"{quoted(low_key)} ({low}) is above {quoted(high_key)} ({high})"
                 report.add("clock-range", (*clock.path, low_key), problem)
-
-
-def _clock_of(interface: parts.WrittenInterface) -> Located[Clock] | None:
-    """Return the clock of an interface. Over RS-485 there is none."""
-    return None if isinstance(interface, WrittenRs485) else interface.clock
 
 
 def _report_missing_limit(clock: Located[Clock], report: DocumentReport) -> None:
@@ -331,17 +328,6 @@ def _check_piece(
         report.add("bad-source", path, message)
 
 
-def _timings(spec: WrittenSpec) -> Iterator[Located[Timing]]:
-    for _, interface in interfaces(spec):
-        yield from interface.timings
-    yield from spec.timings
-
-
-def constant_width(field: Spec) -> int | None:
-    """Return the width of a field if it is constant, or None if it depends on others or another rule reports it."""
-    return parts.constant_width(WrittenField(field))
-
-
 #: No encoder has such a low limit in Hz. The highest limits in kHz, of SPI, are still below.
 _LOWEST_MAXIMUM_HZ = 50_000
 #: The lowest clock in Hz of an encoder whose highest clock is plausible.
@@ -361,7 +347,7 @@ def plausible_rate(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
     for _, interface in interfaces(spec):
         if interface.note:
             continue
-        clock = _clock_of(interface)
+        clock = clock_of(interface)
         highest_hz, lowest_hz = (clock.part.max_hz, clock.part.min_hz) if clock is not None else (None, None)
         if clock is not None and highest_hz is not None and highest_hz < _LOWEST_MAXIMUM_HZ:
             _report_rate(highest_hz, "max_hz", "Hz", (*clock.path, "max_hz"), report)

@@ -1,29 +1,21 @@
-"""Iterators over a spec, shared by several rules.
+"""Iterators over the plain data of a spec, for rules about any text or number, and for loading.
 
-Rules check the pruned data, which follows the schema. Existing names are looked up in the data as read, because a name
-is still defined if something else about its item is wrong. That data may have any shape, so every function here checks
-shapes.
+The data may have any shape, so every function here checks shapes. ``parts.py`` has the iterators over typed parts.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from itertools import islice
 from typing import Any
 
-from ...model import INTERFACES, Biss
-from ..document import Document
+from ...model import Biss
 from ..problems import DocumentReport, Path
-from ..schema_files import is_second
 
 #: A spec, or part of one.
 Spec = dict[str, Any]
-#: A rule, called with the pruned data, the data as read, and the report.
-Rule = Callable[[Spec, Spec, DocumentReport], None]
-
-INTERFACE_OF_REGISTERS = Biss.name
 #: Largest number of fields of a layout or register, with those of its groups. Without these, the schema limits it.
 MAX_FIELDS = 512
 
@@ -51,13 +43,6 @@ def by_name(data: Any, *keys: str) -> dict[str, Spec]:
         if isinstance(name, str):
             named_items.setdefault(name, list_item)
     return named_items
-
-
-def owner_of_alarm(spec: Spec, alarm: Spec) -> Spec:
-    """Return the field group or register that contains the flag of an alarm, or an empty map if it does not exist."""
-    if "group" in alarm:
-        return by_name(spec, "field_groups").get(alarm["group"], {})
-    return by_name(spec, "registers").get(alarm.get("register", ""), {})
 
 
 class Has(Enum):
@@ -107,17 +92,7 @@ def field_lists(data: Spec) -> Iterator[Fields]:
 
 def interface_of(register: Mapping[str, Any]) -> str:
     """Return the interface of a register. The default is BiSS, the only one that always has registers."""
-    return str(register.get("interface", INTERFACE_OF_REGISTERS))
-
-
-def last_address(register: Mapping[str, Any]) -> int:
-    """Return the last address of a register. Not every interface has an address for each byte."""
-    first: int = register["address"]
-    interface = INTERFACES.get(interface_of(register))
-    if interface is not None and not interface.byte_addresses:
-        return first
-    last: int = first + register["length"] - 1
-    return last
+    return str(register.get("interface", Biss.name))
 
 
 def expanded(fields: Fields, groups: Mapping[str, Spec]) -> Iterator[tuple[Path, Spec]]:
@@ -135,82 +110,6 @@ def _expanded(fields: Fields, groups: Mapping[str, Spec]) -> Iterator[tuple[Path
             yield path, field
         else:
             yield from ((path, inner) for _, inner in items(group, "fields"))
-
-
-def field_names(fields: Fields, groups: Mapping[str, Spec]) -> dict[str, Spec]:
-    """Return the fields by name, with groups included."""
-    return {field["name"]: field for _, field in expanded(fields, groups) if isinstance(field.get("name"), str)}
-
-
-def readable_names(fields: Fields, groups: Mapping[str, Spec]) -> list[str]:
-    """Return the names of all values of a decoder: fields, joins and runs of digits.
-
-    A register without fields is one number.
-    """
-    if fields.kind is Has.REGISTER and "fields" not in fields.owner:
-        return [str(fields.owner.get("name"))]
-    fields_by_name = field_names(fields, groups)
-    names = [*fields_by_name, *mapping(fields.owner, "join")]
-    for field in fields_by_name.values():
-        names += [run["name"] for _, run in items(field, "digits") if isinstance(run.get("name"), str)]
-    return names
-
-
-def named_values(register: Spec, groups: Mapping[str, Spec], field_name: str | None = None) -> list[str]:
-    """Return the names of values of all fields of a register, or of the field of this name."""
-    names: list[str] = []
-    for _, field in expanded(Fields(Has.REGISTER, register, (), ""), groups):
-        if field_name is None or field.get("name") == field_name:
-            names += mapping(field, "values")
-    return names
-
-
-def measurements(spec: Spec) -> Iterator[tuple[Path, Spec]]:
-    """Yield the measurements of the device and its interfaces, each with its path."""
-    if mapping(spec, "measurement"):
-        yield ("measurement",), mapping(spec, "measurement")
-    for kind, interface in mapping(spec, "interfaces").items():
-        if mapping(interface, "measurement"):
-            yield ("interfaces", kind, "measurement"), mapping(interface, "measurement")
-
-
-def position_ranges(spec: Spec) -> Iterator[tuple[Path, str, Spec]]:
-    """Yield the ranges that layouts have for themselves, each with its path and the interface."""
-    for fields in layouts(spec):
-        if mapping(fields.owner, "position_range"):
-            yield (*fields.path, "position_range"), fields.interface, mapping(fields.owner, "position_range")
-
-
-def bank_select(data: Spec) -> Any:
-    """Return the name of the register that selects banks, or None."""
-    return mapping(data, "interfaces", Biss.name).get("bank_select")
-
-
-def bits_of(register: Spec, groups: Mapping[str, Spec]) -> list[str]:
-    """Return the names allowed after the dot in ``register.field``: the fields, or the register's own name."""
-    if "fields" in register:
-        return list(field_names(Fields(Has.REGISTER, register, (), ""), groups))
-    return [str(register.get("name"))]
-
-
-def has_other_bits(register: Spec, groups: Mapping[str, Spec]) -> bool:
-    """Return True if a register has more bits than those of one field."""
-    return len(bits_of(register, groups)) > 1 or "other_bits" in register
-
-
-def explained(document: Document, *keys: str) -> bool:
-    """Return True if an erratum affects exactly this place, given by keys and names.
-
-    A second reading has no errata. It repeats the printed values, and its spec must agree or explain the difference.
-    """
-    if is_second(document.file):
-        return True
-    place = ".".join(keys)
-    for _, erratum in items(document.data, "errata"):
-        affects = erratum.get("affects")
-        if isinstance(affects, list) and place in affects:
-            return True
-    return False
 
 
 def leaves_of(spec: Spec, report: DocumentReport) -> Sequence[tuple[Path, Any]]:

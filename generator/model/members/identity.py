@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..facts import Edition, Evidence, Revision
+from ..documents import Edition, Evidence, Revision
 from .described import described_part
 from .member import MEANING, NAME, NOTE, Member, Part
 

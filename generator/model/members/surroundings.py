@@ -2,20 +2,9 @@
 
 from __future__ import annotations
 
-from ..facts import (
-    Characteristic,
-    Connector,
-    Contact,
-    EditionTest,
-    Input,
-    Led,
-    LedState,
-    LostFigure,
-    Quantity,
-    Table,
-    Timing,
-    Write,
-)
+from ..documents import EditionTest, LostFigure
+from ..examples import Write
+from ..facts import Characteristic, Connector, Contact, Input, Led, LedState, Quantity, Table, Timing
 from ..measurement import Measurement
 from .described import described_part
 from .member import NAME, NAMES, NOTE, PRINTED_NAME, Member, Part

@@ -1,0 +1,172 @@
+"""Rules for order code values whose meaning repeats their settings in words, and for labels that are numbers."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from fractions import Fraction
+
+from ...model.expressions import Expression, ExpressionError
+from ..problems import DocumentReport, quoted
+from ..written_codes import WrittenCodeValue
+from ..written_parts import WrittenSpec
+from .parts import layouts
+
+#: Names of interfaces in manuals, without RS-485, which is also the name of the signals.
+_INTERFACES = {"ssi": re.compile(r"\bSSI\b"), "biss": re.compile(r"\bBiSS\b", re.IGNORECASE)}
+_ANY_INTERFACE = re.compile(r"\bSSI\b|\bBiSS\b|\bRS-?485\b", re.IGNORECASE)
+
+#: A length, perhaps as a quotient, and a voltage: one with its tolerance, or two.
+_DECIMAL = r"[0-9]{1,3}(?:,[0-9]{3})+|[0-9]+(?:\.[0-9]+)?"
+_LENGTH = re.compile(rf"(?<![\d.,/])(?:({_DECIMAL}) ?/ ?)?({_DECIMAL}) ?(mm|[µμ]m|nm)\b(?!/)")
+_NANOMETRES = {
+    **dict.fromkeys(("nm", "nanometres", "nanometers"), 1),
+    **dict.fromkeys(("µm", "μm", "um", "micrometres", "micrometers"), 1000),
+    **dict.fromkeys(("mm", "millimetres", "millimeters"), 1_000_000),
+}
+_VOLT = r"\+?([0-9]+(?:\.[0-9]+)?) ?V(?: ?DC|dc)?"
+_ONE_VOLTAGE = re.compile(rf"{_VOLT}(?: ?± ?([0-9]+(?:\.[0-9]+)?) ?%)?")
+_TWO_VOLTAGES = re.compile(rf"{_VOLT} ?(?:to|-|–|…|\.\.\.|(?=\+)) ?{_VOLT}")
+#: Way out of a contradiction between the meaning of an order code value and its settings.
+MEANING_DIFFERS = "; if the manual prints it so, give the reason in 'meaning_differs'"
+
+
+def value_words(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the meaning of an order code value agrees with its settings: code, length and supply."""
+    for part in spec.order_code.parts:
+        for label, value in part.values.items():
+            if not value.meaning_differs:
+                says = f"the meaning of {quoted(label)} says"
+                _check_code(value, says, spec, report)
+                _check_lengths(value, says, raw, report)
+                _check_supply(value, says, report)
+
+
+def _check_code(value: WrittenCodeValue, says: str, spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a value whose meaning names Gray or binary code sets the parameters that decide the code."""
+    for name, required_number in _codes_named(spec, value).items():
+        if value.sets[name] != required_number:
+            code = "Gray" if required_number else "binary"
+            message = f"{says} {code}, so {quoted(name)} must be {required_number}{MEANING_DIFFERS}"
+            report.add("meaning-mismatch", (*value.path, "sets", name), message)
+
+
+def _check_lengths(value: WrittenCodeValue, says: str, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the lengths that a value sets are in its meaning, if it names any."""
+    lengths = _lengths_named(value.meaning)
+    if not lengths:
+        return
+    for name, number in value.sets.items():
+        unit = raw.parameters[name].unit if name in raw.parameters else ""
+        if unit in _NANOMETRES and number * _NANOMETRES[unit] not in lengths:
+            first_length, *_ = lengths.values()
+            message = f"{says} {first_length}, but {quoted(name)} is {number} {unit}{MEANING_DIFFERS}"
+            report.add("meaning-mismatch", (*value.path, "sets", name), message)
+
+
+def _check_supply(value: WrittenCodeValue, says: str, report: DocumentReport) -> None:
+    """Check that the supply of a value is the one that its meaning names."""
+    stated_range = supply_named(value.meaning)
+    if stated_range is None or value.supply is None:
+        return
+    supply = value.supply.part
+    if stated_range != (supply.min_mv, supply.max_mv):
+        low_mv, high_mv = stated_range
+        actual_range = f"{supply.min_mv} to {supply.max_mv}"
+        message = f"{says} {low_mv} to {high_mv} mV, but here it is {actual_range}{MEANING_DIFFERS}"
+        report.add("meaning-mismatch", value.supply.path, message)
+
+
+def _lengths_named(meaning: str) -> dict[Fraction, str]:
+    """Return the lengths in a meaning in nanometres, each with its text. A quotient also stands for its dividend."""
+    lengths = {}
+    for dividend, number, unit in _LENGTH.findall(meaning):
+        if dividend:
+            text = f"{dividend}/{number} {unit}"
+            whole_length = Fraction(dividend.replace(",", "")) * _NANOMETRES[unit]
+            lengths[whole_length] = text
+            lengths[whole_length / Fraction(number.replace(",", ""))] = text
+        else:
+            lengths[Fraction(number.replace(",", "")) * _NANOMETRES[unit]] = f"{number} {unit}"
+    return lengths
+
+
+def _codes_named(spec: WrittenSpec, value: WrittenCodeValue) -> dict[str, int]:
+    """Return the parameters that must be set by a value whose meaning names one code, with the required numbers.
+
+    A parameter that decides the code of a layout is 1 for Gray code and 0 for binary code.
+    """
+    says_gray = re.search(r"\bGray\b", value.meaning, re.IGNORECASE) is not None
+    says_binary = re.search(r"\bbinary\b", value.meaning, re.IGNORECASE) is not None
+    if says_gray == says_binary:
+        return {}
+    deciding_parameters = set()
+    for fields in layouts(spec):
+        is_of_value = value.interface is None or fields.interface == value.interface
+        if is_of_value and fields.layout is not None and fields.layout.gray is not None:
+            deciding_parameters.add(fields.layout.gray.when)
+    required_number = 1 if says_gray else 0
+    return {name: required_number for name in value.sets if name in deciding_parameters}
+
+
+def supply_named(text: str) -> tuple[int, int] | None:
+    """Return the supply range given by a text, in millivolts, or None."""
+    two_voltages = _TWO_VOLTAGES.fullmatch(text)
+    if two_voltages is not None:
+        low, high = two_voltages.groups()
+        return _millivolts(low, 100), _millivolts(high, 100)
+    one_voltage = _ONE_VOLTAGE.fullmatch(text)
+    if one_voltage is None:
+        return None
+    volts, tolerance_text = one_voltage.groups()
+    tolerance = Fraction(tolerance_text or 0)
+    return _millivolts(volts, 100 - tolerance), _millivolts(volts, 100 + tolerance)
+
+
+def _millivolts(volts: str, per_cent: Fraction | int) -> int:
+    return int(Fraction(volts) * per_cent * 10)
+
+
+def interface_named(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that an order code value does not select a different interface than its meaning names."""
+    for part in spec.order_code.parts:
+        for label, value in part.values.items():
+            words = _ANY_INTERFACE.findall(value.meaning)
+            names = {word.upper().replace("RS485", "RS-485") for word in words}
+            if len(names) != 1 or value.interface is None:
+                continue
+            named_kinds = [kind for kind, pattern in _INTERFACES.items() if pattern.search(value.meaning)]
+            if named_kinds and value.interface != named_kinds[0]:
+                name = names.pop().replace("BISS", "BiSS")
+                problem = f"the meaning of {quoted(label)} mentions {name}, but the value selects {value.interface}"
+                report.add("interface-mismatch", value.place_of("interface"), problem)
+
+
+def labels(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the number on a label matches the expression of its part."""
+    for part in spec.order_code.parts:
+        expression = _expression(part.label_is)
+        if expression is None:
+            continue
+        for label, value in part.values.items():
+            sets_all_parameters = all(name in value.sets for name in expression.parameters)
+            if not label.isdecimal() or not sets_all_parameters:
+                continue
+            number = _number(expression, value.sets)
+            if number is not None and int(label) != number:
+                message = f"the label {quoted(label)} must be {expression.render()}, which is {number} here"
+                report.add("label-mismatch", value.place_of("sets"), message)
+
+
+def _expression(formula: int | str | None) -> Expression | None:
+    try:
+        return None if formula is None else Expression.parse(formula)
+    except ExpressionError:  # Reported by the rule on expressions.
+        return None
+
+
+def _number(expression: Expression, parameters: Mapping[str, int]) -> int | None:
+    try:
+        return expression.value(parameters)
+    except ExpressionError:  # The exponent is out of range. Another rule reports it.
+        return None

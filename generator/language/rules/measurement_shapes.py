@@ -1,0 +1,97 @@
+"""Rules for the keys of a measurement, and of the range of positions that a layout has for itself."""
+
+from __future__ import annotations
+
+from ...model.measurement import LayoutRange, Measurement
+from ..problems import DocumentReport, quoted
+from ..written import Located
+from ..written_parts import WrittenSpec
+from .parts import by_name, interfaces, layouts, measurements, readable_names
+
+#: Keys of the measurement of an angle, and of a length.
+_ANGLE = ("counts_per_turn", "turns")
+_LENGTH = ("step_um", "step_nm", "per_counts", "modulus")
+
+
+def measurement_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the measurement matches the movement."""
+    movement = spec.movement
+    if not spec.has("movement"):
+        return
+    own_keys, foreign_keys = (_ANGLE, _LENGTH) if movement == "rotary" else (_LENGTH, _ANGLE)
+    unit_key, total_key = own_keys[0], own_keys[-1]
+    raw_measurements = {measurement.path: measurement for measurement in measurements(raw)}
+    for measurement in measurements(spec):
+        raw_measurement = raw_measurements[measurement.path]
+        # A key rejected by the schema was removed. It must not be reported as missing, too.
+        is_complete = measurement.data.keys() == raw_measurement.data.keys()
+        if is_complete and not measurement.has(unit_key) and not measurement.has("step_nm"):
+            unit_text = "'step_um', or 'step_nm' with 'per_counts'," if movement == "linear" else quoted(unit_key)
+            message = f"{unit_text} is missing; the measurement of a {movement} encoder needs it"
+            report.add("measurement-shape", measurement.path, message, at_key=True)
+        for key in foreign_keys:
+            if measurement.has(key):
+                message = f"{quoted(key)} does not apply to a {movement} encoder"
+                report.add("measurement-shape", (*measurement.path, key), message, at_key=True)
+        if movement == "linear":
+            _check_step(measurement, report)
+        if measurement.has("highest") and not raw_measurement.has(total_key):
+            problem = f"'highest' has no effect without {quoted(total_key)}; add it, or leave 'highest' out"
+            report.add("measurement-shape", (*measurement.path, "highest"), problem, at_key=True)
+
+
+def position_range_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the range of one layout has a position to refer to, and matches the movement."""
+    groups = by_name(raw.field_groups)
+    own_measurements = {name: interface.measurement for name, interface in interfaces(raw)}
+    raw_fields = {fields.owner.path: fields for fields in layouts(raw)}
+    for fields in layouts(spec):
+        own_range = fields.layout.position_range if fields.layout is not None else None
+        if own_range is None or not own_range.data:
+            continue
+        own_measurement = own_measurements[fields.interface]
+        has_own = own_measurement is not None and own_measurement.data
+        measurement = own_measurement if has_own else raw.measurement
+        raw_list = raw_fields[fields.owner.path]
+        name = quoted(raw_list.name)
+        if measurement is None or not measurement.data:
+            problem = "'position_range' needs a 'measurement', which gives the unit of the position"
+            message = f"{problem}; add it to the interface or the encoder"
+            report.add("measurement-shape", own_range.path, message, at_key=True)
+        elif not raw_list.is_from_encoder or measurement.part.of not in readable_names(raw_list, groups):
+            problem = f"{name} does not carry the position, {quoted(measurement.part.of)}, to the master"
+            report.add("measurement-shape", own_range.path, f"{problem}; leave 'position_range' out", at_key=True)
+        _check_range_keys(own_range, measurement, spec.movement, report)
+
+
+def _check_range_keys(
+    own_range: Located[LayoutRange], measurement: Located[Measurement] | None, movement: str, report: DocumentReport
+) -> None:
+    """Check that the keys of a range belong together."""
+    path = own_range.path
+    total_key, foreign_key = ("turns", "modulus") if movement == "rotary" else ("modulus", "turns")
+    if own_range.has(foreign_key) and movement in ("rotary", "linear"):
+        problem = f"{quoted(foreign_key)} does not apply to a {movement} encoder; write {quoted(total_key)}"
+        report.add("measurement-shape", (*path, foreign_key), problem, at_key=True)
+    if own_range.has("wraps"):
+        contradictions = [key for key in ("turns", "modulus", "highest") if own_range.has(key)]
+        if contradictions:
+            problem = f"{quoted(contradictions[0])} contradicts 'wraps: false'; leave one of the two out"
+            report.add("measurement-shape", (*path, contradictions[0]), problem, at_key=True)
+        return
+    stated_keys = own_range.data.keys() | (measurement.data.keys() if measurement is not None else ())
+    has_total = total_key in stated_keys or "modulus" in stated_keys
+    if own_range.has("highest") and not has_total:
+        problem = f"'highest' has no effect without {quoted(total_key)}; add it, or leave 'highest' out"
+        report.add("measurement-shape", (*path, "highest"), problem, at_key=True)
+
+
+def _check_step(measurement: Located[Measurement], report: DocumentReport) -> None:
+    """Check that a length has one step, and that ``per_counts`` belongs to a step in nanometres."""
+    has_step_nm = measurement.has("step_nm")
+    if measurement.has("step_um") and has_step_nm:
+        problem = "'step_um' and 'step_nm' exclude each other; keep the one that is a whole number"
+        report.add("measurement-shape", (*measurement.path, "step_nm"), problem, at_key=True)
+    elif measurement.has("per_counts") and not has_step_nm:
+        problem = "'per_counts' is only for 'step_nm', the number of nanometres for that many counts"
+        report.add("measurement-shape", (*measurement.path, "per_counts"), problem, at_key=True)

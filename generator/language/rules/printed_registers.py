@@ -1,0 +1,210 @@
+"""Rules for registers that the manual prints twice: their addresses, its list of defaults, and writes to them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from ..problems import DocumentReport, quoted
+from ..written_codes import WrittenPrintedDefault, WrittenRegister
+from ..written_parts import WrittenProcedure, WrittenSpec, WrittenStep
+from .parts import Groups, by_name, fields_of, last_address
+
+_RANGE = re.compile(r"([0-9]{1,4}):([0-9]{1,4})")
+_WRITE = re.compile(
+    r"(?P<first>0x[0-9A-Fa-f]+)(?:-(?P<last>0x[0-9A-Fa-f]+))?(?: bit (?P<bit>[0-9]+))?(?: = (?P<value>\w+))?"
+)
+
+
+def addresses(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the printed addresses match address and length."""
+    for register in spec.registers:
+        if register.addresses is None:
+            continue
+        first, _, last = str(register.addresses).partition("-")
+        printed_range = (int(first, 0), int(last or first, 0))
+        actual_range = (register.address, last_address(register))
+        if printed_range != actual_range:
+            message = (
+                f"{quoted(register.name)} is printed at {_address_text(*printed_range)}; "
+                f"'address' {register.address:#04x} and 'length' {register.length} "
+                f"result in {_address_text(*actual_range)}"
+            )
+            report.add("addresses-mismatch", register.place_of("addresses"), message)
+
+
+def _address_text(first: int, last: int) -> str:
+    return f"{first:#04x}" if first == last else f"{first:#04x} to {last:#04x}"
+
+
+def default_lists(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the manual's list of defaults matches the registers, except for rows explained by an erratum."""
+    registers = by_name(spec.registers)
+    for row in spec.printed_defaults:
+        has_bytes, has_place, has_value = bool(row.bytes), row.at is not None, row.value is not None
+        has_whole_register = has_bytes and not has_place and not has_value
+        has_some_bits = not has_bytes and has_place and has_value
+        if not has_whole_register and not has_some_bits:
+            message = "a row has either 'bytes' for the whole register, or 'at' and 'value' for some of its bits"
+            report.add("default-mismatch", row.path, message)
+            continue
+        register = registers.get(row.register)
+        if register is not None:
+            _check_row(row, register, report)
+
+
+def _check_row(row: WrittenPrintedDefault, register: WrittenRegister, report: DocumentReport) -> None:
+    """Check that a row is correct, or that an erratum explains it."""
+    faults = list(_byte_faults(row, register) if row.bytes else _bit_faults(row, register))
+    if faults and not row.erratum:
+        key, message = faults[0]
+        report.add("default-mismatch", row.place_of(key), message)
+    elif not faults and row.erratum:
+        message = f"the row is correct, so {quoted(row.erratum)} explains nothing; leave 'erratum' out"
+        report.add("default-mismatch", row.place_of("erratum"), message)
+
+
+def _byte_faults(row: WrittenPrintedDefault, register: WrittenRegister) -> Iterator[tuple[str, str]]:
+    """Yield the error of a row with the bytes of the whole register, with its key."""
+    name, default = quoted(register.name), register.default
+    printed_bytes = bytes.fromhex(row.bytes)
+    byte_order: Literal["little", "big"] = "little" if register.byte_order == "low_byte_first" else "big"
+    number = int.from_bytes(printed_bytes, byte_order)
+    if len(printed_bytes) != register.length:
+        yield "bytes", f"{name} has {register.length} bytes, but {len(printed_bytes)} are printed"
+    elif default is None:
+        yield "bytes", f"{name} has no 'default', but the printed bytes are {number:#x}"
+    elif default != number:
+        yield "bytes", f"the 'default' of {name} is {default:#x}, but the printed bytes are {number:#x}"
+
+
+def _bit_faults(row: WrittenPrintedDefault, register: WrittenRegister) -> Iterator[tuple[str, str]]:
+    """Yield the errors of a row about some of the bits, each with its key."""
+    name = quoted(register.name)
+    bounds = _bounds(row.at)
+    if bounds is None:
+        yield "at", f"{quoted(row.at)} is not a position; write a bit number, or a range such as 7:6"
+        return
+    if register.default is None:
+        yield "value", f"{name} has no 'default' that contains these bits"
+    else:
+        high, low = bounds
+        mask = (1 << (high - low + 1)) - 1
+        default_bits = (register.default >> low) & mask
+        if default_bits != row.value:
+            problem = f"the 'default' of {name} is {register.default:#x}, which gives {default_bits} in these bits"
+            yield "value", f"{problem}, but the manual prints {row.value}"
+    yield from _field_faults(row, register, bounds)
+
+
+def _field_faults(
+    row: WrittenPrintedDefault, register: WrittenRegister, bounds: tuple[int, int]
+) -> Iterator[tuple[str, str]]:
+    """Yield the errors of a row's field: a different place, or a different name of the number."""
+    field = by_name(register.fields).get(row.field)
+    if field is None:  # Reported by the rule on references, or the field is in a group.
+        return
+    if field.at is not None and _bounds(field.at) != bounds:
+        yield "at", f"{quoted(row.field)} is at {field.at}, but {row.at} is printed"
+    names = [name for name, value in field.values.items() if value.value == row.value]
+    if row.is_ and row.is_ not in names:
+        actual = f"is {quoted(names[0])}" if names else "has no name"
+        yield "is", f"{row.value} {actual} in {quoted(row.field)}, but {quoted(row.is_)} is printed"
+
+
+def _bounds(at: int | str | None) -> tuple[int, int] | None:
+    """Return the highest and the lowest bit of a place, or None if it is not one."""
+    if isinstance(at, int):
+        return (at, at) if 0 <= at < 1024 else None
+    bit_range = _RANGE.fullmatch(str(at))
+    if bit_range is None:
+        return None
+    high, low = int(bit_range[1]), int(bit_range[2])
+    return (high, low) if high >= low else None
+
+
+@dataclass(frozen=True)
+class _Write:
+    """A write: the addresses, the bit if it is a single one, and the number, or None if the caller supplies it."""
+
+    first: int
+    last: int
+    bit: int | None
+    value: int | None
+
+    def __str__(self) -> str:
+        text = f"{self.first:#04x}"
+        if self.last > self.first:
+            text += f"-{self.last:#04x}"
+        if self.bit is not None:
+            text += f" bit {self.bit}"
+        if self.value is not None:
+            text += f" = {self.value:#04x}" if self.bit is None else f" = {self.value}"
+        return text
+
+
+def writes(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the printed writes of a procedure match its steps."""
+    registers, groups = by_name(spec.registers), by_name(spec.field_groups)
+    for procedure in spec.procedures:
+        steps = [step for step in procedure.steps if step.do == "write"]
+        step_writes = [_step_write(step, registers, groups) for step in steps]
+        if procedure.printed_writes and None not in step_writes:
+            _compare_writes(procedure, steps, step_writes, report)
+
+
+def _compare_writes(
+    procedure: WrittenProcedure,
+    steps: list[WrittenStep],
+    step_writes: list[_Write | None],
+    report: DocumentReport,
+) -> None:
+    """Report each printed write that is not the one of its step, and each further step."""
+    for index, text in enumerate(procedure.printed_writes):
+        printed_write = _printed_write(text)
+        printed_path = (*procedure.path, "printed_writes", index)
+        if index >= len(steps):
+            report.add("writes-mismatch", printed_path, f"{printed_write} is printed, but no step writes it")
+        elif printed_write != step_writes[index]:
+            line, _ = report.document.position(steps[index].path)
+            message = f"{printed_write} is printed, but the step on line {line} writes {step_writes[index]}"
+            report.add("writes-mismatch", printed_path, message)
+    for step in steps[len(procedure.printed_writes) :]:
+        report.add("writes-mismatch", step.path, "this write is not among the 'printed_writes'")
+
+
+def _printed_write(text: str) -> _Write:
+    """Return the write that a text of ``printed_writes`` describes."""
+    match = _WRITE.fullmatch(text)
+    assert match is not None  # The schema has the same pattern.
+    first = int(match["first"], 16)
+    last = first if match["last"] is None else int(match["last"], 16)
+    bit = None if match["bit"] is None else int(match["bit"])
+    value = None if match["value"] is None else int(match["value"], 0)
+    return _Write(first=first, last=last, bit=bit, value=value)
+
+
+def _step_write(step: WrittenStep, registers: Mapping[str, WrittenRegister], groups: Groups) -> _Write | None:
+    """Return the write of a step, or None if the text does not determine it or another rule reports the step."""
+    register = registers.get(step.register)
+    if register is None or not step.value:
+        return None
+    fields = list(fields_of(register, groups))
+    candidates = [field for field in fields if step.field in ("", field.name)]
+    # The field that has the value. Without one, the value is an argument, whose number the caller supplies.
+    fields_with_value = [field for field in candidates if step.value in field.values]
+    number = fields_with_value[0].values[step.value].value if fields_with_value else None
+    first, last = register.address, last_address(register)
+    writes_whole_register = not step.field and (not fields_with_value or len(fields) == 1)
+    if writes_whole_register:
+        return _Write(first=first, last=last, bit=None, value=number)
+    written_fields = fields_with_value or candidates
+    bounds = _bounds(written_fields[0].at) if written_fields else None
+    if bounds is None:
+        return None
+    _, low_bit = bounds
+    if not step.field:
+        return _Write(first=first, last=last, bit=None, value=(number or 0) << low_bit)
+    return _Write(first=first, last=last, bit=low_bit, value=number)

@@ -1,0 +1,107 @@
+"""Rules for items of a list that occur twice, and for neighbours with the same text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Any, NamedTuple
+
+from ..document import Path
+from ..problems import DocumentReport, quoted
+from ..written_codes import WrittenRegister
+from ..written_layouts import WrittenField
+from ..written_parts import WrittenSpec
+from .parts import field_lists, interface_of
+
+#: Lists that are sets, at any place.
+_SETS = frozenset(
+    """
+    interfaces sums_up explained_by write_clears cleared_by by_hand data_id memory_access printed also_written
+    cable_lengths
+    """.split()
+)
+#: Maps of lists that are sets.
+_MAPS_OF_SETS = frozenset(("only_with", "open_only_with"))
+
+
+def repeated_item(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no item of a list that is a set occurs twice."""
+    for path, set_items in _unique_lists((), spec.data):
+        for index, set_item in enumerate(set_items):
+            first_index = set_items.index(set_item)
+            if first_index < index:
+                item_text = quoted(set_item) if isinstance(set_item, (str, int)) else "this"
+                message = (
+                    f"{item_text} is already item {first_index + 1} of '{path[-1]}'; "
+                    "remove it, or write the intended one"
+                )
+                report.add("repeated-item", (*path, index), message)
+
+
+def _unique_lists(path: Path, node: Any) -> Iterator[tuple[Path, list[Any]]]:
+    """Yield every list that is a set, at a place and below it."""
+    if isinstance(node, list):
+        is_in_map_of_sets = len(path) > 1 and path[-2] in _MAPS_OF_SETS
+        if path[-1] in _SETS or is_in_map_of_sets:
+            yield path, node
+        for index, inner in enumerate(node):
+            yield from _unique_lists((*path, index), inner)
+    elif isinstance(node, dict):
+        for key, inner in node.items():
+            yield from _unique_lists((*path, key), inner)
+
+
+class _NamedText(NamedTuple):
+    """A text of a part, with the name of the part and the place of the text. A missing text is empty."""
+
+    text: str
+    name: str
+    path: Path
+
+
+def repeated_text(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that registers, fields of a frame, and values of a field do not have the text of a neighbour."""
+    registers_by_bank: dict[object, list[WrittenRegister]] = {}
+    for register in spec.registers:
+        registers_by_bank.setdefault((interface_of(register), register.bank), []).append(register)
+    for registers in registers_by_bank.values():
+        _report_repeated("printed_name", map(_printed_name_of, registers), report)
+    for fields in field_lists(spec):
+        data_fields = filter(_has_data, fields.fields)
+        _report_repeated("printed_name", map(_printed_name_of, data_fields), report)
+        for field in fields.fields:
+            _check_values(field, report)
+
+
+def _check_values(field: WrittenField, report: DocumentReport) -> None:
+    """Check that the values of a field do not have the same printed name or the same meaning."""
+    printed_names, meanings = [], []
+    for name, value in field.values.items():
+        printed_names.append(_NamedText(value.printed_name, name, value.place_of("printed_name")))
+        is_long = value.meaning.count(" ") > 1  # Several values can be "not used".
+        if is_long:
+            meanings.append(_NamedText(value.meaning, name, value.place_of("meaning")))
+    _report_repeated("printed_name", printed_names, report)
+    _report_repeated("meaning", meanings, report)
+
+
+def _printed_name_of(part: WrittenRegister | WrittenField) -> _NamedText:
+    return _NamedText(part.printed_name, part.name or str(part.path[-1]), part.place_of("printed_name"))
+
+
+def _has_data(field: WrittenField) -> bool:
+    """Return True for a field with data. Each word of a frame can have its own check bits with the same names."""
+    is_fixed = field.constant is not None or field.unused is not None
+    is_check = bool(field.crc or field.parity_of)
+    return not is_fixed and not is_check
+
+
+def _report_repeated(key: str, texts: Iterable[_NamedText], report: DocumentReport) -> None:
+    """Report every text under a key that an earlier neighbour has."""
+    first_names: dict[str, str] = {}
+    for text, name, path in texts:
+        if not text:
+            continue
+        first_name = first_names.setdefault(text, name)
+        if first_name != name:
+            message = f"{quoted(first_name)} already has this text as its {quoted(key)}; one of the two is wrong"
+            report.add("repeated-text", path, message)
