@@ -57,7 +57,6 @@ _NOT_SET = {
     "read_from": "is read from the encoder ('read_from')",
     "alternative": "is set by an alternative ('alternative')",
 }
-
 _CLASS = re.compile(r"\[[^\]]*\]")
 _COUNT = re.compile(r"[*+?{]")
 _PARTS: tuple[str, str] = ("order_code", "parts")
