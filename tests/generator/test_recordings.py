@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 from codewheel.commands.cli import main
-from codewheel.why.mistakes import Explanation, Why
+from codewheel.why.diagnosis import Diagnosis, Explanation
 from codewheel.why.together import judge_together
 from planted import crc
 
@@ -313,7 +313,7 @@ def test_a_coincidence_in_one_frame_does_not_count() -> None:
     evidence = {"likely": 8, "unlikely": 6, "coincidence": 40}
     explanations = [Explanation("start_value", text, 64, 2.0**bits, {}) for text, bits in evidence.items()]
     likely, unlikely, coincidence = explanations
-    whys = [Why((coincidence, likely, unlikely), 3, 0.1, ()), Why((unlikely, likely), 2, 0.1, ())]
+    whys = [Diagnosis((coincidence, likely, unlikely), 3, 0.1, ()), Diagnosis((unlikely, likely), 2, 0.1, ())]
     mistakes = judge_together(whys)
     assert [(mistake.text, mistake.frames, mistake.one_in) for mistake in mistakes] == [
         ("likely", 2, 64 * 64),

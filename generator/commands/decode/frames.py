@@ -15,10 +15,10 @@ from ...model.layout import have_lengths
 from ...reference import codec
 from ...reference.registers import decode_register
 from ...say import report as say
-from ...why.tries import BitText
+from ...why.hypotheses import TypedFrame
 
 if TYPE_CHECKING:
-    from ...why.mistakes import Why
+    from ...why.diagnosis import Diagnosis
 
 _HEX = re.compile(r"(?:0x)?[0-9A-Fa-f]+", re.IGNORECASE)
 _GAPS = re.compile(r"[\s_]")
@@ -125,7 +125,7 @@ def placed_bytes(placed: PlacedLayout, variant: Variant, text: str) -> bytes:
     return int(compact, 2).to_bytes(placed.bits // 8, "big")
 
 
-def frame_number(placed: PlacedLayout, text: str, *, exact: bool = False) -> BitText:
+def frame_number(placed: PlacedLayout, text: str, *, exact: bool = False) -> TypedFrame:
     """Return one number given as ``0b`` with all leading zeros, or as ``0x`` or hex bytes, which imply them.
 
     With ``exact``, bytes imply no zeros, because frames of the sender have different lengths.
@@ -136,7 +136,7 @@ def frame_number(placed: PlacedLayout, text: str, *, exact: bool = False) -> Bit
     compact = _GAPS.sub("", text)
     if _BITS.fullmatch(compact):
         bits = len(compact) - len("0b")
-        return BitText(int(compact, 2), bits, exact=True, written=bits)
+        return TypedFrame(int(compact, 2), bits, exact=True, written=bits)
     pieces = text.split()
     are_bytes = len(pieces) > 1 and all(map(_ONE_BYTE.fullmatch, pieces))
     if are_bytes:
@@ -145,15 +145,15 @@ def frame_number(placed: PlacedLayout, text: str, *, exact: bool = False) -> Bit
         compact = "0x" + "".join(piece[-2:] for piece in pieces)
         if exact and len(pieces) != (placed.bits + 7) // 8:
             bits = 8 * len(pieces)
-            return BitText(int(compact, 16), bits, exact=True, written=bits)
+            return TypedFrame(int(compact, 16), bits, exact=True, written=bits)
     if _NUMBER.fullmatch(compact):
         number = int(compact, 16)
         hex_digits = len(compact) - len("0x")
-        return BitText(number, number.bit_length(), exact=False, written=4 * hex_digits)
+        return TypedFrame(number, number.bit_length(), exact=False, written=4 * hex_digits)
     readings = list(_readings(compact, placed.bits)) if len(pieces) == 1 else []
     if len(readings) == 1 and len(compact) == placed.bits and set(compact) <= {"0", "1"}:
         # As a decimal or hexadecimal number, this many digits would not fit.
-        return BitText(int(compact, 2), placed.bits, exact=True, written=placed.bits)
+        return TypedFrame(int(compact, 2), placed.bits, exact=True, written=placed.bits)
     remedy = say.write_one_of(", ".join(readings)) if readings else say.write_number(str(placed.bits))
     raise FrameTextError(say.no_bits(quoted(visible(text)), str(placed.bits), remedy))
 
@@ -276,7 +276,7 @@ def decode_as(device: Device, variant: Variant, placed: PlacedLayout, text: str,
 
 def why_text(
     device: Device, variant: Variant, sender: str, text: str, decoded: codec.Decoded, *, with_pairs: bool = False
-) -> Why | None:
+) -> Diagnosis | None:
     """Return explanations of a frame whose CRC, length or constant is wrong. ``decoded`` is its ``decode_text``.
 
     ``with_pairs`` also lists pairs of mistakes if a single one matches.
@@ -287,7 +287,7 @@ def why_text(
         return _why_bits(device, variant, sender, text, placed, decoded, with_pairs)
     if placed is not None and not faults & {*_TRANSMISSION_FAULTS, Fault.CONSTANT}:
         return None
-    from ...why.mistakes import explain_bytes
+    from ...why.explain import explain_bytes
 
     hex_text = undecorated(text)
     data = placed_bytes(placed, variant, hex_text) if placed is not None else frame_bytes(hex_text)
@@ -302,7 +302,7 @@ def _why_bits(
     placed: PlacedLayout,
     decoded: codec.Decoded,
     with_pairs: bool,
-) -> Why | None:
+) -> Diagnosis | None:
     """Return explanations of a frame of bits. One without a CRC, or with equal bits, is explained even if valid."""
     faults = {problem.fault for problem in decoded.problems}
     has_no_crc = not faults and decoded.crc is None
@@ -310,7 +310,7 @@ def _why_bits(
     is_suspicious = has_no_crc or has_equal_bits or bool(faults & _TRANSMISSION_FAULTS)
     if not is_suspicious and Fault.CONSTANT not in faults:
         return None
-    from ...why.mistakes import explain_bits, explain_constant
+    from ...why.explain import explain_bits, explain_constant
 
     is_exact = have_lengths(device.interface(variant.interface).layouts, sender)
     frame = frame_number(placed, undecorated(text), exact=is_exact)

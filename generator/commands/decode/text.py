@@ -25,7 +25,7 @@ from ...say.text import BY_NAME, WORTH, counted, sentence, with_unit
 from .frames import Line, is_frame_of_other_kind
 
 if TYPE_CHECKING:
-    from ...why.mistakes import Explanation, Why
+    from ...why.diagnosis import Diagnosis, Explanation
     from ...why.together import CommonMistake
 
 NO_ANSWERS: Mapping[str, str] = MappingProxyType({})
@@ -41,7 +41,7 @@ def explain(
     sender: str,
     decoded: codec.Decoded,
     findings: Findings = _NO_FINDINGS,
-    why: Why | None = None,
+    why: Diagnosis | None = None,
     line: Line = NO_LINE,
     answers: Mapping[str, str] = NO_ANSWERS,
     label: Sequence[str] | None = None,
@@ -252,7 +252,7 @@ def _value_or_zero(expression: Expression | None, variant: Variant) -> int:
     return expression.value(variant.parameters) if expression is not None else 0
 
 
-def _why_lines(why: Why, placed: PlacedLayout | None) -> list[str]:
+def _why_lines(why: Diagnosis, placed: PlacedLayout | None) -> list[str]:
     if [explanation.kind for explanation in why.explanations] == ["line_stuck"]:
         text = sentence(why.explanations[0].text)
         return ["", wrapped(text[0].upper() + text[1:], WIDTH, "  ", "")]
@@ -279,7 +279,7 @@ def _bit_name(bit: int, placed: PlacedLayout) -> str:
     return f"bit {bit % 8} of byte {last_byte - bit // 8}"
 
 
-def _mistake_lines(why: Why) -> list[str]:
+def _mistake_lines(why: Diagnosis) -> list[str]:
     """Return the mistakes that explain a frame, each with its chance, and the hints that follow them."""
     percent = f"{100 * why.coincidence:.0f}" if why.coincidence >= 0.005 else "less than 1"
     tried = counted(why.tried, "common mistake")
@@ -297,7 +297,7 @@ def _mistake_lines(why: Why) -> list[str]:
     return [*lines, *hints]
 
 
-def _hint_lines(why: Why) -> list[str]:
+def _hint_lines(why: Diagnosis) -> list[str]:
     """Return what a recording lacks, whether another frame would help, and what the CRC cannot detect."""
     lines = []
     if why.missing:
@@ -321,7 +321,7 @@ def together_lines(mistakes: Sequence[CommonMistake], failed: int) -> Iterator[s
     yield ""
 
 
-def _introduction(why: Why, chance: str) -> str:
+def _introduction(why: Diagnosis, chance: str) -> str:
     if not why.has_crc:
         return f"{UNCERTAIN_READINGS}:"
     needs_two = why.explanations[-1].twice
