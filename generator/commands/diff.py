@@ -178,14 +178,14 @@ def _without_accepted(changes: Sequence[Change], chosen: argparse.Namespace) -> 
     Raises:
         Stop: The file with accepted changes is missing or not valid. The exit code is 2.
     """
-    from ..changes.report import NAME, NotAccepted, read_accepted, still_open
+    from ..changes.accepted import NAME, NotAccepted, changes_to_accept, read_accepted
 
     new = Path(chosen.new)
     place = chosen.accepted or (new if new.is_dir() else new.parent) / NAME
     if chosen.accepted is None and not place.is_file():
         return changes, ()
     try:
-        return still_open(changes, read_accepted(place), datetime.now().astimezone().date())
+        return changes_to_accept(changes, read_accepted(place), datetime.now().astimezone().date())
     except NotAccepted as error:
         raise Stop(str(error), 2) from None
 
@@ -218,13 +218,13 @@ def _record(comparison: DiffResult, after: _Side) -> DiffResult:
     Raises:
         Stop: Part of a family could not be compared, or a file cannot be written.
     """
-    from ..changes.report import NotRecorded, records
+    from ..changes.report import NotRecorded, files_of_release
 
     if comparison.notices:
         raise Stop(f"nothing is recorded: {comparison.notices[0]}", 1)
     try:
         # Compose all texts before touching the first file.
-        record_texts = list(records(comparison, after.families))
+        record_texts = list(files_of_release(comparison, after.families))
         for place, text in record_texts:
             place.write_text(text, encoding="utf-8")
     except NotRecorded as error:
@@ -335,7 +335,7 @@ def _findings(changes: Sequence[Change], side: _Side) -> list[Finding]:
 
 
 def _finding(change: Change, document: Document, path: SpecPath, file_names: Mapping[str, str]) -> Finding:
-    from ..changes.report import about
+    from ..changes.report import describe_effect
     from .review_formats import Finding
 
     line, column = document.position(path)
@@ -345,7 +345,7 @@ def _finding(change: Change, document: Document, path: SpecPath, file_names: Map
         line=line,
         column=column,
         rule=change.rule.name,
-        message=f"{change.text} ({change.impact.word}: {about(change)})",
+        message=f"{change.text} ({change.impact.word}: {describe_effect(change)})",
         level=_LEVELS.get(change.impact, "notice"),
     )
 

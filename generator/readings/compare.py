@@ -12,7 +12,7 @@ from enum import IntEnum
 from functools import partial
 from itertools import chain
 
-from ..changes.pairs import by_key
+from ..changes.pairs import match_by_key
 from ..language.document import Path
 from ..say.names_and_places import bits
 from ..say.plain_text import first_of
@@ -266,7 +266,7 @@ def _compare_facts(
 
     ``place_in_spec`` returns the place of a fact that the spec lacks, or None if the spec may lack it.
     """
-    for key, second_fact, spec_fact in by_key(second_facts, spec_facts):
+    for key, second_fact, spec_fact in match_by_key(second_facts, spec_facts):
         if spec_fact is not None and not spec_fact.implied:
             if second_fact is not None:
                 yield from _compare_values(comparison, spec_fact, second_fact)
