@@ -45,7 +45,7 @@ def add_names(subject: Subject, placed_field: PlacedField, owner: str | int, fac
             description=f"name of {bits_text}",
             place=(*place, "name"),
         )
-        facts.call(("field",), name_fact)
+        facts.add_name(("field",), name_fact)
     for value in placed_field.field.values:
         value_name_fact = Fact(
             sort=Sort.VALUE,
@@ -54,7 +54,7 @@ def add_names(subject: Subject, placed_field: PlacedField, owner: str | int, fac
             description=f"name of value {in_hex(value.value)} of {bits_text}",
             place=subject.reading.first_existing((*place, "values", value.name), place),
         )
-        facts.call(("value", *span), value_name_fact)
+        facts.add_name(("value", *span), value_name_fact)
 
 
 def properties(
@@ -72,7 +72,7 @@ def properties(
     else:
         default, is_implied = _default(placed_field, register)
     if default is not None:
-        yield replace(subject.fact(Sort.DEFAULT, "default", in_hex(default), "default"), implied=is_implied)
+        yield replace(subject.fact(Sort.DEFAULT, "default", in_hex(default), "default"), is_implied=is_implied)
     yield from subject.stated_facts(field)
 
 
@@ -83,12 +83,12 @@ def _of_kind(subject: Subject, field: Field) -> Iterator[Fact]:
         if fact.sort is Sort.VERDICT:
             # The verdict of a flag that the interface defines is not in the spec.
             place = reading.first_existing(fact.place, subject.place)
-            yield replace(fact, place=place, mild=isinstance(field.kind, Unused))
+            yield replace(fact, place=place, may_be_missing=isinstance(field.kind, Unused))
         else:
-            yield replace(fact, mild=False)
+            yield replace(fact, may_be_missing=False)
     if isinstance(field.kind, CrcValue):
         crc_text = f"the CRC over {interface_label(subject.interface)}"
-        crc_subject = Subject(reading, ("crc",), ("crcs", field.kind.crc), crc_text)
+        crc_subject = Subject(reading, key=("crc",), place=("crcs", field.kind.crc), description=crc_text)
         yield from crc_subject.stated_facts(reading.device.crc(field.kind.crc))
     for named_value in field.values:
         value_subject = Subject(
@@ -135,7 +135,7 @@ def _word_case(owner: Subject, placed: PlacedLayout, parameters: Parameters, reg
         place = owner.reading.field_place(owner.place, placed_field.field)
         description = f"{bits(placed_field.high, placed_field.low)} of {owner.description}"
         placed_bits[placed_field.low : placed_field.high + 1] = _bits(placed_field, placed, place)
-        subject = Subject(owner.reading, (), place, description, owner.interface)
+        subject = Subject(owner.reading, key=(), place=place, description=description, interface=owner.interface)
         facts = properties(subject, placed_field, parameters, register)
         properties_by_span[placed_field.low, placed_field.width] = {fact.key: fact for fact in facts}
         add_names(subject, placed_field, owner.place[-1], names)

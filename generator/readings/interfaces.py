@@ -45,7 +45,9 @@ def add_registers(reading: Reading, facts: Facts) -> None:
     """Add every register, its bits, and its behaviour."""
     for register in reading.device.registers:
         key, place = reading.key_of(register), ("registers", register.name)
-        subject = Subject(reading, key, place, register_text(register), register.interface)
+        subject = Subject(
+            reading, key=key, place=place, description=register_text(register), interface=register.interface
+        )
         facts.add(_facts(subject, register))
         _add_names(subject, register, facts)
         facts.derived[Sort.POSITION] += len(register.layout.joins)
@@ -55,11 +57,16 @@ def add_registers(reading: Reading, facts: Facts) -> None:
 def _add_names(subject: Subject, register: Register, facts: Facts) -> None:
     """Add the names that a register refers to: the field with limits, and the field that opens it."""
     description, place = f"field that the limits of {subject.description} apply to", (*subject.place, "limits_of")
-    facts.call(("bounded",), Fact(Sort.LIMIT, subject.key, register.limits_of, description, place))
+    facts.add_name(
+        ("bounded",),
+        Fact(sort=Sort.LIMIT, key=subject.key, value=register.limits_of, description=description, place=place),
+    )
     if register.opened_by:
         name, description = register.opened_by_field or NOTHING, f"field that opens {subject.description}"
         place = (*subject.place, "opened_by")
-        facts.call(("opener",), Fact(Sort.BEHAVIOUR, subject.key, name, description, place))
+        facts.add_name(
+            ("opener",), Fact(sort=Sort.BEHAVIOUR, key=subject.key, value=name, description=description, place=place)
+        )
 
 
 def _facts(subject: Subject, register: Register) -> Iterator[Fact]:
@@ -102,7 +109,7 @@ def _limits(subject: Subject, register: Register) -> Iterator[Fact]:
             value={case: _bounded(register, parameters) for case, parameters in cases.items()},
             description=f"bits that the limits of {subject.description} apply to",
             place=reading.first_existing((*subject.place, "limits_of"), subject.place),
-            under=subject.key,
+            depends_on=subject.key,
         )
     for meaning in register.meanings:
         description = f"{subject.description} while {reading.state(meaning.when, meaning.value)}"
@@ -161,12 +168,12 @@ def _add_frames(reading: Reading, interface: Interface, layout: Layout, identity
     place: Path = ("interfaces", interface.name, "layouts", layout.name)
     for frame_identity in layout.selects or (identity,):
         key: Key = ("frame", interface.name, layout.sender, layout.channel or 0, frame_identity)
-        frame = Subject(reading, key, place, f"'{layout.name}'", interface.name)
+        frame = Subject(reading, key=key, place=place, description=f"'{layout.name}'", interface=interface.name)
         facts.add(_of_frame(frame, layout))
         facts.words[key] = word(frame, layout)
         for field in layout.fields:
             if field.group:
-                facts.call(("group", interface.name), _group_name(frame, field))
+                facts.add_name(("group", interface.name), _group_name(frame, field))
 
 
 def _group_name(frame: Subject, field: Field) -> Fact:
@@ -193,7 +200,7 @@ def _of_frame(frame: Subject, layout: Layout) -> Iterator[Fact]:
     if layout.in_bytes and (has_several_bytes or is_stated):
         order_place = (*frame.place, "byte_order") if is_stated else frame.place
         is_mild = not has_several_bytes
-        yield frame.fact(Sort.BYTE_ORDER, "order", layout.byte_order, "byte order", order_place, mild=is_mild)
+        yield frame.fact(Sort.BYTE_ORDER, "order", layout.byte_order, "byte order", order_place, may_be_missing=is_mild)
     lengths = {case: str(layout.bits.value(parameters)) for case, parameters in reading.cases(frame.interface).items()}
     yield frame.fact(Sort.POSITION, "length", lengths, "bits", frame.place)
     yield from _combinations(frame, layout)
@@ -234,7 +241,7 @@ def _of_interface(reading: Reading, interface: Interface) -> Iterator[Fact]:
         place=place,
         description=interface.short,
         interface=interface.name,
-        under=(),
+        depends_on=(),
         joint=" over ",
     )
     yield from whole.stated_facts(interface)
@@ -286,7 +293,9 @@ def _biss(reading: Reading, interface: Biss) -> Iterator[Fact]:
 def _control(reading: Reading, control_field: ControlField, offset: int) -> Iterator[Fact]:
     """Yield the facts of a field of the control frame, starting at a bit of the frame."""
     place: Path = ("interfaces", "biss", "control_data", "fields", control_field.name)
-    subject = Subject(reading, ("control", offset), place, f"field of the control frame from bit {offset + 1}")
+    subject = Subject(
+        reading, key=("control", offset), place=place, description=f"field of the control frame from bit {offset + 1}"
+    )
     yield from subject.present(Sort.POSITION, control_field, f"{control_field.bits} bits")
     for named_value in control_field.values:
         description = f"value {in_hex(named_value.value)} of {subject.description}"
@@ -303,7 +312,7 @@ def _rs485(reading: Reading, interface: Rs485) -> Iterator[Fact]:
     place: Path = ("interfaces", interface.name)
     for data_id in interface.data_ids:
         id_place = (*place, "data_ids", data_id.name)
-        subject = Subject(reading, ("data id", data_id.id), id_place, f"data ID {data_id.id:X}")
+        subject = Subject(reading, key=("data id", data_id.id), place=id_place, description=f"data ID {data_id.id:X}")
         yield from subject.present(Sort.VALUE, data_id, f"control field {in_hex(data_id.control)}", at="control")
     for index, access in enumerate(interface.memory_access):
         yield Fact(
@@ -343,7 +352,14 @@ def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) ->
         if not timing.symbol:
             text = ", ".join(f"{name.removesuffix('_us').replace('_', ' ')} {value}" for name, value in times.items())
             key: Key = ("time", interface, text)
-            yield Fact(Sort.TIME, key, text, f"a time{interface_text}", place, name=timing.name)
+            yield Fact(
+                sort=Sort.TIME,
+                key=key,
+                value=text,
+                description=f"a time{interface_text}",
+                place=place,
+                name=timing.name,
+            )
             continue
         symbol = plain(timing.symbol).replace(" ", "")
         for name, value in times.items():

@@ -59,7 +59,7 @@ def procedures(reading: Reading) -> Iterator[Fact]:
                 value=detail.value,
                 description=detail.description,
                 place=(*place, *detail.place),
-                under=key,
+                depends_on=key,
             )
 
 
@@ -94,14 +94,26 @@ def _times(reading: Reading, procedure: Procedure) -> Iterator[_Detail]:
             if not following or not isinstance(following[0], WaitStep):
                 description = f"wait {when} in the procedure '{procedure.name}'"
                 waited = f"{waited_us // 1000} ms"
-                yield _Detail(Sort.WAIT, ("wait", step_number), (*place, "at_least_ms"), waited, description)
+                yield _Detail(
+                    sort=Sort.WAIT,
+                    key=("wait", step_number),
+                    place=(*place, "at_least_ms"),
+                    value=waited,
+                    description=description,
+                )
             continue
         text = f"'{_step_text(reading, step, procedure)}'"
         step_number, waited_us, when = step_number + 1, 0, f"after {text}"
         if isinstance(step, ReadStep) and step.field:
             bits_read = _bits(reading, step.register, step.field)
             description = f"bits used by {text}"
-            yield _Detail(Sort.PROCEDURE, ("bits", step_number), (*place, "field"), bits_read, description)
+            yield _Detail(
+                sort=Sort.PROCEDURE,
+                key=("bits", step_number),
+                place=(*place, "field"),
+                value=bits_read,
+                description=description,
+            )
         if isinstance(step, SendStep):
             yield from _repetitions(step, step_number, place, f"{text} in the procedure '{procedure.name}'")
 
@@ -191,8 +203,8 @@ _UNITS = {"mv": " mV", "us": " µs", "ms": " ms", "hz": " Hz", "ns": " ns"}
 class Subject:
     """Something that facts are about: its key without names, its place in the file, and its name in messages.
 
-    ``interface`` determines the order codes for which its expressions have values. ``under`` is the key of the fact
-    that this one depends on, by default its own. ``joint`` precedes its name.
+    ``interface`` determines the order codes for which its expressions have values. ``depends_on`` is the key of the
+    fact that others about it depend on, by default its own. ``joint`` precedes its name.
     """
 
     reading: Reading
@@ -200,28 +212,53 @@ class Subject:
     place: Path
     description: str
     interface: str = ""
-    under: Key | None = None
+    depends_on: Key | None = None
     joint: str = " of "
 
     def inside(self, key: Key, place: Path, description: str) -> Subject:
         """Return a part of the subject, about which there are only facts if there is the subject."""
-        return Subject(self.reading, (*self.key, *key), (*self.place, *place), description, self.interface, self.key)
+        return Subject(
+            self.reading,
+            key=(*self.key, *key),
+            place=(*self.place, *place),
+            description=description,
+            interface=self.interface,
+            depends_on=self.key,
+        )
 
-    def existence(self, sort: Sort, value: Value, at: str = "", name: str = "", under: Key = ()) -> Fact:
+    def existence(self, sort: Sort, value: Value, at: str = "", name: str = "", depends_on: Key = ()) -> Fact:
         """Return the fact that the subject exists. ``name`` is the reader's name of it."""
         place = (*self.place, at) if at else self.place
-        return Fact(sort, self.key, value, self.description, place, under or self.under or (), name=name)
+        return Fact(
+            sort=sort,
+            key=self.key,
+            value=value,
+            description=self.description,
+            place=place,
+            depends_on=depends_on or self.depends_on or (),
+            name=name,
+        )
 
     def present(self, sort: Sort, model_part: Any, value: str = "present", at: str = "") -> Iterator[Fact]:
         """Yield the fact that the subject exists, and those that are stated about its ``model_part``."""
         yield self.existence(sort, value, at, getattr(model_part, "name", ""))
         yield from self.stated_facts(model_part)
 
-    def fact(self, sort: Sort, name: str, value: Value, noun: str, at: Path | None = None, mild: bool = False) -> Fact:
+    def fact(
+        self, sort: Sort, name: str, value: Value, noun: str, at: Path | None = None, may_be_missing: bool = False
+    ) -> Fact:
         """Return another fact about the subject, which ``noun`` describes."""
-        under = self.key if self.under is None else self.under
+        depends_on = self.key if self.depends_on is None else self.depends_on
         place = (*self.place, name) if at is None else at
-        return Fact(sort, (*self.key, name), value, f"{noun}{self.joint}{self.description}", place, under, mild)
+        return Fact(
+            sort=sort,
+            key=(*self.key, name),
+            value=value,
+            description=f"{noun}{self.joint}{self.description}",
+            place=place,
+            depends_on=depends_on,
+            may_be_missing=may_be_missing,
+        )
 
     def stated_facts(self, model_part: Any, without: Collection[str] = ()) -> Iterator[Fact]:
         """Yield a fact for each stated member that the table assigns to a class of facts, and for each printed name."""
@@ -238,7 +275,7 @@ class Subject:
         for language, text in self.reading.printed_names(model_part).items():
             places = (*self.place, "names", language), (*self.place, "printed_name"), self.place
             place = self.reading.first_existing(*places)
-            yield self.fact(Sort.PRINTED, f"name in {language}", text, "printed name", place, mild=True)
+            yield self.fact(Sort.PRINTED, f"name in {language}", text, "printed name", place, may_be_missing=True)
 
 
 def _text(reading: Reading, member: Member, value: Any, interface: str) -> Value:

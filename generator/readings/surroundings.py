@@ -18,11 +18,15 @@ def surroundings(reading: Reading) -> Iterator[Fact]:
     yield from _connectors(reading)
     for alarm in reading.device.alarms:
         for place in _bits_of(reading, alarm):
-            subject = Subject(reading, ("alarm", place), ("alarms", alarm.name), f"the alarm '{alarm.name}'")
+            subject = Subject(
+                reading, key=("alarm", place), place=("alarms", alarm.name), description=f"the alarm '{alarm.name}'"
+            )
             yield replace(subject.existence(Sort.ALARM, "present", name=alarm.name), description=f"alarm at {place}")
             yield from subject.stated_facts(alarm)
     for number, hardware_input in enumerate(reading.device.inputs, 1):
-        subject = Subject(reading, ("input", number), ("inputs", hardware_input.name), f"input {number}")
+        subject = Subject(
+            reading, key=("input", number), place=("inputs", hardware_input.name), description=f"input {number}"
+        )
         yield from subject.present(Sort.INPUT, hardware_input)
     yield from _history(reading, reading.device.manual)
     yield from _characteristics(reading)
@@ -45,7 +49,7 @@ def _contacts(reading: Reading, connector: Connector, interface: str, number: in
     if interface:
         connector_text += f" for {interface_label(interface)}"
     key: Key = ("connector", interface, connector.kind, number)
-    owner = Subject(reading, key, ("connectors", connector.name), connector_text)
+    owner = Subject(reading, key=key, place=("connectors", connector.name), description=connector_text)
     yield owner.existence(Sort.PIN, "present", name=connector.name)
     for contact in connector.contacts:
         subject = Subject(
@@ -57,7 +61,7 @@ def _contacts(reading: Reading, connector: Connector, interface: str, number: in
         )
         # Two readers differ in capitals and blanks, but not in the sign of a signal.
         signal = "".join(contact.signal.casefold().split())
-        yield subject.existence(Sort.PIN, signal, at="signal", under=owner.key)
+        yield subject.existence(Sort.PIN, signal, at="signal", depends_on=owner.key)
         yield from subject.stated_facts(contact)
 
 
@@ -82,13 +86,17 @@ def _history(reading: Reading, manual: Manual) -> Iterator[Fact]:
     editions: list[tuple[Path, Manual | Edition]] = [(("manual",), manual)]
     editions += [(("manual", "editions", edition.revision), edition) for edition in manual.editions]
     for place, edition in editions:
-        subject = Subject(reading, ("edition", edition.language), place, f"the edition '{edition.language}'")
+        subject = Subject(
+            reading, key=("edition", edition.language), place=place, description=f"the edition '{edition.language}'"
+        )
         revision = subject.existence(Sort.HISTORY, edition.revision, at="revision")
         yield replace(revision, description=f"revision of {subject.description}")
         yield from subject.stated_facts(edition)
     for row in manual.history:
         row_place = ("manual", "history", row.revision)
-        row_subject = Subject(reading, ("revision", row.revision), row_place, f"revision {row.revision}")
+        row_subject = Subject(
+            reading, key=("revision", row.revision), place=row_place, description=f"revision {row.revision}"
+        )
         yield from row_subject.present(Sort.HISTORY, row, "listed")
 
 
@@ -96,7 +104,7 @@ def _characteristics(reading: Reading) -> Iterator[Fact]:
     """Yield every characteristic by its name, with its quantities in the order of the text."""
     for characteristic in reading.device.characteristics:
         key, place = ("characteristic", characteristic.name), ("characteristics", characteristic.name)
-        subject = Subject(reading, key, place, f"the characteristic '{characteristic.name}'")
+        subject = Subject(reading, key=key, place=place, description=f"the characteristic '{characteristic.name}'")
         yield from subject.present(Sort.CHARACTERISTIC, characteristic)
         for index, value in enumerate(characteristic.values):
             description = f"{value.quantity} {index + 1} of {subject.description}"
@@ -106,7 +114,9 @@ def _characteristics(reading: Reading) -> Iterator[Fact]:
 def _tables(reading: Reading) -> Iterator[Fact]:
     """Yield every table by its name, with the numbers in its cells by row and column."""
     for table in reading.device.tables:
-        subject = Subject(reading, ("table", table.name), ("tables", table.name), f"the table '{table.name}'")
+        subject = Subject(
+            reading, key=("table", table.name), place=("tables", table.name), description=f"the table '{table.name}'"
+        )
         yield from subject.present(Sort.TABLE, table, f"{len(table.rows)} rows")
         for row_index, row in enumerate(table.rows):
             for column_index, cell in enumerate(row):
@@ -120,7 +130,9 @@ def _tables(reading: Reading) -> Iterator[Fact]:
 def _leds(reading: Reading) -> Iterator[Fact]:
     """Yield every LED by its name, with its states in the order of the manual."""
     for led in reading.device.leds:
-        led_subject = Subject(reading, ("led", led.name), ("leds", led.name), f"the LED '{led.name}'")
+        led_subject = Subject(
+            reading, key=("led", led.name), place=("leds", led.name), description=f"the LED '{led.name}'"
+        )
         yield led_subject.existence(Sort.LED, f"{len(led.states)} states", name=led.name)
         for index, led_state in enumerate(led.states):
             state_subject = led_subject.inside(

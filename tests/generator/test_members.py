@@ -140,4 +140,4 @@ def test_a_documented_property_reaches_every_output_diff_and_the_second_reading(
     document = read_document(SPEC, Report())
     assert document is not None
     (found,) = compare(facts_of(Reading(old, document)), facts_of(Reading(new, document))).disagreements
-    assert (found.description.partition(" of ")[0], found.used, found.other) == ("needs restart", "nothing", "yes")
+    assert (found.description.partition(" of ")[0], found.spec_value, found.second_value) == ("needs restart", "nothing", "yes")
