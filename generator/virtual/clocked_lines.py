@@ -11,7 +11,7 @@ from collections.abc import Generator
 from ..model import Crc, Layout
 from ..reference.bits import compute_bits
 from .encoder import VirtualEncoder
-from .faults import BUSY_S, disturbed
+from .faults import BUSY_S, word_with_fault
 
 #: Bytes with which the master lets the time-out pass, and the clock go low and high.
 TIMEOUT, CLOCK = b"TC"
@@ -268,7 +268,7 @@ class SsiLine(ByLevels):
         if fault == "busy":
             self.encoder.be_busy(BUSY_S)
         word = 0 if self._is_not_ready else self.encoder.frame(self._layout)
-        return disturbed(self.encoder, fault, word, self.bits)
+        return word_with_fault(self.encoder, fault, word, self.bits)
 
     def clock(self, level: int) -> int:
         """Set the level of the clock, and return that of the data line. Zeros follow the word."""
