@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 from .alignment import Ranges, differing_ranges
-from .sections import WORD, Manual, Section, aligned, letters
+from .sections import WORD, Manual, Section, letters, pair_sections
 
 #: Differences with no more equal words between them are one passage.
 _TOGETHER = 6
@@ -54,7 +54,7 @@ def changed(old: Manual, new: Manual) -> Iterator[Passage]:
     cover of both, so text that only one edition has is skipped if it is a running head.
     """
     heads = old.heads | new.heads
-    for old_section, new_section in aligned(old, new):
+    for old_section, new_section in pair_sections(old, new):
         if old_section is not None and new_section is not None:
             old_title, new_title = WORD.findall(old_section.title), WORD.findall(new_section.title)
             yield from _in_section(old_section, old_title, new_title, heads)
@@ -121,7 +121,7 @@ def _text(words: Sequence[str], low: int, high: int) -> str:
 
 def numbers_changed(old: Manual, new: Manual) -> Iterator[Passage]:
     """Yield a passage for each section in which other numbers occur, for editions in two languages."""
-    for old_section, new_section in aligned(old, new):
+    for old_section, new_section in pair_sections(old, new):
         if old_section is None or new_section is None:
             continue
         old_numbers, new_numbers = _numbers(old_section), _numbers(new_section)
