@@ -133,7 +133,7 @@ def _with_facts(
     section = passage.section
     sections = {section.number} | old.without_heading_after(section.number)
     sections.add(titles_by_page.get(section.page or 0, section.number))
-    facts, facts_of_section = touched_facts.of(passage, sections)
+    facts, facts_of_section = touched_facts.touched_by(passage, sections)
     return _ChangedPassage(passage, facts, facts_of_section)
 
 
