@@ -15,10 +15,10 @@ from .stated import Subject
 
 def add_codes(reading: Reading, facts: Facts) -> None:
     """Add facts about order codes, their parameters in registers, and the measurement of the position."""
-    facts.add(_codes(reading))
-    facts.add(_spellings(reading))
-    facts.add(_supplies(reading))
-    facts.add(_parameters(reading))
+    facts.add(_order_code_facts(reading))
+    facts.add(_spelling_facts(reading))
+    facts.add(_supply_facts(reading))
+    facts.add(_parameter_facts(reading))
     _add_alternatives(reading, facts)
     for parameter in reading.device.run_time_parameters:
         facts.add(_held_parameter_facts(reading, parameter))
@@ -41,7 +41,7 @@ def add_codes(reading: Reading, facts: Facts) -> None:
     facts.derived[Sort.LIMIT] += len(reading.device.definitions)
 
 
-def _codes(reading: Reading) -> Iterator[Fact]:
+def _order_code_facts(reading: Reading) -> Iterator[Fact]:
     """Yield the order codes, and the values that the manual leaves open."""
     place: Path = ("order_code", "parts")
     for variant in reading.device.variants:
@@ -68,7 +68,7 @@ def _codes(reading: Reading) -> Iterator[Fact]:
         )
 
 
-def _supplies(reading: Reading) -> Iterator[Fact]:
+def _supply_facts(reading: Reading) -> Iterator[Fact]:
     """Yield the supply of each order code."""
     supplies: dict[Case, str] = {}
     for variant in reading.device.variants:
@@ -85,7 +85,7 @@ def _supplies(reading: Reading) -> Iterator[Fact]:
         )
 
 
-def _parameters(reading: Reading) -> Iterator[Fact]:
+def _parameter_facts(reading: Reading) -> Iterator[Fact]:
     """Yield each parameter for each order code. Readers choose their parameters, but one name has one meaning."""
     for parameter in reading.device.parameters:
         values: dict[Case, str] = {}
@@ -124,18 +124,18 @@ def _add_alternatives(reading: Reading, facts: Facts) -> None:
             )
 
 
-def _spellings(reading: Reading) -> Iterator[Fact]:
+def _spelling_facts(reading: Reading) -> Iterator[Fact]:
     """Yield labels in alternative spellings, with their suffix."""
     for index, spelling in enumerate(reading.device.order_code.also_written):
         place: Path = ("order_code", "also_written", index)
         for variant in reading.device.variants:
-            label = _label_in(spelling, variant, reading.device.order_code.parts)
+            label = _label_with_spelling(spelling, variant, reading.device.order_code.parts)
             if label is not None:
                 key = ("label", label, spelling.then)
                 yield Fact(sort=Sort.ORDER_CODE, key=key, value=variant.code, description=f"label {label}", place=place)
 
 
-def _label_in(spelling: Spelling, variant: Variant, parts: Iterable[CodePart]) -> str | None:
+def _label_with_spelling(spelling: Spelling, variant: Variant, parts: Iterable[CodePart]) -> str | None:
     """Return the label of an order code in an alternative spelling, or None if the spelling lacks one of its values."""
     label = spelling.pattern
     for part in parts:
@@ -182,7 +182,7 @@ def _measurement_facts(reading: Reading, interface: Interface) -> Iterator[Fact]
     )
     yield from subject.present(Sort.MEASUREMENT, measurement)
     for layout in interface.layouts:
-        yield from _range_of(subject, interface, layout)
+        yield from _range_facts(subject, interface, layout)
         position_bits: dict[Case, str] = {}
         for case, parameters in reading.cases(interface.name).items():
             low, width = layout.place(parameters).place_of(measurement.of)
@@ -201,7 +201,7 @@ def _measurement_facts(reading: Reading, interface: Interface) -> Iterator[Fact]
             )
 
 
-def _range_of(measured: Subject, interface: Interface, layout: Layout) -> Iterator[Fact]:
+def _range_facts(measured: Subject, interface: Interface, layout: Layout) -> Iterator[Fact]:
     """Yield the facts about the range that a layout has for itself."""
     if layout.position_range is None:
         return

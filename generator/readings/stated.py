@@ -52,7 +52,7 @@ def procedures(reading: Reading) -> Iterator[Fact]:
             place=place,
             name=procedure.name,
         )
-        for detail in (*_arguments(reading, procedure), *_times(reading, procedure)):
+        for detail in (*_argument_limits(reading, procedure), *_waits_and_repetitions(reading, procedure)):
             yield Fact(
                 sort=detail.sort,
                 key=(*key, *detail.key),
@@ -63,7 +63,7 @@ def procedures(reading: Reading) -> Iterator[Fact]:
             )
 
 
-def _arguments(reading: Reading, procedure: Procedure) -> Iterator[_Detail]:
+def _argument_limits(reading: Reading, procedure: Procedure) -> Iterator[_Detail]:
     """Yield the registers whose limits apply to the arguments."""
     for number, argument in enumerate(procedure.arguments, 1):
         register = reading.device.register(argument.of)
@@ -80,32 +80,33 @@ def _arguments(reading: Reading, procedure: Procedure) -> Iterator[_Detail]:
         )
 
 
-def _times(reading: Reading, procedure: Procedure) -> Iterator[_Detail]:
+def _waits_and_repetitions(reading: Reading, procedure: Procedure) -> Iterator[_Detail]:
     """Yield the waits, the bits that are read, and the repetitions of requests.
 
     Waits that follow each other are one. Each step other than a wait is identified by its number among these.
     """
-    step_number, waited_us, when = 0, 0, "at its start"
+    step_number, total_wait_us, when = 0, 0, "at its start"
     for index, step in enumerate(procedure.steps):
         place = ("steps", index)
         if isinstance(step, WaitStep):
-            waited_us += step.microseconds
-            following = procedure.steps[index + 1 : index + 2]
-            if not following or not isinstance(following[0], WaitStep):
+            total_wait_us += step.microseconds
+            following_steps = procedure.steps[index + 1 :]
+            is_last_of_waits = not following_steps or not isinstance(following_steps[0], WaitStep)
+            if is_last_of_waits:
                 description = f"wait {when} in the procedure '{procedure.name}'"
-                waited = f"{waited_us // 1000} ms"
+                wait_text = f"{total_wait_us // 1000} ms"
                 yield _Detail(
                     sort=Sort.WAIT,
                     key=("wait", step_number),
                     place=(*place, "at_least_ms"),
-                    value=waited,
+                    value=wait_text,
                     description=description,
                 )
             continue
         text = f"'{_step_text(reading, step, procedure)}'"
-        step_number, waited_us, when = step_number + 1, 0, f"after {text}"
+        step_number, total_wait_us, when = step_number + 1, 0, f"after {text}"
         if isinstance(step, ReadStep) and step.field:
-            bits_read = _bits(reading, step.register, step.field)
+            bits_read = _register_and_bits(reading, step.register, step.field)
             description = f"bits used by {text}"
             yield _Detail(
                 sort=Sort.PROCEDURE,
@@ -155,15 +156,15 @@ def _step_text(reading: Reading, step: Step, procedure: Procedure) -> str:
     match step:
         case WriteStep(register, name, value):
             written = reading.device.register(register)
-            text = written.bytes_of(value).hex(" ").upper() if value is not None else _argument(procedure, name)
-            return f"write {_bits(reading, register, '')} = {text}"
+            text = written.bytes_of(value).hex(" ").upper() if value is not None else _argument_text(procedure, name)
+            return f"write {_register_and_bits(reading, register, '')} = {text}"
         case ModifyStep(register, field, name, value):
-            text = in_hex(value) if value is not None else _argument(procedure, name)
-            return f"set {_bits(reading, register, field)} to {text}"
+            text = in_hex(value) if value is not None else _argument_text(procedure, name)
+            return f"set {_register_and_bits(reading, register, field)} to {text}"
         case ReadStep(register):
-            return f"read {_bits(reading, register, '')}"
+            return f"read {_register_and_bits(reading, register, '')}"
         case PollStep(register, field, value):
-            return f"poll {_bits(reading, register, field)} until {value}"
+            return f"poll {_register_and_bits(reading, register, field)} until {value}"
         case SendStep():
             return f"send {step.request.hex(' ').upper()}"
         case WaitStep():
@@ -172,13 +173,13 @@ def _step_text(reading: Reading, step: Step, procedure: Procedure) -> str:
             assert_never(step)
 
 
-def _argument(procedure: Procedure, name: str) -> str:
+def _argument_text(procedure: Procedure, name: str) -> str:
     """Return an argument by its number among the arguments."""
     names = [argument.name for argument in procedure.arguments]
     return f"argument {names.index(name) + 1}" if name in names else name
 
 
-def _bits(reading: Reading, register_name: str, field_name: str) -> str:
+def _register_and_bits(reading: Reading, register_name: str, field_name: str) -> str:
     """Return a register, and its bits if the step does not use all of them."""
     register = reading.device.register(register_name)
     bits_text = ""
@@ -270,7 +271,7 @@ class Subject:
             if member.is_stated(value):
                 # The spec uses its name in the model or in the data.
                 place = self.reading.first_existing((*self.place, member.attribute), (*self.place, member.name))
-                text = _text(self.reading, member, value, self.interface)
+                text = _value_text(self.reading, member, value, self.interface)
                 yield self.fact(Sort(member.read), member.name, text, member.noun or member.words, place)
         for language, text in self.reading.printed_names(model_part).items():
             places = (*self.place, "names", language), (*self.place, "printed_name"), self.place
@@ -278,7 +279,7 @@ class Subject:
             yield self.fact(Sort.PRINTED, f"name in {language}", text, "printed name", place, may_be_missing=True)
 
 
-def _text(reading: Reading, member: Member, value: Any, interface: str) -> Value:
+def _value_text(reading: Reading, member: Member, value: Any, interface: str) -> Value:
     """Return a stated value in words without names."""
     if member.refers_to:
         return _referred_text(reading, member, value, interface)

@@ -15,9 +15,9 @@ from .texts import numbers_in
 
 def surroundings(reading: Reading) -> Iterator[Fact]:
     """Yield all facts other than data."""
-    yield from _connectors(reading)
+    yield from _connector_facts(reading)
     for alarm in reading.device.alarms:
-        for place in _bits_of(reading, alarm):
+        for place in _alarm_bits_texts(reading, alarm):
             subject = Subject(
                 reading, key=("alarm", place), place=("alarms", alarm.name), description=f"the alarm '{alarm.name}'"
             )
@@ -28,22 +28,22 @@ def surroundings(reading: Reading) -> Iterator[Fact]:
             reading, key=("input", number), place=("inputs", hardware_input.name), description=f"input {number}"
         )
         yield from subject.present(Sort.INPUT, hardware_input)
-    yield from _history(reading, reading.device.manual)
-    yield from _characteristics(reading)
-    yield from _tables(reading)
-    yield from _leds(reading)
+    yield from _history_facts(reading, reading.device.manual)
+    yield from _characteristic_facts(reading)
+    yield from _table_facts(reading)
+    yield from _led_facts(reading)
 
 
-def _connectors(reading: Reading) -> Iterator[Fact]:
+def _connector_facts(reading: Reading) -> Iterator[Fact]:
     """Yield every contact, by interface, number of its connector or cable, and pin or colour."""
     counts: Counter[tuple[str, str]] = Counter()
     for connector in reading.device.connectors:
         for interface in connector.interfaces or ("",):
             counts[interface, connector.kind] += 1
-            yield from _contacts(reading, connector, interface, counts[interface, connector.kind])
+            yield from _contact_facts(reading, connector, interface, counts[interface, connector.kind])
 
 
-def _contacts(reading: Reading, connector: Connector, interface: str, number: int) -> Iterator[Fact]:
+def _contact_facts(reading: Reading, connector: Connector, interface: str, number: int) -> Iterator[Fact]:
     """Yield a connector or cable of an interface, and its contacts."""
     connector_text = f"{connector.kind} {number}"
     if interface:
@@ -65,7 +65,7 @@ def _contacts(reading: Reading, connector: Connector, interface: str, number: in
         yield from subject.stated_facts(contact)
 
 
-def _bits_of(reading: Reading, alarm: Alarm) -> Iterator[str]:
+def _alarm_bits_texts(reading: Reading, alarm: Alarm) -> Iterator[str]:
     """Yield the places of the bits of an alarm, in words without names."""
     register = reading.register(alarm.register) if alarm.register else None
     if register is not None and alarm.field:
@@ -81,7 +81,7 @@ def _bits_of(reading: Reading, alarm: Alarm) -> Iterator[str]:
                     yield f"{place} over {interface.short}"
 
 
-def _history(reading: Reading, manual: Manual) -> Iterator[Fact]:
+def _history_facts(reading: Reading, manual: Manual) -> Iterator[Fact]:
     """Yield the editions that were read, and the manual's revisions."""
     editions: list[tuple[Path, Manual | Edition]] = [(("manual",), manual)]
     editions += [(("manual", "editions", edition.revision), edition) for edition in manual.editions]
@@ -100,7 +100,7 @@ def _history(reading: Reading, manual: Manual) -> Iterator[Fact]:
         yield from row_subject.present(Sort.HISTORY, row, "listed")
 
 
-def _characteristics(reading: Reading) -> Iterator[Fact]:
+def _characteristic_facts(reading: Reading) -> Iterator[Fact]:
     """Yield every characteristic by its name, with its quantities in the order of the text."""
     for characteristic in reading.device.characteristics:
         key, place = ("characteristic", characteristic.name), ("characteristics", characteristic.name)
@@ -111,7 +111,7 @@ def _characteristics(reading: Reading) -> Iterator[Fact]:
             yield from subject.inside((index,), ("values", index), description).stated_facts(value)
 
 
-def _tables(reading: Reading) -> Iterator[Fact]:
+def _table_facts(reading: Reading) -> Iterator[Fact]:
     """Yield every table by its name, with the numbers in its cells by row and column."""
     for table in reading.device.tables:
         subject = Subject(
@@ -127,7 +127,7 @@ def _tables(reading: Reading) -> Iterator[Fact]:
                     yield subject.fact(Sort.TABLE, f"{row_index} {column_index}", numbers, noun, place)
 
 
-def _leds(reading: Reading) -> Iterator[Fact]:
+def _led_facts(reading: Reading) -> Iterator[Fact]:
     """Yield every LED by its name, with its states in the order of the manual."""
     for led in reading.device.leds:
         led_subject = Subject(
