@@ -94,11 +94,11 @@ def _low_bits_in_group(
     low_bits = family_pair.values_at_points(field.low, interface, is_old=is_old)
     if not field.group:
         return low_bits
-    group_fields = [group_field for group_field in layout.fields if group_field.group == field.group]
-    all_low_bits = [
-        family_pair.values_at_points(group_field.low, interface, is_old=is_old) for group_field in group_fields
-    ]
-    group_starts = map(min, zip(*all_low_bits, strict=True))
+    low_bits_of_group: list[tuple[int, ...]] = []
+    for group_field in layout.fields:
+        if group_field.group == field.group:
+            low_bits_of_group.append(family_pair.values_at_points(group_field.low, interface, is_old=is_old))
+    group_starts = map(min, zip(*low_bits_of_group, strict=True))
     return tuple(low_bit - group_start for low_bit, group_start in zip(low_bits, group_starts, strict=True))
 
 

@@ -318,14 +318,18 @@ class CableTable:
         return f"According to the table in {self.origin}, no cable allows this clock: {reason}."
 
 
+def _printed_rows(interface: Ssi) -> list[CableRow]:
+    """Return the rows of the table in the manual."""
+    lengths = interface.cable_lengths
+    return [CableRow(metres=length.shorter_than_m, hz=length.below_hz, is_below=True) for length in lengths]
+
+
 def cable_table(device: Device, interface: Ssi | Biss, code: str = "") -> CableTable:
     """Return the table for an interface, without rows if there is none, and its errata about an order code or all."""
     match interface:
         case Ssi():
             path = f"interfaces.{interface.name}.cable_lengths"
-            rows = [
-                CableRow(metres=row.shorter_than_m, hz=row.below_hz, is_below=True) for row in interface.cable_lengths
-            ]
+            rows = _printed_rows(interface)
             errata = facts_for_code(device.errata, code) if code else device.errata
             errata_names = [erratum.name for erratum in errata if path in erratum.affects]
             return CableTable(rows=tuple(rows), origin=_ORIGIN_MANUAL, errata=tuple(errata_names))

@@ -139,10 +139,8 @@ def _place_on_channel(
     """Return the place of a value on one channel. ``fill_in`` replaces items of the record in braces."""
 
     def of_channel(key: str, default: Any = None) -> Any:
-        for_each_channel_or_all = rule.get(key, default)
-        if isinstance(for_each_channel_or_all, list):
-            return for_each_channel_or_all[channel_index]
-        return for_each_channel_or_all
+        of_all_or_each = rule.get(key, default)
+        return of_all_or_each[channel_index] if isinstance(of_all_or_each, list) else of_all_or_each
 
     kind, type_bits = TYPES.get(rule["type"], ("", None))
     high_bit, low_bit = _parse_bits(str(rule.get("at", "")))

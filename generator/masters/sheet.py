@@ -8,6 +8,7 @@ from __future__ import annotations
 import functools
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -177,23 +178,9 @@ def sheet(master: Master, record: Record) -> Sheet:
     """Return the master's settings for the order code of ``record``, or the reasons why it cannot use it."""
     interface = record.words["interface"]
     if interface not in master.takes:
-        described_interfaces = listed(INTERFACES[name].title for name in master.takes)
-        encoder_interface = INTERFACES[interface].title
-        reason = f"This master is described for {described_interfaces} only, but {record.code} has {encoder_interface}."
-        return Sheet(
-            master=master,
-            refusals=(Refusal(reason=reason, standing=master.standing, source=""),),
-            settings=(),
-            notes=(),
-            is_described=False,
-        )
+        return replace(_refusing_sheet(master, _interface_refusal(master, record)), is_described=False)
     if record.obstacle:
-        return Sheet(
-            master=master,
-            refusals=(Refusal(reason=record.obstacle, standing="inferred", source=""),),
-            settings=(),
-            notes=(),
-        )
+        return _refusing_sheet(master, Refusal(reason=record.obstacle, standing="inferred", source=""))
     uncovered = _uncovered_parts(master, record)
     settings, device_refusals = _settings_and_device_refusals(master, record, uncovered)
     unusable_devices = frozenset[str]().union(*(devices for _, devices in device_refusals))
@@ -206,7 +193,7 @@ def sheet(master: Master, record: Record) -> Sheet:
     if not refusals:
         refusals = list(_refusals_of_values(settings))
     if refusals:
-        return Sheet(master=master, refusals=tuple(refusals), settings=(), notes=())
+        return _refusing_sheet(master, *refusals)
     device_notes = [f"Not for {listed(sorted(devices))}. {refusal.reason}" for refusal, devices in device_refusals]
     notes = [filled(note["text"], record) for note in master.notes if applies(note, record)]
     writing_rules = [_with_setting_names(rule, record) for rule in master.writing if applies(rule, record)]
@@ -220,6 +207,18 @@ def sheet(master: Master, record: Record) -> Sheet:
         unusable_devices=unusable_devices,
         gaps=(_gap(uncovered),) if uncovered else (),
     )
+
+
+def _refusing_sheet(master: Master, *refusals: Refusal) -> Sheet:
+    """Return the sheet of a master that cannot use an order code."""
+    return Sheet(master=master, refusals=refusals, settings=(), notes=())
+
+
+def _interface_refusal(master: Master, record: Record) -> Refusal:
+    described_interfaces = listed(INTERFACES[name].title for name in master.takes)
+    encoder_interface = INTERFACES[record.words["interface"]].title
+    reason = f"This master is described for {described_interfaces} only, but {record.code} has {encoder_interface}."
+    return Refusal(reason=reason, standing=master.standing, source="")
 
 
 def _settings_and_device_refusals(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from types import MappingProxyType
 
 from ..model import (
@@ -228,9 +227,42 @@ def frame_hypothesis(
     Without a CRC, lost bits are those with which the parity is right.
     """
     if crc is None:
-        frame = _with_right_last_bits(placed_layout, frame, lost_bits)
+        frame_without_crc = _with_right_last_bits(placed_layout, frame, lost_bits)
+        return _hypothesis_without_crc(
+            kind, description, placed_layout, frame_without_crc, lost_bits, determined_bits, are_determined_right
+        )
     constant_bits, are_constants_right = check_constant_bits(placed_layout, frame)
-    hypothesis = Hypothesis(
+    covered_data, covered_bits = crc_covered_bits(placed_layout, frame)
+    return Hypothesis(
+        kind=kind,
+        description=description,
+        crc=crc,
+        covered_data=covered_data,
+        covered_bits=covered_bits,
+        # The CRC is at the end of the frame, so the lost bits belong to it.
+        received_crc=(frame & crc.mask) >> lost_bits,
+        received_crc_bits=crc.width - lost_bits,
+        determined_bits=determined_bits + constant_bits,
+        are_determined_right=are_determined_right and are_constants_right,
+        likelihood=likelihood(placed_layout, frame),
+        frame=frame,
+        frame_layout=placed_layout,
+        order_codes=tuple(order_codes),
+    )
+
+
+def _hypothesis_without_crc(
+    kind: str,
+    description: str,
+    placed_layout: PlacedLayout,
+    frame: int,
+    lost_bits: int,
+    determined_bits: int,
+    are_determined_right: bool,
+) -> Hypothesis:
+    """Return the hypothesis of a frame that only its constants and parity can contradict."""
+    constant_bits, are_constants_right = check_constant_bits(placed_layout, frame)
+    return Hypothesis(
         kind=kind,
         description=description,
         crc=None,
@@ -243,20 +275,6 @@ def frame_hypothesis(
         likelihood=likelihood(placed_layout, frame),
         frame=frame,
         frame_layout=placed_layout,
-    )
-    if crc is None:
-        return hypothesis
-    covered_data, covered_bits = crc_covered_bits(placed_layout, frame)
-    return replace(
-        hypothesis,
-        crc=crc,
-        covered_data=covered_data,
-        covered_bits=covered_bits,
-        # The CRC is at the end of the frame, so the lost bits belong to it.
-        received_crc=(frame & crc.mask) >> lost_bits,
-        received_crc_bits=crc.width - lost_bits,
-        determined_bits=determined_bits + constant_bits,
-        order_codes=tuple(order_codes),
     )
 
 
