@@ -66,13 +66,13 @@ def properties(
     if field.equals is not None:
         fixed_value = field.documented(parameters)
         value_text = in_hex(fixed_value) if isinstance(fixed_value, int) else str(fixed_value)
-        yield subject.fact(Sort.VALUE, "equals", value_text, "fixed value")
+        yield subject.detail_fact(Sort.VALUE, "equals", value_text, "fixed value")
     if register is None:
         default, is_implied = field.default, False
     else:
         default, is_implied = _default_and_is_implied(placed_field, register)
     if default is not None:
-        yield replace(subject.fact(Sort.DEFAULT, "default", in_hex(default), "default"), is_implied=is_implied)
+        yield replace(subject.detail_fact(Sort.DEFAULT, "default", in_hex(default), "default"), is_implied=is_implied)
     yield from subject.stated_facts(field)
 
 
@@ -97,7 +97,7 @@ def _facts_of_kind(subject: Subject, field: Field) -> Iterator[Fact]:
             place=reading.first_existing((*subject.place, "values", named_value.name), subject.place),
             description=f"value {in_hex(named_value.value)} of {subject.description}",
         )
-        yield value_subject.existence(Sort.VALUE, "named")
+        yield value_subject.existence_fact(Sort.VALUE, "named")
         yield from value_subject.stated_facts(named_value)
 
 

@@ -72,14 +72,14 @@ def _add_names(subject: Subject, register: Register, facts: Facts) -> None:
 
 def _register_facts(subject: Subject, register: Register) -> Iterator[Fact]:
     length = counted(register.length, "byte")
-    yield subject.existence(Sort.ADDRESS, length, at="address", name=register.name)
+    yield subject.existence_fact(Sort.ADDRESS, length, at="address", name=register.name)
     yield from subject.stated_facts(register, without=("byte_order",) if register.length == 1 else ())
     default = as_delivered(register)
     if default is not None:
         place = (*subject.place, "fields" if register.default is None else "default")
-        yield subject.fact(Sort.DEFAULT, "default", in_hex(default), "default", place)
+        yield subject.detail_fact(Sort.DEFAULT, "default", in_hex(default), "default", place)
     if register.opened_by:
-        yield subject.fact(Sort.BEHAVIOUR, "opened_by", _opener_text(subject.reading, register), "opener")
+        yield subject.detail_fact(Sort.BEHAVIOUR, "opened_by", _opener_text(subject.reading, register), "opener")
     yield from _limit_facts(subject, register)
 
 
@@ -192,18 +192,20 @@ def _group_name(frame: Subject, field: Field) -> Fact:
 def _frame_facts(frame: Subject, layout: Layout) -> Iterator[Fact]:
     """Yield the facts about a frame as a whole: its sender, its units, its byte order and its length."""
     reading = frame.reading
-    yield from frame.present(Sort.POSITION, layout, f"sent by the {layout.sender}", at="name")
+    yield from frame.all_facts(Sort.POSITION, layout, f"sent by the {layout.sender}", at="name")
     carried_place = reading.first_existing((*frame.place, "carried_as"), frame.place)
-    yield frame.fact(Sort.POSITION, "carried", layout.carried_as, "units", carried_place)
+    yield frame.detail_fact(Sort.POSITION, "carried", layout.carried_as, "units", carried_place)
     # A frame of one byte needs no byte order, but a reader may state one.
     has_several_bytes = layout.widest > 8
     is_stated = reading.document.has((*frame.place, "byte_order"))
     if layout.in_bytes and (has_several_bytes or is_stated):
         order_place = (*frame.place, "byte_order") if is_stated else frame.place
         is_mild = not has_several_bytes
-        yield frame.fact(Sort.BYTE_ORDER, "order", layout.byte_order, "byte order", order_place, may_be_missing=is_mild)
+        yield frame.detail_fact(
+            Sort.BYTE_ORDER, "order", layout.byte_order, "byte order", order_place, may_be_missing=is_mild
+        )
     lengths = {case: str(layout.bits.value(parameters)) for case, parameters in reading.cases(frame.interface).items()}
-    yield frame.fact(Sort.POSITION, "length", lengths, "bits", frame.place)
+    yield frame.detail_fact(Sort.POSITION, "length", lengths, "bits", frame.place)
     yield from _combination_facts(frame, layout)
 
 
@@ -211,18 +213,19 @@ def _combination_facts(frame: Subject, layout: Layout) -> Iterator[Fact]:
     """Yield the verdicts of combinations of values, which are identified by their bits for the first order code."""
     if not layout.combinations:
         return
-    signs = {sign.flag.name: sign for sign in layout.signs}
+    sign_by_name = {sign.flag.name: sign for sign in layout.signs}
     first_parameters = next(iter(frame.reading.cases(frame.interface).values()), {})
     placed_fields = {placed_field.name: placed_field for placed_field in layout.place(first_parameters).fields}
     for combination in layout.combinations:
-        conditions = [_condition_text(placed_fields[name], value) for name, value in signs[combination.name].conditions]
-        values = ", ".join(sorted(conditions))
+        field_values = sign_by_name[combination.name].conditions
+        condition_texts = [_condition_text(placed_fields[name], value) for name, value in field_values]
+        conditions = ", ".join(sorted(condition_texts))
         subject = frame.inside(
-            key=("combination", values),
+            key=("combination", conditions),
             place=("combinations", combination.name),
-            description=f"the combination of {values} in {frame.description}",
+            description=f"the combination of {conditions} in {frame.description}",
         )
-        yield subject.existence(Sort.VERDICT, combination.makes_position.value, "makes_position")
+        yield subject.existence_fact(Sort.VERDICT, combination.makes_position.value, "makes_position")
         yield from subject.stated_facts(combination)
 
 
@@ -297,11 +300,11 @@ def _control_field_facts(reading: Reading, control_field: ControlField, offset: 
     subject = Subject(
         reading, key=("control", offset), place=place, description=f"field of the control frame from bit {offset + 1}"
     )
-    yield from subject.present(Sort.POSITION, control_field, f"{control_field.bits} bits")
+    yield from subject.all_facts(Sort.POSITION, control_field, f"{control_field.bits} bits")
     for named_value in control_field.values:
         description = f"value {in_hex(named_value.value)} of {subject.description}"
         value_subject = subject.inside(("value", named_value.value), ("values", named_value.name), description)
-        yield from value_subject.present(Sort.VALUE, named_value, "named")
+        yield from value_subject.all_facts(Sort.VALUE, named_value, "named")
     if control_field.crc:
         crc_subject = subject.inside(("crc",), (), "the control frame's CRC over BiSS")
         crc_subject = replace(crc_subject, place=("crcs", control_field.crc))
@@ -314,7 +317,7 @@ def _rs485_facts(reading: Reading, interface: Rs485) -> Iterator[Fact]:
     for data_id in interface.data_ids:
         id_place = (*place, "data_ids", data_id.name)
         subject = Subject(reading, key=("data id", data_id.id), place=id_place, description=f"data ID {data_id.id:X}")
-        yield from subject.present(Sort.VALUE, data_id, f"control field {in_hex(data_id.control)}", at="control")
+        yield from subject.all_facts(Sort.VALUE, data_id, f"control field {in_hex(data_id.control)}", at="control")
     for index, access in enumerate(interface.memory_access):
         yield Fact(
             sort=Sort.SETTING,

@@ -97,7 +97,7 @@ def _parameter_facts(reading: Reading) -> Iterator[Fact]:
         subject = Subject(
             reading, key=("parameter", parameter.name), place=place, description=f"the parameter '{parameter.name}'"
         )
-        yield replace(subject.existence(Sort.ORDER_CODE, values), may_be_missing=True)
+        yield replace(subject.existence_fact(Sort.ORDER_CODE, values), may_be_missing=True)
         yield from subject.stated_facts(parameter)
 
 
@@ -180,7 +180,7 @@ def _measurement_facts(reading: Reading, interface: Interface) -> Iterator[Fact]
         interface=interface.name,
         joint=" of the ",
     )
-    yield from subject.present(Sort.MEASUREMENT, measurement)
+    yield from subject.all_facts(Sort.MEASUREMENT, measurement)
     for layout in interface.layouts:
         yield from _range_facts(subject, interface, layout)
         position_bits: dict[Case, str] = {}
@@ -209,4 +209,4 @@ def _range_facts(measured: Subject, interface: Interface, layout: Layout) -> Ite
     key = (*measured.key, "range", layout.sender, *layout.selects)
     description = f"position range of '{layout.name}'"
     subject = replace(measured, key=key, place=place, description=description, depends_on=measured.key)
-    yield from subject.present(Sort.MEASUREMENT, layout.position_range)
+    yield from subject.all_facts(Sort.MEASUREMENT, layout.position_range)

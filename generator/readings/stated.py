@@ -227,7 +227,7 @@ class Subject:
             depends_on=self.key,
         )
 
-    def existence(self, sort: Sort, value: Value, at: str = "", name: str = "", depends_on: Key = ()) -> Fact:
+    def existence_fact(self, sort: Sort, value: Value, at: str = "", name: str = "", depends_on: Key = ()) -> Fact:
         """Return the fact that the subject exists. ``name`` is the reader's name of it."""
         place = (*self.place, at) if at else self.place
         return Fact(
@@ -240,12 +240,12 @@ class Subject:
             name=name,
         )
 
-    def present(self, sort: Sort, model_part: Any, value: str = "present", at: str = "") -> Iterator[Fact]:
+    def all_facts(self, sort: Sort, model_part: Any, value: str = "present", at: str = "") -> Iterator[Fact]:
         """Yield the fact that the subject exists, and those that are stated about its ``model_part``."""
-        yield self.existence(sort, value, at, getattr(model_part, "name", ""))
+        yield self.existence_fact(sort, value, at, getattr(model_part, "name", ""))
         yield from self.stated_facts(model_part)
 
-    def fact(
+    def detail_fact(
         self, sort: Sort, name: str, value: Value, noun: str, at: Path | None = None, may_be_missing: bool = False
     ) -> Fact:
         """Return another fact about the subject, which ``noun`` describes."""
@@ -272,11 +272,13 @@ class Subject:
                 # The spec uses its name in the model or in the data.
                 place = self.reading.first_existing((*self.place, member.attribute), (*self.place, member.name))
                 text = _value_text(self.reading, member, value, self.interface)
-                yield self.fact(Sort(member.read), member.name, text, member.noun or member.words, place)
+                yield self.detail_fact(Sort(member.read), member.name, text, member.noun or member.words, place)
         for language, text in self.reading.printed_names(model_part).items():
             places = (*self.place, "names", language), (*self.place, "printed_name"), self.place
             place = self.reading.first_existing(*places)
-            yield self.fact(Sort.PRINTED, f"name in {language}", text, "printed name", place, may_be_missing=True)
+            yield self.detail_fact(
+                Sort.PRINTED, f"name in {language}", text, "printed name", place, may_be_missing=True
+            )
 
 
 def _value_text(reading: Reading, member: Member, value: Any, interface: str) -> Value:

@@ -21,13 +21,15 @@ def surroundings(reading: Reading) -> Iterator[Fact]:
             subject = Subject(
                 reading, key=("alarm", place), place=("alarms", alarm.name), description=f"the alarm '{alarm.name}'"
             )
-            yield replace(subject.existence(Sort.ALARM, "present", name=alarm.name), description=f"alarm at {place}")
+            yield replace(
+                subject.existence_fact(Sort.ALARM, "present", name=alarm.name), description=f"alarm at {place}"
+            )
             yield from subject.stated_facts(alarm)
     for number, hardware_input in enumerate(reading.device.inputs, 1):
         subject = Subject(
             reading, key=("input", number), place=("inputs", hardware_input.name), description=f"input {number}"
         )
-        yield from subject.present(Sort.INPUT, hardware_input)
+        yield from subject.all_facts(Sort.INPUT, hardware_input)
     yield from _history_facts(reading, reading.device.manual)
     yield from _characteristic_facts(reading)
     yield from _table_facts(reading)
@@ -50,7 +52,7 @@ def _contact_facts(reading: Reading, connector: Connector, interface: str, numbe
         connector_text += f" for {interface_label(interface)}"
     key: Key = ("connector", interface, connector.kind, number)
     owner = Subject(reading, key=key, place=("connectors", connector.name), description=connector_text)
-    yield owner.existence(Sort.PIN, "present", name=connector.name)
+    yield owner.existence_fact(Sort.PIN, "present", name=connector.name)
     for contact in connector.contacts:
         subject = Subject(
             reading,
@@ -61,7 +63,7 @@ def _contact_facts(reading: Reading, connector: Connector, interface: str, numbe
         )
         # Two readers differ in capitals and blanks, but not in the sign of a signal.
         signal = "".join(contact.signal.casefold().split())
-        yield subject.existence(Sort.PIN, signal, at="signal", depends_on=owner.key)
+        yield subject.existence_fact(Sort.PIN, signal, at="signal", depends_on=owner.key)
         yield from subject.stated_facts(contact)
 
 
@@ -89,7 +91,7 @@ def _history_facts(reading: Reading, manual: Manual) -> Iterator[Fact]:
         subject = Subject(
             reading, key=("edition", edition.language), place=place, description=f"the edition '{edition.language}'"
         )
-        revision = subject.existence(Sort.HISTORY, edition.revision, at="revision")
+        revision = subject.existence_fact(Sort.HISTORY, edition.revision, at="revision")
         yield replace(revision, description=f"revision of {subject.description}")
         yield from subject.stated_facts(edition)
     for row in manual.history:
@@ -97,7 +99,7 @@ def _history_facts(reading: Reading, manual: Manual) -> Iterator[Fact]:
         row_subject = Subject(
             reading, key=("revision", row.revision), place=row_place, description=f"revision {row.revision}"
         )
-        yield from row_subject.present(Sort.HISTORY, row, "listed")
+        yield from row_subject.all_facts(Sort.HISTORY, row, "listed")
 
 
 def _characteristic_facts(reading: Reading) -> Iterator[Fact]:
@@ -105,7 +107,7 @@ def _characteristic_facts(reading: Reading) -> Iterator[Fact]:
     for characteristic in reading.device.characteristics:
         key, place = ("characteristic", characteristic.name), ("characteristics", characteristic.name)
         subject = Subject(reading, key=key, place=place, description=f"the characteristic '{characteristic.name}'")
-        yield from subject.present(Sort.CHARACTERISTIC, characteristic)
+        yield from subject.all_facts(Sort.CHARACTERISTIC, characteristic)
         for index, value in enumerate(characteristic.values):
             description = f"{value.quantity} {index + 1} of {subject.description}"
             yield from subject.inside((index,), ("values", index), description).stated_facts(value)
@@ -117,14 +119,14 @@ def _table_facts(reading: Reading) -> Iterator[Fact]:
         subject = Subject(
             reading, key=("table", table.name), place=("tables", table.name), description=f"the table '{table.name}'"
         )
-        yield from subject.present(Sort.TABLE, table, f"{len(table.rows)} rows")
+        yield from subject.all_facts(Sort.TABLE, table, f"{len(table.rows)} rows")
         for row_index, row in enumerate(table.rows):
             for column_index, cell in enumerate(row):
                 numbers = numbers_in(cell)
                 if numbers:
                     place = (*subject.place, "rows", row_index, column_index)
                     noun = f"row {row_index + 1}, column {column_index + 1}"
-                    yield subject.fact(Sort.TABLE, f"{row_index} {column_index}", numbers, noun, place)
+                    yield subject.detail_fact(Sort.TABLE, f"{row_index} {column_index}", numbers, noun, place)
 
 
 def _led_facts(reading: Reading) -> Iterator[Fact]:
@@ -133,12 +135,12 @@ def _led_facts(reading: Reading) -> Iterator[Fact]:
         led_subject = Subject(
             reading, key=("led", led.name), place=("leds", led.name), description=f"the LED '{led.name}'"
         )
-        yield led_subject.existence(Sort.LED, f"{len(led.states)} states", name=led.name)
+        yield led_subject.existence_fact(Sort.LED, f"{len(led.states)} states", name=led.name)
         for index, led_state in enumerate(led.states):
             state_subject = led_subject.inside(
                 key=(index,),
                 place=("states", index),
                 description=f"state {index + 1} of {led_subject.description}",
             )
-            yield state_subject.fact(Sort.LED, "state", led_state.state.casefold(), noun="words")
+            yield state_subject.detail_fact(Sort.LED, "state", led_state.state.casefold(), noun="words")
             yield from state_subject.stated_facts(led_state)
