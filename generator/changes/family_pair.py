@@ -123,7 +123,7 @@ class FamilyPair:
         """Return a text that is or contains old names, with the new ones."""
         match kind:
             case "pattern":
-                # Order codes, such as ``AMM5-{resolution}``.
+                # Order codes, such as ``TV62-{resolution}``.
                 for old_part, new_part in self.new_names_by_kind.get("part", {}).items():
                     value = value.replace(f"{{{old_part}}}", f"{{{new_part}}}")
                 return value

@@ -57,7 +57,7 @@ def name_changes(
 
 
 def _family_of_file(path: str, families: Sequence[str]) -> str:
-    """Return the first family with which the name of a file begins: ``amm5`` for ``c/amm5_biss.h``, or ""."""
+    """Return the first family with which the name of a file begins: ``tv62`` for ``c/tv62_biss.h``, or ""."""
     stem = PurePosixPath(path).name.partition(".")[0]
     for family in families:
         if stem == family or stem.startswith(f"{family}_"):

@@ -146,7 +146,7 @@ def _frame_text(key: Key) -> str:
 
 
 def cases_text(cases: list[Case]) -> str:
-    """Return the text on the order codes and the state of the registers: ``, for AMM5A17/1SC1 while 0x49 = 3``."""
+    """Return the text on the order codes and the state of the registers: ``, for TV62-12-B1 while 0x49 = 3``."""
     order_codes = list(dict.fromkeys(case.code for case in cases))
     text = f", for {first_of(order_codes, 1)}"
     state = cases[0].state

@@ -233,7 +233,7 @@ def _report_disagreements(disagreements: Related, spec: Document, second: Docume
 
 
 def _file_and_line(document: Document, place: Path) -> str:
-    """Return the file of a place, and its line if the file has the place or one around it: ``amm5.yaml:127``."""
+    """Return the file of a place, and its line if the file has the place or one around it: ``tv62.yaml:127``."""
     file_name = File(document.file).name
     if not place or not document.has(place[:1]):
         return file_name

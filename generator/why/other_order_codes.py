@@ -146,7 +146,7 @@ def _mistake_kind(order_codes: Sequence[str]) -> str:
 
 
 def _sender_text(variant: Variant, order_codes: Sequence[str]) -> str:
-    """Return which encoders send a frame, such as ``the frame of AMM5A17/1SC1 or AMM5A19/1SC1``."""
+    """Return which encoders send a frame, such as ``the frame of TV62-12-B1 or TV62-14-B1``."""
     if not order_codes:
         return f"the frame that {variant.code} sends when its registers select other widths"
     if len(order_codes) == 2:
