@@ -252,6 +252,16 @@ def test_the_first_byte_is_missing(decode: Decode) -> None:
     assert "first_byte_lost" in [explanation["kind"] for explanation in data["why"]["explanations"]]
 
 
+def test_missing_first_bytes_of_several_requests_are_one_mistake(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The same reply to the requests 02h and BAh, whose first byte repeats them. The last byte is the XOR."""
+    monkeypatch.setattr("sys.stdin", io.StringIO("00 12 34 00 24\n00 12 34 00 9C\n"))
+    assert main(["decode", "TS5700N8401", "-", "--specs", str(tamagawa_specs())]) == 1
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "- the first byte is missing;" in printed
+
+
 SPI = """\
     mode: 1
     word_bits: 16
