@@ -20,7 +20,7 @@ from codewheel.commands.decode.frames import decode_text, why_text
 from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.order_codes.labels import UnknownOrderCode, find
-from codewheel.why.mistakes import Explanation, Why
+from codewheel.why.diagnosis import Diagnosis, Explanation
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "generator"))
 
@@ -112,7 +112,7 @@ def _plants(rounds: int) -> Iterator[tuple[str, planted.Plant]]:
 AS_HEX = (planted.not_inverted, planted.status_left_out, planted.read_late, planted.read_early, planted.other_code)
 
 
-def _why(devices: Mapping[str, Device], plant: planted.Plant, count: Count) -> Why | None:
+def _why(devices: Mapping[str, Device], plant: planted.Plant, count: Count) -> Diagnosis | None:
     for device in devices.values():
         try:
             variant = find(device, plant.code).variant

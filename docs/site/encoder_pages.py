@@ -9,7 +9,7 @@ from pathlib import Path
 from urllib.parse import quote
 
 from codewheel.loading.library import load_library
-from codewheel.masters.sheet import records_of
+from codewheel.masters.groups import records_of
 from codewheel.model import Device
 from codewheel.targets import Library
 from codewheel.targets.c.files import generate as generate_c

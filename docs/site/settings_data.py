@@ -13,8 +13,9 @@ from typing import Any, TypedDict
 
 from codewheel.language.master_items import FILE_FORMATS
 from codewheel.loading.library import load_library
+from codewheel.masters.groups import groups_of, records_of
 from codewheel.masters.record import Record
-from codewheel.masters.sheet import Master, Sheet, groups_of, records_of, sheet, shipped_masters
+from codewheel.masters.sheet import Master, Sheet, sheet, shipped_masters
 from codewheel.masters.text import sheet_text
 from codewheel.model import Device, Interface
 from codewheel.order_codes.labels import find

@@ -13,14 +13,15 @@ from ..model.members import PARTS_BY_CLASS, WIDER, Member
 from ..order_codes.reduction import sent_crcs
 from ..say.names_and_places import register_at
 from ..say.plain_text import first_of
-from .counterparts import FamilyPair, in_section, recognised
+from .counterparts import pair_parts, pair_section
+from .family_pair import FamilyPair
 from .pairs import Pair
 from .rules import Change, Subject
-from .values import NumberDifferences, arrow, differing_items, plain, short_value, without_words
+from .values import NumberDifferences, as_plain_data, differing_items, old_to_new, short_value, without_texts
 
 _Item = TypeVar("_Item")
 #: Rules whose changes are described only by their location.
-_IN_WORDS = ("words", "source")
+_WITHOUT_VALUES = ("words", "source")
 _SOURCE = Member("source", rule="source")
 #: Kinds of things with a section in the spec: the path of the section, and the words that precede the name of a thing.
 _SECTIONS: Mapping[str, tuple[str, str | Callable[[Pair[Any]], str]]] = MappingProxyType(
@@ -32,15 +33,15 @@ _SECTIONS: Mapping[str, tuple[str, str | Callable[[Pair[Any]], str]]] = MappingP
         "register": ("registers", lambda pair: register_at(pair.old_or_new)),
         "alarm": ("alarms", "alarm"),
         "procedure": ("procedures", "procedure"),
-        "connector": ("connectors", lambda pair: str(pair.item.kind)),
+        "connector": ("connectors", lambda pair: str(pair.new_or_old.kind)),
         "input": ("inputs", "input"),
     }
 )
 #: Kinds of things that concern the interface of the old thing even if the new one has another.
-_OF_OLD = ("crc", "procedure")
+_KINDS_OF_OLD_INTERFACE = ("crc", "procedure")
 #: Names of things in C and in Python, so that users can search their code for them: by section, with the manufacturer,
 #: the family and the thing itself.
-_NAMES: Mapping[str, tuple[str, str]] = MappingProxyType(
+_NAME_PATTERNS: Mapping[str, tuple[str, str]] = MappingProxyType(
     {
         "registers": ("{MANUFACTURER}_{FAMILY}_{INTERFACE}_REG_{NAME}_…", '{family}.REGISTERS["{name}"]'),
         "layouts": ("{manufacturer}_{family}_{interface}_{name}_…", "{family}.{Name}"),
@@ -50,12 +51,12 @@ _NAMES: Mapping[str, tuple[str, str]] = MappingProxyType(
     }
 )
 #: Compare the content of two things.
-Inside = Callable[[FamilyPair, Subject, Any, Any], Iterator[Change]]
+CompareContent = Callable[[FamilyPair, Subject, Any, Any], Iterator[Change]]
 
 
 def compare_members(family_pair: FamilyPair, subject: Subject, old: Any, new: Any) -> Iterator[Change]:
     """Yield every changed member."""
-    old = family_pair.in_new(old, subject.scope)
+    old = family_pair.with_new_names(old, subject.scope)
     members_by_name = {"source": _SOURCE, **PARTS_BY_CLASS[type(new).__name__].by_attribute}
     for attribute in fields(new):
         member = members_by_name.get(attribute.name) or Member(attribute.name, rule="unforeseen")
@@ -67,6 +68,7 @@ def compare_members(family_pair: FamilyPair, subject: Subject, old: Any, new: An
 
 
 def _compare_member(family_pair: FamilyPair, subject: Subject, member: Member, old: Any, new: Any) -> Iterator[Change]:
+    """Yield a change if the member differs: in its value, else in its texts, else in its citations."""
     types = {type(old), type(new)}
     # Either side may be a number or missing, but a text has no value for each order code.
     is_expression = Expression in types and str not in types
@@ -75,57 +77,67 @@ def _compare_member(family_pair: FamilyPair, subject: Subject, member: Member, o
         return
     if old == new:
         return
-    if without_words(old) != without_words(new):
+    if without_texts(old) != without_texts(new):
         rule = member.rule
-    elif plain(old) == plain(new):
+    elif as_plain_data(old) == as_plain_data(new):
         rule = "source"
     else:
         rule = "words"
-    if rule in _IN_WORDS:
-        description = f": {member.attribute.replace('_', ' ')}"
+    if rule in _WITHOUT_VALUES:
+        attribute_words = member.attribute.replace("_", " ")
+        description = f": {attribute_words}"
     else:
-        description = f": {member.words} {arrow(*differing_items(old, new), member.notation)}"
-    yield family_pair.change(rule, subject, description, old, new)
+        old_items, new_items = differing_items(old, new)
+        description = f": {member.words} {old_to_new(old_items, new_items, member.notation)}"
+    yield family_pair.change(rule, subject, description=description, old=old, new=new)
 
 
 def _compare_number(family_pair: FamilyPair, subject: Subject, member: Member, old: Any, new: Any) -> Iterator[Change]:
     """Compare numbers and expressions by their values for each order code."""
     old_expression, new_expression = _as_expression(old), _as_expression(new)
-    difference = family_pair.differing(subject.interface, old_expression, new_expression)
+    difference = family_pair.compare_expressions(subject.interface, old_expression, new_expression)
     if difference is None:
         return
-    # Without a common order code, only a limit that is gone is certain to allow more.
-    allows_less = new is not None
-    if difference.values:
-        allows_less = any(_allows_less(member, *pair) for pair in difference.values)
+    if difference.value_pairs:
+        allows_less = any(_allows_less(member, old_value, new_value) for old_value, new_value in difference.value_pairs)
+    else:
+        # Without a common order code, only a limit that is gone is certain to allow more.
+        allows_less = new is not None
     is_wider = member.is_limit and not allows_less
     rule = WIDER[member.rule] if is_wider else member.rule
-    description = f": {member.words} {numbers(difference, old_expression, new_expression, member.notation)}"
-    yield family_pair.change(rule, subject, description, old, new, difference.codes or None)
+    values_text = _difference_text(difference, old_expression, new_expression, member.notation)
+    description = f": {member.words} {values_text}"
+    yield family_pair.change(rule, subject, description=description, old=old, new=new, codes=difference.codes or None)
 
 
 def _as_expression(number: Any) -> Any:
+    """Return a number as a constant expression, and an expression or None as it is."""
     return Expression(number) if isinstance(number, int) else number
 
 
-def _allows_less(member: Member, old: int | None, new: int | None) -> bool:
+def _allows_less(member: Member, old_limit: int | None, new_limit: int | None) -> bool:
     """Return whether a new limit allows less than the old one. Without a number, there is no limit."""
-    if new is None:
+    if new_limit is None:
         return False
-    if old is None:
+    if old_limit is None:
         return True
-    return new < old if member.is_upper else new > old
+    if member.is_upper:
+        return new_limit < old_limit
+    return new_limit > old_limit
 
 
-def numbers(difference: NumberDifferences, old: Expression | None, new: Expression | None, notation: str = "") -> str:
+def _difference_text(
+    difference: NumberDifferences, old: Expression | None, new: Expression | None, notation: str
+) -> str:
     """Return the differing values of two expressions: one pair of numbers, else the expressions, else some pairs."""
-    if len(difference.values) == 1 and difference.everywhere:
-        return arrow(*difference.values[0], notation)
+    pair_texts = [old_to_new(old_value, new_value, notation) for old_value, new_value in difference.value_pairs]
+    if len(pair_texts) == 1 and difference.is_everywhere:
+        return pair_texts[0]
     old_text, new_text = short_value(old, notation), short_value(new, notation)
     if old_text != new_text:
         return f"{old_text} → {new_text}"
     # The same expression has other values if a parameter in it has.
-    return first_of([arrow(*pair, notation) for pair in difference.values], 2)
+    return first_of(pair_texts, 2)
 
 
 def compare_parts(
@@ -134,7 +146,7 @@ def compare_parts(
     old_parts: Sequence[_Item],
     new_parts: Sequence[_Item],
     section_subject: Subject,
-    compare_content: Inside | None = None,
+    compare_content: CompareContent | None = None,
 ) -> Iterator[Change]:
     """Yield the changes of several things: new, gone and renamed ones, and the members of the others.
 
@@ -146,44 +158,50 @@ def compare_parts(
         section_subject: The section that contains them. Its label has the words that precede the name of a thing.
         compare_content: Compare the content of a thing that the table of members does not compare.
     """
-    for pair in recognised(family_pair, old_parts, new_parts, section_subject.interface, section_subject.scope):
+    for pair in pair_parts(family_pair, old_parts, new_parts, section_subject.interface, section_subject.scope):
         subject = _named_in_code(family_pair, pair, section_subject)
         yield from compare_pair(family_pair, kind, subject, pair, compare_content)
 
 
 def compare_pair(
-    family_pair: FamilyPair, kind: str, subject: Subject, pair: Pair[Any], compare_content: Inside | None = None
+    family_pair: FamilyPair, kind: str, subject: Subject, pair: Pair[Any], compare_content: CompareContent | None = None
 ) -> Iterator[Change]:
     """Yield the changes of one thing, like ``compare_parts``."""
-    has_default = isinstance(pair.item, Alternative) and bool(pair.item.default)
-    yield from family_pair.presence("choice" if has_default else kind, subject, pair.old, pair.new)
+    part = pair.new_or_old
+    is_decision_with_default = isinstance(part, Alternative) and bool(part.default)
+    presence_kind = "choice" if is_decision_with_default else kind
+    yield from family_pair.compare_presence(presence_kind, subject, old=pair.old, new=pair.new)
     if pair.old is not None and pair.new is not None:
         yield from compare_members(family_pair, subject.unnamed, pair.old, pair.new)
         if compare_content is not None:
             yield from compare_content(family_pair, subject, pair.old, pair.new)
 
 
-def compare_section(family_pair: FamilyPair, kind: str, compare_content: Inside | None = None) -> Iterator[Change]:
+def compare_section(
+    family_pair: FamilyPair, kind: str, compare_content: CompareContent | None = None
+) -> Iterator[Change]:
     """Yield the changes of all things in a section of the spec."""
-    path, label = _SECTIONS[kind]
-    for pair in in_section(family_pair, path):
-        label_words = label if isinstance(label, str) else label(pair)
-        concerns_old_interface = kind in _OF_OLD and pair.old is not None
+    section_path, label = _SECTIONS[kind]
+    for pair in pair_section(family_pair, section_path):
+        section_label = label if isinstance(label, str) else label(pair)
+        concerns_old_interface = kind in _KINDS_OF_OLD_INTERFACE and pair.old is not None
         if pair.new is None or concerns_old_interface:
-            interface = _interface_of(family_pair.old, pair.old)
+            interface = _only_interface_of(family_pair.old, pair.old)
         else:
-            interface = _interface_of(family_pair.new, pair.new)
-        subject = _named_in_code(family_pair, pair, Subject(path, label_words, interface))
+            interface = _only_interface_of(family_pair.new, pair.new)
+        section_subject = Subject(path=section_path, label=section_label, interface=interface)
+        subject = _named_in_code(family_pair, pair, section_subject)
         yield from compare_pair(family_pair, kind, subject, pair, compare_content)
 
 
-def _interface_of(device: Device, part: Any) -> str:
+def _only_interface_of(device: Device, part: Any) -> str:
     """Return the only interface that a thing concerns, or "" if it concerns several or all."""
     interfaces = _interfaces_of(device, part)
     return interfaces.pop() if len(interfaces) == 1 else ""
 
 
 def _interfaces_of(device: Device, part: Any) -> set[str]:
+    """Return the names of the interfaces that a part of the model concerns."""
     match part:
         case Alternative(name):
             return {parameter.interface for parameter in device.parameters if parameter.alternative == name}
@@ -209,7 +227,7 @@ def _has_group(layout: Layout, group: str) -> bool:
 def _named_in_code(family_pair: FamilyPair, pair: Pair[Any], section_subject: Subject) -> Subject:
     """Return a thing in a section, with its names in code if users already know it by them."""
     section = section_subject.path.rpartition(".")[2]
-    name = pair.item.name
+    name = pair.new_or_old.name
     subject = Subject(
         path=f"{section_subject.path}.{name}",
         label=f"{section_subject.label} {name}",
@@ -218,14 +236,15 @@ def _named_in_code(family_pair: FamilyPair, pair: Pair[Any], section_subject: Su
     )
     # A new data ID is a new member of an enumeration that users already have.
     is_known_to_users = pair.old is not None or section == "data_ids"
-    if section not in _NAMES or not is_known_to_users:
+    if section not in _NAME_PATTERNS or not is_known_to_users:
         return subject
     device = family_pair.new if pair.old is None else family_pair.old
-    return replace(subject, names=_names_in_code(device, section, pair.old_or_new, section_subject.interface))
+    names = _names_in_code(device, section, pair.old_or_new, section_subject.interface)
+    return replace(subject, names=names)
 
 
 def _names_in_code(device: Device, section: str, part: Any, section_interface: str) -> dict[str, str]:
-    """Return the names of a thing of a section in C and in Python."""
+    """Return the names of a thing of a section in C and in Python, by output."""
     interface = section_interface or getattr(part, "interface", "")
     if not interface and device.interfaces:
         interface = device.interfaces[0].name
@@ -237,12 +256,12 @@ def _names_in_code(device: Device, section: str, part: Any, section_interface: s
     }
     words |= {key.upper(): text.upper() for key, text in words.items()}
     words["Name"] = "".join(word[:1].upper() + word[1:] for word in part.name.split("_"))
-    c_pattern, python_pattern = _NAMES[section]
-    c = c_pattern.format(**words)
+    c_pattern, python_pattern = _NAME_PATTERNS[section]
+    c_name = c_pattern.format(**words)
     if section == "layouts" and len(device.interface(interface).layouts) == 1:
         # The only frame of an interface needs no further name.
-        c = c.replace(f"_{part.name}_…", "_…")
+        c_name = c_name.replace(f"_{part.name}_…", "_…")
     if section == "crcs" and not section_interface:
         # C has no function for a CRC that no frame uses.
-        c = "{manufacturer}_{family}_…".format(**words)
-    return {"c": c, "python": python_pattern.format(**words)}
+        c_name = "{manufacturer}_{family}_…".format(**words)
+    return {"c": c_name, "python": python_pattern.format(**words)}

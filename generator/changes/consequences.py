@@ -8,13 +8,13 @@ from dataclasses import dataclass, replace
 from ..model import Field
 from ..model.expressions import Expression
 from ..say.plain_text import counted
-from .counterparts import FamilyPair
+from .family_pair import FamilyPair
 from .pairs import Pair
 from .rules import RULES, Change, Impact
 
 _Impacts = tuple[Impact, Impact, Impact, Impact]
 #: Rules of changes that give a field a different size.
-_RESIZING = ("field-width", "field-new", "field-gone")
+_RESIZING_RULES = ("field-width", "field-new", "field-gone")
 
 
 @dataclass(frozen=True)
@@ -25,14 +25,23 @@ class ComparedField:
     changes: Sequence[Change]
 
     @property
-    def resizing(self) -> Change | None:
+    def name(self) -> str:
+        """New name of the field, or its old one if it is gone."""
+        return self.pair.new_or_old.name
+
+    @property
+    def resizing_change(self) -> Change | None:
         """Change that gives it a different size, if there is one."""
-        return next((change for change in self.changes if change.rule.name in _RESIZING), None)
+        resizing_changes = [change for change in self.changes if change.rule.name in _RESIZING_RULES]
+        return resizing_changes[0] if resizing_changes else None
 
 
 @dataclass(frozen=True)
-class _Resized:
-    """A field with a different size: its new lowest bit, or the old one if it is gone, and the bits that it gains."""
+class _ResizedField:
+    """A field with a different size: its new lowest bit, or the old one if it is gone, and the bits that it gains.
+
+    Both have one value for each point at which expressions are compared.
+    """
 
     name: str
     low_bits: tuple[int, ...]
@@ -44,107 +53,126 @@ def fold_moves(
 ) -> Iterator[Change]:
     """Yield the changes of the fields of a layout. A field that moves because of another one counts for that one."""
     resized_fields = list(_resized_fields(family_pair, interface, compared_fields))
-    moved_names: dict[str, list[str]] = {resized.name: [] for resized in resized_fields}
-    unexplained_changes: list[tuple[str, Change]] = []
-    for compared in compared_fields:
-        cause = _cause_of_move(family_pair, interface, compared.pair, resized_fields)
-        for change in compared.changes:
+    moved_by_cause: dict[str, list[str]] = {resized_field.name: [] for resized_field in resized_fields}
+    other_changes: list[tuple[ComparedField, Change]] = []
+    for compared_field in compared_fields:
+        cause = _cause_of_move(family_pair, interface, compared_field.pair, resized_fields)
+        for change in compared_field.changes:
             if change.rule.name == "field-moved" and cause is not None:
-                moved_names[cause.name].append(f"{frame}.{compared.pair.item.name}")
+                moved_by_cause[cause.name].append(f"{frame}.{compared_field.name}")
             else:
-                unexplained_changes.append((compared.pair.item.name, change))
-    for name, change in unexplained_changes:
-        moved = tuple(moved_names.get(name, ()))
-        yield replace(change, moved_fields=moved) if moved and change.rule.name in _RESIZING else change
+                other_changes.append((compared_field, change))
+    for compared_field, change in other_changes:
+        moved_fields = tuple(moved_by_cause.get(compared_field.name, ()))
+        if moved_fields and change.rule.name in _RESIZING_RULES:
+            yield replace(change, moved_fields=moved_fields)
+        else:
+            yield change
 
 
 def fold_length(
     family_pair: FamilyPair,
     interface: str,
     frame: str,
-    lengths: tuple[Expression, Expression],
+    old_length: Expression,
+    new_length: Expression,
     compared_fields: Sequence[ComparedField],
 ) -> Sequence[ComparedField]:
     """Return the fields. If their sizes explain a different length of the frame, the last resized one has it."""
-    old_bits = family_pair.numbers(lengths[0], interface, is_old=True)
-    new_bits = family_pair.numbers(lengths[1], interface, is_old=False)
-    gained_bits = tuple(new - old for old, new in zip(old_bits, new_bits, strict=True))
+    old_lengths = family_pair.values_at_points(old_length, interface, is_old=True)
+    new_lengths = family_pair.values_at_points(new_length, interface, is_old=False)
+    gained_bits = _differences(old_lengths, new_lengths)
     resized_fields = list(_resized_fields(family_pair, interface, compared_fields))
-    if not any(gained_bits) or _total(resized_fields, len(gained_bits)) != gained_bits:
+    is_explained = _total_gained_bits(resized_fields, point_count=len(gained_bits)) == gained_bits
+    if not any(gained_bits) or not is_explained:
         return compared_fields
-    last_name = max(resized_fields, key=lambda resized: resized.low_bits).name
-    resizing_frame = {frame: gained_bits[0] if len(set(gained_bits)) == 1 else 0}
-    return [
-        _with_resized_frame(compared, resizing_frame) if compared.pair.item.name == last_name else compared
-        for compared in compared_fields
-    ]
+    last_name = max(resized_fields, key=lambda resized_field: resized_field.low_bits).name
+    has_same_gain_everywhere = len(set(gained_bits)) == 1
+    resized_frames = {frame: gained_bits[0] if has_same_gain_everywhere else 0}
+    names = [compared_field.name for compared_field in compared_fields]
+    last_index = names.index(last_name)
+    last_resized_field = _with_resized_frames(compared_fields[last_index], resized_frames)
+    return [*compared_fields[:last_index], last_resized_field, *compared_fields[last_index + 1 :]]
 
 
-def _with_resized_frame(compared: ComparedField, resized_frames: dict[str, int]) -> ComparedField:
-    changes = [
-        replace(change, resized_frames=resized_frames) if change is compared.resizing else change
-        for change in compared.changes
-    ]
-    return replace(compared, changes=changes)
+def _differences(old_numbers: Sequence[int], new_numbers: Sequence[int]) -> tuple[int, ...]:
+    return tuple(new - old for old, new in zip(old_numbers, new_numbers, strict=True))
+
+
+def _with_resized_frames(compared_field: ComparedField, resized_frames: dict[str, int]) -> ComparedField:
+    """Return the field, whose change of size also has the frames that it makes longer or shorter."""
+    changes = list(compared_field.changes)
+    resizing_change = compared_field.resizing_change
+    assert resizing_change is not None
+    changes[changes.index(resizing_change)] = replace(resizing_change, resized_frames=resized_frames)
+    return replace(compared_field, changes=changes)
 
 
 def without_explained_lengths(changes: Sequence[Change]) -> Iterator[Change]:
     """Yield the changes of frames without the lengths that follow from the size of a field."""
     explained_paths = {f"{frame}.bits" for change in changes for frame in change.resized_frames}
-    yield from (
-        change for change in changes if change.rule.name != "frame-length" or change.path not in explained_paths
-    )
+    for change in changes:
+        is_explained = change.rule.name == "frame-length" and change.path in explained_paths
+        if not is_explained:
+            yield change
 
 
 def _resized_fields(
     family_pair: FamilyPair, interface: str, compared_fields: Sequence[ComparedField]
-) -> Iterator[_Resized]:
-    for compared in compared_fields:
-        if compared.resizing is None:
+) -> Iterator[_ResizedField]:
+    for compared_field in compared_fields:
+        if compared_field.resizing_change is None:
             continue
-        old, new = compared.pair.old, compared.pair.new
-        old_lows, old_sizes = _lows_and_sizes(family_pair, interface, old, is_old=True)
-        new_lows, new_sizes = _lows_and_sizes(family_pair, interface, new, is_old=False)
-        no_sizes = (0,) * max(len(old_sizes), len(new_sizes))
-        both_sizes = zip(old_sizes or no_sizes, new_sizes or no_sizes, strict=True)
-        gained_bits = tuple(new_size - old_size for old_size, new_size in both_sizes)
-        yield _Resized(compared.pair.item.name, new_lows or old_lows, gained_bits)
+        old_field, new_field = compared_field.pair.old, compared_field.pair.new
+        old_low_bits, old_sizes = _low_bits_and_sizes(family_pair, interface, old_field, is_old=True)
+        new_low_bits, new_sizes = _low_bits_and_sizes(family_pair, interface, new_field, is_old=False)
+        # A field that is new or gone has no bits on the other side.
+        no_bits = (0,) * max(len(old_sizes), len(new_sizes))
+        yield _ResizedField(
+            name=compared_field.name,
+            low_bits=new_low_bits or old_low_bits,
+            gained_bits=_differences(old_sizes or no_bits, new_sizes or no_bits),
+        )
 
 
-def _lows_and_sizes(
-    family_pair: FamilyPair, interface: str, field: Field | None, is_old: bool
+def _low_bits_and_sizes(
+    family_pair: FamilyPair, interface: str, field: Field | None, *, is_old: bool
 ) -> tuple[tuple[int, ...], tuple[int, ...]]:
     """Return the lowest bit and the number of bits with padding of a field at every point of an interface."""
     if field is None:
         return (), ()
-    lows = family_pair.numbers(field.low, interface, is_old)
-    widths = family_pair.numbers(field.width, interface, is_old)
-    return lows, tuple(field.container or width for width in widths)
+    low_bits = family_pair.values_at_points(field.low, interface, is_old=is_old)
+    widths = family_pair.values_at_points(field.width, interface, is_old=is_old)
+    sizes = tuple(field.container or width for width in widths)
+    return low_bits, sizes
 
 
 def _cause_of_move(
-    family_pair: FamilyPair, interface: str, pair: Pair[Field], resized_fields: Sequence[_Resized]
-) -> _Resized | None:
+    family_pair: FamilyPair, interface: str, pair: Pair[Field], resized_fields: Sequence[_ResizedField]
+) -> _ResizedField | None:
     """Return the nearest resized field below one that moved, if the resized ones below it explain the distance."""
     if pair.old is None or pair.new is None:
         return None
-    old_lows = family_pair.numbers(pair.old.low, interface, is_old=True)
-    new_lows = family_pair.numbers(pair.new.low, interface, is_old=False)
-    distance = tuple(new - old for old, new in zip(old_lows, new_lows, strict=True))
-    causes = [
-        resized
-        for resized in resized_fields
-        if resized.name != pair.item.name and (resized.low_bits < new_lows or resized.low_bits < old_lows)
-    ]
-    if not causes or not any(distance) or _total(causes, len(distance)) != distance:
+    old_low_bits = family_pair.values_at_points(pair.old.low, interface, is_old=True)
+    new_low_bits = family_pair.values_at_points(pair.new.low, interface, is_old=False)
+    distances = _differences(old_low_bits, new_low_bits)
+    fields_below: list[_ResizedField] = []
+    for resized_field in resized_fields:
+        is_below = resized_field.low_bits < new_low_bits or resized_field.low_bits < old_low_bits
+        if is_below and resized_field.name != pair.new.name:
+            fields_below.append(resized_field)
+    if not fields_below or not any(distances):
         return None
-    return max(causes, key=lambda resized: resized.low_bits)
+    is_explained = _total_gained_bits(fields_below, point_count=len(distances)) == distances
+    return max(fields_below, key=lambda resized_field: resized_field.low_bits) if is_explained else None
 
 
-def _total(resized_fields: Sequence[_Resized], count: int) -> tuple[int, ...]:
+def _total_gained_bits(resized_fields: Sequence[_ResizedField], point_count: int) -> tuple[int, ...]:
     """Return the sum of the gained bits at every point."""
-    columns = zip(*(resized.gained_bits for resized in resized_fields), strict=True)
-    return tuple(sum(column) for column in columns) or (0,) * count
+    if not resized_fields:
+        return (0,) * point_count
+    gained_bits_by_point = zip(*(resized_field.gained_bits for resized_field in resized_fields), strict=True)
+    return tuple(map(sum, gained_bits_by_point))
 
 
 def with_consequences(change: Change) -> Change:
@@ -164,22 +192,30 @@ def with_consequences(change: Change) -> Change:
 
 def fold_defaults(changes: Sequence[Change]) -> Iterator[Change]:
     """Yield the changes. A default of a field that changes with the default of its register is part of that change."""
-    registers = {_owner(change) for change in changes if change.rule.name == "register-default"}
+    registers = {_owner_path(change) for change in changes if change.rule.name == "register-default"}
+    field_changes = [change for change in changes if change.rule.name == "field-default"]
     field_texts: dict[str, list[str]] = {register: [] for register in registers}
+    for change in field_changes:
+        register = _register_path(change)
+        if register in registers:
+            _, _, field_text = change.text.partition(": field ")
+            field_texts[register].append(field_text.replace(": default", ""))
     for change in changes:
-        register = _owner(change).rpartition(".")[0]
-        if change.rule.name == "field-default" and register in registers:
-            field_texts[register].append(change.text.partition(": field ")[2].replace(": default", ""))
-    for change in changes:
-        if change.rule.name == "register-default" and field_texts[_owner(change)]:
-            yield replace(change, text=f"{change.text} ({', '.join(field_texts[_owner(change)])})")
-        elif change.rule.name != "field-default" or _owner(change).rpartition(".")[0] not in registers:
+        if change.rule.name == "register-default" and field_texts[_owner_path(change)]:
+            texts_of_fields = ", ".join(field_texts[_owner_path(change)])
+            yield replace(change, text=f"{change.text} ({texts_of_fields})")
+        elif change.rule.name != "field-default" or _register_path(change) not in registers:
             yield change
 
 
-def _owner(change: Change) -> str:
-    """Return the path of the thing whose member has changed."""
+def _owner_path(change: Change) -> str:
+    """Return the path of the thing whose member has changed: ``registers.mode`` for ``registers.mode.default``."""
     return change.path.rpartition(".")[0]
+
+
+def _register_path(field_change: Change) -> str:
+    """Return the path of the register of a field: ``registers.mode`` for ``registers.mode.speed.default``."""
+    return _owner_path(field_change).rpartition(".")[0]
 
 
 def _highest(first: _Impacts, second: _Impacts) -> _Impacts:
@@ -189,53 +225,70 @@ def _highest(first: _Impacts, second: _Impacts) -> _Impacts:
 
 
 def _resized_frames_text(resized_frames: Mapping[str, int]) -> str:
-    subject = "frame" if len(resized_frames) == 1 else counted(len(resized_frames), "frame")
-    gained_bits = set(resized_frames.values())
-    bits = gained_bits.pop() if len(gained_bits) == 1 else 0
-    if not bits:
-        return f"{subject} with a different length"
-    return f"{subject} {counted(abs(bits), 'bit')} {'longer' if bits > 0 else 'shorter'}"
+    """Return a text such as ``frame 2 bits longer`` or ``3 frames with a different length``."""
+    frames_text = "frame" if len(resized_frames) == 1 else counted(len(resized_frames), "frame")
+    different_gains = set(resized_frames.values())
+    gained_bits = different_gains.pop() if len(different_gains) == 1 else 0
+    if gained_bits > 0:
+        return f"{frames_text} {counted(gained_bits, 'bit')} longer"
+    if gained_bits < 0:
+        return f"{frames_text} {counted(-gained_bits, 'bit')} shorter"
+    return f"{frames_text} with a different length"
 
 
 def fold_alike(changes: Sequence[Change]) -> Iterator[Change]:
     """Yield the changes. The same pause in several procedures, or signal at several contacts, is one change."""
-    groups: dict[object, list[Change]] = {}
+    alike_changes_by_key: dict[object, list[Change]] = {}
     for change in changes:
-        groups.setdefault(_likeness(change) or id(change), []).append(change)
-    for alike_changes in groups.values():
+        key = _alike_key(change) or id(change)
+        alike_changes_by_key.setdefault(key, []).append(change)
+    for alike_changes in alike_changes_by_key.values():
         if len(alike_changes) == 1:
             yield alike_changes[0]
-            continue
-        first = alike_changes[0]
-        subjects = [change.text.rpartition(": ")[0] for change in alike_changes]
-        if first.rule.name == "procedure-steps":
-            names = [subject.partition(": ")[0].removeprefix("procedure ") for subject in subjects]
-            subjects = [f"procedures {', '.join(names)}"]
-        yield replace(first, text=f"{', '.join(subjects)}: {first.text.rpartition(': ')[2]}")
+        else:
+            yield _merge_alike(alike_changes)
 
 
-def _likeness(change: Change) -> object:
+def _merge_alike(alike_changes: Sequence[Change]) -> Change:
+    """Return the first of the changes, with the subjects of all in its text."""
+    first_change = alike_changes[0]
+    subjects = [_subject_text(change) for change in alike_changes]
+    if first_change.rule.name == "procedure-steps":
+        procedures = [subject.partition(": ")[0].removeprefix("procedure ") for subject in subjects]
+        subjects = [f"procedures {', '.join(procedures)}"]
+    return replace(first_change, text=f"{', '.join(subjects)}: {_value_text(first_change)}")
+
+
+def _alike_key(change: Change) -> object:
     """Return the key shared by changes that are shown as one, or None if the change stands alone."""
-    what_changed = change.text.rpartition(": ")[2]
-    is_pause = change.rule.name == "procedure-steps" and what_changed.startswith("pause ")
-    is_signal = change.rule.name == "contact" and what_changed.startswith("signal ")
-    return (change.rule.name, what_changed, change.codes) if is_pause or is_signal else None
+    value_text = _value_text(change)
+    is_pause = change.rule.name == "procedure-steps" and value_text.startswith("pause ")
+    is_signal = change.rule.name == "contact" and value_text.startswith("signal ")
+    if is_pause or is_signal:
+        return change.rule.name, value_text, change.codes
+    return None
 
 
 def fold_types(changes: Sequence[Change]) -> Iterator[Change]:
     """Yield the changes. Another type in C of a field with another width is part of that change."""
-    types = {_subject_text(change): change for change in changes if change.rule.name == "field-type"}
-    widened = {_subject_text(change) for change in changes if change.rule.name == "field-width"}
+    type_change_by_subject = {_subject_text(change): change for change in changes if change.rule.name == "field-type"}
+    resized_subjects = {_subject_text(change) for change in changes if change.rule.name == "field-width"}
     for change in changes:
-        field_type = types.get(_subject_text(change))
-        if field_type is not None and change.rule.name == "field-width":
-            impacts = _highest(change.rule.impacts, field_type.rule.impacts)
-            text = f"{change.text}, in C {field_type.text.rpartition(': ')[2]}"
+        subject = _subject_text(change)
+        type_change = type_change_by_subject.get(subject)
+        if type_change is not None and change.rule.name == "field-width":
+            impacts = _highest(change.rule.impacts, type_change.rule.impacts)
+            text = f"{change.text}, in C {_value_text(type_change)}"
             yield replace(change, text=text, rule=replace(change.rule, impacts=impacts))
-        elif change.rule.name != "field-type" or _subject_text(change) not in widened:
+        elif change.rule.name != "field-type" or subject not in resized_subjects:
             yield change
 
 
 def _subject_text(change: Change) -> str:
     """Return the words of a change before the changed value."""
     return change.text.rpartition(": ")[0]
+
+
+def _value_text(change: Change) -> str:
+    """Return the words of a change about the changed value, such as ``pause 5 ms → 10 ms``."""
+    return change.text.rpartition(": ")[2]

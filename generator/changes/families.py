@@ -7,108 +7,140 @@ from dataclasses import replace
 from itertools import chain
 from operator import attrgetter
 
-from ..model import Alternative, CodePart, Device, Manual, Parameter, Spelling, Supply, Variant
+from ..model import Alternative, CodePart, Device, Manual, Measurement, Parameter, Spelling, Supply, Variant
 from ..say.plain_text import first_of
 from .compare import compare_members, compare_parts, compare_section
 from .consequences import fold_alike, fold_defaults, fold_types, with_consequences
-from .counterparts import FamilyPair, in_section, note_all
-from .interfaces import contacts, displayed, interfaces, procedure, register, timings
-from .pairs import Pair, both_of, paired
+from .counterparts import pair_section, remember_all_renamings
+from .family_pair import FamilyPair
+from .interfaces import (
+    compare_contacts,
+    compare_displayed_facts,
+    compare_interfaces,
+    compare_procedure,
+    compare_register,
+    compare_timings,
+)
+from .pairs import Pair, complete_pairs, pair_by_name
 from .rules import Change, Impact, Subject
-from .values import arrow, pattern
+from .values import codes_as_pattern, old_to_new
 
 
-def family(family_pair: FamilyPair) -> Iterator[Change]:
+def compare_family_itself(family_pair: FamilyPair) -> Iterator[Change]:
     """Compare the family itself, its manufacturer and its manual."""
     old, new = family_pair.old, family_pair.new
-    yield from family_pair.presence("family", Subject("device", f"family {new.name}"), old, new)
+    yield from family_pair.compare_presence(
+        "family", Subject(path="device", label=f"family {new.name}"), old=old, new=new
+    )
     if old.title != new.title:
-        title_subject = Subject("title", new.name)
-        yield family_pair.change("words", title_subject, ": title", old.title, new.title)
+        title_subject = Subject(path="title", label=new.name)
+        yield family_pair.change("words", title_subject, description=": title", old=old.title, new=new.title)
     if old.movement != new.movement:
-        movement_subject = Subject("movement", new.name)
-        description = f": {arrow(old.movement, new.movement)}"
-        yield family_pair.change("movement", movement_subject, description, old.movement, new.movement)
-    manufacturer = Subject(f"manufacturers.{new.manufacturer.name}", f"manufacturer {new.manufacturer.name}")
-    yield from compare_members(family_pair, manufacturer, old.manufacturer, new.manufacturer)
-    evidence = Subject("evidence", "evidence")
+        movement_subject = Subject(path="movement", label=new.name)
+        description = f": {old_to_new(old.movement, new.movement)}"
+        yield family_pair.change(
+            "movement", movement_subject, description=description, old=old.movement, new=new.movement
+        )
+    maker_name = new.manufacturer.name
+    maker_subject = Subject(path=f"manufacturers.{maker_name}", label=f"manufacturer {maker_name}")
+    yield from compare_members(family_pair, maker_subject, old.manufacturer, new.manufacturer)
+    yield from _compare_evidence(family_pair)
+    if old.manual != new.manual:
+        old_edition, new_edition = _edition_text(old.manual), _edition_text(new.manual)
+        is_other_edition = old_edition != new_edition
+        description = f" {old_to_new(old_edition, new_edition)}" if is_other_edition else ": details"
+        manual_subject = Subject(path="manual", label="manual")
+        yield family_pair.change("manual", manual_subject, description=description, old=old.manual, new=new.manual)
+
+
+def _compare_evidence(family_pair: FamilyPair) -> Iterator[Change]:
+    old, new = family_pair.old, family_pair.new
+    subject = Subject(path="evidence", label="evidence")
     if old.evidence and new.evidence:
-        yield from compare_members(family_pair, evidence, old.evidence, new.evidence)
+        yield from compare_members(family_pair, subject, old.evidence, new.evidence)
     elif old.evidence or new.evidence:  # With --lenient, a spec in an older form of the language has none.
         description = " is new" if new.evidence else " is gone"
-        yield family_pair.change("evidence", evidence, description, old.evidence, new.evidence)
-    if old.manual != new.manual:
-        old_edition, new_edition = _edition(old.manual), _edition(new.manual)
-        is_other_edition = old_edition != new_edition
-        description = f" {arrow(old_edition, new_edition)}" if is_other_edition else ": details"
-        yield family_pair.change("manual", Subject("manual", "manual"), description, old.manual, new.manual)
+        yield family_pair.change("evidence", subject, description=description, old=old.evidence, new=new.evidence)
 
 
-def _edition(manual: Manual) -> str:
+def _edition_text(manual: Manual) -> str:
     """Return the revision and date of a manual as text."""
-    return f"{manual.revision} of {manual.date}" if manual.date else manual.revision
+    if not manual.date:
+        return manual.revision
+    return f"{manual.revision} of {manual.date}"
 
 
-def order_codes(family_pair: FamilyPair) -> Iterator[Change]:
+def compare_order_codes(family_pair: FamilyPair) -> Iterator[Change]:
     """Compare the order codes, the values of their parts, and their additional notations."""
     old, new = family_pair.old, family_pair.new
-    gone_codes = [variant.code for variant in old.variants if variant.code not in family_pair.shared]
-    new_codes = [variant.code for variant in new.variants if variant.code not in family_pair.kept]
+    gone_codes = [variant.code for variant in old.variants if variant.code not in family_pair.new_code_by_old]
+    new_codes = [variant.code for variant in new.variants if variant.code not in family_pair.common_new_codes]
     if gone_codes:
-        label = _codes_label(old, gone_codes, "gone")
-        yield family_pair.change("order-code-gone", Subject("order_codes", label), "", gone_codes, None, gone_codes)
+        subject = Subject(path="order_codes", label=_codes_label(old, gone_codes, "gone"))
+        yield family_pair.change("order-code-gone", subject, description="", old=gone_codes, new=None, codes=gone_codes)
     if new_codes:
-        label = _codes_label(new, new_codes, "new")
-        yield family_pair.change("order-code-new", Subject("order_codes", label), "", None, new_codes, new_codes)
-    renamed = {old_code: new_code for old_code, new_code in family_pair.shared.items() if old_code != new_code}
+        subject = Subject(path="order_codes", label=_codes_label(new, new_codes, "new"))
+        yield family_pair.change("order-code-new", subject, description="", old=None, new=new_codes, codes=new_codes)
+    all_common_codes = family_pair.new_code_by_old.items()
+    renamed_codes = {old_code: new_code for old_code, new_code in all_common_codes if old_code != new_code}
     old_order_code = old.order_code
-    if renamed:
-        yield _renamed_codes(family_pair, renamed)
+    if renamed_codes:
+        yield _renamed_codes_change(family_pair, renamed_codes)
         # A different pattern is the reason for the renaming, which is reported.
         old_order_code = replace(old_order_code, pattern=new.order_code.pattern)
     yield from _compare_codes(family_pair)
-    yield from compare_members(family_pair, Subject("order_code", "order codes"), old_order_code, new.order_code)
+    yield from compare_members(
+        family_pair, Subject(path="order_code", label="order codes"), old_order_code, new.order_code
+    )
     yield from compare_section(family_pair, "part", _compare_part_values)
     yield from _compare_spellings(family_pair)
 
 
 def _codes_label(device: Device, codes: list[str], state: str) -> str:
     """Return a sentence on order codes that are gone or new."""
-    codes_text = pattern(device, codes) or first_of(codes)
+    codes_text = codes_as_pattern(device, codes) or first_of(codes)
     if len(codes) > 1:
         return f"order codes {codes_text}: {len(codes)} {state}"
     return f"order code {codes_text} is {state}"
 
 
-def _renamed_codes(family_pair: FamilyPair, renamed: Mapping[str, str]) -> Change:
-    """Return the change of order codes with a different text, given by the old ones."""
-    renamings = first_of([f"{old_code} → {new_code}" for old_code, new_code in renamed.items()], 1)
-    noun = "order codes" if len(renamed) > 1 else "order code"
-    subject = Subject("order_codes", f"{noun} {renamings} (the same parts)")
-    return family_pair.change("order-code-renamed", subject, "", list(renamed), list(renamed.values()))
+def _renamed_codes_change(family_pair: FamilyPair, new_code_by_old: Mapping[str, str]) -> Change:
+    """Return the change of order codes with a different text."""
+    renaming_texts = [f"{old_code} → {new_code}" for old_code, new_code in new_code_by_old.items()]
+    noun = "order codes" if len(new_code_by_old) > 1 else "order code"
+    subject = Subject(path="order_codes", label=f"{noun} {first_of(renaming_texts, 1)} (the same parts)")
+    old_codes, new_codes = list(new_code_by_old), list(new_code_by_old.values())
+    return family_pair.change("order-code-renamed", subject, description="", old=old_codes, new=new_codes)
 
 
 def _compare_codes(family_pair: FamilyPair) -> Iterator[Change]:
     """Compare the interface and the numbers of order codes that both versions have."""
-    new_by_code = {variant.code: variant for variant in family_pair.new.variants}
-    shared = family_pair.shared
-    variant_pairs = [
-        (variant, new_by_code[shared[variant.code]]) for variant in family_pair.old.variants if variant.code in shared
-    ]
+    new_variant_by_code = {variant.code: variant for variant in family_pair.new.variants}
+    variant_pairs: list[tuple[Variant, Variant]] = []
+    for old_variant in family_pair.old.variants:
+        new_code = family_pair.new_code_by_old.get(old_variant.code)
+        if new_code is not None:
+            variant_pairs.append((old_variant, new_variant_by_code[new_code]))
     codes_by_interfaces: dict[tuple[str, str], list[str]] = {}
     for old, new in variant_pairs:
         if old.interface != new.interface:
             codes_by_interfaces.setdefault((old.interface, new.interface), []).append(new.code)
-    subject = Subject("order_codes.interface", "order codes")
+    subject = Subject(path="order_codes.interface", label="order codes")
     for (old_interface, new_interface), codes in codes_by_interfaces.items():
-        description = f": interface {arrow(old_interface, new_interface)}"
-        yield family_pair.change("interface-of-code", subject, description, old_interface, new_interface, codes)
-    for old_parameter, new_parameter in both_of(in_section(family_pair, "parameters")):
-        if _is_of_code(old_parameter) and _is_of_code(new_parameter):
-            yield from _compare_numbers(family_pair, variant_pairs, old_parameter.name, new_parameter.name)
+        yield family_pair.change(
+            "interface-of-code",
+            subject,
+            description=f": interface {old_to_new(old_interface, new_interface)}",
+            old=old_interface,
+            new=new_interface,
+            codes=codes,
+        )
+    for old_parameter, new_parameter in complete_pairs(pair_section(family_pair, "parameters")):
+        if _is_set_by_order_code(old_parameter) and _is_set_by_order_code(new_parameter):
+            yield from _compare_parameter(family_pair, variant_pairs, old_parameter.name, new_parameter.name)
 
 
-def _compare_numbers(
+def _compare_parameter(
     family_pair: FamilyPair, variant_pairs: Iterable[tuple[Variant, Variant]], old_name: str, new_name: str
 ) -> Iterator[Change]:
     """Compare the numbers that a parameter has for order codes that both versions have."""
@@ -117,47 +149,53 @@ def _compare_numbers(
         old_number, new_number = old.parameters[old_name], new.parameters[new_name]
         if old_number != new_number:
             codes_by_numbers.setdefault((old_number, new_number), []).append(new.code)
-    subject = Subject(f"order_codes.parameters.{new_name}", new_name)
+    subject = Subject(path=f"order_codes.parameters.{new_name}", label=new_name)
     for (old_number, new_number), codes in codes_by_numbers.items():
-        description = f" {arrow(old_number, new_number)}"
-        yield family_pair.change("parameter-of-code", subject, description, old_number, new_number, codes)
+        description = f" {old_to_new(old_number, new_number)}"
+        yield family_pair.change(
+            "parameter-of-code", subject, description=description, old=old_number, new=new_number, codes=codes
+        )
 
 
-def _is_of_code(parameter: Parameter) -> bool:
-    """Return whether order codes set it, rather than a formula, a register or a decision."""
+def _is_set_by_order_code(parameter: Parameter) -> bool:
+    """Return whether order codes set the parameter, rather than a formula, a register or a decision."""
     return parameter.equals is None and not parameter.read_from and not parameter.alternative
 
 
 def _compare_part_values(family_pair: FamilyPair, subject: Subject, old: CodePart, new: CodePart) -> Iterator[Change]:
     """Compare the values that the part has in both versions. Other changes are visible in the order codes."""
-    for old_value, new_value in both_of(paired(old.values, new.values, name=attrgetter("text"))):
-        inner = subject.inside(new_value.text, f"{subject.label}: value {new_value.text}")
-        yield from compare_members(family_pair, inner, old_value, new_value)
-        variants = family_pair.new.variants
-        codes = tuple(variant.code for variant in variants if variant.parts.get(new.name) == new_value.text)
-        yield from supply(family_pair, inner, old_value.supply, new_value.supply, codes or family_pair.codes(""))
+    for old_value, new_value in complete_pairs(pair_by_name(old.values, new.values, name_of=attrgetter("text"))):
+        value_subject = subject.inside(new_value.text, f"{subject.label}: value {new_value.text}")
+        yield from compare_members(family_pair, value_subject, old_value, new_value)
+        codes: list[str] = []
+        for variant in family_pair.new.variants:
+            if variant.parts.get(new.name) == new_value.text:
+                codes.append(variant.code)
+        affected_codes = tuple(codes) or family_pair.order_codes_over(interface="")
+        yield from compare_supply(family_pair, value_subject, old_value.supply, new_value.supply, affected_codes)
 
 
 def _compare_spellings(family_pair: FamilyPair) -> Iterator[Change]:
     """Compare the additional notations for labels. One is recognised by its texts, apart from where it is used."""
 
     def texts_of(spelling: Spelling) -> Hashable:
-        return replace(family_pair.in_new(spelling), where="", source=())
+        return replace(family_pair.with_new_names(spelling), where="", source=())
 
     old_spellings, new_spellings = family_pair.old.order_code.also_written, family_pair.new.order_code.also_written
-    for pair in paired(old_spellings, new_spellings, texts_of, name=attrgetter("where")):
-        subject = Subject("order_code.also_written", f"spelling by {pair.item.where}")
+    spelling_pairs = pair_by_name(old_spellings, new_spellings, texts_of, name_of=attrgetter("where"))
+    for pair in spelling_pairs:
+        subject = Subject(path="order_code.also_written", label=f"spelling by {pair.new_or_old.where}")
         old, new = pair.old, pair.new
         if old is None or new is None:
-            yield from family_pair.presence("spelling", subject, old, new)
+            yield from family_pair.compare_presence("spelling", subject, old=old, new=new)
         elif old.where != new.where:
-            renamed = Subject(subject.path, f"spelling by {old.where} → {new.where} (the same texts)")
-            yield family_pair.change("spelling-renamed", renamed, "", old.where, new.where)
+            renaming = Subject(path=subject.path, label=f"spelling by {old.where} → {new.where} (the same texts)")
+            yield family_pair.change("spelling-renamed", renaming, description="", old=old.where, new=new.where)
         else:
             yield from compare_members(family_pair, subject, old, new)
 
 
-def supply(
+def compare_supply(
     family_pair: FamilyPair,
     subject: Subject,
     old: Supply | None,
@@ -165,30 +203,50 @@ def supply(
     codes: tuple[str, ...] | None = None,
 ) -> Iterator[Change]:
     """Compare the supply of a family, or of an order code value that ``codes`` have."""
-    supply_subject = subject.inside("supply", f"{subject.label} supply".strip())
+    supply_label = f"{subject.label} supply".strip()  # The family itself has no label.
+    supply_subject = subject.inside("supply", supply_label)
     if old is not None and new is not None:
         for change in compare_members(family_pair, supply_subject, old, new):
             yield family_pair.change(
-                change.rule.name, Subject(change.path, change.text), "", change.old, change.new, codes
+                change.rule.name,
+                Subject(path=change.path, label=change.text),
+                description="",
+                old=change.old,
+                new=change.new,
+                codes=codes,
             )
     elif old is not new:
         rule = "supply-wider" if new is None else "supply-narrower"
-        yield family_pair.change(rule, supply_subject, f" {arrow(old, new)}", old, new, codes)
+        yield family_pair.change(
+            rule, supply_subject, description=f" {old_to_new(old, new)}", old=old, new=new, codes=codes
+        )
 
 
-def quantities(family_pair: FamilyPair) -> Iterator[Change]:
+def compare_quantities(family_pair: FamilyPair) -> Iterator[Change]:
     """Compare parameters, decisions and the measurement."""
     yield from compare_section(family_pair, "parameter")
     yield from compare_section(family_pair, "decision", _compare_answers)
-    measured = [(Subject("measurement", "measurement"), family_pair.old.measurement, family_pair.new.measurement)]
-    for old, new in both_of(paired(family_pair.old.interfaces, family_pair.new.interfaces)):
-        subject = Subject(f"interfaces.{new.name}.measurement", f"{new.short} measurement", new.name)
-        measured.append((subject, old.measurement, new.measurement))
-    for subject, old_measurement, new_measurement in measured:
-        if old_measurement is not None and new_measurement is not None:
-            yield from compare_members(family_pair, subject, old_measurement, new_measurement)
-        elif old_measurement is not new_measurement:
-            yield from family_pair.presence("measurement", subject, old_measurement, new_measurement)
+    old, new = family_pair.old, family_pair.new
+    family_subject = Subject(path="measurement", label="measurement")
+    yield from _compare_measurement(family_pair, family_subject, old.measurement, new.measurement)
+    for old_interface, new_interface in complete_pairs(pair_by_name(old.interfaces, new.interfaces)):
+        interface_subject = Subject(
+            path=f"interfaces.{new_interface.name}.measurement",
+            label=f"{new_interface.short} measurement",
+            interface=new_interface.name,
+        )
+        yield from _compare_measurement(
+            family_pair, interface_subject, old_interface.measurement, new_interface.measurement
+        )
+
+
+def _compare_measurement(
+    family_pair: FamilyPair, subject: Subject, old: Measurement | None, new: Measurement | None
+) -> Iterator[Change]:
+    if old is not None and new is not None:
+        yield from compare_members(family_pair, subject, old, new)
+    elif old is not new:
+        yield from family_pair.compare_presence("measurement", subject, old=old, new=new)
 
 
 def _compare_answers(family_pair: FamilyPair, subject: Subject, old: Alternative, new: Alternative) -> Iterator[Change]:
@@ -203,49 +261,59 @@ def compare(old: Sequence[Device], new: Sequence[Device]) -> list[Change]:
     A missing family was renamed if a new one has the same order codes, or if there is only one of each.
     """
     changes: list[Change] = []
-    pairs = paired(old, new, lambda device: frozenset(variant.code for variant in device.variants))
+    pairs = pair_by_name(old, new, _set_of_order_codes)
     if len(old) == len(new) == 1:
-        pairs = [Pair(old[0], new[0])]
-    for pair in sorted(pairs, key=lambda pair: pair.item.name):
+        pairs = [Pair(old=old[0], new=new[0])]
+    for pair in sorted(pairs, key=lambda pair: pair.new_or_old.name):
         if pair.old is None or pair.new is None:
+            only_device = pair.new_or_old
+            subject = Subject(path="", label=f"family {only_device.name}")
             old_name = pair.old.name if pair.old is not None else None
             new_name = pair.new.name if pair.new is not None else None
-            subject = Subject("", f"family {pair.item.name}")
-            changes += FamilyPair(pair.item, pair.item).presence("family", subject, old_name, new_name)
+            family_pair = FamilyPair(only_device, only_device)
+            changes += family_pair.compare_presence("family", subject, old=old_name, new=new_name)
         elif pair.old is not pair.new:
             changes += compare_family(pair.old, pair.new)
     return changes
+
+
+def _set_of_order_codes(device: Device) -> frozenset[str]:
+    return frozenset(variant.code for variant in device.variants)
 
 
 def _section_changes(family_pair: FamilyPair) -> Iterator[Change]:
     """Return the changes of each section of the specs in turn."""
     old, new = family_pair.old, family_pair.new
     return chain(
-        family(family_pair),
-        order_codes(family_pair),
-        quantities(family_pair),
+        compare_family_itself(family_pair),
+        compare_order_codes(family_pair),
+        compare_quantities(family_pair),
         compare_section(family_pair, "crc"),
-        interfaces(family_pair),
-        compare_section(family_pair, "register", register),
+        compare_interfaces(family_pair),
+        compare_section(family_pair, "register", compare_register),
         compare_section(family_pair, "alarm"),
-        compare_section(family_pair, "procedure", procedure),
-        timings(family_pair, Subject("", ""), old.timings, new.timings),
-        supply(family_pair, Subject("", ""), old.supply, new.supply),
-        compare_section(family_pair, "connector", contacts),
+        compare_section(family_pair, "procedure", compare_procedure),
+        compare_timings(family_pair, Subject(path="", label=""), old.timings, new.timings),
+        compare_supply(family_pair, Subject(path="", label=""), old.supply, new.supply),
+        compare_section(family_pair, "connector", compare_contacts),
         compare_section(family_pair, "input"),
-        displayed(family_pair),
+        compare_displayed_facts(family_pair),
     )
 
 
 def compare_family(old: Device, new: Device) -> list[Change]:
     """Return all changes of a family, by descending impact."""
     family_pair = FamilyPair(old, new)
-    note_all(family_pair)
+    remember_all_renamings(family_pair)
     changes = list(_merge_repeated(_section_changes(family_pair)))
-    changes = list(fold_alike(list(fold_types(list(fold_defaults(changes))))))
+    changes = list(fold_defaults(changes))
+    changes = list(fold_types(changes))
+    changes = list(fold_alike(changes))
     if not changes and _without_spec_data(old) != _without_spec_data(new):
-        subject = Subject("", f"family {new.name}")
-        changes.append(family_pair.change("order", subject, ": different order, same facts", None, None))
+        subject = Subject(path="", label=f"family {new.name}")
+        changes.append(
+            family_pair.change("order", subject, description=": different order, same facts", old=None, new=None)
+        )
     return sorted(changes, key=lambda change: -change.impact)
 
 
@@ -257,22 +325,29 @@ def _without_spec_data(device: Device) -> Device:
 
 def _merge_repeated(changes: Iterable[Change]) -> Iterator[Change]:
     """Return each change once. Changes of a field group in many frames are reported for the group."""
-    merged: dict[tuple[str, str], Change] = {}
+    change_by_key: dict[tuple[str, str], Change] = {}
     for change in changes:
         # Documentation of one place is one change, even if its text names different frames.
-        identity = change.text if change.impact > Impact.DOCUMENTATION else change.path
-        key = change.rule.name, identity
-        if key not in merged:
-            merged[key] = change
-            continue
-        earlier_change = merged[key] = _with_consequences_of_both(merged[key], change)
-        codes = tuple(dict.fromkeys((*earlier_change.codes, *change.codes)))
-        if codes != earlier_change.codes:
-            merged[key] = replace(earlier_change, codes=codes, reach=f"{earlier_change.reach}; {change.reach}")
-    yield from map(with_consequences, merged.values())
+        is_documentation = change.impact <= Impact.DOCUMENTATION
+        key = change.rule.name, change.path if is_documentation else change.text
+        if key in change_by_key:
+            change_by_key[key] = _merge_pair(change_by_key[key], change)
+        else:
+            change_by_key[key] = change
+    yield from map(with_consequences, change_by_key.values())
 
 
-def _with_consequences_of_both(change: Change, repeated_change: Change) -> Change:
-    moved_fields = tuple(dict.fromkeys((*change.moved_fields, *repeated_change.moved_fields)))
-    resized_frames = {**change.resized_frames, **repeated_change.resized_frames}
-    return replace(change, moved_fields=moved_fields, resized_frames=resized_frames)
+def _merge_pair(first_change: Change, repeated_change: Change) -> Change:
+    """Return a change with the order codes and the consequences of both."""
+    moved_fields = dict.fromkeys((*first_change.moved_fields, *repeated_change.moved_fields))
+    codes = tuple(dict.fromkeys((*first_change.codes, *repeated_change.codes)))
+    reach = first_change.reach
+    if codes != first_change.codes:
+        reach += f"; {repeated_change.reach}"
+    return replace(
+        first_change,
+        moved_fields=tuple(moved_fields),
+        resized_frames={**first_change.resized_frames, **repeated_change.resized_frames},
+        codes=codes,
+        reach=reach,
+    )

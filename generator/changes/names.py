@@ -8,10 +8,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 
-_MACRO = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)(\([^)\n]*\))?[ \t]*((?:\\\n|[^\n])*)$", re.MULTILINE)
+_MACRO_DEFINITION = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)(\([^)\n]*\))?[ \t]*((?:\\\n|[^\n])*)$", re.MULTILINE)
 _COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
 #: Macros that guard a header or contain its version, which no code depends on.
-_OF_HEADER = re.compile(r"\w+_(?:H|HPP|VERSION|INCLUDED)")
+_MACRO_ABOUT_HEADER = re.compile(r"\w+_(?:H|HPP|VERSION|INCLUDED)")
 _LONGEST_VALUE = 40
 
 
@@ -29,44 +29,51 @@ class NameChange:
     def text(self) -> str:
         if self.new is None:
             return f"{self.kind} {self.name} is gone"
-        return f"{self.kind} {self.name}: {_shortened(self.old)} → {_shortened(self.new)}"
+        return f"{self.kind} {self.name}: {_shorten(self.old)} → {_shorten(self.new)}"
 
 
-def _shortened(value: str) -> str:
-    return value if len(value) <= _LONGEST_VALUE else f"{value[: _LONGEST_VALUE - 1]}…"
+def _shorten(value: str) -> str:
+    if len(value) <= _LONGEST_VALUE:
+        return value
+    return f"{value[: _LONGEST_VALUE - 1]}…"
 
 
 def name_changes(
-    before: Mapping[str, str], after: Mapping[str, str], families: Iterable[str]
+    old_text_by_path: Mapping[str, str], new_text_by_path: Mapping[str, str], families: Iterable[str]
 ) -> tuple[NameChange, ...]:
     """Return the names of C headers and Python modules of families, and the files, that go or change their value."""
     changes: list[NameChange] = []
-    names_by_length = sorted(families, key=len, reverse=True)
-    for path, old_text in before.items():
-        new_text = after.get(path)
-        family = _family_of(path, names_by_length)
+    longest_first = sorted(families, key=len, reverse=True)
+    for path, old_text in old_text_by_path.items():
+        new_text = new_text_by_path.get(path)
+        family = _family_of_file(path, longest_first)
         if not family or new_text == old_text:
             continue
         if new_text is None:
-            changes.append(NameChange(family, "file", path, "", None))
-        changes += _in_file(family, path, old_text, new_text or "")
+            changes.append(NameChange(family=family, kind="file", name=path, old="", new=None))
+        changes += _changes_in_file(family, path, old_text, new_text or "")
     # A macro is in the header of each interface.
     return tuple(dict.fromkeys(changes))
 
 
-def _family_of(path: str, names_by_length: Sequence[str]) -> str:
+def _family_of_file(path: str, families: Sequence[str]) -> str:
+    """Return the first family with which the name of a file begins: ``tv62`` for ``c/tv62_biss.h``, or ""."""
     stem = PurePosixPath(path).name.partition(".")[0]
-    return next((name for name in names_by_length if stem == name or stem.startswith(f"{name}_")), "")
+    for family in families:
+        if stem == family or stem.startswith(f"{family}_"):
+            return family
+    return ""
 
 
-def _is_private(path: str) -> bool:
-    return any(part.startswith("_") or part == "facts" for part in PurePosixPath(path).parts)
+def _is_private_module(path: str) -> bool:
+    return any(folder.startswith("_") or folder == "facts" for folder in PurePosixPath(path).parts)
 
 
-def _in_file(family: str, path: str, old_text: str, new_text: str) -> Iterator[NameChange]:
+def _changes_in_file(family: str, path: str, old_text: str, new_text: str) -> Iterator[NameChange]:
+    """Yield the macros of a C header, or the names of a Python module, that are gone or have another value."""
     if path.endswith(".h"):
         kind, old_values, new_values = "C macro", _macros(old_text), _macros(new_text)
-    elif path.endswith(".py") and not _is_private(path):
+    elif path.endswith(".py") and not _is_private_module(path):
         kind, old_values, new_values = "Python name", _python_names(old_text), _python_names(new_text)
     else:
         return
@@ -74,47 +81,54 @@ def _in_file(family: str, path: str, old_text: str, new_text: str) -> Iterator[N
         new_value = new_values.get(name)
         if new_value != old_value:
             full_name = name if kind == "C macro" else f"{family}.{name}"
-            yield NameChange(family, kind, full_name, old_value, new_value)
+            yield NameChange(family=family, kind=kind, name=full_name, old=old_value, new=new_value)
 
 
-def _macros(text: str) -> dict[str, str]:
+def _macros(header: str) -> dict[str, str]:
     """Return the macros of a header with their definitions, without those about the header itself."""
     macros: dict[str, str] = {}
-    for name, parameters, definition in _MACRO.findall(_COMMENT.sub("", text)):
-        if not _OF_HEADER.fullmatch(name):
-            macros[name] = " ".join(f"{parameters} {definition}".replace("\\\n", " ").split())
+    header_without_comments = _COMMENT.sub("", header)
+    for name, parameters, definition in _MACRO_DEFINITION.findall(header_without_comments):
+        if not _MACRO_ABOUT_HEADER.fullmatch(name):
+            in_one_line = f"{parameters} {definition}".replace("\\\n", " ")
+            macros[name] = " ".join(in_one_line.split())
     return macros
 
 
-def _python_names(text: str) -> dict[str, str]:
-    """Return the public names of a module and of its classes, with the values of constants."""
-    statements = ast.parse(text).body
+def _python_names(module: str) -> dict[str, str]:
+    """Return the public names of a module and of its classes, with the values of constants.
+
+    The value of a name that is not a constant is empty: ``{"CRC_BITS": "6", "Frame": "", "Frame.decode": ""}``.
+    """
+    statements = ast.parse(module).body
     classes = {statement.name: statement for statement in statements if isinstance(statement, ast.ClassDef)}
-    return dict(_definitions(statements, classes))
+    return dict(_named_values(statements, classes))
 
 
-def _definitions(
-    body: Iterable[ast.stmt], classes: Mapping[str, ast.ClassDef], owner: str = ""
+def _named_values(
+    statements: Iterable[ast.stmt], classes: Mapping[str, ast.ClassDef], prefix: str = ""
 ) -> Iterator[tuple[str, str]]:
-    """Yield the public names that statements bind. A class also has the names of its private bases."""
-    for statement in body:
-        for name in _bound_names(statement):
-            if name.startswith("_"):
-                continue
+    """Yield the public names that statements bind, with values. A class also has the names of its private bases."""
+    for statement in statements:
+        public_names = [name for name in _bound_names(statement) if not name.startswith("_")]
+        for name in public_names:
             value = getattr(statement, "value", None)
-            yield f"{owner}{name}", ast.unparse(value) if isinstance(value, ast.Constant) else ""
+            value_text = ast.unparse(value) if isinstance(value, ast.Constant) else ""
+            yield f"{prefix}{name}", value_text
             if isinstance(statement, ast.ClassDef):
-                yield from _definitions(statement.body, classes, f"{owner}{name}.")
-                for base in _private_bases(statement, classes):
-                    yield from _definitions(base.body, classes, f"{owner}{name}.")
+                yield from _named_values(statement.body, classes, prefix=f"{prefix}{name}.")
+                for base_class in _private_bases(statement, classes):
+                    yield from _named_values(base_class.body, classes, prefix=f"{prefix}{name}.")
 
 
-def _private_bases(statement: ast.ClassDef, classes: Mapping[str, ast.ClassDef]) -> Iterator[ast.ClassDef]:
-    names = [base.id for base in statement.bases if isinstance(base, ast.Name)]
-    yield from (classes[name] for name in names if name.startswith("_") and name in classes)
+def _private_bases(class_definition: ast.ClassDef, classes: Mapping[str, ast.ClassDef]) -> Iterator[ast.ClassDef]:
+    for base in class_definition.bases:
+        if isinstance(base, ast.Name) and base.id.startswith("_") and base.id in classes:
+            yield classes[base.id]
 
 
 def _bound_names(statement: ast.stmt) -> list[str]:
+    """Return the names that a class, a function or an assignment binds."""
     match statement:
         case ast.ClassDef(name=name) | ast.FunctionDef(name=name):
             return [name]

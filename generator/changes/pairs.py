@@ -13,8 +13,9 @@ from typing import Any, Generic, TypeVar
 
 _Item = TypeVar("_Item")
 _Key = TypeVar("_Key", bound=Hashable)
+#: Return the name or another identifying property of an item.
 Key = Callable[[Any], Hashable | None]
-name_of: Callable[[Any], str] = attrgetter("name")
+_name_of: Callable[[Any], str] = attrgetter("name")
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,64 +26,78 @@ class Pair(Generic[_Item]):
     new: _Item | None
 
     @property
-    def item(self) -> _Item:
+    def new_or_old(self) -> _Item:
         """The new item, or the old one if it is gone."""
-        present = self.old if self.new is None else self.new
-        assert present is not None
-        return present
+        item = self.old if self.new is None else self.new
+        assert item is not None
+        return item
 
     @property
     def old_or_new(self) -> _Item:
         """The old item, or the new one if there was none."""
-        return Pair(self.new, self.old).item
+        item = self.new if self.old is None else self.old
+        assert item is not None
+        return item
 
 
-def both_of(pairs: Iterable[Pair[_Item]]) -> Iterator[tuple[_Item, _Item]]:
-    """Yield the pairs that have both items."""
-    yield from ((pair.old, pair.new) for pair in pairs if pair.old is not None and pair.new is not None)
+def complete_pairs(pairs: Iterable[Pair[_Item]]) -> Iterator[tuple[_Item, _Item]]:
+    """Yield old and new item of the pairs that have both."""
+    for pair in pairs:
+        if pair.old is not None and pair.new is not None:
+            yield pair.old, pair.new
 
 
-def paired(
-    old_parts: Sequence[_Item],
-    new_parts: Sequence[_Item],
-    identity: Key = lambda _: None,
-    new_identity: Key | None = None,
-    name: Key = name_of,
+def pair_by_name(
+    old_items: Sequence[_Item],
+    new_items: Sequence[_Item],
+    identity_of_old: Key = lambda _: None,
+    identity_of_new: Key | None = None,
+    *,
+    name_of: Key = _name_of,
 ) -> list[Pair[_Item]]:
     """Return every item with its counterpart: first the new items in their order, then those that are gone.
 
     Args:
-        old_parts: The old items.
-        new_parts: The new items.
-        identity: Return the property that identifies an old item whose name is gone, or None if only the name does.
-            Default: only the name.
-        new_identity: Return that property of a new item, if it is computed in another way. It identifies a counterpart
-            only if it is unique on its side.
-        name: Return the name of an item.
+        old_items: The old items.
+        new_items: The new items.
+        identity_of_old: Return the property that identifies an old item whose name is gone, or None if only the name
+            does. Default: only the name.
+        identity_of_new: Return that property of a new item, if it is computed in another way. It identifies a
+            counterpart only if it is unique on its side.
+        name_of: Return the name of an item.
     """
-    counterparts = {name(part): part for part in old_parts}
-    old_names = set(counterparts)
-    new_names = {name(part) for part in new_parts}
-    old_by_identity = _unique([part for part in old_parts if name(part) not in new_names], identity)
-    new_by_identity = _unique([part for part in new_parts if name(part) not in old_names], new_identity or identity)
-    matched_names = set(new_names)
-    for key, new_part in new_by_identity.items():
-        if key in old_by_identity:
-            counterparts[name(new_part)] = old_by_identity[key]
-            matched_names.add(name(old_by_identity[key]))
-    pairs = [Pair(counterparts.get(name(part)), part) for part in new_parts]
-    return pairs + [Pair(part, None) for part in old_parts if name(part) not in matched_names]
+    counterpart_by_name = {name_of(old_item): old_item for old_item in old_items}
+    old_names = set(counterpart_by_name)
+    new_names = {name_of(new_item) for new_item in new_items}
+    without_new_name = [old_item for old_item in old_items if name_of(old_item) not in new_names]
+    without_old_name = [new_item for new_item in new_items if name_of(new_item) not in old_names]
+    old_by_identity = _by_unique_identity(without_new_name, identity_of_old)
+    new_by_identity = _by_unique_identity(without_old_name, identity_of_new or identity_of_old)
+    paired_old_names = set(new_names)
+    for identity, new_item in new_by_identity.items():
+        if identity in old_by_identity:
+            renamed_item = old_by_identity[identity]
+            counterpart_by_name[name_of(new_item)] = renamed_item
+            paired_old_names.add(name_of(renamed_item))
+    new_pairs = [Pair(old=counterpart_by_name.get(name_of(new_item)), new=new_item) for new_item in new_items]
+    gone_items = [old_item for old_item in old_items if name_of(old_item) not in paired_old_names]
+    return new_pairs + [Pair(old=gone_item, new=None) for gone_item in gone_items]
 
 
-def _unique(items: Sequence[_Item], identity: Key) -> dict[Hashable, _Item]:
+def _by_unique_identity(items: Sequence[_Item], identity_of: Key) -> dict[Hashable, _Item]:
     """Return the items with a unique identifying property, by that property."""
-    keys = [identity(part) for part in items]
-    counts = Counter(keys)
-    return {key: part for part, key in zip(items, keys, strict=True) if key is not None and counts[key] == 1}
+    identities = [identity_of(item) for item in items]
+    counts = Counter(identities)
+    items_by_identity: dict[Hashable, _Item] = {}
+    for identity, item in zip(identities, items, strict=True):
+        if identity is not None and counts[identity] == 1:
+            items_by_identity[identity] = item
+    return items_by_identity
 
 
-def by_key(
-    first: Mapping[_Key, _Item], second: Mapping[_Key, _Item]
+def match_by_key(
+    old_by_key: Mapping[_Key, _Item], new_by_key: Mapping[_Key, _Item]
 ) -> Iterator[tuple[_Key, _Item | None, _Item | None]]:
-    """Yield every key with its item on both sides: first the keys of one side in their order, then the others."""
-    yield from ((key, first.get(key), second.get(key)) for key in dict.fromkeys((*first, *second)))
+    """Yield every key with its old and new item: first the keys of the old side in their order, then the others."""
+    for key in dict.fromkeys((*old_by_key, *new_by_key)):
+        yield key, old_by_key.get(key), new_by_key.get(key)

@@ -1,4 +1,4 @@
-"""Reports on changes: as data, as text, and as files about a release with the changes that a maintainer accepted."""
+"""Reports on changes: as data, as text, and as files about a release."""
 
 from __future__ import annotations
 
@@ -6,21 +6,17 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from datetime import date
 from pathlib import Path
 from typing import Any
 
-from ..language.document import Document
-from ..language.problems import Report, listed, quoted, suggestion
-from ..language.read import read_document
 from ..loading.evidence import history_beside, history_text, with_release
 from ..loading.overlays import Family
-from ..model import Manual, Release, ReleasedChange
+from ..model import Release, ReleasedChange
 from ..say.markdown import code as in_code
-from ..say.markdown import text
+from ..say.markdown import text as escaped
 from ..say.plain_text import WIDTH, counted, first_of, wrapped
 from .names import NameChange
-from .rules import OUTPUTS, RULES, TITLES, Change, Impact, Package
+from .rules import OUTPUTS, TITLES, Change, Impact, Package
 
 #: Version of the data, in the shape of ``language/diff.schema.json``.
 VERSION = 2
@@ -49,41 +45,53 @@ class DiffResult:
         return max((change.impact for change in self.changes), default=Impact.NONE)
 
 
-def outputs(change: Change, code: str = "{}") -> str:
-    """Return the outputs that a change affects, most affected first. ``code`` is the format of a name."""
-    texts, impacts = [], dict(zip(OUTPUTS, change.rule.impacts, strict=True))
-    for impact in sorted(set(impacts.values()), reverse=True):
-        if impact is Impact.NONE or (impact is Impact.DOCUMENTATION and change.impact is not impact):
-            continue
-        names = [_output(change, name, code) for name, output_impact in impacts.items() if output_impact is impact]
+def describe_outputs(change: Change, code_format: str = "{}") -> str:
+    """Return the outputs that a change affects, most affected first: ``C, Python; XML (compatible)``.
+
+    ``code_format`` is the format of a name in code.
+    """
+    impact_by_output = dict(zip(OUTPUTS, change.rule.impacts, strict=True))
+    texts: list[str] = []
+    for impact in sorted(set(impact_by_output.values()), reverse=True):
         # Every change affects the pages. They are named only if no other output is.
-        texts.append(", ".join(names) + ("" if impact is change.impact else f" ({impact.word})"))
+        affects_only_pages = impact is Impact.DOCUMENTATION and change.impact is not impact
+        if impact is Impact.NONE or affects_only_pages:
+            continue
+        outputs = [output for output in OUTPUTS if impact_by_output[output] is impact]
+        text = ", ".join(_describe_output(change, output, code_format) for output in outputs)
+        if impact is not change.impact:
+            text += f" ({impact.word})"
+        texts.append(text)
     return "; ".join(texts)
 
 
-def _output(change: Change, name: str, code: str) -> str:
-    code_name = change.names.get(name, "")
-    return f"{TITLES[name]} {code.format(code_name)}" if code_name else TITLES[name]
+def _describe_output(change: Change, output: str, code_format: str) -> str:
+    """Return the title of an output, with the name of the changed thing in its code if it has one."""
+    name_in_code = change.names.get(output, "")
+    if not name_in_code:
+        return TITLES[output]
+    return f"{TITLES[output]} {code_format.format(name_in_code)}"
 
 
-def about(change: Change, code: str = "{}") -> str:
+def describe_effect(change: Change, code_format: str = "{}") -> str:
     """Return the order codes and the outputs that a change affects."""
-    return "; ".join(filter(None, (change.reach, outputs(change, code))))
+    outputs_text = describe_outputs(change, code_format)
+    return f"{change.reach}; {outputs_text}" if change.reach and outputs_text else change.reach or outputs_text
 
 
-def totals(changes: Sequence[Change]) -> str:
+def summary(changes: Sequence[Change]) -> str:
     """Return a summary such as ``5 changes: 2 breaking, 3 behaviour``."""
-    counts = _counts(changes)
+    counts = _counts_by_impact(changes)
     texts = [f"{counts[impact]} {impact.word}" for impact in reversed(Impact) if counts[impact]]
     return f"{counted(len(changes), 'change')}: {', '.join(texts)}"
 
 
-def _counts(changes: Sequence[Change]) -> Counter[Impact]:
+def _counts_by_impact(changes: Sequence[Change]) -> Counter[Impact]:
     """Return the number of changes with each impact."""
     return Counter(change.impact for change in changes)
 
 
-def versions(package: Package) -> str:
+def describe_versions(package: Package) -> str:
     """Return the old and the new version, and the stated version if it must be updated."""
     if package.old == package.new == package.stated:
         return f"{package.name} stays {package.old}"
@@ -95,7 +103,8 @@ def versions(package: Package) -> str:
 
 def as_data(findings: DiffResult) -> dict[str, Any]:
     """Return the output of ``codewheel diff --json``."""
-    counts, files = _counts(findings.changes), findings.files
+    counts = _counts_by_impact(findings.changes)
+    files = findings.files
     return {
         "version": VERSION,
         "impact": findings.impact.word,
@@ -151,13 +160,12 @@ _TITLES = {
 
 def as_markdown(findings: DiffResult) -> str:
     """Return the output of ``codewheel diff --markdown``: a heading for each package, family and impact."""
-    lines = [f"## {'; '.join(map(versions, findings.packages)) or 'Changes'}", ""]
-    lines += [line for notice in findings.notices for line in (text(notice), "")]
+    versions_text = "; ".join(map(describe_versions, findings.packages))
+    lines = [f"## {versions_text or 'Changes'}", ""]
+    for notice in findings.notices:
+        lines += [escaped(notice), ""]
     for family in dict.fromkeys(change.family for change in findings.changes):
-        lines += [f"### {text(family)}", ""]
-        lines += _family([change for change in findings.changes if change.family == family])
-        name_lines = [f"- {text(line)}" for line in _names_of(findings, family)]
-        lines += ["#### Names in code", "", *name_lines, ""] if name_lines else []
+        lines += _family_section(findings, family)
     if not findings.changes:
         lines += ["No differences.", ""]
     if findings.changes and findings.files is not None:
@@ -165,38 +173,50 @@ def as_markdown(findings: DiffResult) -> str:
     return "\n".join(lines).rstrip()
 
 
-def _names_of(findings: DiffResult, family: str) -> list[str]:
-    """Return the changes of names of a family in generated files."""
-    names = findings.files.names if findings.files is not None else ()
-    return [name.text for name in names if name.family == family]
-
-
-def _family(changes: Sequence[Change]) -> Iterator[str]:
+def _family_section(findings: DiffResult, family: str) -> Iterator[str]:
+    """Yield the lines of the Markdown about one family."""
+    yield from (f"### {escaped(family)}", "")
+    family_changes = [change for change in findings.changes if change.family == family]
     for impact, title in _TITLES.items():
-        changes_of_impact = [change for change in changes if change.impact is impact]
+        changes_of_impact = [change for change in family_changes if change.impact is impact]
         if changes_of_impact:
-            yield from (f"#### {title}", "", *map(_item, changes_of_impact), "")
+            yield from (f"#### {title}", "", *map(_list_item, changes_of_impact), "")
+    name_texts = _name_change_texts(findings, family)
+    if name_texts:
+        name_items = [f"- {escaped(name_text)}" for name_text in name_texts]
+        yield from ("#### Names in code", "", *name_items, "")
 
 
-def _item(change: Change) -> str:
-    return f"- {text(change.text)} ({in_code(change.rule.name)}): {_about(change)}"
+def _name_change_texts(findings: DiffResult, family: str) -> list[str]:
+    """Return the changes of names of a family in generated files."""
+    name_changes = findings.files.names if findings.files is not None else ()
+    return [name_change.text for name_change in name_changes if name_change.family == family]
 
 
-def _about(change: Change) -> str:
-    pieces = about(change, "\0{}\0").split("\0")  # Prose and code in turn.
-    pieces[::2] = map(_escaped, pieces[::2])
-    pieces[1::2] = map(in_code, pieces[1::2])
-    return "".join(pieces)
+def _list_item(change: Change) -> str:
+    return f"- {escaped(change.text)} ({in_code(change.rule.name)}): {_effect_in_markdown(change)}"
 
 
-def _escaped(piece: str) -> str:
+def _effect_in_markdown(change: Change) -> str:
+    """Return the affected order codes and outputs, with names in code marked as code and the prose escaped."""
+    # NUL stands around each name, so that prose and names are in turn.
+    prose_and_names = describe_effect(change, "\0{}\0").split("\0")
+    prose_and_names[::2] = map(_escape_between_spaces, prose_and_names[::2])
+    prose_and_names[1::2] = map(in_code, prose_and_names[1::2])
+    return "".join(prose_and_names)
+
+
+def _escape_between_spaces(prose: str) -> str:
     """Return escaped text with its leading and trailing space."""
-    start = " " if piece.startswith(" ") else ""
-    end = " " if piece.endswith(" ") else ""
-    return f"{start}{text(piece)}{end}" if piece.strip() else piece
+    if not prose.strip():
+        return prose
+    space_before = " " if prose.startswith(" ") else ""
+    space_behind = " " if prose.endswith(" ") else ""
+    return f"{space_before}{escaped(prose)}{space_behind}"
 
 
-_COLUMN = 17
+#: Column in which the texts begin, behind the words of the impacts.
+_TEXT_COLUMN = 17
 #: Names that are listed in the text. The others are counted.
 _MOST_NAMES = 4
 
@@ -209,143 +229,64 @@ def as_text(findings: DiffResult) -> str:
         lines.append(family)
         for change in sorted(family_changes, key=lambda change: (-change.impact, change.rule.is_renaming)):
             if change.impact > Impact.DOCUMENTATION:
-                lines += _change(change)
-        lines += _words([change for change in family_changes if change.impact is Impact.DOCUMENTATION])
-        lines += _names(_names_of(findings, family))
-    lines.append(totals(findings.changes) if findings.changes else "no differences")
+                lines += _change_lines(change)
+        lines += _documentation_lines([change for change in family_changes if change.impact is Impact.DOCUMENTATION])
+        lines += _name_lines(_name_change_texts(findings, family))
+    lines.append(summary(findings.changes) if findings.changes else "no differences")
     if findings.changes:
-        lines += _result(findings)
+        lines += _result_lines(findings)
     return "\n".join(lines)
 
 
-def _change(change: Change) -> Iterator[str]:
-    indent = " " * _COLUMN
-    yield wrapped(change.text, WIDTH, indent, f"  {change.rule.word:<13}  ")
-    yield wrapped(f"{about(change)} [{change.rule.name}]", WIDTH, indent)
+def _change_lines(change: Change) -> Iterator[str]:
+    """Yield the lines about a change: the word of its impact with its text, and what it affects with its rule."""
+    indent = " " * _TEXT_COLUMN
+    yield wrapped(change.text, WIDTH, indent, _first_column(change.rule.word))
+    yield wrapped(f"{describe_effect(change)} [{change.rule.name}]", WIDTH, indent)
 
 
-def _words(changes: Sequence[Change]) -> Iterator[str]:
+def _first_column(word: str) -> str:
+    return f"  {word:<13}  "
+
+
+def _documentation_lines(changes: Sequence[Change]) -> Iterator[str]:
     """Yield the documentation changes: the places of the first few, and the number of the others."""
     for rule in dict.fromkeys(change.rule for change in changes):
         changes_of_rule = [change for change in changes if change.rule is rule]
-        texts = first_of([_place(change) for change in changes_of_rule], between="; ")
-        yield wrapped(f"{texts} [{rule.name}]", WIDTH, " " * _COLUMN, f"  {rule.word:<13}  ")
+        places = first_of([_place_or_text(change) for change in changes_of_rule], between="; ")
+        yield wrapped(f"{places} [{rule.name}]", WIDTH, " " * _TEXT_COLUMN, _first_column(rule.word))
 
 
-def _names(texts: Sequence[str]) -> Iterator[str]:
+def _name_lines(name_texts: Sequence[str]) -> Iterator[str]:
     """Yield the first names that go or change their value, and the number of the others."""
-    if texts:
-        others = f"; and {len(texts) - _MOST_NAMES} more, all with --markdown" if len(texts) > _MOST_NAMES else ""
-        names = "; ".join(texts[:_MOST_NAMES])
-        yield wrapped(f"{names}{others}", WIDTH, " " * _COLUMN, f"  {'names':<13}  ")
+    if not name_texts:
+        return
+    text = "; ".join(name_texts[:_MOST_NAMES])
+    if len(name_texts) > _MOST_NAMES:
+        text += f"; and {len(name_texts) - _MOST_NAMES} more, all with --markdown"
+    yield wrapped(text, WIDTH, " " * _TEXT_COLUMN, _first_column("names"))
 
 
-def _place(change: Change) -> str:
-    path = change.path.removeprefix("interfaces.").replace(".layouts.", ".")
-    return path if change.rule.name in ("words", "source") else change.text
+def _place_or_text(change: Change) -> str:
+    """Return the place of a change of words or sources, and the text of any other change."""
+    if change.rule.name in ("words", "source"):
+        return change.path.removeprefix("interfaces.").replace(".layouts.", ".")
+    return change.text
 
 
-def _result(findings: DiffResult) -> Iterator[str]:
+def _result_lines(findings: DiffResult) -> Iterator[str]:
     """Yield the line about generated files and versions."""
-    parts = []
+    results: list[str] = []
     if findings.files is not None:
-        count = len(findings.files.changed)
-        parts.append(f"{count} of {counted(findings.files.count, 'file')} change{'s' * (count == 1)}")
-    parts += map(versions, findings.packages)
-    if parts:
-        yield wrapped(f"generated: {'; '.join(parts)}", WIDTH, "  ", "")
+        changed_count = len(findings.files.changed)
+        verb = "changes" if changed_count == 1 else "change"
+        results.append(f"{changed_count} of {counted(findings.files.count, 'file')} {verb}")
+    results += map(describe_versions, findings.packages)
+    if results:
+        yield wrapped(f"generated: {'; '.join(results)}", WIDTH, "  ", "")
 
 
-#: Name of the file next to the new specs.
-NAME = "accepted.yaml"
-_KEYS = ("family", "rule", "path", "why", "until")
-
-
-class NotAccepted(ValueError):
-    """The file with accepted changes is not valid. The message says where and why."""
-
-
-@dataclass(frozen=True, slots=True)
-class Accepted:
-    """An accepted change. It counts again after the day ``until``."""
-
-    family: str
-    rule: str
-    path: str
-    why: str
-    until: date
-
-    def covers(self, change: Change) -> bool:
-        return (self.family, self.rule, self.path) == (change.family, change.rule.name, change.path)
-
-
-def read_accepted(file: Path) -> list[Accepted]:
-    """Return the accepted changes in a file.
-
-    Raises:
-        NotAccepted: The file cannot be read, or an entry lacks a key, names no rule of ``diff``, or has no date.
-    """
-    report = Report()
-    document = read_document(file, report)
-    if document is None or report:
-        raise NotAccepted(report.problems[0].format().splitlines()[0])
-    entries = document.data.get("accepted")
-    if set(document.data) != {"accepted"} or not isinstance(entries, list):
-        raise NotAccepted(f"{file}:1: the file must have only the key 'accepted', with a list of accepted changes")
-    return [_entry(document, index, definition) for index, definition in enumerate(entries)]
-
-
-def _entry(document: Document, index: int, definition: object) -> Accepted:
-    location = f"{document.file}:{document.position(('accepted', index))[0]}"
-    if not isinstance(definition, dict) or set(definition) != set(_KEYS) or not _has_texts(definition):
-        raise NotAccepted(f"{location}: an accepted change has the keys {listed(_KEYS)}, each with text")
-    rule, until = definition["rule"], definition["until"]
-    if rule not in RULES:
-        raise NotAccepted(f"{location}: there is no rule {quoted(rule)}{suggestion(rule, RULES)}")
-    try:
-        return Accepted(**{**definition, "until": date.fromisoformat(until)})
-    except ValueError:
-        raise NotAccepted(f"{location}: 'until' is a date such as 2027-03-31, not {quoted(until)}") from None
-
-
-def _has_texts(definition: dict[object, object]) -> bool:
-    return all(isinstance(value, str) for value in definition.values())
-
-
-def still_open(
-    changes: Sequence[Change], accepted: Sequence[Accepted], today: date
-) -> tuple[list[Change], Sequence[str]]:
-    """Return the changes without a valid entry on this day, and a notice about each entry."""
-    current = [acceptance for acceptance in accepted if acceptance.until >= today]
-    open_changes = [change for change in changes if not _is_accepted(change, current)]
-    return open_changes, tuple(_notices(changes, accepted, today))
-
-
-def _is_accepted(change: Change, accepted: Sequence[Accepted]) -> bool:
-    return any(acceptance.covers(change) for acceptance in accepted)
-
-
-def _notices(changes: Sequence[Change], accepted: Sequence[Accepted], today: date) -> Iterator[str]:
-    for acceptance in accepted:
-        name = f"{acceptance.family}: {acceptance.rule} {acceptance.path}"
-        if not any(map(acceptance.covers, changes)):
-            yield f"accepted, but not found: {name}{_suggestion(acceptance, changes)}"
-        elif acceptance.until < today:
-            yield f"accepted until {acceptance.until} only, so asked again: {name}: {acceptance.why}"
-        else:
-            yield f"accepted until {acceptance.until}: {name}: {acceptance.why}"
-
-
-def _suggestion(acceptance: Accepted, changes: Sequence[Change]) -> str:
-    """Return a suggestion for the family of an entry if it has no changes, or else for the path."""
-    families = {change.family for change in changes}
-    if acceptance.family not in families:
-        return suggestion(acceptance.family, sorted(families), "families with changes")
-    of_family = [change for change in changes if change.family == acceptance.family]
-    paths = (change.path for change in of_family if change.rule.name == acceptance.rule)
-    return suggestion(acceptance.path, paths, "paths of this rule")
-
-
+#: The version of a manufacturer's package in its file, whose first group precedes the number.
 _VERSION = re.compile(r"^(version:[ \t]*)(['\"]?)[0-9.]+\2", re.MULTILINE)
 
 
@@ -353,43 +294,59 @@ class NotRecorded(ValueError):
     """A file cannot be updated. The message says which one."""
 
 
-def records(findings: DiffResult, families: Sequence[Family]) -> Iterator[tuple[Path, str]]:
+def files_of_release(findings: DiffResult, families: Sequence[Family]) -> Iterator[tuple[Path, str]]:
     """Yield the files to write with their new texts, except for manufacturers without changes.
 
     Raises:
         NotRecorded: A manufacturer's file has no version to replace.
     """
+    changed_names = {change.family for change in findings.changes}
     for package in findings.packages:
         families_of_maker = [family for family in families if family.device.manufacturer.name == package.maker]
-        changed_names = {change.family for change in findings.changes}
         changed_families = [family for family in families_of_maker if family.device.name in changed_names]
         if not changed_families:
             continue
-        files: set[str] = set()
+        # Files that a family includes, such as that of the manufacturer.
+        included_files: set[str] = set()
         for family in families_of_maker:
-            files |= family.files - {family.document.file}
-        yield from _version_text(package, files)
+            included_files |= family.files - {family.document.file}
+        if package.new != package.stated:
+            yield from _files_with_new_version(package, included_files)
         for family in changed_families:
-            changes = [change for change in findings.changes if change.family == family.device.name]
-            release = _release(package, family.device.manual, changes, _names_of(findings, family.device.name))
-            text = history_text(with_release(family.device.releases, release))
-            yield history_beside(Path(family.document.file)), text
+            release = _release_of(family, package, findings)
+            history = history_text(with_release(family.device.releases, release))
+            yield history_beside(Path(family.document.file)), history
 
 
-def _version_text(package: Package, files: set[str]) -> Iterator[tuple[Path, str]]:
-    if package.new == package.stated:
-        return
-    for file in map(Path, sorted(files)):
-        text, count = _VERSION.subn(rf'\g<1>"{package.new}"', file.read_text(encoding="utf-8"))
-        if count != 1:
-            raise NotRecorded(f'{file} has no line like version: "{package.stated}"; set it to {package.new} by hand')
-        yield file, text
+def _files_with_new_version(package: Package, files: set[str]) -> Iterator[tuple[Path, str]]:
+    """Yield each file with its text, in which the version of the package is the new one."""
+    for path in map(Path, sorted(files)):
+        old_text = path.read_text(encoding="utf-8")
+        new_text, replacement_count = _VERSION.subn(rf'\g<1>"{package.new}"', old_text)
+        if replacement_count != 1:
+            raise NotRecorded(f'{path} has no line like version: "{package.stated}"; set it to {package.new} by hand')
+        yield path, new_text
 
 
-def _release(package: Package, manual: Manual, changes: Sequence[Change], names: Sequence[str]) -> Release:
-    manual_text = f"{manual.revision}{f' of {manual.date}' if manual.date else ''}"
-    return Release(package.new, package.old, manual_text, tuple(map(_released_change, changes)), tuple(names))
+def _release_of(family: Family, package: Package, findings: DiffResult) -> Release:
+    """Return the release of a family with all its changes, for its history."""
+    manual = family.device.manual
+    manual_text = f"{manual.revision} of {manual.date}" if manual.date else manual.revision
+    family_changes = [change for change in findings.changes if change.family == family.device.name]
+    return Release(
+        version=package.new,
+        since=package.old,
+        manual=manual_text,
+        changes=tuple(map(_released_change, family_changes)),
+        names=tuple(_name_change_texts(findings, family.device.name)),
+    )
 
 
 def _released_change(change: Change) -> ReleasedChange:
-    return ReleasedChange(change.rule.name, change.impact.word, change.text, change.reach, outputs(change))
+    return ReleasedChange(
+        rule=change.rule.name,
+        impact=change.impact.word,
+        text=change.text,
+        reach=change.reach,
+        outputs=describe_outputs(change),
+    )

@@ -142,7 +142,7 @@ class Package:
 
     @property
     def is_enough(self) -> bool:
-        return _numbers(self.stated) >= _numbers(self.due)
+        return _version_numbers(self.stated) >= _version_numbers(self.due)
 
 
 def due_version(version: str, impact: Impact) -> str:
@@ -150,11 +150,12 @@ def due_version(version: str, impact: Impact) -> str:
 
     As in semantic versioning, the second number of versions before 1.0.0 counts as the first one.
     """
-    numbers = _numbers(version)
+    numbers = _version_numbers(version)
     if not impact or not numbers:
         return version
     major, minor, patch = numbers
-    is_incompatible, adds_something = impact >= Impact.BEHAVIOUR, impact is Impact.COMPATIBLE
+    is_incompatible = impact >= Impact.BEHAVIOUR
+    adds_something = impact is Impact.COMPATIBLE
     if major > 0 and is_incompatible:
         return f"{major + 1}.0.0"
     if is_incompatible or (major > 0 and adds_something):
@@ -164,35 +165,35 @@ def due_version(version: str, impact: Impact) -> str:
 
 def packages(old: Sequence[Device], new: Sequence[Device], changes: Collection[Change]) -> list[Package]:
     """Return the packages of manufacturers on both sides, with the versions that follow from the changes."""
-    old_makers, new_makers = _makers(old), _makers(new)
-    compared_packages = []
-    for name, maker in new_makers.items():
-        if name not in old_makers:
-            continue
+    old_maker_by_name, new_maker_by_name = _maker_by_name(old), _maker_by_name(new)
+    common_names = [name for name in new_maker_by_name if name in old_maker_by_name]
+    packages_of_makers: list[Package] = []
+    for name in common_names:
+        old_maker, new_maker = old_maker_by_name[name], new_maker_by_name[name]
         families = {device.name for device in (*old, *new) if device.manufacturer.name == name}
-        highest_impact = max((change.impact for change in changes if change.family in families), default=Impact.NONE)
-        old_version = old_makers[name].version
+        impacts = [change.impact for change in changes if change.family in families]
         package = Package(
             maker=name,
-            name=maker.python_package,
-            old=old_version,
-            stated=maker.version,
-            due=due_version(old_version, highest_impact),
+            name=new_maker.python_package,
+            old=old_maker.version,
+            stated=new_maker.version,
+            due=due_version(old_maker.version, max(impacts, default=Impact.NONE)),
         )
-        compared_packages.append(package)
-    return compared_packages
+        packages_of_makers.append(package)
+    return packages_of_makers
 
 
-def _makers(devices: Sequence[Device]) -> dict[str, Manufacturer]:
+def _maker_by_name(devices: Sequence[Device]) -> dict[str, Manufacturer]:
     return {device.manufacturer.name: device.manufacturer for device in devices}
 
 
-def _numbers(version: str) -> tuple[int, ...]:
+def _version_numbers(version: str) -> tuple[int, ...]:
+    """Return ``(1, 2, 3)`` for ``1.2.3``, or nothing if that is not a version."""
     match = _VERSION.fullmatch(version)
     return tuple(map(int, match.groups())) if match is not None else ()
 
 
-_LETTERS = {
+_IMPACT_BY_LETTER = {
     "B": Impact.BREAKING,
     "W": Impact.BEHAVIOUR,
     "+": Impact.COMPATIBLE,
@@ -352,17 +353,20 @@ _REASONS_OF_NEW = {
 
 
 def _all_rules() -> Iterator[Rule]:
-    for kind, phrase, gone, new, renamed, common in _NAMED_KINDS:
-        yield Rule(f"{kind}-gone", _impacts(gone), f"{phrase} was removed", _GONE)
-        yield Rule(f"{kind}-new", _impacts(new), f"{phrase} was added", _REASONS_OF_NEW.get(kind, _NEW))
+    for kind, phrase, if_gone, if_new, if_renamed, common in _NAMED_KINDS:
+        yield Rule(name=f"{kind}-gone", impacts=_parse_impacts(if_gone), when=f"{phrase} was removed", why=_GONE)
+        why_new = _REASONS_OF_NEW.get(kind, _NEW)
+        yield Rule(name=f"{kind}-new", impacts=_parse_impacts(if_new), when=f"{phrase} was added", why=why_new)
         if common:
-            yield Rule(f"{kind}-renamed", _impacts(renamed), f"{phrase} has a different name but {common}", _RENAMED)
+            when_renamed = f"{phrase} has a different name but {common}"
+            yield Rule(name=f"{kind}-renamed", impacts=_parse_impacts(if_renamed), when=when_renamed, why=_RENAMED)
     for name, impacts, when, why in _CHANGES:
-        yield Rule(name, _impacts(impacts), when, why)
+        yield Rule(name=name, impacts=_parse_impacts(impacts), when=when, why=why)
 
 
-def _impacts(letters: str) -> tuple[Impact, Impact, Impact, Impact]:
-    c, python, xml, pages = (_LETTERS[letter] for letter in letters)
+def _parse_impacts(letters: str) -> tuple[Impact, Impact, Impact, Impact]:
+    """Return the impacts on C, Python, XML and pages for four letters, such as ``WB+D``."""
+    c, python, xml, pages = (_IMPACT_BY_LETTER[letter] for letter in letters)
     return c, python, xml, pages
 
 

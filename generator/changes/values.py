@@ -18,30 +18,30 @@ Parameters = Mapping[str, int]
 
 
 @dataclass(frozen=True, slots=True)
-class Point:
+class ComparisonPoint:
     """A common order code, and its parameters under one setting of registers and answers.
 
-    ``compared`` are the parameters for expressions of the old family. They have the new values where the old family
+    ``compared_parameters`` are those for expressions of the old family. They have the new values where the old family
     has the parameter too, so that a changed parameter is reported only once. A renamed one has its old value, which is
     the same by definition.
     """
 
     code: str
-    old: Parameters
-    new: Parameters
-    compared: Parameters
+    old_parameters: Parameters
+    new_parameters: Parameters
+    compared_parameters: Parameters
 
 
 @dataclass(frozen=True, slots=True)
 class NumberDifferences:
     """Differences of two expressions: the order codes, and each pair of numbers that occurs, once.
 
-    ``everywhere`` is true if they differ under every setting of registers and answers.
+    ``is_everywhere`` is true if they differ under every setting of registers and answers.
     """
 
     codes: tuple[str, ...]
-    values: tuple[tuple[int | None, int | None], ...]
-    everywhere: bool = True
+    value_pairs: tuple[tuple[int | None, int | None], ...]
+    is_everywhere: bool = True
 
 
 def settings_of(device: Device) -> Iterator[Parameters]:
@@ -62,7 +62,9 @@ def with_setting(device: Device, variant: Variant, setting: Parameters) -> Param
     return with_changed(device, variant, own_setting) if own_setting else variant.parameters
 
 
-def differing(old: Expression | None, new: Expression | None, points: Sequence[Point]) -> NumberDifferences | None:
+def compare_at_points(
+    old: Expression | None, new: Expression | None, points: Sequence[ComparisonPoint]
+) -> NumberDifferences | None:
     """Return the differences of two expressions, or None if they are equal everywhere.
 
     Without a common order code, their texts are compared.
@@ -72,32 +74,36 @@ def differing(old: Expression | None, new: Expression | None, points: Sequence[P
         return None
     if not points:
         has_same_text = old is not None and new is not None and old.render() == new.render()
-        return None if has_same_text else NumberDifferences((), _constants(old, new))
-    codes: list[str] = []
-    number_pairs: list[tuple[int | None, int | None]] = []
+        return None if has_same_text else NumberDifferences(codes=(), value_pairs=_constant_pairs(old, new))
+    differing_codes: list[str] = []
+    value_pairs: list[tuple[int | None, int | None]] = []
     for point in points:
-        old_number, new_number = _number(old, point.compared), _number(new, point.new)
-        if old_number != new_number:
-            codes.append(point.code)
-            number_pairs.append((old_number, new_number))
-    if not codes:
+        old_value = _value_or_none(old, point.compared_parameters)
+        new_value = _value_or_none(new, point.new_parameters)
+        if old_value != new_value:
+            differing_codes.append(point.code)
+            value_pairs.append((old_value, new_value))
+    if not differing_codes:
         return None
-    points_of_codes = [point for point in points if point.code in codes]
+    points_of_codes = [point for point in points if point.code in differing_codes]
     return NumberDifferences(
-        codes=tuple(dict.fromkeys(codes)),
-        values=tuple(dict.fromkeys(number_pairs)),
-        everywhere=len(points_of_codes) == len(codes),
+        codes=tuple(dict.fromkeys(differing_codes)),
+        value_pairs=tuple(dict.fromkeys(value_pairs)),
+        is_everywhere=len(points_of_codes) == len(differing_codes),
     )
 
 
-def _constants(old: Expression | None, new: Expression | None) -> tuple[tuple[int | None, int | None], ...]:
-    """Return the pair of numbers if the expressions are numbers or None."""
-    if all(expression is None or expression.is_constant for expression in (old, new)):
-        return ((_number(old, {}), _number(new, {})),)
-    return ()
+def _constant_pairs(old: Expression | None, new: Expression | None) -> tuple[tuple[int | None, int | None], ...]:
+    """Return the pair of numbers if both expressions are numbers or None, or else no pair."""
+    has_variables = any(expression is not None and not expression.is_constant for expression in (old, new))
+    if has_variables:
+        return ()
+    pair = _value_or_none(old, {}), _value_or_none(new, {})
+    return (pair,)
 
 
-def _number(expression: Expression | None, parameters: Parameters) -> int | None:
+def _value_or_none(expression: Expression | None, parameters: Parameters) -> int | None:
+    """Return the value of an expression, or None if there is no expression or a parameter is missing."""
     if expression is None:
         return None
     try:
@@ -106,8 +112,10 @@ def _number(expression: Expression | None, parameters: Parameters) -> int | None
         return None
 
 
-_BRACES = re.compile(r"\{(\w+)\}")
-_ALL = "…"
+#: A part in the pattern of order codes, such as ``{resolution}``.
+_PART_IN_BRACES = re.compile(r"\{(\w+)\}")
+#: Stands for all texts of a part in the pattern of affected order codes.
+_ANY_TEXT = "…"
 
 
 def describe_codes(device: Device, codes: Collection[str]) -> str:
@@ -121,47 +129,56 @@ def describe_codes(device: Device, codes: Collection[str]) -> str:
         interface_codes = [variant.code for variant in variants if variant.interface == interface.name]
         if len(interface_codes) > 1 and set(interface_codes) == set(codes):
             return f"all {len(interface_codes)} {interface.short} order codes"
-    return pattern(device, codes) or first_of([variant.code for variant in variants if variant.code in codes])
+    codes_in_order = [variant.code for variant in variants if variant.code in codes]
+    return codes_as_pattern(device, codes) or first_of(codes_in_order)
 
 
-def pattern(device: Device, codes: Collection[str]) -> str:
+def codes_as_pattern(device: Device, codes: Collection[str]) -> str:
     """Return the order codes as a pattern with some parts left open, such as ``TV62-…20-B1``, or "" if that fails."""
-    affected = [variant for variant in device.variants if variant.code in codes]
-    used_texts = {part.name: _used_values(affected, part.name) for part in device.order_code.parts}
-    fitting = [variant for variant in device.variants if _fits(variant, used_texts)]
-    if len(affected) < 2 or fitting != affected:
+    affected_variants = [variant for variant in device.variants if variant.code in codes]
+    used_texts = _texts_by_part(device, affected_variants)
+    matching_variants = [variant for variant in device.variants if _has_only(variant, used_texts)]
+    if len(affected_variants) < 2 or matching_variants != affected_variants:
         return ""
-    all_texts = {part.name: _used_values(device.variants, part.name) for part in device.order_code.parts}
-    texts = _BRACES.split(device.order_code.pattern)  # Text and names of parts in turn.
-    texts[1::2] = [_part_pattern(used_texts[name], all_texts[name]) for name in texts[1::2]]
+    all_texts = _texts_by_part(device, device.variants)
+    # Literal texts and the names of parts in turn, beginning and ending with a literal text.
+    pieces = _PART_IN_BRACES.split(device.order_code.pattern)
+    pieces[1::2] = [_part_pattern(used_texts[name], all_texts[name]) for name in pieces[1::2]]
+    closed_indices = [index for index in range(1, len(pieces), 2) if pieces[index] != _ANY_TEXT]
+    last_closed_index = closed_indices[-1] if closed_indices else 0
+    has_open_parts_behind = last_closed_index + 2 < len(pieces)
+    if not has_open_parts_behind:
+        return "".join(pieces)
     # If everything up to the end is open, one mark stands for the rest.
-    closed_parts = [index for index in range(1, len(texts), 2) if texts[index] != _ALL]
-    last_closed = closed_parts[-1] if closed_parts else 0
-    text_at_end = texts[last_closed + 1]
-    is_open_to_end = last_closed + 2 < len(texts)
-    return "".join([*texts[: last_closed + 1], _ALL if is_open_to_end else text_at_end])
+    return "".join(pieces[: last_closed_index + 1]) + _ANY_TEXT
 
 
-def _fits(variant: Variant, texts: Mapping[str, tuple[str, ...]]) -> bool:
-    """Return True if each part of an order code has one of these texts."""
-    return all(variant.parts[name] in allowed_texts for name, allowed_texts in texts.items())
+def _texts_by_part(device: Device, variants: Sequence[Variant]) -> dict[str, tuple[str, ...]]:
+    """Return the different texts that each part of the order code has in these variants, by the part's name."""
+    texts_by_part: dict[str, tuple[str, ...]] = {}
+    for part in device.order_code.parts:
+        texts_by_part[part.name] = tuple(dict.fromkeys(variant.parts[part.name] for variant in variants))
+    return texts_by_part
 
 
-def _used_values(variants: Sequence[Variant], part: str) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(variant.parts[part] for variant in variants))
+def _has_only(variant: Variant, allowed_texts: Mapping[str, tuple[str, ...]]) -> bool:
+    """Return whether each part of an order code has one of its allowed texts."""
+    return all(variant.parts[part_name] in texts for part_name, texts in allowed_texts.items())
 
 
 def _part_pattern(used_texts: tuple[str, ...], all_texts: tuple[str, ...]) -> str:
+    """Return the used texts of a part in a pattern: ``17``, ``{17,19}``, or ``…`` for all texts of the part."""
     if len(used_texts) == 1:
         return used_texts[0]
     if len(used_texts) == len(all_texts):
-        return _ALL
-    return f"{{{','.join(used_texts)}}}"
+        return _ANY_TEXT
+    alternatives = ",".join(used_texts)
+    return f"{{{alternatives}}}"
 
 
 _LONGEST = 60
-_SAID = ("meaning", "note", "printed")
-_FORMS: Mapping[str, Callable[[int], str]] = {
+_TEXT_MEMBERS = ("meaning", "note", "printed")
+_FORMATS: Mapping[str, Callable[[int], str]] = {
     # In whole bytes.
     "hex": lambda value: f"{value:0{2 * max(1, (value.bit_length() + 7) // 8)}X}h",
     "bytes": lambda value: counted(value, "byte"),
@@ -172,7 +189,7 @@ _FORMS: Mapping[str, Callable[[int], str]] = {
 }
 
 
-def plain(value: Any) -> Any:
+def as_plain_data(value: Any) -> Any:
     """Return any part of the model as JSON data, without sources."""
     if isinstance(value, Expression):
         return value.constant if value.is_constant else value.render()
@@ -181,11 +198,12 @@ def plain(value: Any) -> Any:
     if isinstance(value, bytes):
         return value.hex(" ").upper()
     if isinstance(value, Mapping):
-        return {str(key): plain(member) for key, member in value.items()}
+        return {str(key): as_plain_data(member) for key, member in value.items()}
     if isinstance(value, (tuple, list)):
-        return [plain(member) for member in value]
+        return [as_plain_data(member) for member in value]
     if is_dataclass(value) and not isinstance(value, type):
-        return {member.name: plain(getattr(value, member.name)) for member in fields(value) if member.name != "source"}
+        member_names = [member.name for member in fields(value) if member.name != "source"]
+        return {name: as_plain_data(getattr(value, name)) for name in member_names}
     return value
 
 
@@ -202,19 +220,27 @@ def short_value(value: Any, notation: str = "") -> str:
     if isinstance(value, (Expression, Supply, Scale, CodedValue)):
         return _quantity_text(value)
     if is_dataclass(value):
-        value = {key: member for key, member in without_words(value).items() if member not in (None, "", [], {})}
+        members = without_texts(value).items()
+        value = {name: member for name, member in members if member not in (None, "", [], {})}
         if len(value) == 1:
-            return short_value(next(iter(value.values())), notation)
+            (only_member,) = value.values()
+            return short_value(only_member, notation)
     if isinstance(value, Mapping):
         return _shorten(", ".join(f"{key} = {short_value(member)}" for key, member in value.items()))
-    return _shorten(str(value).replace("_", " ") if notation == "word" else str(value))
+    text = str(value)
+    if notation == "word":
+        text = text.replace("_", " ")
+    return _shorten(text)
 
 
 def _number_text(value: int, notation: str) -> str:
+    """Return a number or a bool in the given notation of manuals, such as ``0Ah`` for "hex" or ``low`` for "level"."""
     if isinstance(value, bool):
-        yes, no = ("low", "high") if notation == "level" else ("yes", "no")
-        return yes if value else no
-    return _FORMS[notation](value) if notation in _FORMS else f"{value}"
+        text_if_true, text_if_false = ("low", "high") if notation == "level" else ("yes", "no")
+        return text_if_true if value else text_if_false
+    if notation in _FORMATS:
+        return _FORMATS[notation](value)
+    return f"{value}"
 
 
 def _quantity_text(value: Expression | Supply | Scale | CodedValue) -> str:
@@ -230,16 +256,18 @@ def _quantity_text(value: Expression | Supply | Scale | CodedValue) -> str:
 
 
 def _shorten(text: str) -> str:
-    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 1]}…"
+    if len(text) <= _LONGEST:
+        return text
+    return f"{text[: _LONGEST - 1]}…"
 
 
-def without_words(value: Any) -> Any:
+def without_texts(value: Any) -> Any:
     """Return a part of the model as data, without its texts."""
     if isinstance(value, tuple):
-        return [without_words(member) for member in value]
+        return [without_texts(member) for member in value]
     if is_dataclass(value) and not isinstance(value, type):
-        data = plain(value)
-        return {key: member for key, member in data.items() if key not in _SAID}
+        data = as_plain_data(value)
+        return {key: member for key, member in data.items() if key not in _TEXT_MEMBERS}
     return value
 
 
@@ -257,10 +285,10 @@ def differing_items(old: Any, new: Any) -> tuple[Any, Any]:
 
 def _items_not_in(items: tuple[Any, ...], other_items: tuple[Any, ...]) -> tuple[Any, ...]:
     """Return the items that are not among others, apart from their texts."""
-    known_items = [without_words(other_item) for other_item in other_items]
-    return tuple(part for part in items if without_words(part) not in known_items)
+    known_items = [without_texts(other_item) for other_item in other_items]
+    return tuple(part for part in items if without_texts(part) not in known_items)
 
 
-def arrow(old: Any, new: Any, notation: str = "") -> str:
+def old_to_new(old: Any, new: Any, notation: str = "") -> str:
     """Return ``old → new``."""
     return f"{short_value(old, notation)} → {short_value(new, notation)}"

@@ -183,7 +183,7 @@ def _without_accepted(
     Raises:
         Stop: The file with accepted changes is missing or not valid. The exit code is 2.
     """
-    from ..changes.report import NAME, NotAccepted, read_accepted, still_open
+    from ..changes.accepted import NAME, NotAccepted, changes_to_accept, read_accepted
 
     accepted_file = arguments.accepted
     if accepted_file is None:
@@ -194,7 +194,7 @@ def _without_accepted(
             return changes, ()
     today = datetime.now().astimezone().date()
     try:
-        return still_open(changes, read_accepted(accepted_file), today)
+        return changes_to_accept(changes, read_accepted(accepted_file), today)
     except NotAccepted as error:
         raise Stop(str(error), 2) from None
 
@@ -228,13 +228,13 @@ def _record(comparison: DiffResult, new: _Side) -> DiffResult:
     Raises:
         Stop: Part of a family could not be compared, or a file cannot be written.
     """
-    from ..changes.report import NotRecorded, records
+    from ..changes.report import NotRecorded, files_of_release
 
     if comparison.notices:
         raise Stop(f"nothing is recorded: {comparison.notices[0]}", 1)
     try:
         # Compose all texts before touching the first file.
-        paths_and_texts = list(records(comparison, new.families))
+        paths_and_texts = list(files_of_release(comparison, new.families))
         for path, text in paths_and_texts:
             path.write_text(text, encoding="utf-8")
     except NotRecorded as error:
@@ -353,7 +353,7 @@ def _findings(changes: Sequence[Change], side: _Side) -> list[Finding]:
 
 def _finding_at(change: Change, document: Document, path: SpecPath, file_names: Mapping[str, str]) -> Finding:
     """Return a change in the form for review tools, at its place in the new spec."""
-    from ..changes.report import about
+    from ..changes.report import describe_effect
     from .review_formats import Finding
 
     line, column = document.position(path)
@@ -363,7 +363,7 @@ def _finding_at(change: Change, document: Document, path: SpecPath, file_names: 
         line=line,
         column=column,
         rule=change.rule.name,
-        message=f"{change.text} ({change.impact.word}: {about(change)})",
+        message=f"{change.text} ({change.impact.word}: {describe_effect(change)})",
         level=_LEVELS.get(change.impact, "notice"),
     )
 

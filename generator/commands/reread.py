@@ -136,7 +136,7 @@ def _with_facts(
     section = passage.section
     section_names = {section.number} | old.without_heading_after(section.number)
     section_names.add(titles_by_page.get(section.page or 0, section.number))
-    facts, number_of_facts = touched_facts.of(passage, section_names)
+    facts, number_of_facts = touched_facts.touched_by(passage, section_names)
     return _ChangedPassage(passage=passage, facts=facts, facts_of_section=number_of_facts)
 
 

@@ -84,10 +84,10 @@ def _next_stage(stage: str, role: str) -> str:
 def _part_without_position(field: PlacedField, role: str) -> Part:
     """Return the part for a field that is not of the position. Zero bits on both sides of the position are padding."""
     if role in ("before", "after"):
-        return Part(field.name, "padding", field.width)
+        return Part(name=field.name, role="padding", bits=field.width)
     if role == "status":
-        return Part(field.name, "status", field.width, active=_active_level(field.field))
-    return Part(field.name, role, field.width)
+        return Part(name=field.name, role="status", bits=field.width, active=_active_level(field.field))
+    return Part(name=field.name, role=role, bits=field.width)
 
 
 def rough_parts(placed_layout: PlacedLayout, measurement: Measurement) -> Iterator[Part]:
@@ -99,7 +99,9 @@ def rough_parts(placed_layout: PlacedLayout, measurement: Measurement) -> Iterat
             role = "singleturn" if field.name == position_field_names[-1] else "multiturn"
         elif role == "after":
             role = "padding"
-        yield Part(field.name, role, field.width, _active_level(field.field) if role == "status" else "")
+        yield Part(
+            name=field.name, role=role, bits=field.width, active=_active_level(field.field) if role == "status" else ""
+        )
 
 
 def _role(field: PlacedField, placed_layout: PlacedLayout, position_field_names: Sequence[str], stage: str) -> str:
@@ -111,9 +113,14 @@ def _role(field: PlacedField, placed_layout: PlacedLayout, position_field_names:
     if stage == "position" and field.low > placed_layout.place_of(position_field_names[-1])[0]:
         raise NoRecord(f"the position is not in one piece: '{field.name}' is sent within it")
     role = _expected_role(field, stage)
-    if role in _ROLES_AS_SENT[_ROLES_AS_SENT.index(stage) :] and (stage != "before" or role == "before"):
+    roles_from_stage = _ROLES_AS_SENT[_ROLES_AS_SENT.index(stage) :]
+    # Before the position, the common frame has only zero bits.
+    may_come_now = role == "before" if stage == "before" else role in roles_from_stage
+    if may_come_now:
         return role
-    return "parity" if _is_parity_of_frame(field, placed_layout) else "other"
+    if _is_parity_of_frame(field, placed_layout):
+        return "parity"
+    return "other"
 
 
 def _expected_role(field: PlacedField, stage: str) -> str:
@@ -123,7 +130,8 @@ def _expected_role(field: PlacedField, stage: str) -> str:
         return "crc"
     if isinstance(kind, (Constant, Unused)) and kind.value == 0:
         return "before" if stage == "before" else "after"
-    return "status" if field.width == 1 and isinstance(kind, (Flag, Constant, Unused)) else "other"
+    is_status_bit = field.width == 1 and isinstance(kind, (Flag, Constant, Unused))
+    return "status" if is_status_bit else "other"
 
 
 def _is_parity_of_frame(field: PlacedField, placed_layout: PlacedLayout) -> bool:
@@ -131,9 +139,11 @@ def _is_parity_of_frame(field: PlacedField, placed_layout: PlacedLayout) -> bool
     kind = field.field.kind
     if not isinstance(kind, Parity) or kind.over or field.low:
         return False
-    covered_names = {name for of in kind.of for name in placed_layout.layout.names_in(of)} | {*kind.constants}
-    other_fields = [other for other in placed_layout.fields if other is not field]
-    return all(other.name in covered_names or _is_always_zero(other) for other in other_fields)
+    covered_names = set(kind.constants)
+    for covered_item in kind.of:
+        covered_names.update(placed_layout.layout.names_in(covered_item))
+    other_fields = [other_field for other_field in placed_layout.fields if other_field is not field]
+    return all(other_field.name in covered_names or _is_always_zero(other_field) for other_field in other_fields)
 
 
 def _is_always_zero(field: PlacedField) -> bool:
@@ -145,16 +155,19 @@ def _position_parts(
 ) -> Iterator[Part]:
     """Yield turns and position within a turn: two fields, or one that holds both."""
     if is_joined:
-        yield Part(field.name, "singleturn" if is_last else "multiturn", field.width)
+        yield Part(name=field.name, role="singleturn" if is_last else "multiturn", bits=field.width)
         return
     turns = measurement.turns.value(variant.parameters) if measurement.turns is not None else 1
     turn_bits = (turns - 1).bit_length()
-    counts = measurement.counts_per_turn.value(variant.parameters) if measurement.counts_per_turn is not None else None
-    if turn_bits and counts is not None and counts & (counts - 1):
+    counts = 1
+    if measurement.counts_per_turn is not None:
+        counts = measurement.counts_per_turn.value(variant.parameters)
+    is_power_of_two = counts & (counts - 1) == 0
+    if turn_bits and not is_power_of_two:
         raise NoRecord(f"'{field.name}' has {counts} counts per revolution, so no bits of it are the revolutions")
     if turn_bits:
-        yield Part(f"{field.name}_turns", "multiturn", turn_bits)
-    yield Part(field.name, "singleturn", field.width - turn_bits)
+        yield Part(name=f"{field.name}_turns", role="multiturn", bits=turn_bits)
+    yield Part(name=field.name, role="singleturn", bits=field.width - turn_bits)
 
 
 def _active_level(field: Field) -> str:
@@ -195,11 +208,12 @@ def _bits_of_role(parts: Sequence[Part], role: str) -> int:
 
 
 def bit_counts(parts: Sequence[Part]) -> dict[str, int | None]:
+    """Return the numbers of bits of a frame by the names of the items for rules. Left is what is sent first."""
     roles = ("multiturn", "singleturn", "padding", "status", "crc", "other", "parity")
     bits = {role: _bits_of_role(parts, role) for role in roles}
-    first = next(index for index, part in enumerate(parts) if part.role in ("multiturn", "singleturn"))
-    padding_left = _bits_of_role(parts[:first], "padding")
-    other_left = _bits_of_role(parts[:first], "other")
+    parts_left = _parts_before_position(parts)
+    padding_left = _bits_of_role(parts_left, "padding")
+    other_left = _bits_of_role(parts_left, "other")
     position = bits["multiturn"] + bits["singleturn"]
     data = position + bits["padding"]
     return {
@@ -221,10 +235,18 @@ def bit_counts(parts: Sequence[Part]) -> dict[str, int | None]:
     }
 
 
+def _parts_before_position(parts: Sequence[Part]) -> Sequence[Part]:
+    roles = [part.role for part in parts]
+    position_indices = [roles.index(role) for role in ("multiturn", "singleturn") if role in roles]
+    return parts[: min(position_indices)]
+
+
 def _parts_after_status(parts: Sequence[Part]) -> Sequence[Part]:
     """Return the parts from the first status bit on."""
-    status_indices = (index for index, part in enumerate(parts) if part.role == "status")
-    return parts[next(status_indices, len(parts)) :]
+    roles = [part.role for part in parts]
+    if "status" not in roles:
+        return ()
+    return parts[roles.index("status") :]
 
 
 #: iC-Haus, application note AN15, BiSS C master operation details, revision A3, table 1: clock on MA with RS-422.
@@ -249,11 +271,13 @@ class CableRow:
 
     @property
     def cable(self) -> str:
-        return f"{'shorter than' if self.is_below else 'up to'} {self.metres} m"
+        limit_words = "shorter than" if self.is_below else "up to"
+        return f"{limit_words} {self.metres} m"
 
     @property
     def text(self) -> str:
-        return f"{self.cable}: {'below ' * self.is_below}{hertz(self.hz)}"
+        clock_text = f"below {hertz(self.hz)}" if self.is_below else hertz(self.hz)
+        return f"{self.cable}: {clock_text}"
 
     @property
     def highest_hz(self) -> int:
@@ -261,7 +285,9 @@ class CableRow:
 
     def includes(self, metres: int) -> bool:
         """Return whether the row is valid for this cable length."""
-        return metres < self.metres or (metres == self.metres and not self.is_below)
+        if self.is_below:
+            return metres < self.metres
+        return metres <= self.metres
 
 
 @dataclass(frozen=True, slots=True)
@@ -274,20 +300,28 @@ class CableTable:
 
     def row_of(self, metres: int) -> CableRow | None:
         """Return the row with the fastest clock for this cable length, or None if it exceeds the table."""
-        return max((row for row in self.rows if row.includes(metres)), key=lambda row: row.hz, default=None)
+        rows_for_length = [row for row in self.rows if row.includes(metres)]
+        return max(rows_for_length, key=lambda row: row.hz, default=None)
 
     def about(self, clock_hz: int) -> str:
         """Return a sentence about the cables that allow a clock, or an empty string without a table."""
         if not self.rows:
             return ""
-        fast_enough_rows = (row for row in self.rows if clock_hz <= row.highest_hz)
-        longest = max(fast_enough_rows, key=lambda row: row.metres, default=None)
-        if longest is None:
-            fastest = max(self.rows, key=lambda row: row.hz)
-            limit = f"{'below' if fastest.is_below else 'of at most'} {hertz(fastest.hz)}"
-            reason = f"a cable {fastest.cable} needs a clock {limit}, and a longer one needs a lower clock"
-            return f"According to the table in {self.origin}, no cable allows this clock: {reason}."
-        return f"For a cable {longest.cable}, according to the table in {self.origin}."
+        rows_with_clock = [row for row in self.rows if clock_hz <= row.highest_hz]
+        if rows_with_clock:
+            longest_row = max(rows_with_clock, key=lambda row: row.metres)
+            return f"For a cable {longest_row.cable}, according to the table in {self.origin}."
+        fastest_row = max(self.rows, key=lambda row: row.hz)
+        limit_words = "below" if fastest_row.is_below else "of at most"
+        limit = f"{limit_words} {hertz(fastest_row.hz)}"
+        reason = f"a cable {fastest_row.cable} needs a clock {limit}, and a longer one needs a lower clock"
+        return f"According to the table in {self.origin}, no cable allows this clock: {reason}."
+
+
+def _printed_rows(interface: Ssi) -> list[CableRow]:
+    """Return the rows of the table in the manual."""
+    lengths = interface.cable_lengths
+    return [CableRow(metres=length.shorter_than_m, hz=length.below_hz, is_below=True) for length in lengths]
 
 
 def cable_table(device: Device, interface: Ssi | Biss, code: str = "") -> CableTable:
@@ -295,12 +329,12 @@ def cable_table(device: Device, interface: Ssi | Biss, code: str = "") -> CableT
     match interface:
         case Ssi():
             path = f"interfaces.{interface.name}.cable_lengths"
-            rows = [CableRow(row.shorter_than_m, row.below_hz, is_below=True) for row in interface.cable_lengths]
+            rows = _printed_rows(interface)
             errata = facts_for_code(device.errata, code) if code else device.errata
             errata_names = [erratum.name for erratum in errata if path in erratum.affects]
-            return CableTable(tuple(rows), _ORIGIN_MANUAL, tuple(errata_names))
+            return CableTable(rows=tuple(rows), origin=_ORIGIN_MANUAL, errata=tuple(errata_names))
         case Biss():
-            rows = [CableRow(metres, hz, is_below=False) for metres, hz in _BISS_CLOCKS]
-            return CableTable(tuple(rows), _ORIGIN_PUBLIC, ())
+            rows = [CableRow(metres=metres, hz=hz, is_below=False) for metres, hz in _BISS_CLOCKS]
+            return CableTable(rows=tuple(rows), origin=_ORIGIN_PUBLIC, errata=())
         case _:
             assert_never(interface)

@@ -60,17 +60,24 @@ class Place:
         """The place in words, or an empty string if it is not given."""
         if self.index is not None:
             return f"0x{self.index:04X}:{self.subindex:02X}"
-        words = self.symbol or self.register or (f"address {self.address}" if self.address is not None else "")
+        words = self.symbol or self.register
+        if not words and self.address is not None:
+            words = f"address {self.address}"
         if self.high_bit is None:
             return words
-        bits = f"bits {self.high_bit}:{self.low_bit}" if self.high_bit != self.low_bit else f"bit {self.low_bit}"
-        return f"{words}, {bits}"
+        if self.high_bit == self.low_bit:
+            return f"{words}, bit {self.low_bit}"
+        return f"{words}, bits {self.high_bit}:{self.low_bit}"
 
 
 def devices_of(data: Raw) -> tuple[MasterDevice, ...]:
     """Return the devices of a description, or the master itself as the only one."""
-    devices = data.get("devices", ({"name": data["title"]},))
-    return tuple(MasterDevice(device["name"], tuple(device.get("channels", ("",)))) for device in devices)
+    device_descriptions = data.get("devices", ({"name": data["title"]},))
+    devices: list[MasterDevice] = []
+    for description in device_descriptions:
+        channels = tuple(description.get("channels", ("",)))
+        devices.append(MasterDevice(name=description["name"], channels=channels))
+    return tuple(devices)
 
 
 def places_of(
@@ -83,32 +90,36 @@ def places_of(
     """Return the places of a setting, one for each channel of each device."""
     depends_on_record = any("{" in str(rule.get("symbol", "")) for rule in setting["places"])
     if depends_on_record:
-        return _computed_places(setting, value, devices, standing, fill_in)
+        return _compute_places(setting, value, devices, standing, fill_in)
     key = (id(setting), value, standing)
-    cached_places = _CACHED_PLACES.get(key)
-    if cached_places is None or cached_places[0] is not setting:
-        cached_places = _CACHED_PLACES[key] = (setting, _computed_places(setting, value, devices, standing, fill_in))
-    return cached_places[1]
+    cached_setting, places = _SETTING_AND_PLACES.get(key, (None, ()))
+    # Another setting may have the id of one that is gone.
+    if cached_setting is not setting:
+        places = _compute_places(setting, value, devices, standing, fill_in)
+        _SETTING_AND_PLACES[key] = setting, places
+    return places
 
 
-#: Places that are the same for all order codes with a value, with the item that they are for.
-_CACHED_PLACES: dict[tuple[int, int | bool | str | None, str], tuple[Raw, tuple[Place, ...]]] = {}
+#: Settings and their places, which are the same for all order codes with a value.
+_SETTING_AND_PLACES: dict[tuple[int, int | bool | str | None, str], tuple[Raw, tuple[Place, ...]]] = {}
 
 
-def _computed_places(
+def _compute_places(
     setting: Raw,
     value: int | bool | str | None,
     devices: Sequence[MasterDevice],
     standing: str,
     fill_in: Callable[[str], str],
 ) -> tuple[Place, ...]:
+    """Return the places of a setting on each device that has it, one for each channel if they differ by channel."""
     places: list[Place] = []
     for rule in setting["places"]:
         for device in devices:
-            if device.name in rule.get("on", (device.name,)):
-                channel_count = len(device.channels) if _differs_by_channel(rule) else 1
-                channel_numbers = range(channel_count)
-                places += (_place(rule, device, number, value, standing, fill_in) for number in channel_numbers)
+            if device.name not in rule.get("on", (device.name,)):
+                continue
+            channel_count = len(device.channels) if _differs_by_channel(rule) else 1
+            for channel_index in range(channel_count):
+                places.append(_place_on_channel(rule, device, channel_index, value, standing, fill_in))
     return tuple(places)
 
 
@@ -117,34 +128,37 @@ def _differs_by_channel(rule: Raw) -> bool:
     return any(isinstance(rule.get(key), list) for key in ("index", "subindex", "symbol", "register", "address"))
 
 
-def _place(
+def _place_on_channel(
     rule: Raw,
     device: MasterDevice,
-    number: int,
+    channel_index: int,
     value: int | bool | str | None,
     standing: str,
     fill_in: Callable[[str], str],
 ) -> Place:
-    def of_channel(key: str, otherwise: Any = None) -> Any:
-        content = rule.get(key, otherwise)
-        return content[number] if isinstance(content, list) else content
+    """Return the place of a value on one channel. ``fill_in`` replaces items of the record in braces."""
 
-    kind, bits = TYPES.get(rule["type"], ("", None))
-    high, low = _bits(str(rule.get("at", "")))
+    def of_channel(key: str, default: Any = None) -> Any:
+        of_all_or_each = rule.get(key, default)
+        return of_all_or_each[channel_index] if isinstance(of_all_or_each, list) else of_all_or_each
+
+    kind, type_bits = TYPES.get(rule["type"], ("", None))
+    high_bit, low_bit = _parse_bits(str(rule.get("at", "")))
+    place_bits = type_bits if high_bit is None or low_bit is None else high_bit - low_bit + 1
     default = None if rule["default"] == NOT_GIVEN else rule["default"]
     return Place(
         device=device.name,
-        channel=device.channels[number] if _differs_by_channel(rule) else "",
+        channel=device.channels[channel_index] if _differs_by_channel(rule) else "",
         index=of_channel("index"),
         subindex=of_channel("subindex"),
         symbol=fill_in(of_channel("symbol", "")),
         register=of_channel("register", ""),
         address=of_channel("address"),
-        high_bit=high,
-        low_bit=low,
+        high_bit=high_bit,
+        low_bit=low_bit,
         type=_without_not_given(rule["type"]),
         kind=kind,
-        bits=bits if high is None or low is None else high - low + 1,
+        bits=place_bits,
         minimum=rule.get("min"),
         maximum=rule.get("max"),
         unit=_without_not_given(rule["unit"]),
@@ -159,7 +173,7 @@ def _without_not_given(text: str) -> str:
     return "" if text == NOT_GIVEN else text
 
 
-def _bits(text: str) -> tuple[int | None, int | None]:
+def _parse_bits(text: str) -> tuple[int | None, int | None]:
     """Return the highest and the lowest bit of ``5:0`` or ``6``, or None for both."""
     if not text:
         return None, None
@@ -206,12 +220,12 @@ class PlaceWords:
 def place_words(places: Sequence[Place], value: str, devices: Sequence[MasterDevice]) -> Iterator[PlaceWords]:
     """Yield the places of a value in words, with factory defaults in its notation. No devices means all of them."""
     devices_by_words: dict[PlaceWords, list[str]] = {}
-    in_hex = value.startswith("0x")
     for device, device_places in groupby(places, key=lambda place: place.device):
-        words = _words(list(device_places), in_hex)
+        words = _words_for_device(list(device_places), in_hex=value.startswith("0x"))
         devices_by_words.setdefault(words, []).append(device)
-    for words, names in devices_by_words.items():
-        yield replace(words, devices=", ".join(names) if len(names) < len(devices) else "")
+    for words, device_names in devices_by_words.items():
+        are_all_devices = len(device_names) == len(devices)
+        yield words if are_all_devices else replace(words, devices=", ".join(device_names))
 
 
 def place_lines(places: Sequence[Place], value: str, devices: Sequence[MasterDevice]) -> Iterator[str]:
@@ -229,7 +243,7 @@ def place_lines(places: Sequence[Place], value: str, devices: Sequence[MasterDev
         yield f"{devices_prefix}{', '.join(facts)}{words.mark} [{words.source}]"
 
 
-def _words(channel_places: Sequence[Place], in_hex: bool) -> PlaceWords:
+def _words_for_device(channel_places: Sequence[Place], *, in_hex: bool) -> PlaceWords:
     """Return the words for the channels of one device, which differ only in their locations."""
     place = channel_places[0]
     data_type = place.type.replace("signed_n", "signed n")
@@ -311,12 +325,13 @@ def writing_of(
     rules: Iterable[Raw], names: Collection[str], devices: Sequence[MasterDevice], standing: str
 ) -> tuple[WriteCondition, ...]:
     """Return the conditions for writing the settings ``names`` of a sheet."""
-    conditions = []
+    conditions: list[WriteCondition] = []
     for rule in rules:
         settings, after = _known_names(rule, "of", names), _known_names(rule, "after", names)
-        if ("of" in rule and not settings) or ("after" in rule and not after):
-            continue
-        conditions.append(_writing(rule, settings, after, devices, standing))
+        has_no_setting = "of" in rule and not settings
+        has_no_predecessor = "after" in rule and not after
+        if not has_no_setting and not has_no_predecessor:
+            conditions.append(_write_condition(rule, settings, after, devices, standing))
     return tuple(conditions)
 
 
@@ -325,7 +340,7 @@ def _known_names(rule: Raw, key: str, names: Collection[str]) -> tuple[str, ...]
     return tuple(name for name in rule.get(key, ()) if name in names)
 
 
-def _writing(
+def _write_condition(
     rule: Raw, settings: tuple[str, ...], after: tuple[str, ...], devices: Sequence[MasterDevice], standing: str
 ) -> WriteCondition:
     needs, then = _writes(rule, "needs", devices, standing), _writes(rule, "then", devices, standing)
@@ -343,10 +358,11 @@ def _writing(
 
 
 def _writes(rule: Raw, key: str, devices: Sequence[MasterDevice], standing: str) -> tuple[Write, ...]:
-    return tuple(_write(raw_write, devices, standing) for raw_write in rule.get(key, ()))
+    """Return the values to write that a rule lists under ``needs`` or ``then``."""
+    return tuple(_write_from_rule(raw_write, devices, standing) for raw_write in rule.get(key, ()))
 
 
-def _write(rule: Raw, devices: Sequence[MasterDevice], standing: str) -> Write:
+def _write_from_rule(rule: Raw, devices: Sequence[MasterDevice], standing: str) -> Write:
     value = rule["value"]
     return Write(
         object=rule["object"],
@@ -379,9 +395,8 @@ def _names_in_order(names: tuple[str, ...], orderings: tuple[_Ordering, ...]) ->
             predecessors[name].update(ordering.after)
     written_names: list[str] = []
     while len(written_names) < len(names):
-        ready_names = [
-            name for name in names if name not in written_names and predecessors[name].issubset(written_names)
-        ]
+        unwritten_names = [name for name in names if name not in written_names]
+        ready_names = [name for name in unwritten_names if predecessors[name].issubset(written_names)]
         written_names.append(ready_names[0])
     return tuple(written_names)
 

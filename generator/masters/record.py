@@ -247,25 +247,35 @@ def _status_active(parts: Sequence[Part]) -> str:
 
 def _with_cable(unlimited: Record, metres: int) -> Record:
     """Return the record with the highest clock for this cable length."""
-    row = unlimited.cables.row_of(metres)
-    place, origin = f"{unlimited.code}, cable of {metres} m", unlimited.cables.origin
-    if row is None:
-        longest = max((table_row.metres for table_row in unlimited.cables.rows), default=0)
-        if not longest:
-            raise NoRecord(f"{place}: the spec has no table of clocks by cable length")
-        raise NoRecord(f"{place}: the table in {origin} ends at {longest} m")
-    slowest, fastest = unlimited.numbers["clock_min_hz"], unlimited.numbers["clock_max_hz"]
-    if fastest is None:
+    row = _cable_row(unlimited, metres)
+    slowest_hz, fastest_hz = unlimited.numbers["clock_min_hz"], unlimited.numbers["clock_max_hz"]
+    if fastest_hz is None:
         used_hz = tuple(hz for hz in unlimited.used_hz if hz <= row.highest_hz)
         return replace(unlimited, cable_m=metres, used_hz=used_hz)
-    highest = min(row.highest_hz, fastest)
-    if slowest is not None and highest < slowest:
-        raise NoRecord(
-            f"{place}: the table in {origin} has {row.text}, but the encoder needs at least {hertz(slowest)}"
-        )
-    limiting_row = row if highest == row.highest_hz else None
-    numbers = {**unlimited.numbers, "clock_max_hz": highest}
+    highest_hz = min(row.highest_hz, fastest_hz)
+    if slowest_hz is not None and highest_hz < slowest_hz:
+        table_text = f"the table in {unlimited.cables.origin} has {row.text}"
+        need_text = f"the encoder needs at least {hertz(slowest_hz)}"
+        raise NoRecord(f"{unlimited.code}, cable of {metres} m: {table_text}, but {need_text}")
+    limiting_row = row if highest_hz == row.highest_hz else None
+    numbers = {**unlimited.numbers, "clock_max_hz": highest_hz}
     return replace(unlimited, numbers=numbers, cable_m=metres, cable_row=limiting_row)
+
+
+def _cable_row(unlimited: Record, metres: int) -> CableRow:
+    """Return the row of the table for this cable length.
+
+    Raises:
+        NoRecord: There is no table, or the cable is longer than all in it.
+    """
+    row = unlimited.cables.row_of(metres)
+    if row is not None:
+        return row
+    cable_text = f"{unlimited.code}, cable of {metres} m"
+    longest = max((table_row.metres for table_row in unlimited.cables.rows), default=0)
+    if not longest:
+        raise NoRecord(f"{cable_text}: the spec has no table of clocks by cable length")
+    raise NoRecord(f"{cable_text}: the table in {unlimited.cables.origin} ends at {longest} m")
 
 
 def _frame_with_position(interface: Interface, measurement: Measurement, variant: Variant) -> PlacedLayout:
@@ -273,19 +283,21 @@ def _frame_with_position(interface: Interface, measurement: Measurement, variant
     layouts = sorted(interface.layouts, key=lambda layout: layout.channel or 0)
     for layout in layouts:
         placed_layout = layout.place(variant.parameters)
-        if placed_layout.place_of(measurement.of)[1]:
+        _, position_width = placed_layout.place_of(measurement.of)
+        if position_width:
             return placed_layout
     raise NoRecord(f"no frame of {interface.title} carries '{measurement.of}'")
 
 
 def _crc_numbers(crc: Crc | None) -> dict[str, int | None]:
     """Return the three notations of the polynomial: x^6 + x + 1 is 0x43, 0x03 and 0x21."""
+    polynomial = crc.poly_with_top_bit if crc is not None else 0
     return {
-        "crc_polynomial": crc.poly_with_top_bit if crc else 0,
-        "crc_polynomial_without_top_bit": crc.poly if crc else 0,
-        "crc_polynomial_without_last_1": crc.poly_with_top_bit >> 1 if crc else 0,
-        "crc_start": crc.init if crc else 0,
-        "crc_inverted": int(crc.xorout != 0) if crc else 0,
+        "crc_polynomial": polynomial,
+        "crc_polynomial_without_top_bit": crc.poly if crc is not None else 0,
+        "crc_polynomial_without_last_1": polynomial >> 1,
+        "crc_start": crc.init if crc is not None else 0,
+        "crc_inverted": int(crc is not None and crc.xorout != 0),
     }
 
 
@@ -308,10 +320,14 @@ def _longest_timeout_us(interface: Biss) -> int | None:
     if timeout is None:
         return None
     if timeout.at_most_ns is not None:
-        return -(-timeout.at_most_ns // 1000)
+        return _divide_rounding_up(timeout.at_most_ns, 1000)
     if timeout.half_clock_periods is not None and slowest_hz is not None:
-        return -(-timeout.half_clock_periods * 500_000 // slowest_hz)
+        return _divide_rounding_up(timeout.half_clock_periods * 500_000, slowest_hz)
     return None
+
+
+def _divide_rounding_up(number: int, divisor: int) -> int:
+    return -(-number // divisor)
 
 
 def _supply_voltage(device: Device, variant: Variant) -> dict[str, int | None]:
@@ -346,14 +362,18 @@ def _singleturn_codes(movement: str, singleturn_bits: int | None, counts_per_tur
 
 def _whole_number(step: Fraction | None, per_um: int) -> int | None:
     """Return a length in micrometres in another unit, or None if it is not a whole number of that unit."""
-    return int(step * per_um) if step is not None and (step * per_um).denominator == 1 else None
+    if step is None:
+        return None
+    length = step * per_um
+    return int(length) if length.denominator == 1 else None
 
 
 def _answer_notes(alternatives: Sequence[Alternative], answer_names: Mapping[str, str]) -> Iterator[str]:
+    """Yield a sentence with the meaning of each of the user's answers."""
     for alternative in alternatives:
-        name = answer_names[alternative.name]
-        answer = next(answer for answer in alternative.answers if answer.name == name)
-        yield f"With {alternative.name}={answer.name}: {answer.meaning}."
+        for answer in alternative.answers:
+            if answer.name == answer_names[alternative.name]:
+                yield f"With {alternative.name}={answer.name}: {answer.meaning}."
 
 
 def _clock_notes(numbers: Mapping[str, int | None], cables: CableTable, cable_m: int | None) -> Iterator[str]:
@@ -366,8 +386,10 @@ def _clock_notes(numbers: Mapping[str, int | None], cables: CableTable, cable_m:
 
 def _register_in_words(device: Device, name: str) -> str:
     """Return a register in words. One that is only reached over another interface has no address here."""
-    register = next((candidate for candidate in device.registers if candidate.name == name), None)
-    return name if register is None else f"{register.printed_name or name} ({addresses(register)})"
+    for register in device.registers:
+        if register.name == name:
+            return f"{register.printed_name or name} ({addresses(register)})"
+    return name
 
 
 def _frame_notes(

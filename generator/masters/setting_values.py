@@ -20,7 +20,7 @@ from .record import Record
 Raw = Mapping[str, Any]
 #: Bound of a clock that is in use, while the limits of the encoder are not known.
 START_WITH = "start_with"
-_UNITS = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000}
+_HZ_BY_UNIT = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000}
 
 
 class UnknownValue(Exception):
@@ -57,33 +57,42 @@ def is_within_limits(limit: Raw, record: Record) -> bool:
     number = record.numbers[name]
     if number is None:
         return True
-    is_within = limit.get("at_least", number) <= number <= limit.get("at_most", number)
-    return is_within and number in limit.get("one_of", (number,)) and number not in limit.get("none_of", ())
+    is_in_range = limit.get("at_least", number) <= number <= limit.get("at_most", number)
+    is_listed = number in limit.get("one_of", (number,))
+    is_excluded = number in limit.get("none_of", ())
+    return is_in_range and is_listed and not is_excluded
 
 
 def actual_value(name: str, record: Record) -> str:
+    """Return an item of a record with its value in words, such as ``crc polynomial 0x43``."""
+    item_words = name.replace("_", " ")
     if name in record.words:
-        return f"{name.replace('_', ' ')} {record.words[name]}"
+        return f"{item_words} {record.words[name]}"
     number = record.numbers[name]
-    is_polynomial = name.startswith("crc_polynomial") and number is not None
-    printed_number = f"0x{number:02X}" if is_polynomial else f"{number}"
-    return f"{name.replace('_', ' ')} {printed_number}"
+    if name.startswith("crc_polynomial") and number is not None:
+        return f"{item_words} 0x{number:02X}"
+    return f"{item_words} {number}"
 
 
 def value_of_setting(rule: Raw, record: Record) -> tuple[int | bool | str | None, str, str]:
-    """Return the value, its text, and its bound."""
+    """Return the value, its text, and its bound, such as ``(5000, "5000 kHz", "at_most")``.
+
+    Raises:
+        UnknownValue: It depends on a number that the spec does not give.
+        UnsupportedFeature: The master has no value for it.
+    """
     if "unknown" in rule:
         raise UnknownValue(rule["unknown"])
     if "value" in rule:
-        number = _evaluated(rule["value"], rule["name"], record, may_be_negative=rule.get("as") == "signed")
+        number = _evaluate(rule["value"], rule["name"], record, may_be_negative=rule.get("as") == "signed")
         if rule.get("as") == "boolean":
             text = "TRUE" if number else "FALSE"
             return bool(number), text, ""
         text = f"0x{number:02X}" if rule.get("as") == "hex" else str(number)
         return number, text, rule.get("bound", "")
     if "choice" in rule:
-        chosen = _chosen_value(rule, record)
-        return chosen, str(chosen), ""
+        chosen_value = _choose_value(rule, record)
+        return chosen_value, str(chosen_value), ""
     if "clocks" in rule:
         return _listed_clock(rule, record)
     if "any_clock" in rule:
@@ -95,8 +104,8 @@ def value_of_setting(rule: Raw, record: Record) -> tuple[int | bool | str | None
     return text, text, ""
 
 
-def _evaluated(value: int | str, name: str, record: Record, *, may_be_negative: bool = False) -> int:
-    """Return the number that an expression has for a record. ``name`` is the name of the setting."""
+def _evaluate(value: int | str, setting_name: str, record: Record, *, may_be_negative: bool = False) -> int:
+    """Return the number that an expression has for a record."""
     expression = Expression.parse(value)
     for parameter in expression.parameters:
         if record.numbers[parameter] is None:
@@ -107,37 +116,44 @@ def _evaluated(value: int | str, name: str, record: Record, *, may_be_negative: 
     except ExpressionError:
         number = None
     if number is None or (number < 0 and not may_be_negative):
-        raise UnsupportedFeature(f"{name} would be {expression.render()}, which cannot be set")
+        raise UnsupportedFeature(f"{setting_name} would be {expression.render()}, which cannot be set")
     return number
 
 
-def _chosen_value(rule: Raw, record: Record) -> int | str:
-    name = rule["choice"]["of"]
-    actual = record.words.get(name, record.numbers.get(name))
-    if actual is None:
-        raise _unknown_number(name, record.step)
+def _choose_value(rule: Raw, record: Record) -> int | str:
+    """Return the value that a rule sets in the case of this encoder."""
+    deciding_item = rule["choice"]["of"]
+    encoder_value = record.words.get(deciding_item, record.numbers.get(deciding_item))
+    if encoder_value is None:
+        raise _unknown_number(deciding_item, record.step)
     for case in rule["choice"]["cases"]:
-        if case["is"] == actual:
-            chosen: int | str = case["set"]
-            return chosen
-    raise UnsupportedFeature(f"{rule['name']} has no value for {actual_value(name, record)}")
+        if case["is"] == encoder_value:
+            setting_value: int | str = case["set"]
+            return setting_value
+    raise UnsupportedFeature(f"{rule['name']} has no value for {actual_value(deciding_item, record)}")
 
 
 def _is_highest_clock_known(record: Record) -> bool:
     return record.numbers["clock_max_hz"] is not None
 
 
-def _clock_limits(record: Record) -> tuple[int, int]:
-    slowest, fastest = record.numbers["clock_min_hz"], record.numbers["clock_max_hz"]
-    if fastest is None:
+def _clock_limits_hz(record: Record) -> tuple[int, int]:
+    """Return the slowest and the fastest clock of the encoder.
+
+    Raises:
+        UnknownValue: The fastest one is not known.
+    """
+    slowest_hz, fastest_hz = record.numbers["clock_min_hz"], record.numbers["clock_max_hz"]
+    if fastest_hz is None:
         raise _unknown_number("clock_max_hz")
-    return slowest or 0, fastest
+    return slowest_hz or 0, fastest_hz
 
 
 def _listed_clock(rule: Raw, record: Record) -> tuple[int | str, str, str]:
+    """Return the value, text and bound of a clock that the master selects from a list."""
     best_clock = best_listed_clock(rule, record)
-    frequency, value = hertz(best_clock["hz"]), best_clock["set"]
-    text = frequency if str(value) == frequency else f"{value} ({frequency})"
+    frequency_text, value = hertz(best_clock["hz"]), best_clock["set"]
+    text = frequency_text if str(value) == frequency_text else f"{value} ({frequency_text})"
     bound = "" if _is_highest_clock_known(record) else START_WITH
     return value, text, bound
 
@@ -147,15 +163,15 @@ def best_listed_clock(rule: Raw, record: Record) -> Raw:
     used_clocks = [clock for clock in rule["clocks"] if clock["hz"] in record.used_hz]
     if used_clocks:
         return _fastest_of(used_clocks)
-    slowest, fastest = _clock_limits(record)
-    fitting_clocks = [clock for clock in rule["clocks"] if slowest <= clock["hz"] <= fastest]
-    if not fitting_clocks:
+    slowest_hz, fastest_hz = _clock_limits_hz(record)
+    supported_clocks = [clock for clock in rule["clocks"] if slowest_hz <= clock["hz"] <= fastest_hz]
+    if not supported_clocks:
         with_cable = f" with a cable of {record.cable_m} m" if record.cable_m is not None else ""
-        highest = _fastest_clock_text(record)
+        slowest, fastest = hertz(slowest_hz), _fastest_clock_text(record)
         raise UnsupportedFeature(
-            f"{rule['name']}: no clock is between {hertz(slowest)} and {highest}, the limits of the encoder{with_cable}"
+            f"{rule['name']}: no clock is between {slowest} and {fastest}, the limits of the encoder{with_cable}"
         )
-    return _fastest_of(fitting_clocks)
+    return _fastest_of(supported_clocks)
 
 
 def _fastest_of(clocks: Sequence[Raw]) -> Raw:
@@ -165,43 +181,55 @@ def _fastest_of(clocks: Sequence[Raw]) -> Raw:
 def _fastest_clock_text(record: Record) -> str:
     """Return the highest clock in words, which a table of cable lengths may give as an exclusive limit."""
     row = record.cable_row
-    return hertz(row.hz if row is not None else record.known_numbers["clock_max_hz"])
+    if row is not None:
+        return hertz(row.hz)
+    return hertz(record.known_numbers["clock_max_hz"])
 
 
-def _selectable_clock(clock: Raw, record: Record) -> tuple[int | str, str, str]:
-    best_clock, unit = best_selectable_clock(clock, record), clock["unit"]
+def _selectable_clock(clock_rule: Raw, record: Record) -> tuple[int | str, str, str]:
+    """Return the value, text and bound of a clock that the master takes as a number, in the unit of the rule."""
+    clock_hz = best_selectable_clock(clock_rule, record)
     bound = "at_most" if _is_highest_clock_known(record) else START_WITH
     row = record.cable_row
-    if row is not None and row.is_below and best_clock == row.highest_hz:
-        best_clock, bound = row.hz, "below"
-    if unit not in _UNITS:
-        return best_clock, hertz(best_clock), bound
-    number = f"{best_clock / _UNITS[unit]:g}" if best_clock % _UNITS[unit] else str(best_clock // _UNITS[unit])
-    text = f"{number} Hz ({hertz(best_clock)})" if unit == "Hz" else f"{number} {unit}"
+    if row is not None and row.is_below and clock_hz == row.highest_hz:
+        clock_hz, bound = row.hz, "below"
+    unit = clock_rule["unit"]
+    if unit not in _HZ_BY_UNIT:
+        return clock_hz, hertz(clock_hz), bound
+    whole_number, remainder_hz = divmod(clock_hz, _HZ_BY_UNIT[unit])
+    number = f"{clock_hz / _HZ_BY_UNIT[unit]:g}" if remainder_hz else str(whole_number)
+    text = f"{number} Hz ({hertz(clock_hz)})" if unit == "Hz" else f"{number} {unit}"
     value: int | str = int(number) if number.isdigit() else number
     return value, text, bound
 
 
-def best_selectable_clock(clock: Raw, record: Record) -> int:
+def best_selectable_clock(clock_rule: Raw, record: Record) -> int:
     """Return the fastest clock that the encoder and the master support, for a master with freely selectable clocks."""
-    lowest, highest = clock.get("at_least_hz", 0), clock.get("at_most_hz", math.inf)
-    used_clocks = [hz for hz in record.used_hz if lowest <= hz <= highest]
+    lowest_of_master, highest_of_master = clock_rule.get("at_least_hz", 0), clock_rule.get("at_most_hz", math.inf)
+    used_clocks = [hz for hz in record.used_hz if lowest_of_master <= hz <= highest_of_master]
     if used_clocks:
         return max(used_clocks)
-    slowest, fastest = _clock_limits(record)
-    best_clock = min(fastest, int(clock.get("at_most_hz", fastest)))
-    if best_clock < max(slowest, lowest):
-        supported = f"at most {hertz(highest)}" if highest < slowest else f"at least {hertz(lowest)}"
-        needed = f"{hertz(slowest)} to {_fastest_clock_text(record)}"
+    slowest_hz, fastest_hz = _clock_limits_hz(record)
+    best_hz = min(fastest_hz, int(clock_rule.get("at_most_hz", fastest_hz)))
+    if best_hz < max(slowest_hz, lowest_of_master):
+        supported = f"at least {hertz(lowest_of_master)}"
+        if highest_of_master < slowest_hz:
+            supported = f"at most {hertz(highest_of_master)}"
+        needed = f"{hertz(slowest_hz)} to {_fastest_clock_text(record)}"
         raise UnsupportedFeature(f"The master supports clocks of {supported}, but the encoder needs {needed}")
-    return best_clock
+    return best_hz
 
 
 def _filled_if_known(text: str, record: Record) -> str:
-    """Return the text with the items in braces filled in, all of which must be known."""
+    """Return the text with the items in braces filled in.
+
+    Raises:
+        UnknownValue: One of them has no value.
+    """
     for name in NUMBERS:
+        is_in_text = f"{{{name}}}" in text
         is_known = record.numbers[name] is not None or (name == "step_um" and record.step)
-        if f"{{{name}}}" in text and not is_known:
+        if is_in_text and not is_known:
             raise _unknown_number(name, record.step)
     return filled(text, record)
 
@@ -217,26 +245,30 @@ def filled(text: str, record: Record) -> str:
     return text
 
 
-def _field_texts(rule: Raw, name: str, record: Record) -> Iterator[str]:
+def _field_texts(rule: Raw, setting_name: str, record: Record) -> Iterator[str]:
     """Yield the text of each field of the frame, according to its kind."""
-    texts: dict[str, str] = {}
-    for field in rule["fields"]:
-        if applies(field, record):
-            texts.setdefault(field["of"], field["text"])
+    template_by_kind: dict[str, str] = {}
+    for field_rule in rule["fields"]:
+        if applies(field_rule, record):
+            template_by_kind.setdefault(field_rule["of"], field_rule["text"])
     yield _filled_if_known(rule.get("start", ""), record)
-    parts = _with_whole_position(record) if "position" in texts else record.parts
+    parts = _with_whole_position(record) if "position" in template_by_kind else record.parts
     if rule["first"] != "sent_first":
         parts = parts[::-1]
     for part in parts:
-        kind = f"status_active_{part.active or 'low'}" if part.role == "status" else part.role
-        if kind not in texts:
-            raise UnsupportedFeature(f"{filled(name, record)} cannot express '{part.name}'")
-        yield _filled_if_known(texts[kind].replace("{bits}", str(part.bits)).replace("{name}", part.name), record)
+        kind = part.role
+        if part.role == "status":
+            kind = f"status_active_{part.active or 'low'}"
+        if kind not in template_by_kind:
+            raise UnsupportedFeature(f"{filled(setting_name, record)} cannot express '{part.name}'")
+        template = template_by_kind[kind]
+        text = template.replace("{bits}", str(part.bits)).replace("{name}", part.name)
+        yield _filled_if_known(text, record)
 
 
 def _with_whole_position(record: Record) -> tuple[Part, ...]:
     """Return the parts of the frame with multiturn and singleturn merged."""
-    position = Part("position", "position", record.numbers["position_bits"] or 0)
+    position = Part(name="position", role="position", bits=record.numbers["position_bits"] or 0)
     parts: list[Part] = []
     for part in record.parts:
         if part.role == "singleturn":

@@ -8,23 +8,22 @@ from __future__ import annotations
 import functools
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from ..language.check import check_document
 from ..language.files import packaged_masters
 from ..language.master_items import NUMBERS
 from ..language.problems import Report, listed
 from ..language.read import read_specs
-from ..model import INTERFACES, Device, Document, Interface, Variant, choices
+from ..model import INTERFACES, Document
 from ..model.expressions import Expression
 from ..model.record import dataclass
 from ..say.order_code import clocks_in_use
-from .frame_parts import NoRecord, Part
+from .frame_parts import Part
 from .places import MasterDevice, Place, WriteCondition, devices_of, places_of, reason_for_misfit, writing_of
-from .record import Record, Undecided, record
+from .record import Record
 from .setting_values import (
     START_WITH,
     Raw,
@@ -179,23 +178,22 @@ def sheet(master: Master, record: Record) -> Sheet:
     """Return the master's settings for the order code of ``record``, or the reasons why it cannot use it."""
     interface = record.words["interface"]
     if interface not in master.takes:
-        only = listed(INTERFACES[name].title for name in master.takes)
-        reason = f"This master is described for {only} only, but {record.code} has {INTERFACES[interface].title}."
-        return Sheet(master, (Refusal(reason, master.standing, ""),), (), (), is_described=False)
+        return replace(_refusing_sheet(master, _interface_refusal(master, record)), is_described=False)
     if record.obstacle:
-        return Sheet(master, (Refusal(record.obstacle, "inferred", ""),), (), ())
+        return _refusing_sheet(master, Refusal(reason=record.obstacle, standing="inferred", source=""))
     uncovered = _uncovered_parts(master, record)
     settings, device_refusals = _settings_and_device_refusals(master, record, uncovered)
     unusable_devices = frozenset[str]().union(*(devices for _, devices in device_refusals))
-    broken_limits = (rule for rule in master.limits if applies(rule, record) and not is_within_limits(rule, record))
-    refusals = [_limit_refusal(rule, master, record) for rule in broken_limits]
+    applicable_limits = [rule for rule in master.limits if applies(rule, record)]
+    violated_limits = [rule for rule in applicable_limits if not is_within_limits(rule, record)]
+    refusals = [_limit_refusal(rule, master, record) for rule in violated_limits]
     refusals += _refusals_of_crc(master, record)
     if len(unusable_devices) == len(master.devices):
         refusals += [refusal for refusal, _ in device_refusals]
     if not refusals:
         refusals = list(_refusals_of_values(settings))
     if refusals:
-        return Sheet(master, tuple(refusals), (), ())
+        return _refusing_sheet(master, *refusals)
     device_notes = [f"Not for {listed(sorted(devices))}. {refusal.reason}" for refusal, devices in device_refusals]
     notes = [filled(note["text"], record) for note in master.notes if applies(note, record)]
     writing_rules = [_with_setting_names(rule, record) for rule in master.writing if applies(rule, record)]
@@ -209,6 +207,18 @@ def sheet(master: Master, record: Record) -> Sheet:
         unusable_devices=unusable_devices,
         gaps=(_gap(uncovered),) if uncovered else (),
     )
+
+
+def _refusing_sheet(master: Master, *refusals: Refusal) -> Sheet:
+    """Return the sheet of a master that cannot use an order code."""
+    return Sheet(master=master, refusals=refusals, settings=(), notes=())
+
+
+def _interface_refusal(master: Master, record: Record) -> Refusal:
+    described_interfaces = listed(INTERFACES[name].title for name in master.takes)
+    encoder_interface = INTERFACES[record.words["interface"]].title
+    reason = f"This master is described for {described_interfaces} only, but {record.code} has {encoder_interface}."
+    return Refusal(reason=reason, standing=master.standing, source="")
 
 
 def _settings_and_device_refusals(
@@ -228,14 +238,16 @@ def _settings_and_device_refusals(
             unknown_parts = uncovered if _depends_on_whole_frame(rule) else ""
             settings.append(_setting_of_rule(rule, master, record, unknown_parts))
         except UnsupportedFeature as reason:
-            refusal = Refusal(f"{reason}.", rule.get("standing", master.standing), rule["source"])
+            refusal = Refusal(
+                reason=f"{reason}.", standing=rule.get("standing", master.standing), source=rule["source"]
+            )
             device_refusals.append((refusal, _devices_of(rule, master)))
     return settings, device_refusals
 
 
 def _limit_refusal(rule: Raw, master: Master, record: Record) -> Refusal:
     reason = f"{rule['reason']} For this encoder: {actual_value(rule['item'], record)}."
-    return Refusal(reason, rule.get("standing", master.standing), rule["source"])
+    return Refusal(reason=reason, standing=rule.get("standing", master.standing), source=rule["source"])
 
 
 def _refusals_of_values(settings: Sequence[Setting]) -> Iterator[Refusal]:
@@ -243,13 +255,13 @@ def _refusals_of_values(settings: Sequence[Setting]) -> Iterator[Refusal]:
     for setting in settings:
         reason = reason_for_misfit(setting.name, setting.value, setting.places)
         if reason:
-            yield Refusal(f"{reason}.", setting.standing, setting.source)
+            yield Refusal(reason=f"{reason}.", standing=setting.standing, source=setting.source)
 
 
 def _refusals_of_crc(master: Master, record: Record) -> Iterator[Refusal]:
     """Yield a refusal if no master can check the CRC, and this one does."""
     if record.crc_obstacle and _CRC_ITEMS & _mentioned_items((master.limits, master.settings)):
-        yield Refusal(record.crc_obstacle, "inferred", "")
+        yield Refusal(reason=record.crc_obstacle, standing="inferred", source="")
 
 
 _CRC_ITEMS = {name for name in NUMBERS if name.startswith("crc_")} - {"crc_bits"}
@@ -262,35 +274,42 @@ def _depends_on_whole_frame(rule: Raw) -> bool:
     """Return whether other bits of the frame may change the value of a setting."""
     if "string" in rule:
         return True
-    items = _mentioned_items({key: rule[key] for key in ("value", "choice") if key in rule})
-    items = _FRAME_ITEMS & (items | set(re.findall(r"\{(\w+)\}", rule.get("text", ""))))
-    return len(items) > 1 or not items <= _ITEMS_OF_ANY_FRAME
+    items_in_value = _mentioned_items({key: rule[key] for key in ("value", "choice") if key in rule})
+    items_in_text = set(re.findall(r"\{(\w+)\}", rule.get("text", "")))
+    frame_items = _FRAME_ITEMS & (items_in_value | items_in_text)
+    return len(frame_items) > 1 or not frame_items <= _ITEMS_OF_ANY_FRAME
 
 
 def _uncovered_parts(master: Master, record: Record) -> str:
     """Return the names of the parts of the frame that the master's description does not mention, as a text."""
-    pairs = zip(record.parts, _items_of_parts(record.parts), strict=True)
-    uncommon_parts = {part.name: item_name for part, item_name in pairs if item_name}
-    if not uncommon_parts:
+    parts_and_items = zip(record.parts, _items_of_parts(record.parts), strict=True)
+    item_by_uncommon_part = {part.name: item for part, item in parts_and_items if item}
+    if not item_by_uncommon_part:
         return ""
-    mentioned = _mentioned_items((master.limits, master.settings, master.notes))
-    if "parity" in mentioned:
-        mentioned.add("parity_bits")
-    return listed(f"'{name}'" for name, item_name in uncommon_parts.items() if item_name not in mentioned)
+    mentioned_items = _mentioned_items((master.limits, master.settings, master.notes))
+    if "parity" in mentioned_items:
+        mentioned_items.add("parity_bits")
+    uncovered_names = [name for name, item in item_by_uncommon_part.items() if item not in mentioned_items]
+    return listed(f"'{name}'" for name in uncovered_names)
 
 
 def _gap(uncovered: str) -> Refusal:
     reason = f"The description of this master does not say how it handles {uncovered} in the frame."
-    return Refusal(reason, "inferred", "")
+    return Refusal(reason=reason, standing="inferred", source="")
 
 
 def _items_of_parts(parts: Sequence[Part]) -> Iterator[str]:
     """Yield the item that counts the bits of each part, or an empty string for the parts of the common frame."""
-    side = "left"
+    is_after_position = False
     for part in parts:
         if part.role in ("multiturn", "singleturn"):
-            side = "right"
-        yield {"other": f"other_bits_{side}", "parity": "parity_bits"}.get(part.role, "")
+            is_after_position = True
+        if part.role == "other":
+            yield "other_bits_right" if is_after_position else "other_bits_left"
+        elif part.role == "parity":
+            yield "parity_bits"
+        else:
+            yield ""
 
 
 def _mentioned_items(rule: Any) -> set[str]:
@@ -299,27 +318,29 @@ def _mentioned_items(rule: Any) -> set[str]:
         return set[str]().union(*map(_mentioned_items, rule))
     if not isinstance(rule, Mapping):
         return set()
-    names = _mentioned_items(tuple(rule.values()))
-    names |= {str(rule[key]) for key in ("item", "of") if key in rule}
+    items = _mentioned_items(tuple(rule.values()))
+    items |= {str(rule[key]) for key in ("item", "of") if key in rule}
     if isinstance(rule.get("value"), str):
-        names |= set(Expression.parse(rule["value"]).parameters)
-    return names
+        items |= set(Expression.parse(rule["value"]).parameters)
+    return items
 
 
 def _devices_of(rule: Raw, master: Master) -> set[str]:
     """Return the devices that have a setting."""
-    names = [device.name for device in master.devices]
-    return {name for place in rule["places"] for name in place.get("on", names)}
+    all_names = [device.name for device in master.devices]
+    names_with_setting: set[str] = set()
+    for place in rule["places"]:
+        names_with_setting.update(place.get("on", all_names))
+    return names_with_setting
 
 
 def _with_setting_names(rule: Raw, record: Record) -> Raw:
     """Return a condition for writing with the names of settings used on the sheet."""
-    named = {key: _filled_names(rule[key], record) for key in ("of", "after") if key in rule}
-    return {**rule, **named}
-
-
-def _filled_names(names: Sequence[str], record: Record) -> list[str]:
-    return [filled(name, record) for name in names]
+    named_rule = dict(rule)
+    for key in ("of", "after"):
+        if key in rule:
+            named_rule[key] = [filled(name, record) for name in rule[key]]
+    return named_rule
 
 
 def _setting_of_rule(rule: Raw, master: Master, record: Record, unknown_parts: str) -> Setting:
@@ -353,97 +374,10 @@ def _start_note(bound: str, record: Record) -> str:
 
 def _cable_note(rule: Raw, value: int | bool | str | None, record: Record) -> str:
     """Return the cables that allow the clock of a setting, or an empty string if the user gave a cable length."""
-    if value is None or record.cable_m is not None or not {"clocks", "any_clock"} & rule.keys():
+    if value is None or record.cable_m is not None:
         return ""
     if "clocks" in rule:
         return record.cables.about(best_listed_clock(rule, record)["hz"])
-    return record.cables.about(best_selectable_clock(rule["any_clock"], record))
-
-
-@dataclass(frozen=True, slots=True)
-class Group:
-    """Order codes that have the same settings in every master."""
-
-    device: Device
-    codes: tuple[str, ...]
-    record: Record
-
-
-def groups_of(device: Device, interface: Interface) -> list[Group]:
-    """Return the order codes of an interface in groups, each once for each choice on which its frame depends."""
-    records_by_facts: dict[str, list[Record]] = {}
-    for code_record in records_of(device, interface):
-        facts = repr(replace(code_record, code=""))
-        records_by_facts.setdefault(facts, []).append(code_record)
-    return [_group(device, records) for records in records_by_facts.values()]
-
-
-def _group(device: Device, records: Sequence[Record]) -> Group:
-    codes = tuple(code_record.code for code_record in records)
-    return Group(device, codes, record=records[0])
-
-
-@dataclass(frozen=True, slots=True)
-class GroupSheets:
-    """The sheets of each master for the groups of one interface, in the order of the groups."""
-
-    interface: Interface
-    groups: tuple[Group, ...]
-    sheets: tuple[tuple[Master, tuple[Sheet, ...]], ...]
-
-
-def sheets_of(device: Device, masters: Sequence[Master]) -> tuple[GroupSheets, ...]:
-    """Return the sheets of each interface with an order code for masters. Those of the last family are remembered."""
-    master_ids = tuple(map(id, masters))
-    for remembered in _LATEST:
-        if remembered.device is device and remembered.master_ids == master_ids:
-            return remembered.sheets
-    sheets = tuple(_computed_sheets(device, masters))
-    _LATEST[:] = [_FamilySheets(device, master_ids, sheets)]
-    return sheets
-
-
-class _FamilySheets(NamedTuple):
-    """Sheets of a family for the masters with these identities."""
-
-    device: Device
-    master_ids: tuple[int, ...]
-    sheets: tuple[GroupSheets, ...]
-
-
-#: Sheets of the last family, or nothing before the first.
-#: Families are compared by identity, because comparing their members takes longer than making the sheets.
-_LATEST: list[_FamilySheets] = []
-
-
-def _computed_sheets(device: Device, masters: Sequence[Master]) -> Iterator[GroupSheets]:
-    for interface in device.interfaces:
-        if groups := tuple(groups_of(device, interface)):
-            master_sheets = tuple((master, _sheets_for(master, groups)) for master in masters)
-            yield GroupSheets(interface, groups, master_sheets)
-
-
-def _sheets_for(master: Master, groups: Sequence[Group]) -> tuple[Sheet, ...]:
-    return tuple(sheet(master, group.record) for group in groups)
-
-
-def records_of(device: Device, interface: Interface) -> Iterator[Record]:
-    """Yield the records of all listed order codes of an interface, once for each choice on which the frame depends.
-
-    Order codes whose position no master can read are left out.
-    """
-    for variant in device.variants_over(interface.name):
-        with suppress(NoRecord):
-            yield from (code_record for code_record in _records_by_answers(device, variant) if not code_record.obstacle)
-
-
-def _records_by_answers(device: Device, variant: Variant) -> Iterator[Record]:
-    """Yield the record of an order code, once for each choice on which its frame depends."""
-    try:
-        yield record(device, variant)
-    except Undecided as error:
-        deciding_alternatives = device.alternatives_of(error.layout)
-        for answers, _ in choices(deciding_alternatives):
-            pairs = zip(deciding_alternatives, answers, strict=True)
-            chosen_answers = {alternative.name: answer.name for alternative, answer in pairs}
-            yield record(device, variant, answers=chosen_answers)
+    if "any_clock" in rule:
+        return record.cables.about(best_selectable_clock(rule["any_clock"], record))
+    return ""

@@ -28,59 +28,69 @@ _CODINGS = {
     "gray_with_status": "Gray, position and status bits as one number",
     "other": "Gray, over other bits than the position",
 }
+#: Widths of the columns with the names and the values of settings. Longer ones move the next column.
+_WIDEST_NAME, _WIDEST_VALUE = 40, 18
 _MARKS = {"documented": "", "inferred": " *", "tried": " +"}
 
 
 def facts(record: Record) -> Iterator[tuple[str, str]]:
     """Yield the record in words, one fact per row."""
-    number = record.numbers
     yield "Interface", INTERFACES[record.words["interface"]].title
-    turn_bits = number["multiturn_bits"]
-    parts_of_position = f": {turn_bits} multiturn, {number['singleturn_bits']} singleturn" if turn_bits else ""
-    yield "Position bits", f"{number['position_bits']}{parts_of_position}"
-    yield (
-        "Padding",
-        f"{counted(number['padding_left'] or 0, 'zero bit')} before the position, {number['padding_right']} after it",
-    )
-    yield "Status bits", _status_bits(record)
-    other_parts = [part.name for part in record.parts if part.role == "other"]
-    if other_parts:
-        yield "Other bits", ", ".join(other_parts)
-    yield "Data bits", _data_bits(record)
-    yield "Order", ", ".join(f"{part.name} {part.bits}" for part in record.parts) + ", most significant bit first"
-    yield "Code", _CODINGS[record.words["coding"]]
-    yield "CRC", _crc(record)
-    if record.words["parity"] != "none":
-        yield "Parity", f"{record.words['parity']}, last bit"
-    yield "Clock", _clock_limits(record)
+    yield from _frame_facts(record)
+    yield "Clock", _clock_limits_text(record)
     if record.cables.rows:
         yield "Clock by cable", _cable_table_text(record)
     if INTERFACES[record.words["interface"]] is Biss:
-        yield "Time-out", record.timeout or _unstated(record, Subject.TIMEOUT)
+        yield "Time-out", record.timeout or _not_stated_text(record, Subject.TIMEOUT)
         # The longest in the protocol description, p. 18.
-        busy = f"{_unstated(record, Subject.REPLY_TIME)}, but BiSS C allows 40 µs"
-        yield "Busy time", _time_limit(number["busy_us"], "at most") or busy
+        allowed_busy_time = f"{_not_stated_text(record, Subject.REPLY_TIME)}, but BiSS C allows 40 µs"
+        yield "Busy time", _time_limit_text(record.numbers["busy_us"], "at most") or allowed_busy_time
     else:
-        yield "Pause", _time_limit(number["pause_us"], "at least") or _unstated(record, Subject.PAUSE)
-    yield "Supply", _supply(record) or _unstated(record, Subject.SUPPLY)
+        pause_text = _time_limit_text(record.numbers["pause_us"], "at least")
+        yield "Pause", pause_text or _not_stated_text(record, Subject.PAUSE)
+    yield "Supply", _supply_text(record) or _not_stated_text(record, Subject.SUPPLY)
 
 
-def _clock_limits(record: Record) -> str:
-    slowest, fastest = record.numbers["clock_min_hz"], record.numbers["clock_max_hz"]
+def _frame_facts(record: Record) -> Iterator[tuple[str, str]]:
+    """Yield the facts about the bits of the frame."""
+    numbers = record.numbers
+    position_text = str(numbers["position_bits"])
+    if numbers["multiturn_bits"]:
+        position_text += f": {numbers['multiturn_bits']} multiturn, {numbers['singleturn_bits']} singleturn"
+    yield "Position bits", position_text
+    padding_before = counted(numbers["padding_left"] or 0, "zero bit")
+    yield "Padding", f"{padding_before} before the position, {numbers['padding_right']} after it"
+    yield "Status bits", _status_bits_text(record)
+    other_parts = [part.name for part in record.parts if part.role == "other"]
+    if other_parts:
+        yield "Other bits", ", ".join(other_parts)
+    yield "Data bits", _data_bits_text(record)
+    parts_text = ", ".join(f"{part.name} {part.bits}" for part in record.parts)
+    yield "Order", f"{parts_text}, most significant bit first"
+    yield "Code", _CODINGS[record.words["coding"]]
+    yield "CRC", _crc_text(record)
+    if record.words["parity"] != "none":
+        yield "Parity", f"{record.words['parity']}, last bit"
+
+
+def _clock_limits_text(record: Record) -> str:
+    slowest_hz, fastest_hz = record.numbers["clock_min_hz"], record.numbers["clock_max_hz"]
     row = record.cable_row
     limits: list[str] = []
-    if slowest is not None:
-        limits.append(f"at least {hertz(slowest)}")
+    if slowest_hz is not None:
+        limits.append(f"at least {hertz(slowest_hz)}")
     if row is not None and row.is_below:
         limits.append(f"below {hertz(row.hz)}")
-    elif fastest is not None:
-        limits.append(f"at most {hertz(fastest)}")
+    elif fastest_hz is not None:
+        limits.append(f"at most {hertz(fastest_hz)}")
     if limits:
         return ", ".join(limits)
-    return f"{_unstated(record)}, {clocks_in_use(record.used_hz)}" if record.used_hz else _unstated(record)
+    if record.used_hz:
+        return f"{_not_stated_text(record)}, {clocks_in_use(record.used_hz)}"
+    return _not_stated_text(record)
 
 
-def _unstated(record: Record, subject: Subject | None = None) -> str:
+def _not_stated_text(record: Record, subject: Subject | None = None) -> str:
     """Return the words for a fact that has no value. A text about the subject may have it."""
     if subject in record.mentioned:
         return f"see the times and characteristics in the {record.document}"
@@ -90,52 +100,61 @@ def _unstated(record: Record, subject: Subject | None = None) -> str:
 def _cable_table_text(record: Record) -> str:
     """Return the table, the requested cable length, and the errata."""
     table = record.cables
-    chosen = f". Clocks chosen for a cable of {record.cable_m} m" if record.cable_m is not None else ""
-    errata = f", errata {', '.join(table.errata)}" if table.errata else ""
-    return f"{', '.join(row.text for row in table.rows)} (table in {table.origin}{errata}){chosen}"
+    rows_text = ", ".join(row.text for row in table.rows)
+    errata_text = f", errata {', '.join(table.errata)}" if table.errata else ""
+    text = f"{rows_text} (table in {table.origin}{errata_text})"
+    if record.cable_m is None:
+        return text
+    return f"{text}. Clocks chosen for a cable of {record.cable_m} m"
 
 
-def _supply(record: Record) -> str:
-    lowest, highest = record.numbers["supply_min_mv"], record.numbers["supply_max_mv"]
-    return f"{volts(lowest)} to {volts(highest)}" if lowest is not None and highest is not None else ""
+def _supply_text(record: Record) -> str:
+    lowest_mv, highest_mv = record.numbers["supply_min_mv"], record.numbers["supply_max_mv"]
+    if lowest_mv is None or highest_mv is None:
+        return ""
+    return f"{volts(lowest_mv)} to {volts(highest_mv)}"
 
 
-def _time_limit(value: int | None, bound: str) -> str:
-    return f"{bound} {microseconds(value)}" if value is not None else ""
+def _time_limit_text(time_us: int | None, bound: str) -> str:
+    return f"{bound} {microseconds(time_us)}" if time_us is not None else ""
 
 
-def _status_bits(record: Record) -> str:
-    words = {"low": "active low", "high": "active high", "": "always 1"}
-    status_bits = [f"{part.name} ({words[part.active]})" for part in record.parts if part.role == "status"]
-    return ", ".join(status_bits) if status_bits else "none"
+def _status_bits_text(record: Record) -> str:
+    level_words = {"low": "active low", "high": "active high", "": "always 1"}
+    status_parts = [part for part in record.parts if part.role == "status"]
+    texts = [f"{part.name} ({level_words[part.active]})" for part in status_parts]
+    return ", ".join(texts) or "none"
 
 
-def _data_bits(record: Record) -> str:
-    number = record.numbers
-    sizes = [f"{number['data_bits']}"]
-    if number["status_bits"]:
-        sizes.append(f"{number['data_and_status_bits']} with the status bits")
-    if number["other_bits_left"] or number["other_bits_right"]:
-        sizes.append(f"{number['bits_without_crc']} with the other bits")
-    if number["crc_bits"]:
-        sizes.append(f"{number['frame_bits']} with the CRC")
-    if number["parity_bits"]:
-        sizes.append(f"{record.known_numbers['frame_bits'] + 1} with the parity bit")
+def _data_bits_text(record: Record) -> str:
+    """Return the number of data bits, and that of the bits with each other kind that the frame has."""
+    numbers = record.known_numbers
+    sizes = [str(numbers["data_bits"])]
+    if numbers["status_bits"]:
+        sizes.append(f"{numbers['data_and_status_bits']} with the status bits")
+    if numbers["other_bits_left"] or numbers["other_bits_right"]:
+        sizes.append(f"{numbers['bits_without_crc']} with the other bits")
+    if numbers["crc_bits"]:
+        sizes.append(f"{numbers['frame_bits']} with the CRC")
+    if numbers["parity_bits"]:
+        sizes.append(f"{numbers['frame_bits'] + 1} with the parity bit")
     return ", ".join(sizes)
 
 
-def _crc(record: Record) -> str:
-    number = record.known_numbers
-    if not number["crc_bits"]:
+def _crc_text(record: Record) -> str:
+    numbers = record.known_numbers
+    if not numbers["crc_bits"]:
         return "none"
-    polynomial = number["crc_polynomial"]
-    without_top_bit = number["crc_polynomial_without_top_bit"]
-    spellings = f"0x{polynomial:02X} ({polynomial}) with its top bit, 0x{without_top_bit:02X} without it"
-    spellings += f", 0x{number['crc_polynomial_without_last_1']:02X} without its trailing 1 (Koopman notation)"
-    form = f"sent {'inverted' if number['crc_inverted'] else 'not inverted'}"
+    polynomial = numbers["crc_polynomial"]
+    without_top_bit = numbers["crc_polynomial_without_top_bit"]
+    without_last_1 = numbers["crc_polynomial_without_last_1"]
+    notations = f"0x{polynomial:02X} ({polynomial}) with its top bit, 0x{without_top_bit:02X} without it"
+    notations += f", 0x{without_last_1:02X} without its trailing 1 (Koopman notation)"
+    inversion = "inverted" if numbers["crc_inverted"] else "not inverted"
+    form = f"sent {inversion}"
     if record.crc_obstacle:
         form = "in a form that masters cannot check, see below"
-    return f"{number['crc_bits']} bits, polynomial {spellings}, start value {number['crc_start']}, {form}"
+    return f"{numbers['crc_bits']} bits, polynomial {notations}, start value {numbers['crc_start']}, {form}"
 
 
 def legend(masters: Sequence[Master], sheets: Sequence[Sheet], with_places: bool) -> str:
@@ -162,7 +181,10 @@ def refusal_text(reason: Refusal) -> str:
 
 def bound_in_words(setting: Setting) -> str:
     """Return ``at least ``, ``at most ``, ``below ``, ``start with `` or an empty string."""
-    return f"{setting.bound.replace('_', ' ')} " if setting.bound else ""
+    if not setting.bound:
+        return ""
+    bound_words = setting.bound.replace("_", " ")
+    return f"{bound_words} "
 
 
 def standing_mark(rule: Setting | Refusal | WriteCondition) -> str:
@@ -173,7 +195,8 @@ def standing_mark(rule: Setting | Refusal | WriteCondition) -> str:
 @lru_cache(4096)
 def cited(source: str) -> str:
     """Return keys of documents separated by commas, those without a place first."""
-    return ", ".join(sorted(re.split(r";\s*", source.strip()), key=lambda piece: ":" in piece))
+    citations = re.split(r";\s*", source.strip())
+    return ", ".join(sorted(citations, key=lambda citation: ":" in citation))
 
 
 def condition_text(rule: WriteCondition) -> str:
@@ -246,8 +269,9 @@ def _record_lines(device: Device, match: Match, record: Record) -> list[str]:
 def _sheet_lines(sheet: Sheet, with_documents: bool) -> list[str]:
     """Return the settings of a master. The places of settings and the documents are optional."""
     lines = [wrapped(f"{sheet.master.title} ({sheet.master.name})", WIDTH, "  ", "")]
-    name_width = min(max((len(setting.name) for setting in sheet.settings), default=0), 40)
-    value_width = min(max((len(_setting_text(setting)) for setting in sheet.settings), default=0), 18)
+    longest_name = max((len(setting.name) for setting in sheet.settings), default=0)
+    longest_value = max((len(_setting_text(setting)) for setting in sheet.settings), default=0)
+    name_width, value_width = min(longest_name, _WIDEST_NAME), min(longest_value, _WIDEST_VALUE)
     for setting in sheet.settings:
         lines += _setting_lines(setting, sheet, name_width, value_width)
         if with_documents:
@@ -264,7 +288,8 @@ def _sheet_lines(sheet: Sheet, with_documents: bool) -> list[str]:
 
 def _setting_lines(setting: Setting, sheet: Sheet, name_width: int, value_width: int) -> list[str]:
     """Return a setting in one row, or in two if it is too long, then its note and conditions."""
-    row = f"  {setting.name.ljust(name_width)}  {_setting_text(setting).ljust(value_width)}  {setting.at}".rstrip()
+    name_cell, value_cell = setting.name.ljust(name_width), _setting_text(setting).ljust(value_width)
+    row = f"  {name_cell}  {value_cell}  {setting.at}".rstrip()
     lines = [row]
     if len(row) > WIDTH:
         name_and_place = f"{setting.name}, {setting.at}" if setting.at else setting.name

@@ -53,25 +53,28 @@ def clozes(spec: Document) -> dict[str, _SpecText]:
 
 def vocabulary_of(spec: Document) -> Vocabulary:
     """Return the turning words of a family."""
-    contacts = (contact for connector in spec.data.get("connectors", ()) for contact in connector["contacts"])
-    return Vocabulary(str(contact["signal"]) for contact in contacts if "signal" in contact)
+    signals: list[str] = []
+    for connector in spec.data.get("connectors", ()):
+        signals += [str(contact["signal"]) for contact in connector["contacts"] if "signal" in contact]
+    return Vocabulary(signals)
 
 
-def sheet(spec: Document, filled: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the sheet for a spec. Words of the ``filled`` texts are kept if the text is still the same."""
-    texts: dict[str, Any] = {}
+def sheet(spec: Document, old_entries: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the sheet for a spec. Words of the ``old_entries``, by path, are kept if the text is still the same."""
+    entries: dict[str, Any] = {}
     kinds: set[str] = set()
     choices = vocabulary_of(spec).choices
     # A text can move with the name of the part that has it.
-    filled_by_text = {filled_text["text"]: filled_text for filled_text in filled.values()}
+    old_entry_by_text = {old_entry["text"]: old_entry for old_entry in old_entries.values()}
     for path, (_, cloze) in clozes(spec).items():
         kinds.update(gap.kind for gap in cloze.gaps)
-        filled_text = filled.get(path) or filled_by_text.get(cloze.text, {})
-        is_same = filled_text.get("text") == cloze.text
-        texts[path] = filled_text if is_same else {"text": cloze.text, "words": ["?"] * len(cloze.gaps)}
-        texts[path] = {**texts[path], "words": _valid_words(cloze, texts[path]["words"], choices)}
-    used_choices = {kind: list(words) for kind, words in choices.items() if kind in kinds}
-    return {"choices": used_choices, "texts": texts}
+        entry = old_entries.get(path) or old_entry_by_text.get(cloze.text, {})
+        if entry.get("text") != cloze.text:
+            unfilled_words = ["?"] * len(cloze.gaps)
+            entry = {"text": cloze.text, "words": unfilled_words}
+        entries[path] = {**entry, "words": _valid_words(cloze, entry["words"], choices)}
+    choices_of_kinds = {kind: list(words) for kind, words in choices.items() if kind in kinds}
+    return {"choices": choices_of_kinds, "texts": entries}
 
 
 def _valid_words(cloze: ClozeText, words: Sequence[str], choices: Mapping[str, Sequence[str]]) -> list[str]:
@@ -163,14 +166,20 @@ def _compare_gaps(
 
 #: Number of characters of a text shown on each side of a gap.
 _AROUND = 30
+#: A gap in a text, such as ``{2 order}``.
 _GAP = re.compile(r"\{(\d+) (\w+)\}")
 
 
 def _context(cloze: ClozeText, number: int) -> str:
     """Return the part of a text around a gap, in quotes, with the words of the other gaps."""
-    before, after = re.split(rf"\{{{number} \w+\}}", cloze.text, maxsplit=1)
-    before, after = (_GAP.sub(lambda match: cloze.gaps[int(match[1]) - 1].word, part) for part in (before, after))
-    return quoted(f"{before[-_AROUND:]}[{cloze.gaps[number - 1].kind}]{after[:_AROUND]}".strip())
+
+    def fill_gaps(text: str) -> str:
+        return _GAP.sub(lambda gap: cloze.gaps[int(gap[1]) - 1].word, text)
+
+    text_before, text_behind = re.split(rf"\{{{number} \w+\}}", cloze.text, maxsplit=1)
+    before, behind = fill_gaps(text_before)[-_AROUND:], fill_gaps(text_behind)[:_AROUND]
+    kind = cloze.gaps[number - 1].kind
+    return quoted(f"{before}[{kind}]{behind}".strip())
 
 
 def as_lines(sheet_data: Mapping[str, Any], spec_name: str) -> Iterator[str]:

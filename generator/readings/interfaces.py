@@ -24,6 +24,7 @@ from ..model import (
 )
 from ..model.registers import bounded
 from ..say.names_and_places import bits
+from ..say.plain_text import counted
 from .frame_bits import word
 from .reading import (
     NOTHING,
@@ -45,8 +46,10 @@ def add_registers(reading: Reading, facts: Facts) -> None:
     """Add every register, its bits, and its behaviour."""
     for register in reading.device.registers:
         key, place = reading.key_of(register), ("registers", register.name)
-        subject = Subject(reading, key, place, register_text(register), register.interface)
-        facts.add(_facts(subject, register))
+        subject = Subject(
+            reading, key=key, place=place, description=register_text(register), interface=register.interface
+        )
+        facts.add(_register_facts(subject, register))
         _add_names(subject, register, facts)
         facts.derived[Sort.POSITION] += len(register.layout.joins)
         facts.words[key] = word(subject, register.layout, register)
@@ -55,27 +58,32 @@ def add_registers(reading: Reading, facts: Facts) -> None:
 def _add_names(subject: Subject, register: Register, facts: Facts) -> None:
     """Add the names that a register refers to: the field with limits, and the field that opens it."""
     description, place = f"field that the limits of {subject.description} apply to", (*subject.place, "limits_of")
-    facts.call(("bounded",), Fact(Sort.LIMIT, subject.key, register.limits_of, description, place))
+    facts.add_name(
+        ("bounded",),
+        Fact(sort=Sort.LIMIT, key=subject.key, value=register.limits_of, description=description, place=place),
+    )
     if register.opened_by:
         name, description = register.opened_by_field or NOTHING, f"field that opens {subject.description}"
         place = (*subject.place, "opened_by")
-        facts.call(("opener",), Fact(Sort.BEHAVIOUR, subject.key, name, description, place))
+        facts.add_name(
+            ("opener",), Fact(sort=Sort.BEHAVIOUR, key=subject.key, value=name, description=description, place=place)
+        )
 
 
-def _facts(subject: Subject, register: Register) -> Iterator[Fact]:
-    length = f"{register.length} byte{'s' * (register.length != 1)}"
-    yield subject.existence(Sort.ADDRESS, length, at="address", name=register.name)
+def _register_facts(subject: Subject, register: Register) -> Iterator[Fact]:
+    length = counted(register.length, "byte")
+    yield subject.existence_fact(Sort.ADDRESS, length, at="address", name=register.name)
     yield from subject.stated_facts(register, without=("byte_order",) if register.length == 1 else ())
     default = as_delivered(register)
     if default is not None:
         place = (*subject.place, "fields" if register.default is None else "default")
-        yield subject.fact(Sort.DEFAULT, "default", in_hex(default), "default", place)
+        yield subject.detail_fact(Sort.DEFAULT, "default", in_hex(default), "default", place)
     if register.opened_by:
-        yield subject.fact(Sort.BEHAVIOUR, "opened_by", _opened_by(subject.reading, register), "opener")
-    yield from _limits(subject, register)
+        yield subject.detail_fact(Sort.BEHAVIOUR, "opened_by", _opener_text(subject.reading, register), "opener")
+    yield from _limit_facts(subject, register)
 
 
-def _opened_by(reading: Reading, register: Register) -> str:
+def _opener_text(reading: Reading, register: Register) -> str:
     """Return the value that opens a register, and its bits, or the register that must be written for it."""
     opener = reading.register(register.opened_by)
     if opener is None:
@@ -90,7 +98,7 @@ def _opened_by(reading: Reading, register: Register) -> str:
     return register_text(opener)
 
 
-def _limits(subject: Subject, register: Register) -> Iterator[Fact]:
+def _limit_facts(subject: Subject, register: Register) -> Iterator[Fact]:
     """Yield the limits of each meaning, and the bits that they apply to."""
     reading = subject.reading
     limited_parts: list[Register | RegisterMeaning] = [register, *register.meanings]
@@ -99,17 +107,17 @@ def _limits(subject: Subject, register: Register) -> Iterator[Fact]:
         yield Fact(
             sort=Sort.LIMIT,
             key=(*subject.key, "bounded"),
-            value={case: _bounded(register, parameters) for case, parameters in cases.items()},
+            value={case: _limited_bits_text(register, parameters) for case, parameters in cases.items()},
             description=f"bits that the limits of {subject.description} apply to",
             place=reading.first_existing((*subject.place, "limits_of"), subject.place),
-            under=subject.key,
+            depends_on=subject.key,
         )
     for meaning in register.meanings:
         description = f"{subject.description} while {reading.state(meaning.when, meaning.value)}"
         yield from subject.inside((description,), ("meanings", meaning.name), description).stated_facts(meaning)
 
 
-def _bounded(register: Register, parameters: Mapping[str, int]) -> str:
+def _limited_bits_text(register: Register, parameters: Mapping[str, int]) -> str:
     """Return the bits of a register that its limits apply to."""
     names = register.layout.names_in(bounded(register))
     fields = register.layout.place(parameters).find_fields(names)
@@ -119,7 +127,7 @@ def _bounded(register: Register, parameters: Mapping[str, int]) -> str:
 #: Identity of a frame without a selector that belongs to no exchange.
 _NOT_EXCHANGED = -1
 #: Parts of interfaces, with the words between a fact about them and the name of the interface.
-_PARTS = {
+_JOINT_BY_PART = {
     "clock": " over ",
     "network": " of the network over ",
     "timeout": " of the time-out over ",
@@ -135,7 +143,7 @@ def add_interfaces(reading: Reading, facts: Facts) -> None:
             identity = constants_by_frame.get(layout.name, _NOT_EXCHANGED)
             _add_frames(reading, interface, layout, identity, facts)
             facts.derived[Sort.POSITION] += len(layout.joins)
-        facts.add(_of_interface(reading, interface))
+        facts.add(_interface_facts(reading, interface))
         facts.add(timings(interface.timings, interface.name, ("interfaces", interface.name, "timings")))
     facts.add(timings(reading.device.timings, "", ("timings",)))
 
@@ -161,12 +169,12 @@ def _add_frames(reading: Reading, interface: Interface, layout: Layout, identity
     place: Path = ("interfaces", interface.name, "layouts", layout.name)
     for frame_identity in layout.selects or (identity,):
         key: Key = ("frame", interface.name, layout.sender, layout.channel or 0, frame_identity)
-        frame = Subject(reading, key, place, f"'{layout.name}'", interface.name)
-        facts.add(_of_frame(frame, layout))
+        frame = Subject(reading, key=key, place=place, description=f"'{layout.name}'", interface=interface.name)
+        facts.add(_frame_facts(frame, layout))
         facts.words[key] = word(frame, layout)
         for field in layout.fields:
             if field.group:
-                facts.call(("group", interface.name), _group_name(frame, field))
+                facts.add_name(("group", interface.name), _group_name(frame, field))
 
 
 def _group_name(frame: Subject, field: Field) -> Fact:
@@ -181,51 +189,54 @@ def _group_name(frame: Subject, field: Field) -> Fact:
     )
 
 
-def _of_frame(frame: Subject, layout: Layout) -> Iterator[Fact]:
+def _frame_facts(frame: Subject, layout: Layout) -> Iterator[Fact]:
     """Yield the facts about a frame as a whole: its sender, its units, its byte order and its length."""
     reading = frame.reading
-    yield from frame.present(Sort.POSITION, layout, f"sent by the {layout.sender}", at="name")
+    yield from frame.all_facts(Sort.POSITION, layout, f"sent by the {layout.sender}", at="name")
     carried_place = reading.first_existing((*frame.place, "carried_as"), frame.place)
-    yield frame.fact(Sort.POSITION, "carried", layout.carried_as, "units", carried_place)
+    yield frame.detail_fact(Sort.POSITION, "carried", layout.carried_as, "units", carried_place)
     # A frame of one byte needs no byte order, but a reader may state one.
     has_several_bytes = layout.widest > 8
     is_stated = reading.document.has((*frame.place, "byte_order"))
     if layout.in_bytes and (has_several_bytes or is_stated):
         order_place = (*frame.place, "byte_order") if is_stated else frame.place
         is_mild = not has_several_bytes
-        yield frame.fact(Sort.BYTE_ORDER, "order", layout.byte_order, "byte order", order_place, mild=is_mild)
+        yield frame.detail_fact(
+            Sort.BYTE_ORDER, "order", layout.byte_order, "byte order", order_place, may_be_missing=is_mild
+        )
     lengths = {case: str(layout.bits.value(parameters)) for case, parameters in reading.cases(frame.interface).items()}
-    yield frame.fact(Sort.POSITION, "length", lengths, "bits", frame.place)
-    yield from _combinations(frame, layout)
+    yield frame.detail_fact(Sort.POSITION, "length", lengths, "bits", frame.place)
+    yield from _combination_facts(frame, layout)
 
 
-def _combinations(frame: Subject, layout: Layout) -> Iterator[Fact]:
+def _combination_facts(frame: Subject, layout: Layout) -> Iterator[Fact]:
     """Yield the verdicts of combinations of values, which are identified by their bits for the first order code."""
     if not layout.combinations:
         return
-    signs = {sign.flag.name: sign for sign in layout.signs}
+    sign_by_name = {sign.flag.name: sign for sign in layout.signs}
     first_parameters = next(iter(frame.reading.cases(frame.interface).values()), {})
     placed_fields = {placed_field.name: placed_field for placed_field in layout.place(first_parameters).fields}
     for combination in layout.combinations:
-        conditions = [_condition(placed_fields[name], value) for name, value in signs[combination.name].conditions]
-        values = ", ".join(sorted(conditions))
+        field_values = sign_by_name[combination.name].conditions
+        condition_texts = [_condition_text(placed_fields[name], value) for name, value in field_values]
+        conditions = ", ".join(sorted(condition_texts))
         subject = frame.inside(
-            key=("combination", values),
+            key=("combination", conditions),
             place=("combinations", combination.name),
-            description=f"the combination of {values} in {frame.description}",
+            description=f"the combination of {conditions} in {frame.description}",
         )
-        yield subject.existence(Sort.VERDICT, combination.makes_position.value, "makes_position")
+        yield subject.existence_fact(Sort.VERDICT, combination.makes_position.value, "makes_position")
         yield from subject.stated_facts(combination)
 
 
-def _condition(field: PlacedField, value: int) -> str:
+def _condition_text(field: PlacedField, value: int) -> str:
     """Return the bits of a field, and their value in a combination."""
     is_active_low = isinstance(field.field.kind, Flag) and field.field.kind.active_low
     bit_value = 1 - value if is_active_low else value
     return f"{bits(field.high, field.low)} = {bit_value}"
 
 
-def _of_interface(reading: Reading, interface: Interface) -> Iterator[Fact]:
+def _interface_facts(reading: Reading, interface: Interface) -> Iterator[Fact]:
     """Yield the facts about an interface other than its frames."""
     place: Path = ("interfaces", interface.name)
     whole = Subject(
@@ -234,11 +245,11 @@ def _of_interface(reading: Reading, interface: Interface) -> Iterator[Fact]:
         place=place,
         description=interface.short,
         interface=interface.name,
-        under=(),
+        depends_on=(),
         joint=" over ",
     )
     yield from whole.stated_facts(interface)
-    for name, joint in _PARTS.items():
+    for name, joint in _JOINT_BY_PART.items():
         part = getattr(interface, name, None)
         if part:
             yield from replace(whole, key=(name, interface.name), place=(*place, name), joint=joint).stated_facts(part)
@@ -246,12 +257,12 @@ def _of_interface(reading: Reading, interface: Interface) -> Iterator[Fact]:
         case Ssi():
             yield from _cable_clocks(interface)
         case Biss():
-            yield from _biss(reading, interface)
+            yield from _biss_facts(reading, interface)
         case Rs485():
-            yield from _rs485(reading, interface)
-            yield from _exchanges(interface)
+            yield from _rs485_facts(reading, interface)
+            yield from _exchange_facts(interface)
         case Spi():
-            yield from _exchanges(interface)
+            yield from _exchange_facts(interface)
 
 
 def _cable_clocks(interface: Ssi) -> Iterator[Fact]:
@@ -266,7 +277,7 @@ def _cable_clocks(interface: Ssi) -> Iterator[Fact]:
         )
 
 
-def _biss(reading: Reading, interface: Biss) -> Iterator[Fact]:
+def _biss_facts(reading: Reading, interface: Biss) -> Iterator[Fact]:
     """Yield the printed time-outs, and the fields of the control frame."""
     printed_timeouts = interface.timeout.printed if interface.timeout is not None else ()
     for index, printed in enumerate(printed_timeouts):
@@ -279,32 +290,34 @@ def _biss(reading: Reading, interface: Biss) -> Iterator[Fact]:
         )
     offset = 0
     for control_field in interface.control_data:
-        yield from _control(reading, control_field, offset)
+        yield from _control_field_facts(reading, control_field, offset)
         offset += control_field.bits
 
 
-def _control(reading: Reading, control_field: ControlField, offset: int) -> Iterator[Fact]:
+def _control_field_facts(reading: Reading, control_field: ControlField, offset: int) -> Iterator[Fact]:
     """Yield the facts of a field of the control frame, starting at a bit of the frame."""
     place: Path = ("interfaces", "biss", "control_data", "fields", control_field.name)
-    subject = Subject(reading, ("control", offset), place, f"field of the control frame from bit {offset + 1}")
-    yield from subject.present(Sort.POSITION, control_field, f"{control_field.bits} bits")
+    subject = Subject(
+        reading, key=("control", offset), place=place, description=f"field of the control frame from bit {offset + 1}"
+    )
+    yield from subject.all_facts(Sort.POSITION, control_field, f"{control_field.bits} bits")
     for named_value in control_field.values:
         description = f"value {in_hex(named_value.value)} of {subject.description}"
         value_subject = subject.inside(("value", named_value.value), ("values", named_value.name), description)
-        yield from value_subject.present(Sort.VALUE, named_value, "named")
+        yield from value_subject.all_facts(Sort.VALUE, named_value, "named")
     if control_field.crc:
         crc_subject = subject.inside(("crc",), (), "the control frame's CRC over BiSS")
         crc_subject = replace(crc_subject, place=("crcs", control_field.crc))
         yield from crc_subject.stated_facts(reading.device.crc(control_field.crc))
 
 
-def _rs485(reading: Reading, interface: Rs485) -> Iterator[Fact]:
+def _rs485_facts(reading: Reading, interface: Rs485) -> Iterator[Fact]:
     """Yield the data IDs, and the replies to accesses of the memory."""
     place: Path = ("interfaces", interface.name)
     for data_id in interface.data_ids:
         id_place = (*place, "data_ids", data_id.name)
-        subject = Subject(reading, ("data id", data_id.id), id_place, f"data ID {data_id.id:X}")
-        yield from subject.present(Sort.VALUE, data_id, f"control field {in_hex(data_id.control)}", at="control")
+        subject = Subject(reading, key=("data id", data_id.id), place=id_place, description=f"data ID {data_id.id:X}")
+        yield from subject.all_facts(Sort.VALUE, data_id, f"control field {in_hex(data_id.control)}", at="control")
     for index, access in enumerate(interface.memory_access):
         yield Fact(
             sort=Sort.SETTING,
@@ -315,7 +328,7 @@ def _rs485(reading: Reading, interface: Rs485) -> Iterator[Fact]:
         )
 
 
-def _exchanges(interface: Rs485 | Spi) -> Iterator[Fact]:
+def _exchange_facts(interface: Rs485 | Spi) -> Iterator[Fact]:
     """Yield the exchanges, which are identified by the constants of their requests."""
     constants_by_frame = _exchange_constants(interface)
     for index, exchange in enumerate(interface.exchanges):
@@ -337,13 +350,24 @@ def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) ->
     """Yield timings, identified by their printed symbols, or by their numbers if they have none."""
     interface_text = f" over {interface_label(interface)}" if interface else ""
     for timing in printed_timings:
-        bounds = {name: getattr(timing, name) for name in ("at_least_us", "typical_us", "at_most_us")}
-        times = {name: f"{value} µs" for name, value in bounds.items() if value is not None}
+        times: dict[str, str] = {}
+        for bound in ("at_least_us", "typical_us", "at_most_us"):
+            microseconds = getattr(timing, bound)
+            if microseconds is not None:
+                times[bound] = f"{microseconds} µs"
         place = (*owner, timing.name)
         if not timing.symbol:
-            text = ", ".join(f"{name.removesuffix('_us').replace('_', ' ')} {value}" for name, value in times.items())
+            bound_words = {bound: bound.removesuffix("_us").replace("_", " ") for bound in times}
+            text = ", ".join(f"{bound_words[bound]} {time}" for bound, time in times.items())
             key: Key = ("time", interface, text)
-            yield Fact(Sort.TIME, key, text, f"a time{interface_text}", place, name=timing.name)
+            yield Fact(
+                sort=Sort.TIME,
+                key=key,
+                value=text,
+                description=f"a time{interface_text}",
+                place=place,
+                name=timing.name,
+            )
             continue
         symbol = plain(timing.symbol).replace(" ", "")
         for name, value in times.items():

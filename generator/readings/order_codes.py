@@ -15,26 +15,44 @@ from .stated import Subject
 
 def add_codes(reading: Reading, facts: Facts) -> None:
     """Add facts about order codes, their parameters in registers, and the measurement of the position."""
-    facts.add(_codes(reading))
-    facts.add(_spellings(reading))
-    facts.add(_supplies(reading))
-    facts.add(_parameters(reading))
+    facts.add(_order_code_facts(reading))
+    facts.add(_spelling_facts(reading))
+    facts.add(_supply_facts(reading))
+    facts.add(_parameter_facts(reading))
     _add_alternatives(reading, facts)
     for parameter in reading.device.run_time_parameters:
         facts.add(_held_parameter_facts(reading, parameter))
     for interface in reading.device.interfaces:
         facts.add(_measurement_facts(reading, interface))
     movement = reading.device.movement
-    facts.add(iter((Fact(Sort.MEASUREMENT, ("movement",), movement, "movement", ("movement",)),)))
+    facts.add(
+        iter(
+            (
+                Fact(
+                    sort=Sort.MEASUREMENT,
+                    key=("movement",),
+                    value=movement,
+                    description="movement",
+                    place=("movement",),
+                ),
+            )
+        )
+    )
     facts.derived[Sort.LIMIT] += len(reading.device.definitions)
 
 
-def _codes(reading: Reading) -> Iterator[Fact]:
+def _order_code_facts(reading: Reading) -> Iterator[Fact]:
     """Yield the order codes, and the values that the manual leaves open."""
     place: Path = ("order_code", "parts")
     for variant in reading.device.variants:
         description = f"interface of the order code {variant.code}"
-        yield Fact(Sort.ORDER_CODE, ("code", variant.code), variant.interface, description, place)
+        yield Fact(
+            sort=Sort.ORDER_CODE,
+            key=("code", variant.code),
+            value=variant.interface,
+            description=description,
+            place=place,
+        )
     for part in reading.device.order_code.parts:
         if not part.open:
             continue
@@ -50,7 +68,7 @@ def _codes(reading: Reading) -> Iterator[Fact]:
         )
 
 
-def _supplies(reading: Reading) -> Iterator[Fact]:
+def _supply_facts(reading: Reading) -> Iterator[Fact]:
     """Yield the supply of each order code."""
     supplies: dict[Case, str] = {}
     for variant in reading.device.variants:
@@ -59,11 +77,15 @@ def _supplies(reading: Reading) -> Iterator[Fact]:
             supplies[Case(variant.code, FACTORY_DEFAULTS)] = f"{supply.min_mv} to {supply.max_mv} mV"
     if supplies:
         yield Fact(
-            Sort.SUPPLY, ("supply",), supplies, "supply", reading.first_existing(("supply",), ("order_code", "parts"))
+            sort=Sort.SUPPLY,
+            key=("supply",),
+            value=supplies,
+            description="supply",
+            place=reading.first_existing(("supply",), ("order_code", "parts")),
         )
 
 
-def _parameters(reading: Reading) -> Iterator[Fact]:
+def _parameter_facts(reading: Reading) -> Iterator[Fact]:
     """Yield each parameter for each order code. Readers choose their parameters, but one name has one meaning."""
     for parameter in reading.device.parameters:
         values: dict[Case, str] = {}
@@ -72,8 +94,10 @@ def _parameters(reading: Reading) -> Iterator[Fact]:
                 if parameter.name in parameters:
                     values[case] = short(parameters[parameter.name])
         place = ("parameters", parameter.name)
-        subject = Subject(reading, ("parameter", parameter.name), place, f"the parameter '{parameter.name}'")
-        yield replace(subject.existence(Sort.ORDER_CODE, values), mild=True)
+        subject = Subject(
+            reading, key=("parameter", parameter.name), place=place, description=f"the parameter '{parameter.name}'"
+        )
+        yield replace(subject.existence_fact(Sort.ORDER_CODE, values), may_be_missing=True)
         yield from subject.stated_facts(parameter)
 
 
@@ -82,24 +106,36 @@ def _add_alternatives(reading: Reading, facts: Facts) -> None:
     for number, alternative in enumerate(reading.device.alternatives, 1):
         place: Path = ("alternatives", alternative.name)
         description = f"name of alternative {number}"
-        facts.call(("alternative",), Fact(Sort.ORDER_CODE, (number,), alternative.name, description, (*place, "name")))
+        facts.add_name(
+            ("alternative",),
+            Fact(
+                sort=Sort.ORDER_CODE,
+                key=(number,),
+                value=alternative.name,
+                description=description,
+                place=(*place, "name"),
+            ),
+        )
         for index, answer in enumerate(alternative.answers, 1):
             description, path = f"name of answer {index} of alternative {number}", (*place, "values", answer.name)
-            facts.call(("answer", number), Fact(Sort.ORDER_CODE, (index,), answer.name, description, path))
+            facts.add_name(
+                ("answer", number),
+                Fact(sort=Sort.ORDER_CODE, key=(index,), value=answer.name, description=description, place=path),
+            )
 
 
-def _spellings(reading: Reading) -> Iterator[Fact]:
+def _spelling_facts(reading: Reading) -> Iterator[Fact]:
     """Yield labels in alternative spellings, with their suffix."""
     for index, spelling in enumerate(reading.device.order_code.also_written):
         place: Path = ("order_code", "also_written", index)
         for variant in reading.device.variants:
-            label = _label_in(spelling, variant, reading.device.order_code.parts)
+            label = _label_with_spelling(spelling, variant, reading.device.order_code.parts)
             if label is not None:
                 key = ("label", label, spelling.then)
-                yield Fact(Sort.ORDER_CODE, key, variant.code, f"label {label}", place)
+                yield Fact(sort=Sort.ORDER_CODE, key=key, value=variant.code, description=f"label {label}", place=place)
 
 
-def _label_in(spelling: Spelling, variant: Variant, parts: Iterable[CodePart]) -> str | None:
+def _label_with_spelling(spelling: Spelling, variant: Variant, parts: Iterable[CodePart]) -> str | None:
     """Return the label of an order code in an alternative spelling, or None if the spelling lacks one of its values."""
     label = spelling.pattern
     for part in parts:
@@ -124,7 +160,7 @@ def _held_parameter_facts(reading: Reading, parameter: Parameter) -> Iterator[Fa
                 value=short(bound),
                 description=f"{name}imum held in {bits_text}",
                 place=("parameters", parameter.name, name),
-                under=reading.key_of(register) if register is not None else (),
+                depends_on=reading.key_of(register) if register is not None else (),
             )
 
 
@@ -144,9 +180,9 @@ def _measurement_facts(reading: Reading, interface: Interface) -> Iterator[Fact]
         interface=interface.name,
         joint=" of the ",
     )
-    yield from subject.present(Sort.MEASUREMENT, measurement)
+    yield from subject.all_facts(Sort.MEASUREMENT, measurement)
     for layout in interface.layouts:
-        yield from _range_of(subject, interface, layout)
+        yield from _range_facts(subject, interface, layout)
         position_bits: dict[Case, str] = {}
         for case, parameters in reading.cases(interface.name).items():
             low, width = layout.place(parameters).place_of(measurement.of)
@@ -155,15 +191,22 @@ def _measurement_facts(reading: Reading, interface: Interface) -> Iterator[Fact]
         if position_bits:
             key = (*subject.key, "of", layout.sender, *layout.selects)
             description = f"measured bits of '{layout.name}'"
-            yield Fact(Sort.MEASUREMENT, key, position_bits, description, (*place, "of"), under=subject.key)
+            yield Fact(
+                sort=Sort.MEASUREMENT,
+                key=key,
+                value=position_bits,
+                description=description,
+                place=(*place, "of"),
+                depends_on=subject.key,
+            )
 
 
-def _range_of(measured: Subject, interface: Interface, layout: Layout) -> Iterator[Fact]:
+def _range_facts(measured: Subject, interface: Interface, layout: Layout) -> Iterator[Fact]:
     """Yield the facts about the range that a layout has for itself."""
     if layout.position_range is None:
         return
     place: Path = ("interfaces", interface.name, "layouts", layout.name, "position_range")
     key = (*measured.key, "range", layout.sender, *layout.selects)
     description = f"position range of '{layout.name}'"
-    subject = replace(measured, key=key, place=place, description=description, under=measured.key)
-    yield from subject.present(Sort.MEASUREMENT, layout.position_range)
+    subject = replace(measured, key=key, place=place, description=description, depends_on=measured.key)
+    yield from subject.all_facts(Sort.MEASUREMENT, layout.position_range)

@@ -88,10 +88,10 @@ Value = str | Mapping[Case, str]
 class Fact:
     """A fact. ``description`` is its name in messages, ``place`` its place in the spec.
 
-    ``under`` is the key of the fact that this one depends on, such as the register of a default. A ``mild`` fact may be
-    missing from the other reading, such as a printed name in another language. ``name`` is the reader's name of the
-    item whose first fact this is. An ``implied`` fact follows from another one. If one reader still states it, the
-    other must, too.
+    ``depends_on`` is the key of the fact that this one depends on, such as the register of a default. A fact that
+    ``may_be_missing`` from the other reading is, for example, a printed name in another language. ``name`` is the
+    reader's name of the item whose first fact this is. A fact that ``is_implied`` follows from another one. If one
+    reader still states it, the other must, too.
     """
 
     sort: Sort
@@ -99,10 +99,10 @@ class Fact:
     value: Value
     description: str
     place: Path
-    under: Key = ()
-    mild: bool = False
+    depends_on: Key = ()
+    may_be_missing: bool = False
     name: str = ""
-    implied: bool = False
+    is_implied: bool = False
 
 
 #: Facts about the names that a reader gives to items of one kind.
@@ -142,8 +142,10 @@ class Word:
     @property
     def everywhere(self) -> WordCase | None:
         """The word if it is the same in every case, so that it can be compared independently of the order codes."""
-        distinct = {id(placed): placed for placed in self.cases.values()}
-        return next(iter(distinct.values())) if len(distinct) == 1 else None
+        distinct_words = {id(word_case): word_case for word_case in self.cases.values()}
+        if len(distinct_words) > 1:
+            return None
+        return next(iter(distinct_words.values()), None)
 
 
 @dataclasses.dataclass(slots=True)
@@ -166,22 +168,23 @@ class Facts:
     def add(self, facts: Iterator[Fact]) -> None:
         """Add facts. A repeated key gets the next number of its kind."""
         for fact in facts:
-            key, count = fact.key, 1
+            key, number = fact.key, 1
             while key in self.facts:
-                count += 1
-                key = (*fact.key, count)
+                number += 1
+                key = (*fact.key, number)
             self.facts[key] = fact
             if fact.name:
-                self._add_name(key, fact)
+                self._add_name_of(key, fact)
 
-    def _add_name(self, key: Key, fact: Fact) -> None:
+    def _add_name_of(self, key: Key, fact: Fact) -> None:
         """Add the reader's name of the item whose first fact this is."""
         kind = key[:2] if key[0] in _BY_INTERFACE else key[:1]
         item_place = fact.place[: fact.place.index(fact.name) + 1]
         description = f"name of {fact.description}"
-        self.call(kind, Fact(fact.sort, key, fact.name, description, place=(*item_place, "name")))
+        name_fact = Fact(sort=fact.sort, key=key, value=fact.name, description=description, place=(*item_place, "name"))
+        self.add_name(kind, name_fact)
 
-    def call(self, kind: Key, name: Fact) -> None:
+    def add_name(self, kind: Key, name: Fact) -> None:
         """Add the name of an item."""
         self.names.setdefault(kind, {}).setdefault(name.key, name)
 
@@ -191,21 +194,21 @@ _BY_INTERFACE = frozenset(("connector", "frame", "procedure", "register", "time"
 
 
 #: Share of equal names from which the second reading is assumed to use the names of the spec.
-_SETTLED = 0.9
+_SHARE_OF_EQUAL_NAMES = 0.9
 
 
-def are_settled(spec: Facts, second: Facts) -> bool:
-    """Return True if the second reading uses the names of the spec, so that any different name is a mistake."""
-    count, equal_count = 0, 0
-    for own_names, other_names in _common_names(spec, second):
-        for key in own_names.keys() & other_names.keys():
-            count += 1
-            if own_names[key].value == other_names[key].value:
+def use_same_names(spec: Facts, second: Facts) -> bool:
+    """Return whether the second reading uses the names of the spec, so that any different name is a mistake."""
+    compared_count, equal_count = 0, 0
+    for spec_names, second_names in _name_maps_of_both(spec, second):
+        for key in spec_names.keys() & second_names.keys():
+            compared_count += 1
+            if spec_names[key].value == second_names[key].value:
                 equal_count += 1
-    return equal_count >= _SETTLED * count
+    return equal_count >= _SHARE_OF_EQUAL_NAMES * compared_count
 
 
-def _common_names(spec: Facts, second: Facts) -> Iterator[tuple[Names, Names]]:
+def _name_maps_of_both(spec: Facts, second: Facts) -> Iterator[tuple[Names, Names]]:
     """Yield the names of each kind that both readings have, those of fields for the first case of each word."""
     yield from _names_by_kind(spec.names, second.names)
     for key in spec.words.keys() & second.words.keys():
@@ -221,41 +224,44 @@ def _names_by_kind(spec: Mapping[Key, Names], second: Mapping[Key, Names]) -> It
         yield spec[kind], second[kind]
 
 
-def mistaken_pairs(own_names: Names, other_names: Names, settled: bool) -> Iterator[tuple[Fact, Fact]]:
+def mistaken_pairs(spec_names: Names, second_names: Names, *, must_be_equal: bool) -> Iterator[tuple[Fact, Fact]]:
     """Yield pairs of different names of one item if one must be a mistake.
 
-    This is the case if the other reader uses the name for another item, if the two differ in one letter, or if all
-    names are ``settled``.
+    This is the case if the second reader uses the name for another item, if the two differ in one letter, or if all
+    names ``must_be_equal``.
     """
-    used_names = {name.value for name in other_names.values()}
-    for key, own_name in own_names.items():
-        other_name = other_names.get(key)
-        if other_name is None or other_name.value == own_name.value:
+    all_second_names = {second_name.value for second_name in second_names.values()}
+    for key, spec_name in spec_names.items():
+        second_name = second_names.get(key)
+        if second_name is None or second_name.value == spec_name.value:
             continue
-        if settled or own_name.value in used_names or _is_misspelling(str(own_name.value), str(other_name.value)):
-            yield own_name, other_name
+        is_used_for_other_item = spec_name.value in all_second_names
+        is_misspelling = _differ_in_one_letter(str(spec_name.value), str(second_name.value))
+        if must_be_equal or is_used_for_other_item or is_misspelling:
+            yield spec_name, second_name
 
 
-def _is_misspelling(name: str, other_name: str) -> bool:
-    """Return True if two different names differ by one extra, missing or wrong letter, or two swapped ones."""
-    short, long = sorted((name, other_name), key=len)
-    if len(short) < len(long):
-        return any(long[:index] + long[index + 1 :] == short for index in range(len(long)))
-    differing = [index for index in range(len(name)) if name[index] != other_name[index]]
-    first, end = differing[0], differing[-1] + 1
-    is_one_letter = end - first == 1
-    are_swapped = end - first == 2 and name[first:end] == other_name[first:end][::-1]
-    return is_one_letter or are_swapped
+def _differ_in_one_letter(name: str, other_name: str) -> bool:
+    """Return whether two different names differ by one extra, missing or wrong letter, or two swapped ones."""
+    shorter, longer = sorted((name, other_name), key=len)
+    if len(shorter) < len(longer):
+        return any(longer[:index] + longer[index + 1 :] == shorter for index in range(len(longer)))
+    differing_indices = [index for index in range(len(name)) if name[index] != other_name[index]]
+    first, end = differing_indices[0], differing_indices[-1] + 1
+    is_one_wrong_letter = end - first == 1
+    are_two_swapped = end - first == 2 and name[first:end] == other_name[first:end][::-1]
+    return is_one_wrong_letter or are_two_swapped
 
 
 Parameters = Mapping[str, int]
 
+#: Between alternative names in one language.
 _OR = " | "
-_BREAKS = re.compile(r"[\W_]+")
+_PUNCTUATION = re.compile(r"[\W_]+")
 #: Prefix of the names of fields that the build adds for zero bits.
-_ZEROS = "zero"
+_PREFIX_OF_ZERO_BITS = "zero"
 #: Smallest number shown in hexadecimal.
-_LONG = 10_000
+_LEAST_IN_HEX = 10_000
 
 
 @dataclass(frozen=True)
@@ -276,16 +282,16 @@ class Reading:
     @cached_property
     def _cases(self) -> Mapping[str, Mapping[Case, Parameters]]:
         interfaces = {variant.interface for variant in self.device.variants}
-        changes = {interface: list(self._changed_parameters(interface)) for interface in interfaces}
+        states_by_interface = {interface: list(self._states_to_compare(interface)) for interface in interfaces}
         cases_by_interface: dict[str, dict[Case, Parameters]] = {interface: {} for interface in interfaces}
         for variant in self.device.variants:
             cases = cases_by_interface[variant.interface]
             cases[Case(variant.code, FACTORY_DEFAULTS)] = variant.parameters
-            for state, changed in changes[variant.interface]:
-                cases[Case(variant.code, state)] = with_changed(self.device, variant, changed)
+            for state, changed_parameters in states_by_interface[variant.interface]:
+                cases[Case(variant.code, state)] = with_changed(self.device, variant, changed_parameters)
         return cases_by_interface
 
-    def _changed_parameters(self, interface: str) -> Iterator[tuple[str, Parameters]]:
+    def _states_to_compare(self, interface: str) -> Iterator[tuple[str, Parameters]]:
         """Yield the states of an encoder with this interface other than the factory defaults, and what each changes."""
         for parameter in self.device.run_time_parameters:
             # A parameter without an interface is the same over all of them.
@@ -309,8 +315,11 @@ class Reading:
     def state(self, path: str, name: str) -> str:
         """Return the condition that ``register.field`` has the value ``name``, in words without names."""
         _, field = self._field_at(path)
-        numbers = {value.name: in_hex(value.value) for value in field.values} if field is not None else {}
-        return f"{self.bits_at(path)} is {numbers.get(name, name)}"
+        number_text = name
+        for named_value in field.values if field is not None else ():
+            if named_value.name == name:
+                number_text = in_hex(named_value.value)
+        return f"{self.bits_at(path)} is {number_text}"
 
     def _field_at(self, path: str) -> tuple[Register | None, Field | None]:
         """Return the register and the field of ``register.field``, each None if there is no such one."""
@@ -323,52 +332,63 @@ class Reading:
 
     def bits_of(self, interface: str, field: Field) -> str:
         """Return text such as ``bits 7:4`` for a field of a register or frame, for the first order code."""
-        parameters = self._first_of(interface)
+        parameters = self._parameters_of_first_code(interface)
         low, width = field.low.value(parameters), field.width.value(parameters)
         return bits(low + width - 1, low)
 
-    def _first_of(self, interface: str) -> Parameters:
+    def _parameters_of_first_code(self, interface: str) -> Parameters:
         """Return the parameters of the first order code of an interface by name, as readers list codes differently."""
-        codes = (variant for variant in self.device.variants if variant.interface == interface)
-        first_variant = min(codes, key=lambda variant: variant.code, default=None)
+        variants = [variant for variant in self.device.variants if variant.interface == interface]
+        first_variant = min(variants, key=lambda variant: variant.code, default=None)
         return first_variant.parameters if first_variant is not None else {}
 
     def register(self, name: str) -> Register | None:
-        return next((candidate for candidate in self.device.registers if candidate.name == name), None)
+        for register in self.device.registers:
+            if register.name == name:
+                return register
+        return None
 
     def field_place(self, owner: Path, field: Field) -> Path:
         """Return the place of a field in the spec: in its group, in the layout, or at another key of the layout."""
         if field.group:
             owner = ("field_groups", field.group)
         own_place: Path = (*owner, "fields", field.padding_of or field.name)
-        if field.name.startswith(_ZEROS) and not self.document.has(own_place):
+        if field.name.startswith(_PREFIX_OF_ZERO_BITS) and not self.document.has(own_place):
             return (*owner, "other_bits")
         return self.first_existing(own_place, owner)
 
     def bits_in_frames(self, interface: str, layout: Layout, field: Field) -> Iterator[str]:
         """Yield a bit of each frame with a layout, in words without names, for the first order code."""
-        frame = f"bit {field.low.value(self._first_of(interface))} of the {layout.sender}'s frame"
-        yield from (f"{frame} with {in_hex(value)}" for value in layout.selects)
+        low_bit = field.low.value(self._parameters_of_first_code(interface))
+        bit_text = f"bit {low_bit} of the {layout.sender}'s frame"
         if not layout.selects:
-            yield frame
+            yield bit_text
+        for selector_value in layout.selects:
+            yield f"{bit_text} with {in_hex(selector_value)}"
 
     def printed_names(self, part: Any) -> Mapping[str, str]:
         """Return the names of an item as printed, by language. Several in one language are alternatives."""
-        texts_by_language = {language: [plain(text)] for language, text in getattr(part, "names", {}).items()}
-        if name := getattr(part, "printed_name", ""):
-            texts_by_language.setdefault(self.device.manual.language, []).append(plain(name))
-        return {language: _OR.join(texts) for language, texts in texts_by_language.items()}
+        translations: Mapping[str, str] = getattr(part, "names", {})
+        names_by_language = {language: [plain(name)] for language, name in translations.items()}
+        printed_name = getattr(part, "printed_name", "")
+        if printed_name:
+            names_by_language.setdefault(self.device.manual.language, []).append(plain(printed_name))
+        return {language: _OR.join(names) for language, names in names_by_language.items()}
 
-    def first_existing(self, *paths: Path) -> Path:
+    def first_existing(self, *places: Path) -> Path:
         """Return the first of these places that exists in the file, otherwise the last."""
-        return next((path for path in paths if self.document.has(path)), paths[-1])
+        for place in places:
+            if self.document.has(place):
+                return place
+        return places[-1]
 
     def key_of(self, register: Register) -> Key:
         """Return the key of a register: interface, bank, address, and readability if several share the address."""
         bank = -1 if register.bank is None else register.bank
         key = ("register", register.interface, bank, register.address)
-        addresses = [(peer.interface, peer.bank, peer.address) for peer in self.device.registers]
-        if addresses.count((register.interface, register.bank, register.address)) < 2:
+        all_addresses = [(other.interface, other.bank, other.address) for other in self.device.registers]
+        is_address_shared = all_addresses.count((register.interface, register.bank, register.address)) > 1
+        if not is_address_shared:
             return key
         return (*key, "read" if register.readable else "write")
 
@@ -391,7 +411,7 @@ def in_hex(value: int) -> str:
 
 def short(value: int) -> str:
     """Return a number in the notation for counts."""
-    return str(value) if value < _LONG else f"0x{value:X}"
+    return str(value) if value < _LEAST_IN_HEX else f"0x{value:X}"
 
 
 def as_delivered(register: Register) -> int | None:
@@ -400,10 +420,10 @@ def as_delivered(register: Register) -> int | None:
         return register.default
     default = 0
     for field in register.layout.fields:
-        value = _documented_number(field)
-        if value is None or not field.carries_data or not field.low.is_constant:
+        documented_number = _documented_number(field)
+        if documented_number is None or not field.carries_data or not field.low.is_constant:
             return None
-        default |= value << field.low.constant
+        default |= documented_number << field.low.constant
     return default
 
 
@@ -417,11 +437,13 @@ def _documented_number(field: Field) -> int | None:
     return value
 
 
-def same_name(texts: str, other_texts: str) -> bool:
-    """Return True if two readers have a printed name in common. Alternatives are as from ``printed_names``."""
-    return not set(texts.split(_OR)).isdisjoint(other_texts.split(_OR))
+def same_name(names: str, other_names: str) -> bool:
+    """Return whether two readers have a printed name in common. Alternatives are as from ``printed_names``."""
+    common_names = set(names.split(_OR)) & set(other_names.split(_OR))
+    return bool(common_names)
 
 
 def plain(text: str) -> str:
     """Return text without the differences between readers: capitals and punctuation."""
-    return _BREAKS.sub(" ", text).strip().casefold() or text
+    without_punctuation = _PUNCTUATION.sub(" ", text).strip()
+    return without_punctuation.casefold() or text

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import astuple
 from decimal import Decimal
 from functools import cached_property
 from pathlib import Path as File
@@ -19,7 +18,8 @@ from ..loading.overlays import Family
 from ..model import Manufacturer, TimesRead
 from ..model.record import dataclass
 from . import interfaces, order_codes, stated, surroundings, texts
-from .compare import Comparison, Disagreement, Read, compare
+from .compare import compare
+from .comparison import Comparison, Disagreement, Read
 from .reading import NOTHING, Facts, Reading, Sort
 from .related import Related, related
 
@@ -57,9 +57,15 @@ class Coverage:
         return {sort: self._count(sort) for sort in Sort}
 
     def _count(self, sort: Sort) -> TimesRead:
-        readings = [read for (counted_sort, _), read in self.outcome.read.items() if counted_sort is sort]
-        twice, explained, decided, once = map(readings.count, (Read.TWICE, Read.EXPLAINED, Read.DECIDED, Read.ONCE))
-        return TimesRead(twice, explained, decided, once, self.derived.get(sort, 0))
+        all_reads = self.outcome.read_by_place.items()
+        reads_of_sort = [read for (read_sort, _), read in all_reads if read_sort is sort]
+        return TimesRead(
+            twice=reads_of_sort.count(Read.TWICE),
+            explained=reads_of_sort.count(Read.EXPLAINED),
+            decided=reads_of_sort.count(Read.DECIDED),
+            once=reads_of_sort.count(Read.ONCE),
+            derived=self.derived.get(sort, 0),
+        )
 
     @property
     def total(self) -> TimesRead:
@@ -69,27 +75,38 @@ class Coverage:
     @cached_property
     def once(self) -> Sequence[tuple[Sort, Path]]:
         """Facts that were read once, in the order of the file."""
-        read_once = [key for key, read in self.outcome.read.items() if read is Read.ONCE]
-        return sorted(read_once, key=lambda key: (self.spec.position(key[1]), key[0].value))
+        facts_read_once = [fact for fact, read in self.outcome.read_by_place.items() if read is Read.ONCE]
+        return sorted(facts_read_once, key=self._order_in_file)
+
+    def _order_in_file(self, fact: tuple[Sort, Path]) -> tuple[tuple[int, int], str]:
+        sort, place = fact
+        return self.spec.position(place), sort.value
 
     @property
     def lacking(self) -> list[tuple[Sort, Path]]:
         """Facts that must be read twice but were read once."""
-        return [key for key in self.once if key[0].is_needed]
+        return [(sort, place) for sort, place in self.once if sort.is_needed]
 
 
 def added(counts: Iterable[TimesRead]) -> TimesRead:
     """Return the sum of several counts."""
-    return TimesRead(*map(sum, zip(*map(astuple, (TimesRead(0, 0, 0, 0, 0), *counts)), strict=True)))
+    all_counts = list(counts)
+    return TimesRead(
+        twice=sum(count.twice for count in all_counts),
+        explained=sum(count.explained for count in all_counts),
+        decided=sum(count.decided for count in all_counts),
+        once=sum(count.once for count in all_counts),
+        derived=sum(count.derived for count in all_counts),
+    )
 
 
 RULE = "readings-disagree"
 #: A number, and a value with its unit.
 _NUMBER = re.compile(r"(?<![\w.,])\d+(?:,\d{3})*(?:\.\d+)?(?![\d,.]*\d)")
 _QUANTITY = re.compile(rf"({_NUMBER.pattern}) ([µmn]?s|[kM]?Hz|m?V)(?!\w)")
-_MEND = "check the manual; if it prints both, add an erratum with both under 'readings'"
+_ADVICE = "check the manual; if it prints both, add an erratum with both under 'readings'"
 
-_MEND_TEXT = "remove entries for texts that the spec no longer has"
+_ADVICE_ON_TEXT = "remove entries for texts that the spec no longer has"
 
 
 @dataclass(frozen=True)
@@ -116,8 +133,9 @@ def second_of(document: Document, manufacturer: Manufacturer, report: Report) ->
     problems_before = len(report)
     data = check_second(document, report)
     device = build_device(data, manufacturer, report.for_document(document)) if data is not None else None
-    is_valid = device is not None and len(report) == problems_before
-    return SecondReading(document, facts_of(Reading(device, document)) if device is not None and is_valid else None)
+    if device is None or len(report) != problems_before:
+        return SecondReading(document, facts=None)
+    return SecondReading(document, facts_of(Reading(device, document)))
 
 
 def comparable_specs(families: Iterable[Family], report: Report) -> frozenset[str]:
@@ -153,106 +171,146 @@ def explain(spec: Document, second: Document, outcome: Comparison, report: Repor
 
     An erratum that affects the place of a disagreement explains it by exactly its two values.
     """
-    explanations, used = list(_explanations(spec)), set[Path]()
+    explanations = list(_explanations(spec))
+    used_explanations: set[Path] = set()
     unexplained: list[Disagreement] = []
     for disagreement in outcome.disagreements:
-        place, values = disagreement.place or disagreement.near, (disagreement.other, disagreement.used)
-        matching = [explanation for explanation in explanations if explanation[2:] == values]
-        explaining = {erratum_path for erratum_path, affected, *_ in matching if _touches_any(affected, place)}
-        used |= explaining
-        if explaining:
-            outcome.read[disagreement.sort, disagreement.place or ("second", *disagreement.second)] = Read.EXPLAINED
-        else:
+        matching = [explanation for explanation in explanations if explanation.explains(disagreement)]
+        if not matching:
             unexplained.append(disagreement)
+            continue
+        used_explanations.update(explanation.place for explanation in matching)
+        counted_place = disagreement.spec_place or ("second", *disagreement.second_place)
+        outcome.read_by_place[disagreement.sort, counted_place] = Read.EXPLAINED
     for disagreements in related(unexplained):
         _report_disagreements(disagreements, spec, second, report)
-    _check_explanations(explanations, used, spec, report)
+    for explanation in explanations:
+        _check_explanation(explanation, spec, report, is_used=explanation.place in used_explanations)
 
 
-def _touches_any(affected: Sequence[str], place: Path) -> bool:
-    return any(touches(path, place) for path in affected)
+@dataclass(frozen=True)
+class _Explanation:
+    """Two values of a fact that an erratum explains. ``place`` is that of the pair, ``printed`` the erratum's text."""
+
+    place: Path
+    printed: str
+    affected_paths: Sequence[str]
+    second_value: str
+    spec_value: str
+
+    def explains(self, disagreement: Disagreement) -> bool:
+        """Return whether a disagreement has these two values at an affected place."""
+        if (self.second_value, self.spec_value) != (disagreement.second_value, disagreement.spec_value):
+            return False
+        return any(touches(path, disagreement.spec_place_or_nearest) for path in self.affected_paths)
+
+
+def _explanations(spec: Document) -> Iterator[_Explanation]:
+    """Yield each pair of values that the errata of a spec explain."""
+    for erratum_index, erratum in enumerate(spec.data.get("errata", ())):
+        for pair_index, pair in enumerate(erratum.get("readings", ())):
+            yield _Explanation(
+                place=("errata", erratum_index, "readings", pair_index),
+                printed=erratum["printed"],
+                affected_paths=erratum.get("affects", ()),
+                second_value=pair["second"],
+                spec_value=pair["used"],
+            )
 
 
 def _report_disagreements(disagreements: Related, spec: Document, second: Document, report: Report) -> None:
     """Report disagreements with one cause once: in the spec, or in the second reading if only that has the fact."""
-    first = disagreements.first
-    place = first.place or first.near
+    first = disagreements.first_disagreement
+    spec_place = first.spec_place_or_nearest
     others = _others_text(disagreements, spec, second)
-    mend = _MEND_TEXT if disagreements.is_text_without_spec else _MEND
-    if first.used == NOTHING:
-        values = f"{first.other} here, {first.used} in {_place_text(spec, place)}"
-        report.add(RULE, second, first.second, f"{first.description}: {values}{others}; {mend}")
+    advice = _ADVICE_ON_TEXT if disagreements.is_text_without_spec else _ADVICE
+    if first.spec_value == NOTHING:
+        values = f"{first.second_value} here, {first.spec_value} in {_file_and_line(spec, spec_place)}"
+        report.add(RULE, second, first.second_place, f"{first.description}: {values}{others}; {advice}")
     else:
-        values = f"{first.used} here, {first.other} in {_place_text(second, first.second)}"
-        report.add(RULE, spec, place, f"{first.description}: {values}{others}; {mend}")
+        values = f"{first.spec_value} here, {first.second_value} in {_file_and_line(second, first.second_place)}"
+        report.add(RULE, spec, spec_place, f"{first.description}: {values}{others}; {advice}")
 
 
-def _place_text(document: Document, place: Path) -> str:
-    """Return the file of a place, and its line if the file has the place or one around it."""
-    file = File(document.file).name
-    return f"{file}:{document.position(place)[0]}" if place and document.has(place[:1]) else file
+def _file_and_line(document: Document, place: Path) -> str:
+    """Return the file of a place, and its line if the file has the place or one around it: ``tv62.yaml:127``."""
+    file_name = File(document.file).name
+    if not place or not document.has(place[:1]):
+        return file_name
+    line, _ = document.position(place)
+    return f"{file_name}:{line}"
 
 
 def _others_text(disagreements: Related, spec: Document, second: Document) -> str:
     """Return the number of the other disagreements with the same cause, and their places."""
-    first, others = disagreements.first, disagreements.others
+    first = disagreements.first_disagreement
+    first_places = first.spec_place, first.second_place
     # One contact of both interfaces is one place.
-    others = tuple(other for other in others if (other.place, other.second) != (first.place, first.second))
+    others = [other for other in disagreements.others if (other.spec_place, other.second_place) != first_places]
     if not others:
         return ""
-    in_spec = [disagreement.place or disagreement.near for disagreement in others if disagreement.used != NOTHING]
-    in_second = [disagreement.second for disagreement in others if disagreement.used == NOTHING]
-    lines = dict.fromkeys(str(spec.position(place)[0]) for place in in_spec)
-    places = list(dict.fromkeys(_place_text(second, place) for place in in_second))
-    if lines:
-        places.insert(0, f"{'line' if len(lines) == 1 else 'lines'} {joined_lines(list(lines))}")
+    spec_lines: dict[str, None] = {}
+    places_in_second: dict[str, None] = {}
+    for other in others:
+        if other.spec_value == NOTHING:
+            places_in_second[_file_and_line(second, other.second_place)] = None
+        else:
+            line, _ = spec.position(other.spec_place_or_nearest)
+            spec_lines[str(line)] = None
+    places = list(places_in_second)
+    if spec_lines:
+        noun = "line" if len(spec_lines) == 1 else "lines"
+        places.insert(0, f"{noun} {joined_lines(list(spec_lines))}")
     return f", and {len(others)} more with the same cause in {', '.join(places)}"
 
 
-def _check_explanations(
-    explanations: Sequence[tuple[Path, Sequence[str], str, str]], used: set[Path], spec: Document, report: Report
-) -> None:
-    """Report errata that explain no disagreement, or whose printed text has other values."""
-    for path, _, second_value, used_value in explanations:
-        values = f"{quoted(second_value)} in the second reading and {quoted(used_value)} here"
-        if path not in used:
-            message = f"no fact affected by this erratum is {values}; correct or remove it"
-            report.add("readings-unused", spec, path, message)
-        elif _lacks_number(spec.data["errata"][path[1]]["printed"], second_value):
-            message = f"the printed text has other values than {second_value}, which the second reading has; correct it"
-            report.add("readings-unused", spec, (*path[:2], "printed"), message)
-
-
-def _explanations(spec: Document) -> Iterator[tuple[Path, Sequence[str], str, str]]:
-    """Yield the two values that each erratum of a spec explains, after their place and the affected paths."""
-    for number, erratum in enumerate(spec.data.get("errata", ())):
-        for index, pair in enumerate(erratum.get("readings", ())):
-            yield ("errata", number, "readings", index), erratum.get("affects", ()), pair["second"], pair["used"]
+def _check_explanation(explanation: _Explanation, spec: Document, report: Report, *, is_used: bool) -> None:
+    """Report an erratum that explains no disagreement, or whose printed text has other values."""
+    second_value = explanation.second_value
+    if not is_used:
+        values = f"{quoted(second_value)} in the second reading and {quoted(explanation.spec_value)} here"
+        message = f"no fact affected by this erratum is {values}; correct or remove it"
+        report.add("readings-unused", spec, explanation.place, message)
+    elif _lacks_number(explanation.printed, second_value):
+        message = f"the printed text has other values than {second_value}, which the second reading has; correct it"
+        erratum_place = explanation.place[:2]
+        report.add("readings-unused", spec, (*erratum_place, "printed"), message)
 
 
 def _lacks_number(text: str, value: str) -> bool:
-    """Return True if a value has a unit, and a text has a value with this unit, but the number nowhere."""
+    """Return whether a value has a unit, and a text has a value with this unit, but the number nowhere."""
     quantity = _QUANTITY.fullmatch(value)
-    if quantity is None or quantity[2] not in {unit for _, unit in _QUANTITY.findall(text)}:
+    if quantity is None:
         return False
-    return _number(quantity[1]) not in map(_number, _NUMBER.findall(text))
+    number, unit = quantity.groups()
+    units_in_text = {text_unit for _, text_unit in _QUANTITY.findall(text)}
+    if unit not in units_in_text:
+        return False
+    return _parse_number(number) not in map(_parse_number, _NUMBER.findall(text))
 
 
-def _number(text: str) -> Decimal:
+def _parse_number(text: str) -> Decimal:
+    """Return the number that a text such as ``1,000.5`` stands for."""
     return Decimal(text.replace(",", ""))
 
 
 #: Keys of lists and maps that a path of an erratum omits.
-_LEFT_OUT = frozenset("layouts fields values contacts timings parts steps arguments meanings data_ids".split())
+_KEYS_LEFT_OUT_OF_PATHS = frozenset(
+    "layouts fields values contacts timings parts steps arguments meanings data_ids".split()
+)
 
 
-def touches(affected: str, place: Path) -> bool:
-    """Return True if an erratum that affects a path touches a place: the same one, a parent or a child."""
-    wanted, steps = affected.split("."), list(place)
-    while wanted and steps:
-        step = steps.pop(0)
-        if step == wanted[0]:
-            wanted.pop(0)
-        elif not isinstance(step, int) and step not in _LEFT_OUT:
+def touches(affected_path: str, place: Path) -> bool:
+    """Return whether an erratum that affects a path touches a place: the same one, a parent or a child.
+
+    ``registers.mode`` touches ``("registers", "mode", "fields", "speed")``.
+    """
+    names = affected_path.split(".")
+    for step in place:
+        if not names:
+            break
+        if step == names[0]:
+            names = names[1:]
+        elif not isinstance(step, int) and step not in _KEYS_LEFT_OUT_OF_PATHS:
             return False
     return True

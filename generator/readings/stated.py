@@ -52,18 +52,18 @@ def procedures(reading: Reading) -> Iterator[Fact]:
             place=place,
             name=procedure.name,
         )
-        for detail in (*_arguments(reading, procedure), *_times(reading, procedure)):
+        for detail in (*_argument_limits(reading, procedure), *_waits_and_repetitions(reading, procedure)):
             yield Fact(
                 sort=detail.sort,
                 key=(*key, *detail.key),
                 value=detail.value,
                 description=detail.description,
                 place=(*place, *detail.place),
-                under=key,
+                depends_on=key,
             )
 
 
-def _arguments(reading: Reading, procedure: Procedure) -> Iterator[_Detail]:
+def _argument_limits(reading: Reading, procedure: Procedure) -> Iterator[_Detail]:
     """Yield the registers whose limits apply to the arguments."""
     for number, argument in enumerate(procedure.arguments, 1):
         register = reading.device.register(argument.of)
@@ -80,28 +80,41 @@ def _arguments(reading: Reading, procedure: Procedure) -> Iterator[_Detail]:
         )
 
 
-def _times(reading: Reading, procedure: Procedure) -> Iterator[_Detail]:
+def _waits_and_repetitions(reading: Reading, procedure: Procedure) -> Iterator[_Detail]:
     """Yield the waits, the bits that are read, and the repetitions of requests.
 
     Waits that follow each other are one. Each step other than a wait is identified by its number among these.
     """
-    step_number, waited_us, when = 0, 0, "at its start"
+    step_number, total_wait_us, when = 0, 0, "at its start"
     for index, step in enumerate(procedure.steps):
         place = ("steps", index)
         if isinstance(step, WaitStep):
-            waited_us += step.microseconds
-            following = procedure.steps[index + 1 : index + 2]
-            if not following or not isinstance(following[0], WaitStep):
+            total_wait_us += step.microseconds
+            following_steps = procedure.steps[index + 1 :]
+            is_last_of_waits = not following_steps or not isinstance(following_steps[0], WaitStep)
+            if is_last_of_waits:
                 description = f"wait {when} in the procedure '{procedure.name}'"
-                waited = f"{waited_us // 1000} ms"
-                yield _Detail(Sort.WAIT, ("wait", step_number), (*place, "at_least_ms"), waited, description)
+                wait_text = f"{total_wait_us // 1000} ms"
+                yield _Detail(
+                    sort=Sort.WAIT,
+                    key=("wait", step_number),
+                    place=(*place, "at_least_ms"),
+                    value=wait_text,
+                    description=description,
+                )
             continue
         text = f"'{_step_text(reading, step, procedure)}'"
-        step_number, waited_us, when = step_number + 1, 0, f"after {text}"
+        step_number, total_wait_us, when = step_number + 1, 0, f"after {text}"
         if isinstance(step, ReadStep) and step.field:
-            bits_read = _bits(reading, step.register, step.field)
+            bits_read = _register_and_bits(reading, step.register, step.field)
             description = f"bits used by {text}"
-            yield _Detail(Sort.PROCEDURE, ("bits", step_number), (*place, "field"), bits_read, description)
+            yield _Detail(
+                sort=Sort.PROCEDURE,
+                key=("bits", step_number),
+                place=(*place, "field"),
+                value=bits_read,
+                description=description,
+            )
         if isinstance(step, SendStep):
             yield from _repetitions(step, step_number, place, f"{text} in the procedure '{procedure.name}'")
 
@@ -143,15 +156,15 @@ def _step_text(reading: Reading, step: Step, procedure: Procedure) -> str:
     match step:
         case WriteStep(register, name, value):
             written = reading.device.register(register)
-            text = written.bytes_of(value).hex(" ").upper() if value is not None else _argument(procedure, name)
-            return f"write {_bits(reading, register, '')} = {text}"
+            text = written.bytes_of(value).hex(" ").upper() if value is not None else _argument_text(procedure, name)
+            return f"write {_register_and_bits(reading, register, '')} = {text}"
         case ModifyStep(register, field, name, value):
-            text = in_hex(value) if value is not None else _argument(procedure, name)
-            return f"set {_bits(reading, register, field)} to {text}"
+            text = in_hex(value) if value is not None else _argument_text(procedure, name)
+            return f"set {_register_and_bits(reading, register, field)} to {text}"
         case ReadStep(register):
-            return f"read {_bits(reading, register, '')}"
+            return f"read {_register_and_bits(reading, register, '')}"
         case PollStep(register, field, value):
-            return f"poll {_bits(reading, register, field)} until {value}"
+            return f"poll {_register_and_bits(reading, register, field)} until {value}"
         case SendStep():
             return f"send {step.request.hex(' ').upper()}"
         case WaitStep():
@@ -160,13 +173,13 @@ def _step_text(reading: Reading, step: Step, procedure: Procedure) -> str:
             assert_never(step)
 
 
-def _argument(procedure: Procedure, name: str) -> str:
+def _argument_text(procedure: Procedure, name: str) -> str:
     """Return an argument by its number among the arguments."""
     names = [argument.name for argument in procedure.arguments]
     return f"argument {names.index(name) + 1}" if name in names else name
 
 
-def _bits(reading: Reading, register_name: str, field_name: str) -> str:
+def _register_and_bits(reading: Reading, register_name: str, field_name: str) -> str:
     """Return a register, and its bits if the step does not use all of them."""
     register = reading.device.register(register_name)
     bits_text = ""
@@ -191,8 +204,8 @@ _UNITS = {"mv": " mV", "us": " µs", "ms": " ms", "hz": " Hz", "ns": " ns"}
 class Subject:
     """Something that facts are about: its key without names, its place in the file, and its name in messages.
 
-    ``interface`` determines the order codes for which its expressions have values. ``under`` is the key of the fact
-    that this one depends on, by default its own. ``joint`` precedes its name.
+    ``interface`` determines the order codes for which its expressions have values. ``depends_on`` is the key of the
+    fact that others about it depend on, by default its own. ``joint`` precedes its name.
     """
 
     reading: Reading
@@ -200,28 +213,53 @@ class Subject:
     place: Path
     description: str
     interface: str = ""
-    under: Key | None = None
+    depends_on: Key | None = None
     joint: str = " of "
 
     def inside(self, key: Key, place: Path, description: str) -> Subject:
         """Return a part of the subject, about which there are only facts if there is the subject."""
-        return Subject(self.reading, (*self.key, *key), (*self.place, *place), description, self.interface, self.key)
+        return Subject(
+            self.reading,
+            key=(*self.key, *key),
+            place=(*self.place, *place),
+            description=description,
+            interface=self.interface,
+            depends_on=self.key,
+        )
 
-    def existence(self, sort: Sort, value: Value, at: str = "", name: str = "", under: Key = ()) -> Fact:
+    def existence_fact(self, sort: Sort, value: Value, at: str = "", name: str = "", depends_on: Key = ()) -> Fact:
         """Return the fact that the subject exists. ``name`` is the reader's name of it."""
         place = (*self.place, at) if at else self.place
-        return Fact(sort, self.key, value, self.description, place, under or self.under or (), name=name)
+        return Fact(
+            sort=sort,
+            key=self.key,
+            value=value,
+            description=self.description,
+            place=place,
+            depends_on=depends_on or self.depends_on or (),
+            name=name,
+        )
 
-    def present(self, sort: Sort, model_part: Any, value: str = "present", at: str = "") -> Iterator[Fact]:
+    def all_facts(self, sort: Sort, model_part: Any, value: str = "present", at: str = "") -> Iterator[Fact]:
         """Yield the fact that the subject exists, and those that are stated about its ``model_part``."""
-        yield self.existence(sort, value, at, getattr(model_part, "name", ""))
+        yield self.existence_fact(sort, value, at, getattr(model_part, "name", ""))
         yield from self.stated_facts(model_part)
 
-    def fact(self, sort: Sort, name: str, value: Value, noun: str, at: Path | None = None, mild: bool = False) -> Fact:
+    def detail_fact(
+        self, sort: Sort, name: str, value: Value, noun: str, at: Path | None = None, may_be_missing: bool = False
+    ) -> Fact:
         """Return another fact about the subject, which ``noun`` describes."""
-        under = self.key if self.under is None else self.under
+        depends_on = self.key if self.depends_on is None else self.depends_on
         place = (*self.place, name) if at is None else at
-        return Fact(sort, (*self.key, name), value, f"{noun}{self.joint}{self.description}", place, under, mild)
+        return Fact(
+            sort=sort,
+            key=(*self.key, name),
+            value=value,
+            description=f"{noun}{self.joint}{self.description}",
+            place=place,
+            depends_on=depends_on,
+            may_be_missing=may_be_missing,
+        )
 
     def stated_facts(self, model_part: Any, without: Collection[str] = ()) -> Iterator[Fact]:
         """Yield a fact for each stated member that the table assigns to a class of facts, and for each printed name."""
@@ -233,15 +271,17 @@ class Subject:
             if member.is_stated(value):
                 # The spec uses its name in the model or in the data.
                 place = self.reading.first_existing((*self.place, member.attribute), (*self.place, member.name))
-                text = _text(self.reading, member, value, self.interface)
-                yield self.fact(Sort(member.read), member.name, text, member.noun or member.words, place)
+                text = _value_text(self.reading, member, value, self.interface)
+                yield self.detail_fact(Sort(member.read), member.name, text, member.noun or member.words, place)
         for language, text in self.reading.printed_names(model_part).items():
             places = (*self.place, "names", language), (*self.place, "printed_name"), self.place
             place = self.reading.first_existing(*places)
-            yield self.fact(Sort.PRINTED, f"name in {language}", text, "printed name", place, mild=True)
+            yield self.detail_fact(
+                Sort.PRINTED, f"name in {language}", text, "printed name", place, may_be_missing=True
+            )
 
 
-def _text(reading: Reading, member: Member, value: Any, interface: str) -> Value:
+def _value_text(reading: Reading, member: Member, value: Any, interface: str) -> Value:
     """Return a stated value in words without names."""
     if member.refers_to:
         return _referred_text(reading, member, value, interface)

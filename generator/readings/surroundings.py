@@ -15,38 +15,44 @@ from .texts import numbers_in
 
 def surroundings(reading: Reading) -> Iterator[Fact]:
     """Yield all facts other than data."""
-    yield from _connectors(reading)
+    yield from _connector_facts(reading)
     for alarm in reading.device.alarms:
-        for place in _bits_of(reading, alarm):
-            subject = Subject(reading, ("alarm", place), ("alarms", alarm.name), f"the alarm '{alarm.name}'")
-            yield replace(subject.existence(Sort.ALARM, "present", name=alarm.name), description=f"alarm at {place}")
+        for place in _alarm_bits_texts(reading, alarm):
+            subject = Subject(
+                reading, key=("alarm", place), place=("alarms", alarm.name), description=f"the alarm '{alarm.name}'"
+            )
+            yield replace(
+                subject.existence_fact(Sort.ALARM, "present", name=alarm.name), description=f"alarm at {place}"
+            )
             yield from subject.stated_facts(alarm)
     for number, hardware_input in enumerate(reading.device.inputs, 1):
-        subject = Subject(reading, ("input", number), ("inputs", hardware_input.name), f"input {number}")
-        yield from subject.present(Sort.INPUT, hardware_input)
-    yield from _history(reading, reading.device.manual)
-    yield from _characteristics(reading)
-    yield from _tables(reading)
-    yield from _leds(reading)
+        subject = Subject(
+            reading, key=("input", number), place=("inputs", hardware_input.name), description=f"input {number}"
+        )
+        yield from subject.all_facts(Sort.INPUT, hardware_input)
+    yield from _history_facts(reading, reading.device.manual)
+    yield from _characteristic_facts(reading)
+    yield from _table_facts(reading)
+    yield from _led_facts(reading)
 
 
-def _connectors(reading: Reading) -> Iterator[Fact]:
+def _connector_facts(reading: Reading) -> Iterator[Fact]:
     """Yield every contact, by interface, number of its connector or cable, and pin or colour."""
     counts: Counter[tuple[str, str]] = Counter()
     for connector in reading.device.connectors:
         for interface in connector.interfaces or ("",):
             counts[interface, connector.kind] += 1
-            yield from _contacts(reading, connector, interface, counts[interface, connector.kind])
+            yield from _contact_facts(reading, connector, interface, counts[interface, connector.kind])
 
 
-def _contacts(reading: Reading, connector: Connector, interface: str, number: int) -> Iterator[Fact]:
+def _contact_facts(reading: Reading, connector: Connector, interface: str, number: int) -> Iterator[Fact]:
     """Yield a connector or cable of an interface, and its contacts."""
     connector_text = f"{connector.kind} {number}"
     if interface:
         connector_text += f" for {interface_label(interface)}"
     key: Key = ("connector", interface, connector.kind, number)
-    owner = Subject(reading, key, ("connectors", connector.name), connector_text)
-    yield owner.existence(Sort.PIN, "present", name=connector.name)
+    owner = Subject(reading, key=key, place=("connectors", connector.name), description=connector_text)
+    yield owner.existence_fact(Sort.PIN, "present", name=connector.name)
     for contact in connector.contacts:
         subject = Subject(
             reading,
@@ -57,11 +63,11 @@ def _contacts(reading: Reading, connector: Connector, interface: str, number: in
         )
         # Two readers differ in capitals and blanks, but not in the sign of a signal.
         signal = "".join(contact.signal.casefold().split())
-        yield subject.existence(Sort.PIN, signal, at="signal", under=owner.key)
+        yield subject.existence_fact(Sort.PIN, signal, at="signal", depends_on=owner.key)
         yield from subject.stated_facts(contact)
 
 
-def _bits_of(reading: Reading, alarm: Alarm) -> Iterator[str]:
+def _alarm_bits_texts(reading: Reading, alarm: Alarm) -> Iterator[str]:
     """Yield the places of the bits of an alarm, in words without names."""
     register = reading.register(alarm.register) if alarm.register else None
     if register is not None and alarm.field:
@@ -77,56 +83,64 @@ def _bits_of(reading: Reading, alarm: Alarm) -> Iterator[str]:
                     yield f"{place} over {interface.short}"
 
 
-def _history(reading: Reading, manual: Manual) -> Iterator[Fact]:
+def _history_facts(reading: Reading, manual: Manual) -> Iterator[Fact]:
     """Yield the editions that were read, and the manual's revisions."""
     editions: list[tuple[Path, Manual | Edition]] = [(("manual",), manual)]
     editions += [(("manual", "editions", edition.revision), edition) for edition in manual.editions]
     for place, edition in editions:
-        subject = Subject(reading, ("edition", edition.language), place, f"the edition '{edition.language}'")
-        revision = subject.existence(Sort.HISTORY, edition.revision, at="revision")
+        subject = Subject(
+            reading, key=("edition", edition.language), place=place, description=f"the edition '{edition.language}'"
+        )
+        revision = subject.existence_fact(Sort.HISTORY, edition.revision, at="revision")
         yield replace(revision, description=f"revision of {subject.description}")
         yield from subject.stated_facts(edition)
     for row in manual.history:
         row_place = ("manual", "history", row.revision)
-        row_subject = Subject(reading, ("revision", row.revision), row_place, f"revision {row.revision}")
-        yield from row_subject.present(Sort.HISTORY, row, "listed")
+        row_subject = Subject(
+            reading, key=("revision", row.revision), place=row_place, description=f"revision {row.revision}"
+        )
+        yield from row_subject.all_facts(Sort.HISTORY, row, "listed")
 
 
-def _characteristics(reading: Reading) -> Iterator[Fact]:
+def _characteristic_facts(reading: Reading) -> Iterator[Fact]:
     """Yield every characteristic by its name, with its quantities in the order of the text."""
     for characteristic in reading.device.characteristics:
         key, place = ("characteristic", characteristic.name), ("characteristics", characteristic.name)
-        subject = Subject(reading, key, place, f"the characteristic '{characteristic.name}'")
-        yield from subject.present(Sort.CHARACTERISTIC, characteristic)
+        subject = Subject(reading, key=key, place=place, description=f"the characteristic '{characteristic.name}'")
+        yield from subject.all_facts(Sort.CHARACTERISTIC, characteristic)
         for index, value in enumerate(characteristic.values):
             description = f"{value.quantity} {index + 1} of {subject.description}"
             yield from subject.inside((index,), ("values", index), description).stated_facts(value)
 
 
-def _tables(reading: Reading) -> Iterator[Fact]:
+def _table_facts(reading: Reading) -> Iterator[Fact]:
     """Yield every table by its name, with the numbers in its cells by row and column."""
     for table in reading.device.tables:
-        subject = Subject(reading, ("table", table.name), ("tables", table.name), f"the table '{table.name}'")
-        yield from subject.present(Sort.TABLE, table, f"{len(table.rows)} rows")
+        subject = Subject(
+            reading, key=("table", table.name), place=("tables", table.name), description=f"the table '{table.name}'"
+        )
+        yield from subject.all_facts(Sort.TABLE, table, f"{len(table.rows)} rows")
         for row_index, row in enumerate(table.rows):
             for column_index, cell in enumerate(row):
                 numbers = numbers_in(cell)
                 if numbers:
                     place = (*subject.place, "rows", row_index, column_index)
                     noun = f"row {row_index + 1}, column {column_index + 1}"
-                    yield subject.fact(Sort.TABLE, f"{row_index} {column_index}", numbers, noun, place)
+                    yield subject.detail_fact(Sort.TABLE, f"{row_index} {column_index}", numbers, noun, place)
 
 
-def _leds(reading: Reading) -> Iterator[Fact]:
+def _led_facts(reading: Reading) -> Iterator[Fact]:
     """Yield every LED by its name, with its states in the order of the manual."""
     for led in reading.device.leds:
-        led_subject = Subject(reading, ("led", led.name), ("leds", led.name), f"the LED '{led.name}'")
-        yield led_subject.existence(Sort.LED, f"{len(led.states)} states", name=led.name)
+        led_subject = Subject(
+            reading, key=("led", led.name), place=("leds", led.name), description=f"the LED '{led.name}'"
+        )
+        yield led_subject.existence_fact(Sort.LED, f"{len(led.states)} states", name=led.name)
         for index, led_state in enumerate(led.states):
             state_subject = led_subject.inside(
                 key=(index,),
                 place=("states", index),
                 description=f"state {index + 1} of {led_subject.description}",
             )
-            yield state_subject.fact(Sort.LED, "state", led_state.state.casefold(), noun="words")
+            yield state_subject.detail_fact(Sort.LED, "state", led_state.state.casefold(), noun="words")
             yield from state_subject.stated_facts(led_state)

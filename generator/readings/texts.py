@@ -42,7 +42,13 @@ def contents(reading: Reading) -> Iterator[Fact]:
         for page_place, page in pages.items():
             if page is not None:
                 description = f"page of {dotted(page_place[2:])} in the contents"
-                yield Fact(Sort.CONTENTS, ("contents", *page_place), str(page), description, page_place)
+                yield Fact(
+                    sort=Sort.CONTENTS,
+                    key=("contents", *page_place),
+                    value=str(page),
+                    description=description,
+                    place=page_place,
+                )
 
 
 def texts(reading: Reading) -> Iterator[Fact]:
@@ -52,9 +58,21 @@ def texts(reading: Reading) -> Iterator[Fact]:
         if not value:
             continue
         if is_source(place[-1]):
-            yield Fact(Sort.SECTION, (CITED, *place), value, f"section cited at {dotted(place)}", place)
+            yield Fact(
+                sort=Sort.SECTION,
+                key=(CITED, *place),
+                value=value,
+                description=f"section cited at {dotted(place)}",
+                place=place,
+            )
         else:
-            yield Fact(Sort.TEXT, (NUMBERS, *place), value, f"numbers in {dotted(place)}", place)
+            yield Fact(
+                sort=Sort.TEXT,
+                key=(NUMBERS, *place),
+                value=value,
+                description=f"numbers in {dotted(place)}",
+                place=place,
+            )
 
 
 def is_source(key: str | int) -> bool:

@@ -31,24 +31,27 @@ class Ranges(NamedTuple):
 
 def differing_ranges(old: Sequence[str], new: Sequence[str]) -> Iterator[Ranges]:
     """Yield the ranges of words that differ, in order."""
-    open_ranges = [(Ranges(0, len(old), 0, len(new)), 0)]
-    while open_ranges:
-        ranges, level = open_ranges.pop()
-        ranges = _without_equal_ends(old, new, ranges)
+    whole_texts = Ranges(low=0, high=len(old), new_low=0, new_high=len(new))
+    # The ranges to compare, last first, with the index of the length of the phrases that divide them next.
+    ranges_to_compare = [(whole_texts, 0)]
+    while ranges_to_compare:
+        undivided_ranges, length_index = ranges_to_compare.pop()
+        ranges = _without_equal_ends(old, new, undivided_ranges)
         if ranges.is_empty:
             continue
-        if _is_small(old, new, ranges, _MOST_PAIRS):
+        has_more_lengths = length_index < len(_PHRASE_LENGTHS)
+        most_pairs = _MOST_PAIRS if has_more_lengths else _MOST_PAIRS_WITHOUT_PHRASE
+        if _has_few_equal_pairs(old, new, ranges, most_pairs):
             yield from _differences_within(old, new, ranges)
-        elif level < len(_PHRASE_LENGTHS):
-            parts = _divided(old, new, ranges, _PHRASE_LENGTHS[level])
-            open_ranges += [(part, level + 1) for part in reversed(parts)]
-        elif _is_small(old, new, ranges, _MOST_PAIRS_WITHOUT_PHRASE):
-            yield from _differences_within(old, new, ranges)
+        elif has_more_lengths:
+            smaller_ranges = _divide_at_phrases(old, new, ranges, _PHRASE_LENGTHS[length_index])
+            ranges_to_compare += [(smaller, length_index + 1) for smaller in reversed(smaller_ranges)]
         else:
             yield ranges
 
 
 def _without_equal_ends(old: Sequence[str], new: Sequence[str], ranges: Ranges) -> Ranges:
+    """Return the ranges without the words at their beginning and end that are equal."""
     low, high, new_low, new_high = ranges
     while low < high and new_low < new_high and old[low] == new[new_low]:
         low, new_low = low + 1, new_low + 1
@@ -57,33 +60,36 @@ def _without_equal_ends(old: Sequence[str], new: Sequence[str], ranges: Ranges) 
     return Ranges(low, high, new_low, new_high)
 
 
-def _is_small(old: Sequence[str], new: Sequence[str], ranges: Ranges, most_pairs: int) -> bool:
+def _has_few_equal_pairs(old: Sequence[str], new: Sequence[str], ranges: Ranges, most_pairs: int) -> bool:
     """Return whether two ranges have at most ``most_pairs`` pairs of equal words."""
     old_counts = Counter(old[ranges.low : ranges.high])
     new_counts = Counter(new[ranges.new_low : ranges.new_high])
-    return sum(count * new_counts[word] for word, count in old_counts.items()) <= most_pairs
+    pair_count = sum(count * new_counts[word] for word, count in old_counts.items())
+    return pair_count <= most_pairs
 
 
 def _differences_within(old: Sequence[str], new: Sequence[str], ranges: Ranges) -> Iterator[Ranges]:
+    """Yield the differences between two ranges, compared word by word."""
     low, high, new_low, new_high = ranges
     matcher = SequenceMatcher(None, old[low:high], new[new_low:new_high], autojunk=False)
-    for tag, first, last, new_first, new_last in matcher.get_opcodes():
+    for tag, start, end, new_start, new_end in matcher.get_opcodes():
         if tag != "equal":
-            yield Ranges(low + first, low + last, new_low + new_first, new_low + new_last)
+            yield Ranges(low + start, low + end, new_low + new_start, new_low + new_end)
 
 
-def _divided(old: Sequence[str], new: Sequence[str], ranges: Ranges, length: int) -> list[Ranges]:
+def _divide_at_phrases(old: Sequence[str], new: Sequence[str], ranges: Ranges, phrase_length: int) -> list[Ranges]:
     """Return the ranges between the phrases of this length that occur once in each text and in the same order."""
-    places = _places_of_phrases(old, ranges.low, ranges.high, length)
-    new_places = _places_of_phrases(new, ranges.new_low, ranges.new_high, length)
-    common = [(place, new_places[phrase]) for phrase, place in places.items() if phrase in new_places]
-    parts: list[Ranges] = []
+    old_places = _places_of_phrases(old, ranges.low, ranges.high, phrase_length)
+    new_places = _places_of_phrases(new, ranges.new_low, ranges.new_high, phrase_length)
+    common_places = [(place, new_places[phrase]) for phrase, place in old_places.items() if phrase in new_places]
+    ranges_between: list[Ranges] = []
     low, new_low = ranges.low, ranges.new_low
-    for place, new_place in _longest_increasing(sorted(common)):
-        if place >= low and new_place >= new_low:
-            parts.append(Ranges(low, place, new_low, new_place))
-            low, new_low = place + length, new_place + length
-    return [*parts, Ranges(low, ranges.high, new_low, ranges.new_high)]
+    for place, new_place in _longest_increasing(sorted(common_places)):
+        is_after_last_phrase = place >= low and new_place >= new_low
+        if is_after_last_phrase:
+            ranges_between.append(Ranges(low=low, high=place, new_low=new_low, new_high=new_place))
+            low, new_low = place + phrase_length, new_place + phrase_length
+    return [*ranges_between, Ranges(low=low, high=ranges.high, new_low=new_low, new_high=ranges.new_high)]
 
 
 def _places_of_phrases(words: Sequence[str], low: int, high: int, length: int) -> dict[tuple[str, ...], int]:
@@ -100,8 +106,10 @@ def _places_of_phrases(words: Sequence[str], low: int, high: int, length: int) -
 
 def _longest_increasing(pairs: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
     """Return the longest run of pairs, sorted by their first number, in which the second number increases too."""
+    # For each length of a run: the lowest second number at its end, and the index of that pair.
     lowest_ends: list[int] = []
     last_indices: list[int] = []
+    # For each pair: the index of the pair before it in the longest run that it ends, or -1.
     previous_indices: list[int] = []
     for index, (_, new_place) in enumerate(pairs):
         length = bisect_left(lowest_ends, new_place)

@@ -23,7 +23,7 @@ _LABELS = ("name", "printed_name", "title", "symbol", "contact", "signal")
 #: Letters of a value shown with its fact.
 _SHOWN_LETTERS = 60
 #: Words that manuals print for values of the spec language.
-_SHORT = {"read_only": ("ro", "r"), "read_write": ("rw",), "write_only": ("wo", "w")}
+_PRINTED_FOR_VALUE = {"read_only": ("ro", "r"), "read_write": ("rw",), "write_only": ("wo", "w")}
 #: The path of a fact about an option of the order code.
 _OPTION = re.compile(r"order_code\.parts\.[^.]+\.values\.([^.]+)(?:\..*)?")
 #: Paths of the facts about the edition itself. Manuals print them with a date.
@@ -91,12 +91,17 @@ class Citing:
     @cached_property
     def named(self) -> frozenset[str]:
         """The words of its name and of the names above it."""
-        return frozenset(word for name in self.names for word in WORD.findall(name.replace("_", " ").casefold()))
+        words: set[str] = set()
+        for name in self.names:
+            words.update(_words_of_name(name))
+        return frozenset(words)
 
     @cached_property
     def own_name(self) -> frozenset[str]:
         """The words of the last of its names."""
-        return frozenset(word.casefold() for name in self.names[-1:] for word in WORD.findall(name.replace("_", " ")))
+        if not self.names:
+            return frozenset()
+        return frozenset(_words_of_name(self.names[-1]))
 
     def is_at(self, sections: Collection[str], passage: Passage) -> bool:
         """Return whether it cites one of the sections, or is an option of the order code that the passage names.
@@ -104,31 +109,42 @@ class Citing:
         Manuals print order codes in many sections, and in headings. A spec cites few of them.
         """
         if self.is_of_edition:
-            is_revision_on_cover = passage.section.number == COVER and not self.words.isdisjoint(passage.old)
-            has_date = any(map(_DATE.fullmatch, (*passage.old, *passage.new)))
-            return is_revision_on_cover or has_date or self._is_above_new_row_of_history(passage)
+            is_on_cover = passage.section.number == COVER and not self.words.isdisjoint(passage.old)
+            has_date = any(_DATE.fullmatch(word) for word in (*passage.old, *passage.new))
+            return is_on_cover or has_date or self._is_above_new_row_of_history(passage)
         return not self.sections.isdisjoint(sections) or self._is_option_named_in(passage)
 
     def _is_above_new_row_of_history(self, passage: Passage) -> bool:
         """Return whether a passage adds a row with another revision below the row of this one."""
-        is_new_row = not passage.old and any(map(_REVISION.fullmatch, passage.new[:1]))
+        begins_with_revision = bool(passage.new) and _REVISION.fullmatch(passage.new[0]) is not None
+        is_new_row = not passage.old and begins_with_revision
         return is_new_row and self.path != "manual.date" and not self.words.isdisjoint(passage.close)
 
     def _is_option_named_in(self, passage: Passage) -> bool:
+        """Return whether the fact is about an option of the order code whose label is in the passage."""
         option = _OPTION.fullmatch(self.path)
         if option is None:
             return False
         label = option[1].casefold()
         # A row with a new order code is next to rows of others.
         adds_order_code = not passage.old and bool(_last_digits(word.casefold() for word in passage.new))
-        words = {word.casefold() for word in (passage.close if adds_order_code else passage.old)}
+        words_of_passage = passage.close if adds_order_code else passage.old
+        words = {word.casefold() for word in words_of_passage}
+        if _is_order_code_label(label) and label in words:
+            return True
         # Labels of digits are often printed only at the end of an order code.
-        return (_is_order_code_label(label) and label in words) or (label.isdigit() and label in _last_digits(words))
+        return label.isdigit() and label in _last_digits(words)
+
+
+def _words_of_name(name: str) -> list[str]:
+    """Return the words of a name or identifier: ``["clock", "max"]`` for ``clock_max``."""
+    return WORD.findall(name.replace("_", " ").casefold())
 
 
 def spaced(text: str) -> str:
     """Return the words of a text or of an identifier, with spaces between them and around them."""
-    return f" {' '.join(WORD.findall(plain(text).replace('_', ' ').casefold()))} "
+    words = " ".join(_words_of_name(plain(text)))
+    return f" {words} "
 
 
 def _is_order_code_label(text: str) -> bool:
@@ -140,8 +156,12 @@ def _is_order_code_label(text: str) -> bool:
 
 def _last_digits(words: Iterable[str]) -> set[str]:
     """Return the two digits at the end of each order code among words."""
-    order_codes = [ORDER_CODE.fullmatch(word) for word in words]
-    return {order_code[1] for order_code in order_codes if order_code is not None}
+    last_digits: set[str] = set()
+    for word in words:
+        order_code = ORDER_CODE.fullmatch(word)
+        if order_code is not None:
+            last_digits.add(order_code[1])
+    return last_digits
 
 
 def _relative_path(file: str) -> str:
@@ -156,8 +176,9 @@ def _printed_words(value: object) -> Iterator[str]:
     if isinstance(value, bool) or value is None:
         return
     if not isinstance(value, int):
-        yield from (word.casefold() for word in WORD.findall(plain(str(value))))
-        yield from _SHORT.get(str(value), ())
+        for word in WORD.findall(plain(str(value))):
+            yield word.casefold()
+        yield from _PRINTED_FOR_VALUE.get(str(value), ())
         return
     with_commas = f"{value:,}"
     yield from (with_commas, with_commas.replace(",", "."))
@@ -170,14 +191,15 @@ def _printed_words(value: object) -> Iterator[str]:
     yield from (f"{value:x}", f"{value:02x}", f"{value:x}h", f"{value:02x}h", f"0x{value:x}", f"0x{value:02x}")
 
 
-def _with_top_bit(poly: object) -> frozenset[str]:
+def _with_top_bit(polynomial: object) -> frozenset[str]:
     """Return a polynomial as manuals print it with its top bit, in hexadecimal or binary, for any width."""
-    if not isinstance(poly, int):
+    if not isinstance(polynomial, int):
         return frozenset()
-    numbers = [poly | 1 << width for width in range(max(poly.bit_length(), 3), 33)]
+    smallest_width = max(polynomial.bit_length(), 3)
     texts: set[str] = set()
-    for number in numbers:
-        texts |= {f"{number:x}", f"{number:x}h", f"0x{number:x}", f"{number:b}"}
+    for width in range(smallest_width, 33):
+        with_top_bit = polynomial | 1 << width
+        texts |= {f"{with_top_bit:x}", f"{with_top_bit:x}h", f"0x{with_top_bit:x}", f"{with_top_bit:b}"}
     return frozenset(texts)
 
 
@@ -199,58 +221,73 @@ class _Surroundings:
 
 def citing(document: Document) -> list[Citing]:
     """Return the facts of a spec with what they cite. A fact without a source has the source of the item around it."""
-    return list(_sourced_items(document, document.data, (), _Surroundings()))
+    return list(_facts_in(document, document.data, path=(), around=_Surroundings()))
 
 
-def _cited(source: str) -> Sources:
+def _parse_source(source: str) -> Sources:
     """Return the places that a source cites, without the mark of the template of ``codewheel new``."""
     return parse_sources(source.replace("TODO ", ""))
 
 
-def _sourced_items(document: Document, data: Any, path: Path, around: _Surroundings) -> Iterator[Citing]:
+def _facts_in(document: Document, data: Any, path: Path, around: _Surroundings) -> Iterator[Citing]:
     """Yield the facts in part of a spec, with what they have from the items around it."""
     if isinstance(data, dict):
-        around = _surroundings_in(data, path, around)
+        in_map = _surroundings_in(data, path, around)
         for key, member in data.items():
-            if key in _NO_FACTS or str(key).endswith("_source"):
-                continue
-            member_source = data.get(f"{key}_source")
-            source = _cited(member_source) if isinstance(member_source, str) else around.source
-            if path[:2] == ("manual", "contents") and not source:
-                source = _cited(str(path[2] if len(path) > 2 else key))
-            inner = replace(around, source=source, names=(*around.names, str(key)))
-            yield from _sourced_items(document, member, (*path, key), inner)
+            is_fact = key not in _NO_FACTS and not str(key).endswith("_source")
+            if is_fact:
+                around_member = replace(
+                    in_map, source=_source_of_member(data, path, key, in_map), names=(*in_map.names, str(key))
+                )
+                yield from _facts_in(document, member, (*path, key), around_member)
     elif isinstance(data, list):
         for index, member in enumerate(data):
             # A row of a table is an item without a name.
-            inner = replace(around, item=(*path, index)) if isinstance(member, list) else around
-            yield from _sourced_items(document, member, (*path, index), inner)
+            is_row = isinstance(member, list)
+            around_member = replace(around, item=(*path, index)) if is_row else around
+            yield from _facts_in(document, member, (*path, index), around_member)
     elif around.source or path[:1] == ("manual",):
         yield _fact(document, data, path, around)
 
 
+def _source_of_member(data: Mapping[str, Any], path: Path, key: str, in_map: _Surroundings) -> Sources:
+    """Return what a member of a map cites: its own source, or else that of the map. Contents cite their section."""
+    own_source = data.get(f"{key}_source")
+    source = _parse_source(own_source) if isinstance(own_source, str) else in_map.source
+    if path[:2] == ("manual", "contents") and not source:
+        section = path[2] if len(path) > 2 else key
+        return _parse_source(str(section))
+    return source
+
+
 def _surroundings_in(data: Mapping[str, Any], path: Path, around: _Surroundings) -> _Surroundings:
     """Return what the facts in a map have from it and from the items around it."""
-    is_item = bool(path) and (isinstance(path[-1], int) or "source" in data or path[-2:-1] in _PATHS_OF_ITEMS)
-    item = path if is_item else around.item
-    source = _cited(data["source"]) if isinstance(data.get("source"), str) else around.source
-    references = frozenset(_referenced(data))
-    refers_to = references if is_item and references else around.refers_to | references
-    return _Surroundings(item, source, (*around.names, *_labels(data)), refers_to)
+    is_in_map_of_items = len(path) > 1 and path[-2] in _MAPS_OF_ITEMS
+    is_item = bool(path) and (isinstance(path[-1], int) or "source" in data or is_in_map_of_items)
+    own_source = data.get("source")
+    references = frozenset(_references_in(data))
+    if not is_item or not references:
+        references |= around.refers_to
+    return _Surroundings(
+        item=path if is_item else around.item,
+        source=_parse_source(own_source) if isinstance(own_source, str) else around.source,
+        names=(*around.names, *_labels(data)),
+        refers_to=references,
+    )
 
 
-_PATHS_OF_ITEMS = tuple((key,) for key in _MAPS_OF_ITEMS)
-
-
-def _referenced(data: Mapping[str, Any]) -> Iterator[str]:
+def _references_in(data: Mapping[str, Any]) -> Iterator[str]:
     """Yield the names and paths of the parts to which a map refers."""
     for key in _REFERENCES:
-        value = data.get(key)
-        texts = value if isinstance(value, list) else [value]
-        yield from (text for text in texts if isinstance(text, str))
+        name_or_names = data.get(key)
+        names = name_or_names if isinstance(name_or_names, list) else [name_or_names]
+        for name in names:
+            if isinstance(name, str):
+                yield name
 
 
 def _fact(document: Document, value: object, path: Path, around: _Surroundings) -> Citing:
+    """Return the value at a path as a fact, with the sections and pages of the manual that it cites."""
     in_manual = [citation for citation in around.source if not citation.document]
     return Citing(
         file=document.file,

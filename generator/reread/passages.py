@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 from .alignment import Ranges, differing_ranges
-from .sections import WORD, Manual, Section, aligned, letters
+from .sections import WORD, Manual, Section, letters, pair_sections
 
 #: Differences with no more equal words between them are one passage.
 _TOGETHER = 6
@@ -43,8 +43,10 @@ class Passage:
 
 def same_language(old: Manual, new: Manual) -> bool:
     """Return whether two texts have enough words in common to be compared word by word."""
-    first, second = (Counter(filter(str.isalpha, manual.words.elements())) for manual in (old, new))
-    return (first & second).total() >= _SAME_LANGUAGE * min(first.total(), second.total())
+    old_words = Counter(filter(str.isalpha, old.words.elements()))
+    new_words = Counter(filter(str.isalpha, new.words.elements()))
+    common_count = (old_words & new_words).total()
+    return common_count >= _SAME_LANGUAGE * min(old_words.total(), new_words.total())
 
 
 def changed(old: Manual, new: Manual) -> Iterator[Passage]:
@@ -54,17 +56,29 @@ def changed(old: Manual, new: Manual) -> Iterator[Passage]:
     cover of both, so text that only one edition has is skipped if it is a running head.
     """
     heads = old.heads | new.heads
-    for old_section, new_section in aligned(old, new):
+    for old_section, new_section in pair_sections(old, new):
         if old_section is not None and new_section is not None:
             old_title, new_title = WORD.findall(old_section.title), WORD.findall(new_section.title)
             yield from _in_section(old_section, old_title, new_title, heads)
             yield from _in_section(old_section, old_section.words, new_section.words, heads)
         elif old_section is not None:
-            words = old_section.words
-            yield Passage(old_section, words, (), words, words, (_whole_section_text(old_section), ""))
+            yield Passage(
+                section=old_section,
+                old=old_section.words,
+                new=(),
+                close=old_section.words,
+                around=old_section.words,
+                shown=(_whole_section_text(old_section), ""),
+            )
         elif new_section is not None:
-            words = new_section.words
-            yield Passage(new_section, (), words, words, words, ("", _whole_section_text(new_section)))
+            yield Passage(
+                section=new_section,
+                old=(),
+                new=new_section.words,
+                close=new_section.words,
+                around=new_section.words,
+                shown=("", _whole_section_text(new_section)),
+            )
 
 
 def _whole_section_text(section: Section) -> str:
@@ -75,7 +89,7 @@ def _in_section(section: Section, old: Sequence[str], new: Sequence[str], heads:
     """Yield the passages that differ between the words ``old`` and ``new`` of a section."""
     if old == new:
         return
-    for low, high, new_low, new_high in _groups(old, new):
+    for low, high, new_low, new_high in _differences_with_near_joined(old, new):
         old_words, new_words = tuple(old[low:high]), tuple(new[new_low:new_high])
         # Words that are only divided differently at the end of a line have the same letters.
         if "".join(old_words) == "".join(new_words):
@@ -83,59 +97,68 @@ def _in_section(section: Section, old: Sequence[str], new: Sequence[str], heads:
         is_in_one_edition = not old_words or not new_words
         if is_in_one_edition and letters((*old_words, *new_words)) in heads:
             continue
+        old_row = _with_words_around(old, low, high, count_before=_CLOSE, count_after=_CLOSE)
+        new_row = _with_words_around(new, new_low, new_high, count_before=_CLOSE, count_after=_CLOSE)
+        old_paragraph = _with_words_around(old, low, high, count_before=_BEFORE, count_after=_AFTER)
+        new_paragraph = _with_words_around(new, new_low, new_high, count_before=_BEFORE, count_after=_AFTER)
+        words_next_to = _with_words_around(old, low, high, count_before=_NEXT, count_after=_NEXT)
         yield Passage(
             section=section,
             old=old_words,
             new=new_words,
-            close=(*_widened(old, low, high, _CLOSE, _CLOSE), *_widened(new, new_low, new_high, _CLOSE, _CLOSE)),
-            around=(*_widened(old, low, high, _BEFORE, _AFTER), *_widened(new, new_low, new_high, _BEFORE, _AFTER)),
-            shown=(_text(old, low, high), _text(new, new_low, new_high)),
-            next_to=() if old_words else tuple(_widened(old, low, high, _NEXT, _NEXT)),
+            close=(*old_row, *new_row),
+            around=(*old_paragraph, *new_paragraph),
+            shown=(_shown_text(old, low, high), _shown_text(new, new_low, new_high)),
+            next_to=() if old_words else tuple(words_next_to),
         )
 
 
-def _widened(words: Sequence[str], low: int, high: int, count_before: int, count_after: int) -> Sequence[str]:
+def _with_words_around(
+    words: Sequence[str], low: int, high: int, *, count_before: int, count_after: int
+) -> Sequence[str]:
     """Return a range of words with some words before and after it."""
     return words[max(low - count_before, 0) : high + count_after]
 
 
-def _groups(old: Sequence[str], new: Sequence[str]) -> Iterator[Ranges]:
+def _differences_with_near_joined(old: Sequence[str], new: Sequence[str]) -> Iterator[Ranges]:
     """Yield the ranges of words that differ, with near ones joined."""
-    last: Ranges | None = None
+    joined: Ranges | None = None
     for ranges in differing_ranges(old, new):
-        if last is None:
-            last = ranges
-        elif ranges.low - last.high <= _TOGETHER:
-            last = last._replace(high=ranges.high, new_high=ranges.new_high)
-        else:
-            yield last
-            last = ranges
-    if last is not None:
-        yield last
+        if joined is not None and ranges.low - joined.high <= _TOGETHER:
+            joined = joined._replace(high=ranges.high, new_high=ranges.new_high)
+            continue
+        if joined is not None:
+            yield joined
+        joined = ranges
+    if joined is not None:
+        yield joined
 
 
-def _text(words: Sequence[str], low: int, high: int) -> str:
-    words_before, words_after = words[max(low - _SHOWN, 0) : low], words[high : high + _SHOWN]
-    return " ".join([*words_before, "[", *words[low:high], "]", *words_after]).replace("[ ]", "[]")
+def _shown_text(words: Sequence[str], low: int, high: int) -> str:
+    """Return a range of words in brackets, between a few words before and after it: ``at most [ 10 ] MHz``."""
+    words_before = words[max(low - _SHOWN, 0) : low]
+    words_after = words[high : high + _SHOWN]
+    text = " ".join([*words_before, "[", *words[low:high], "]", *words_after])
+    return text.replace("[ ]", "[]")
 
 
 def numbers_changed(old: Manual, new: Manual) -> Iterator[Passage]:
     """Yield a passage for each section in which other numbers occur, for editions in two languages."""
-    for old_section, new_section in aligned(old, new):
+    for old_section, new_section in pair_sections(old, new):
         if old_section is None or new_section is None:
             continue
         old_numbers, new_numbers = _numbers(old_section), _numbers(new_section)
-        removed = tuple((old_numbers - new_numbers).elements())
-        added = tuple((new_numbers - old_numbers).elements())
-        changed_numbers = (*removed, *added)
+        removed_numbers = tuple((old_numbers - new_numbers).elements())
+        added_numbers = tuple((new_numbers - old_numbers).elements())
+        changed_numbers = (*removed_numbers, *added_numbers)
         if changed_numbers:
             yield Passage(
                 section=old_section,
-                old=removed,
-                new=added,
+                old=removed_numbers,
+                new=added_numbers,
                 close=changed_numbers,
                 around=changed_numbers,
-                shown=(", ".join(removed), ", ".join(added)),
+                shown=(", ".join(removed_numbers), ", ".join(added_numbers)),
             )
 
 

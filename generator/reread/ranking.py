@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence, Set
+from itertools import chain
 from typing import NamedTuple
 
 from .facts import ORDER_CODE, Citing, spaced
@@ -17,18 +18,18 @@ _INSERTED = 1.0
 #: Weight of the words next to an insertion.
 _NEXT_TO = 4.0
 #: Facts listed of the most likely items, of each other one, and of those that refer to the first one.
-_OF_FIRST_ITEMS, _OF_OTHER_ITEM, _REFERRING = (6, 4), 2, 3
+_MOST_OF_FIRST_ITEMS, _MOST_OF_OTHER_ITEM, _MOST_REFERRING = (6, 4), 2, 3
 #: Items of which a value or name that differs is listed before everything else.
-_DIFFERING_VALUES = 4
+_MOST_DIFFERING_VALUES = 4
 #: A number in hexadecimal, which the bytes of an example have without the letter.
 _HEXADECIMAL = re.compile(r"[0-9a-f]{2,}h")
-#: A number with its unit, printed without a space.
 #: A label of an order code, in capital letters.
 _LABEL = re.compile(r"[A-Z][A-Z0-9]+")
 #: Groups of facts that are a changed text, at most.
 _MOST_EQUAL = 10
 #: Letters of a changed text that is looked for in other texts, with the spaces around it.
 _SHORTEST_TEXT = 4
+#: A number with its unit, printed without a space.
 _WITH_UNIT = re.compile(r"(\d[\d.]*)[kmµn]?(?:hz|vdc|v|a|s|m)")
 
 
@@ -54,24 +55,30 @@ class SectionFacts:
         self.words = _comparable_words(section_words)
         self.counts = Counter(word for fact in facts for word in fact.words | fact.named)
 
-    def scored(self, passage: Passage) -> list[tuple[float, Citing]]:
+    def likely_facts(self, passage: Passage) -> list[tuple[float, Citing]]:
         """Return the facts whose value or name occurs in a passage with their scores, the highest first.
 
         A word counts more if fewer of the facts have it, and more in the old words than in those near them.
         """
-        paragraph = _comparable_words(passage.around)
         passage_words = _PassageWords(
             differing=_comparable_words(passage.old or passage.new),
             next_to=_comparable_words(passage.next_to),
             row=_comparable_words(passage.close),
-            paragraph=paragraph,
+            paragraph=_comparable_words(passage.around),
             section=self.words,
             weight=_DIFFERS if passage.old else _INSERTED,
         )
-        scores = [(_score(fact, passage_words, self.counts), fact) for fact in self.facts]
-        likely_facts = [scored_fact for scored_fact in scores if scored_fact[0] > 0]
-        likely_facts.sort(key=lambda scored_fact: (-scored_fact[0], scored_fact[1].line))
-        return likely_facts
+        scored_facts: list[tuple[float, Citing]] = []
+        for fact in self.facts:
+            score = _score(fact, passage_words, self.counts)
+            if score > 0:
+                scored_facts.append((score, fact))
+
+        def highest_score_first(scored_fact: tuple[float, Citing]) -> tuple[float, int]:
+            score, fact = scored_fact
+            return -score, fact.line
+
+        return sorted(scored_facts, key=highest_score_first)
 
 
 class TouchedFacts:
@@ -84,47 +91,56 @@ class TouchedFacts:
             self._facts_by_item.setdefault(fact.item, []).append(fact)
         self._items_by_reference: dict[str, list[str]] = {}
         for item, item_facts in self._facts_by_item.items():
-            for reference in frozenset[str]().union(*(fact.refers_to for fact in item_facts)):
+            references: set[str] = set()
+            for fact in item_facts:
+                references.update(fact.refers_to)
+            for reference in references:
                 self._items_by_reference.setdefault(reference, []).append(item)
-        self._sections: dict[tuple[frozenset[str], str], SectionFacts] = {}
+        self._facts_by_sections: dict[tuple[frozenset[str], str], SectionFacts] = {}
 
-    def of(self, passage: Passage, sections: Set[str]) -> tuple[list[Citing], int]:
+    def touched_by(self, passage: Passage, sections: Set[str]) -> tuple[list[Citing], int]:
         """Return the facts that a passage touches, the most likely first, and the number of facts of its sections."""
-        key = frozenset(sections), passage.section.number
-        if key not in self._sections:
-            cited = [fact for fact in self.all_facts if not fact.sections.isdisjoint(sections)]
-            self._sections[key] = SectionFacts(cited, passage.section.words)
-        in_section = self._sections[key]
-        others = [fact for fact in self.all_facts if fact.sections.isdisjoint(sections) and fact.is_at((), passage)]
-        if others:
-            in_section = SectionFacts([*in_section.facts, *others], passage.section.words)
-        scored = in_section.scored(passage)
-        if others and others[0].is_of_edition:
-            scored = [(_DIFFERS, fact) for fact in reversed(others)] + scored
-        facts = [*dict.fromkeys(fact for _, fact in scored), *in_section.facts]
-        touched_facts = self._by_item(scored, list(dict.fromkeys(facts)), passage)
-        return touched_facts, max(len(in_section.facts), len(touched_facts))
+        section_facts = self._facts_citing(sections, passage)
+        facts_from_elsewhere: list[Citing] = []
+        for fact in self.all_facts:
+            if fact.sections.isdisjoint(sections) and fact.is_at((), passage):
+                facts_from_elsewhere.append(fact)
+        if facts_from_elsewhere:
+            section_facts = SectionFacts([*section_facts.facts, *facts_from_elsewhere], passage.section.words)
+        likely_facts = [fact for _, fact in section_facts.likely_facts(passage)]
+        if facts_from_elsewhere and facts_from_elsewhere[0].is_of_edition:
+            likely_facts = [*reversed(facts_from_elsewhere), *likely_facts]
+        all_facts = list(dict.fromkeys((*likely_facts, *section_facts.facts)))
+        touched_facts = self._list_by_item(likely_facts, all_facts, passage)
+        return touched_facts, max(len(section_facts.facts), len(touched_facts))
 
-    def _by_item(
-        self, scored: Sequence[tuple[float, Citing]], facts: Sequence[Citing], passage: Passage
+    def _facts_citing(self, sections: Set[str], passage: Passage) -> SectionFacts:
+        """Return the facts that cite one of the sections. They are collected once."""
+        key = frozenset(sections), passage.section.number
+        if key not in self._facts_by_sections:
+            citing_facts = [fact for fact in self.all_facts if not fact.sections.isdisjoint(sections)]
+            self._facts_by_sections[key] = SectionFacts(citing_facts, passage.section.words)
+        return self._facts_by_sections[key]
+
+    def _list_by_item(
+        self, likely_facts: Sequence[Citing], all_facts: Sequence[Citing], passage: Passage
     ) -> list[Citing]:
         """Return values that differ, then facts of the likely items, and of those that refer to the first one."""
-        listed: dict[str, Citing] = {}
-        scored_by_item: dict[str, list[Citing]] = {}
-        for _, fact in scored:
-            scored_by_item.setdefault(fact.item, []).append(fact)
-        for fact in [*self._with_changed_text(passage, facts), *_differing_values(scored_by_item, passage)]:
-            listed[fact.path] = fact
-        items_of_listed = [fact.item for fact in listed.values() if fact.item in scored_by_item]
-        ordered_items = {item: scored_by_item[item] for item in (*items_of_listed, *scored_by_item)}
-        for place, (item, item_facts) in enumerate(ordered_items.items()):
-            members = dict.fromkeys((*item_facts, *self._facts_by_item[item]))
-            most = _OF_FIRST_ITEMS[place] if place < len(_OF_FIRST_ITEMS) else _OF_OTHER_ITEM
-            listed.update((fact.path, fact) for fact in list(members)[:most])
-            if place == 0:
-                listed.update((fact.path, fact) for fact in self._referring(item, passage))
-        listed.update((fact.path, fact) for _, fact in scored)
-        return list(listed.values())
+        likely_by_item: dict[str, list[Citing]] = {}
+        for fact in likely_facts:
+            likely_by_item.setdefault(fact.item, []).append(fact)
+        listed_facts = [*self._with_changed_text(passage, all_facts), *_differing_values(likely_by_item, passage)]
+        items_of_listed = [fact.item for fact in listed_facts if fact.item in likely_by_item]
+        for rank, item in enumerate(dict.fromkeys((*items_of_listed, *likely_by_item))):
+            item_facts = list(dict.fromkeys((*likely_by_item[item], *self._facts_by_item[item])))
+            is_first_item = rank < len(_MOST_OF_FIRST_ITEMS)
+            most_facts = _MOST_OF_FIRST_ITEMS[rank] if is_first_item else _MOST_OF_OTHER_ITEM
+            listed_facts += item_facts[:most_facts]
+            if rank == 0:
+                listed_facts += self._facts_of_referring_items(item, passage)
+        listed_facts += likely_facts
+        fact_by_path = {fact.path: fact for fact in listed_facts}
+        return list(fact_by_path.values())
 
     def _with_changed_text(self, passage: Passage, facts: Sequence[Citing]) -> list[Citing]:
         """Return the facts that are the changed text, in groups with the same key and value, then those that have it.
@@ -132,33 +148,42 @@ class TouchedFacts:
         If too many facts are the changed text, such as a 1, none are returned.
         """
         change = _Change(passage)
-        equal_facts: dict[tuple[str, object], list[Citing]] = {}
+        equal_facts_by_value: dict[tuple[str, object], list[Citing]] = {}
         for fact in facts:
             if change.is_value_or_name_of(fact):
-                equal_facts.setdefault((key_of(fact), fact.value), []).append(fact)
-        if len(equal_facts) > _MOST_EQUAL:
+                equal_facts_by_value.setdefault((key_of(fact), fact.value), []).append(fact)
+        group_count = len(equal_facts_by_value)
+        if group_count > _MOST_EQUAL:
             return []
-        containing_facts = [fact for fact in facts if change.is_in(fact)][: _MOST_EQUAL - len(equal_facts)]
-        return [*(fact for group in equal_facts.values() for fact in group), *containing_facts]
+        equal_facts = list(chain.from_iterable(equal_facts_by_value.values()))
+        containing_facts = [fact for fact in facts if change.is_in(fact)]
+        return equal_facts + containing_facts[: _MOST_EQUAL - group_count]
 
-    def _referring(self, item: str, passage: Passage) -> list[Citing]:
+    def _facts_of_referring_items(self, item: str, passage: Passage) -> list[Citing]:
         """Return a fact of each item that refers to this one and has words of the passage, the most such words first.
 
         An erratum has the value that is used instead.
         """
         name = item.rpartition(".")[2]
-        items = dict.fromkeys((*self._items_by_reference.get(item, ()), *self._items_by_reference.get(name, ())))
-        words = _comparable_words((*passage.old, *passage.new))
-        facts: list[tuple[int, Citing]] = []
-        for referring_item in items:
-            members = self._facts_by_item[referring_item]
+        items_by_reference = self._items_by_reference
+        referring_items = dict.fromkeys((*items_by_reference.get(item, ()), *items_by_reference.get(name, ())))
+        passage_words = _comparable_words((*passage.old, *passage.new))
+
+        def common_word_count(fact: Citing) -> int:
+            return len(fact.words & passage_words)
+
+        counted_facts: list[tuple[int, Citing]] = []
+        for referring_item in referring_items:
+            item_facts = self._facts_by_item[referring_item]
+            most_common_words = max(map(common_word_count, item_facts))
             is_erratum = referring_item.startswith("errata.")
-            best = max(members, key=lambda fact: (is_erratum and fact.path.endswith(".used"), len(fact.words & words)))
-            common_words = max(len(fact.words & words) for fact in members)
-            if common_words or is_erratum:
-                facts.append((common_words, best))
-        facts.sort(key=lambda counted_fact: -counted_fact[0])
-        return [fact for _, fact in facts[:_REFERRING]]
+            if not most_common_words and not is_erratum:
+                continue
+            used_values = [fact for fact in item_facts if is_erratum and fact.path.endswith(".used")]
+            likeliest_fact = max(used_values or item_facts, key=common_word_count)
+            counted_facts.append((most_common_words, likeliest_fact))
+        counted_facts.sort(key=lambda counted_fact: -counted_fact[0])
+        return [fact for _, fact in counted_facts[:_MOST_REFERRING]]
 
 
 def key_of(fact: Citing) -> str:
@@ -171,31 +196,37 @@ class _Change:
 
     def __init__(self, passage: Passage) -> None:
         changed_words = [word for word in passage.old if word not in passage.new] or list(passage.old)
-        self._text = spaced(" ".join(changed_words)) if changed_words and passage.new else ""
-        self._old_context = spaced(passage.shown[0]) if changed_words and passage.new else ""
+        shown_old_text, _ = passage.shown
+        is_replaced = bool(changed_words) and bool(passage.new)
+        self._text = spaced(" ".join(changed_words)) if is_replaced else ""
+        self._old_context = spaced(shown_old_text) if is_replaced else ""
         self._adds_row = not passage.old
-        self._before = spaced(passage.shown[0].partition("[")[0]) if passage.new else ""
+        words_before_change = shown_old_text.partition("[")[0]
+        self._before = spaced(words_before_change) if passage.new else ""
         self._labels = {word for word in changed_words if _LABEL.fullmatch(word)}
         self._numbers = {word for word in _comparable_words(changed_words) if word[0].isdigit()}
 
     def is_value_or_name_of(self, fact: Citing) -> bool:
+        """Return whether the changed words are the value, the name or the label of a fact."""
         if fact.is_page_of_contents and fact.own_name_text != self._text:
             return False
         if isinstance(fact.value, int | float) and not isinstance(fact.value, bool) and fact.words & self._numbers:
             return True
-        is_label = not self._labels.isdisjoint((*fact.path.split("."), str(fact.value)))
         if self._adds_row:
             return fact.path.startswith("order_code.parts.")
-        return is_label or any(map(self._is_changed_name, (fact.text, fact.own_name_text)))
+        is_label = not self._labels.isdisjoint((*fact.path.split("."), str(fact.value)))
+        return is_label or self._is_changed_name(fact.text) or self._is_changed_name(fact.own_name_text)
 
     def _is_changed_name(self, text: str) -> bool:
         """Return whether a text is the changed one, or a name in the passage of which it is a part or the reverse."""
         if not self._text or not text.strip():
             return False
-        is_name_in_change = " " in text.strip() and text in self._text
-        return is_name_in_change or text == self._text or (self._text in text and text in self._old_context)
+        is_part_of_change = " " in text.strip() and text in self._text
+        contains_change = self._text in text and text in self._old_context
+        return is_part_of_change or text == self._text or contains_change
 
     def is_in(self, fact: Citing) -> bool:
+        """Return whether the text of a fact contains the changed words, a number or a label of them."""
         if isinstance(fact.value, int | float):
             return False
         is_number_in_text = any(len(word) > 1 and word in self._numbers for word in fact.words)
@@ -209,42 +240,48 @@ class _Change:
         return " " in name.strip() and self._before.endswith(name)
 
 
-def _differing_values(scored_by_item: Mapping[str, Sequence[Citing]], passage: Passage) -> list[Citing]:
+def _differing_values(likely_by_item: Mapping[str, Sequence[Citing]], passage: Passage) -> list[Citing]:
     """Return the first fact of each item whose value or whole name differs, up to a few items."""
-    differing = _comparable_words(passage.old)
+    old_words = _comparable_words(passage.old)
     differing_facts: list[Citing] = []
-    for facts in scored_by_item.values():
-        differing_facts += [fact for fact in facts if fact.words & differing or fact.own_name <= differing][:1]
-    return differing_facts[:_DIFFERING_VALUES]
+    for item_facts in likely_by_item.values():
+        facts_with_old_words = [fact for fact in item_facts if fact.words & old_words or fact.own_name <= old_words]
+        differing_facts += facts_with_old_words[:1]
+    return differing_facts[:_MOST_DIFFERING_VALUES]
 
 
 def _score(fact: Citing, passage: _PassageWords, fact_counts: Mapping[str, int]) -> float:
     """Return how much of a fact occurs in a passage. It is 0 if the passage is not about the fact."""
-    differing = _rarity(fact.words & passage.differing, fact_counts)
-    differing += _rarity(fact.named & passage.differing, fact_counts) / 2
-    differing += _rarity(fact.named & passage.next_to, fact_counts) * _NEXT_TO
+    difference_score = _rarity(fact.words & passage.differing, fact_counts)
+    difference_score += _rarity(fact.named & passage.differing, fact_counts) / 2
+    difference_score += _rarity(fact.named & passage.next_to, fact_counts) * _NEXT_TO
     paragraph_name_share = _share(fact.named, passage.paragraph, passage.section, fact_counts)
     paragraph_value_share = _share(fact.words, passage.paragraph, passage.section, fact_counts)
     # If the section prints words of the name elsewhere, the paragraph may be about another item.
     is_named_elsewhere = bool((fact.named & passage.section) - passage.paragraph)
-    if is_named_elsewhere and not differing and not paragraph_value_share:
+    if is_named_elsewhere and not difference_score and not paragraph_value_share:
         return 0
     row_name_share = _share(fact.named, passage.row, passage.section, fact_counts)
     row_value_share = _share(fact.words, passage.row, passage.section, fact_counts)
     if fact.words & passage.differing:
         # The value differs in a row with the name of the fact.
-        differing += row_name_share
+        difference_score += row_name_share
     row_score = _CLOSE_TO_CHANGE * (row_name_share + row_value_share)
-    return passage.weight * differing + row_score + paragraph_name_share + paragraph_value_share
+    paragraph_score = paragraph_name_share + paragraph_value_share
+    return passage.weight * difference_score + row_score + paragraph_score
 
 
 def _comparable_words(words: Iterable[str]) -> set[str]:
     """Return printed words as they are compared: with a decimal point, and numbers also without their unit."""
-    folded = {word.casefold() for word in words}
-    folded |= {word.replace(",", ".") for word in folded}
-    folded |= {word[:-1] for word in folded if _HEXADECIMAL.fullmatch(word)}
-    matches = [pattern.fullmatch(word) for word in folded for pattern in (_WITH_UNIT, ORDER_CODE)]
-    return folded | {match[1] for match in matches if match is not None}
+    comparable_words = {word.casefold() for word in words}
+    comparable_words |= {word.replace(",", ".") for word in comparable_words}
+    comparable_words |= {word.removesuffix("h") for word in comparable_words if _HEXADECIMAL.fullmatch(word)}
+    numbers: set[str] = set()
+    for word in comparable_words:
+        for number_in_word in (_WITH_UNIT.fullmatch(word), ORDER_CODE.fullmatch(word)):
+            if number_in_word is not None:
+                numbers.add(number_in_word[1])
+    return comparable_words | numbers
 
 
 def _rarity(words: Set[str], fact_counts: Mapping[str, int]) -> float:
@@ -254,5 +291,8 @@ def _rarity(words: Set[str], fact_counts: Mapping[str, int]) -> float:
 
 def _share(words: frozenset[str], near: set[str], section: set[str], fact_counts: Mapping[str, int]) -> float:
     """Return the share of the words that occur near a passage, among those that occur in its section."""
-    in_section = _rarity(words & section, fact_counts)
-    return _rarity(words & section & near, fact_counts) / in_section if in_section else 0
+    words_in_section = words & section
+    rarity_in_section = _rarity(words_in_section, fact_counts)
+    if not rarity_in_section:
+        return 0
+    return _rarity(words_in_section & near, fact_counts) / rarity_in_section

@@ -5,11 +5,21 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
-from itertools import pairwise
+from itertools import chain
 from pathlib import Path
+
+from .page_layout import (
+    LEAST_REPETITIONS,
+    LONGEST_HEAD,
+    find_heads_at_edges,
+    find_page_numbers,
+    find_running_heads,
+    without_digits,
+    without_edges,
+)
 
 #: Largest text that is read, in bytes. Manuals have some 100,000.
 MOST_BYTES = 20_000_000
@@ -21,21 +31,8 @@ _LINK = re.compile(r"\[(?P<shown>[^]\f]{0,200})\]\([^)\f]{0,300}\)")
 _HEADING = re.compile(r"(?P<number>\d{1,2}(?:\.\d{1,2}){0,3})\.?\s*(?:-\s*)?(?P<title>[^\W\d].*|\"\S.*|\d\w+.*)")
 _NUMBER = re.compile(r"\d+(?:\.\d+)*")
 _IN_CONTENTS = re.compile(r"(?<!\.)\.{3,}\s*\d+$|(?<!\.)\.{5,}$|\t\s*\d+$")
-_PAGE = re.compile(r"[\s\-]*\d{1,4}[\s\-]*|(?:page|pag\.?|seite)\s+\d{1,4}(?:\s*(?:of|di|/)\s*\d{1,4})?", re.IGNORECASE)
 #: A word of a manual or a spec, or a sign that changes the meaning of one.
 WORD = re.compile(r"(?<![\w.])-\d+(?:[.,:]\d+)*|\w+(?:[.,:]\d+)*|[±+<>≤≥%°]")
-#: Least number of times that a line is printed to be a running head, and the longest such line.
-_RUNNING, _LONGEST = 4, 120
-#: Number of lines at the top or bottom of a page, and the least share of a running head that is printed there.
-_EDGE, _MOSTLY = 4, 0.8
-#: The same with a form feed between pages, which shows where they end.
-_PAGE_EDGE = 2
-#: Least share of a text over which page numbers are spread, unlike the numbers of steps or of the rows of a table.
-_SPREAD = 0.5
-#: Least number of lines from one page to the next, and largest factor by which a page is longer or shorter than usual.
-_SHORT_PAGE, _FACTOR = 12, 2
-#: Largest step between two page numbers that are found. The first page of a chapter often has none.
-_PAGE_STEP = 3
 #: References to pages and sections. Their numbers change with the layout of a manual.
 _PAGE_REFERENCE = re.compile(
     r"(?:\b(?:on|at|a|alla|auf)\s+)?\b(?:pages?|pagin[ae]|pag\.|pp?\.|seite)\s*\d{1,4}(?:\s+ff?\b\.?)?"
@@ -46,7 +43,9 @@ _SECTION_REFERENCE = re.compile(
     r"\"(?P<number>\d{1,2}(?:\.\d{1,2}){0,3})\s*(?:-\s*)?(?=(?P<title>[^\W\d][^\"]*|\"\w[^\"]*))"
 )
 #: Number of lines with a page from which contents are taken to be complete.
-_FEW = 12
+_LEAST_COMPLETE_CONTENTS = 12
+#: Key of a number after those of all sections.
+_AFTER_ALL_SECTIONS = (999,)
 _DASHES = str.maketrans(dict.fromkeys("‐‑‒–—−", "-") | {"\u00ad": "", "\u200b": "", "’": "'", "“": '"', "”": '"'})
 
 
@@ -86,11 +85,12 @@ class Manual:
 
     def without_heading_after(self, number: str) -> set[str]:
         """Return the sections whose heading is missing, and whose text therefore counts as part of this one."""
-        order = [section.number for section in self.sections if _NUMBER.fullmatch(section.number)]
-        if number not in order:
+        numbers = [section.number for section in self.sections if _NUMBER.fullmatch(section.number)]
+        if number not in numbers:
             return set()
-        following = order[order.index(number) + 1 : order.index(number) + 2]
-        start, end = _number_key(number), _number_key(following[0]) if following else (999,)
+        next_index = numbers.index(number) + 1
+        start = _number_key(number)
+        end = _number_key(numbers[next_index]) if next_index < len(numbers) else _AFTER_ALL_SECTIONS
         return {missing_number for missing_number in self.missing if start < _number_key(missing_number) < end}
 
 
@@ -107,7 +107,7 @@ def read(path: Path) -> Manual:
     except OSError as error:
         raise NoText(f"cannot read {path}: {error.strerror or error}") from None
     if data.startswith(b"%PDF-"):
-        text = _of_pdf(path)
+        text = _text_of_pdf(path)
     else:
         try:
             text = data.decode("utf-8-sig")
@@ -119,7 +119,12 @@ def read(path: Path) -> Manual:
     return manual
 
 
-def _of_pdf(path: Path) -> str:
+def _text_of_pdf(path: Path) -> str:
+    """Return the text of a PDF, with form feeds between its pages.
+
+    Raises:
+        NoText: The package pypdf is missing, or cannot read the file.
+    """
     try:
         pypdf = import_module("pypdf")
     except ImportError:
@@ -130,41 +135,76 @@ def _of_pdf(path: Path) -> str:
         raise NoText(f"cannot read {path}: {error}") from None
 
 
+#: A heading: the number of its section, or its title if it has none, and its title.
+_Heading = tuple[str, str]
+
+
 def divide(text: str) -> Manual:
     """Divide a text into its sections."""
-    text = _LINK.sub(lambda match: match["shown"], text)
-    pages = [_plain_lines(page) for page in text.split("\f")]
-    has_pages = len(pages) >= _RUNNING
-    edges = _heads_at_edges(pages) if has_pages else set()
-    pages_of_text = _without_edges(pages, edges) if has_pages else pages
-    lines = _join_entry_lines([line for page in pages_of_text for line in page])
-    numbered = {index: heading for index, line in enumerate(lines) if (heading := _numbered_heading(line)) is not None}
-    listed = _contents(lines, numbered)
-    titles = {numbered[index][0]: numbered[index][1] for index in sorted(listed, reverse=True)}
-    headings, page_of = _headings(lines, numbered, listed, titles)
-    running = set() if has_pages else _running_heads(lines, set(headings))
-    left_out = running if has_pages else running | _page_numbers(lines)
-    bodies: list[tuple[str, str, list[str]]] = [(COVER, COVER, [])]
-    start = min((index for index, (number, _) in headings.items() if number[0].isdigit()), default=0)
-    title_rest: list[str] = []
+    text_without_links = _LINK.sub(lambda match: match["shown"], text)
+    pages = [_plain_lines(page) for page in text_without_links.split("\f")]
+    has_pages = len(pages) >= LEAST_REPETITIONS
+    heads_at_edges = find_heads_at_edges(pages) if has_pages else set()
+    pages_of_text = without_edges(pages, heads_at_edges) if has_pages else pages
+    lines = _join_entry_lines(list(chain.from_iterable(pages_of_text)))
+    numbered_lines: dict[int, _Heading] = {}
+    for index, line in enumerate(lines):
+        heading = _numbered_heading(line)
+        if heading is not None:
+            numbered_lines[index] = heading
+    contents_lines = _contents_lines(lines, numbered_lines)
+    # Of two entries with one number, the first one counts.
+    title_by_number = dict(numbered_lines[index] for index in sorted(contents_lines, reverse=True))
+    headings, page_by_title = _headings(lines, numbered_lines, contents_lines, title_by_number)
+    running_heads: set[int] = set()
+    page_numbers: set[int] = set()
+    if not has_pages:
+        running_heads = find_running_heads(lines, set(headings))
+        page_numbers = find_page_numbers(lines)
+    sections: list[Section] = []
+    for (number, title), body in _bodies(lines, headings, contents_lines, running_heads | page_numbers):
+        words = tuple(_words(body, title_by_number))
+        sections.append(Section(number=number, title=title, words=words, page=page_by_title.get(number)))
+    letters_of_heads = {letters([line]) for line in (*heads_at_edges, *(lines[index] for index in running_heads))}
+    return Manual(
+        sections=tuple(sections),
+        missing=_missing_titles(title_by_number, headings),
+        heads=frozenset(letters_of_heads - {""}),
+    )
+
+
+def _bodies(
+    lines: Sequence[str], headings: Mapping[int, _Heading], contents_lines: set[int], left_out: set[int]
+) -> list[tuple[_Heading, list[str]]]:
+    """Return each heading with the lines below it, the cover first, without the contents and the lines to leave out."""
+    numbered_headings = [index for index, (number, _) in headings.items() if number[0].isdigit()]
+    first_heading = min(numbered_headings, default=0)
+    bodies: list[tuple[_Heading, list[str]]] = [((COVER, COVER), [])]
+    rest_of_title: list[str] = []
     for index, line in enumerate(lines):
         words = _folded_words(line)
+        is_in_contents = index < first_heading and (index in contents_lines or _IN_CONTENTS.search(line))
         if index in headings:
-            title = headings[index][1]
-            bodies.append((*headings[index], []))
-            title_rest = _folded_words(title)[len(_folded_words(_without_number(line))) :]
-        elif words and words == title_rest[: len(words)]:
-            title_rest = title_rest[len(words) :]  # The heading continues on this line.
-        elif not (index < start and (index in listed or _IN_CONTENTS.search(line))) and index not in left_out:
-            bodies[-1][2].append(line)
-    sections: list[Section] = []
-    for number, title, body in bodies:
-        sections.append(Section(number, title, tuple(_words(body, titles)), page_of.get(number)))
-    found_numbers = {number for number, _ in headings.values()}
-    missing = {number: title for number, title in titles.items() if number[0] != "0" and number not in found_numbers}
-    head_lines = [*edges, *(lines[index] for index in running)]
-    heads = {letters([line]) for line in head_lines}
-    return Manual(tuple(sections), missing, frozenset(heads - {""}))
+            _, title = headings[index]
+            bodies.append((headings[index], []))
+            words_on_this_line = _folded_words(_without_number(line))
+            rest_of_title = _folded_words(title)[len(words_on_this_line) :]
+        elif words and words == rest_of_title[: len(words)]:
+            rest_of_title = rest_of_title[len(words) :]  # The heading continues on this line.
+        elif not is_in_contents and index not in left_out:
+            _, body = bodies[-1]
+            body.append(line)
+    return bodies
+
+
+def _missing_titles(title_by_number: Mapping[str, str], headings: Mapping[int, _Heading]) -> dict[str, str]:
+    """Return the titles in the contents, by number, for which the text has no heading."""
+    numbers_in_text = {number for number, _ in headings.values()}
+    missing_titles: dict[str, str] = {}
+    for number, title in title_by_number.items():
+        if number[0] != "0" and number not in numbers_in_text:
+            missing_titles[number] = title
+    return missing_titles
 
 
 def _plain_lines(page: str) -> list[str]:
@@ -173,10 +213,12 @@ def _plain_lines(page: str) -> list[str]:
 
 def plain(line: str) -> str:
     """Return a line without markup, with ASCII letters, dashes and quotes, and a tab between the cells of a table."""
-    line = line.strip().strip("|").replace("|", "\t")
-    line = _MARKUP.sub(" ", unicodedata.normalize("NFKC", line).translate(_DASHES))
-    line = re.sub(r"(?<![^\S\t])[^\S\t]{2,}(\d{1,4})$", r"\t\1", line)
-    return re.sub(r" ?\t[ \t]*", "\t", re.sub(r"[^\S\t]+", " ", line)).strip()
+    with_tabs = line.strip().strip("|").replace("|", "\t")
+    ascii_line = unicodedata.normalize("NFKC", with_tabs).translate(_DASHES)
+    without_markup = _MARKUP.sub(" ", ascii_line)
+    with_tab_before_page = re.sub(r"(?<![^\S\t])[^\S\t]{2,}(\d{1,4})$", r"\t\1", without_markup)
+    with_single_spaces = re.sub(r"[^\S\t]+", " ", with_tab_before_page)
+    return re.sub(r" ?\t[ \t]*", "\t", with_single_spaces).strip()
 
 
 def _join_entry_lines(lines: Sequence[str]) -> list[str]:
@@ -184,36 +226,39 @@ def _join_entry_lines(lines: Sequence[str]) -> list[str]:
 
     A running head between two rows of a table can look like one, but occurs often.
     """
-    counts = Counter(map(_head, lines))
+    counts = Counter(map(without_digits, lines))
     joined_lines: list[str] = []
     for line in lines:
-        last_lines = joined_lines[-2:]
-        if (
-            len(last_lines) == 2
-            and _IN_CONTENTS.search(line)
-            and _numbered_heading(line) is None
-            and _numbered_heading(last_lines[1]) is not None
-            and _IN_CONTENTS.search(last_lines[0])
-            and not _IN_CONTENTS.search(last_lines[1])
-            and counts[_head(last_lines[1])] < _RUNNING
-        ):
-            joined_lines[-1] = f"{last_lines[1]} {line}"
+        is_second_line = len(joined_lines) >= 2 and _continues_entry(joined_lines[-2], joined_lines[-1], line)
+        if is_second_line and counts[without_digits(joined_lines[-1])] < LEAST_REPETITIONS:
+            joined_lines[-1] += f" {line}"
         else:
             joined_lines.append(line)
     return joined_lines
 
 
-def _words(lines: Iterable[str], titles: Mapping[str, str]) -> list[str]:
+def _continues_entry(line_before: str, first_line: str, second_line: str) -> bool:
+    """Return whether two lines after an entry of the contents are one entry, whose page is on the second line."""
+    is_after_entry = bool(_IN_CONTENTS.search(line_before))
+    begins_entry = _numbered_heading(first_line) is not None and not _IN_CONTENTS.search(first_line)
+    ends_entry = _numbered_heading(second_line) is None and bool(_IN_CONTENTS.search(second_line))
+    return is_after_entry and begins_entry and ends_entry
+
+
+def _words(lines: Iterable[str], title_by_number: Mapping[str, str]) -> list[str]:
     """Return the words of lines, without the numbers of pages and sections in references.
 
     A word that is hyphenated at the end of a line is one word.
     """
 
-    def reference(match: re.Match[str]) -> str:
-        return '"' if _same_start(titles.get(match["number"], ""), match["title"]) else match[0]
+    def without_number(reference: re.Match[str]) -> str:
+        listed_title = title_by_number.get(reference["number"], "")
+        is_reference = _have_same_start(listed_title, reference["title"])
+        return '"' if is_reference else reference[0]
 
-    text = re.sub(r"(?<=[a-zà-ÿ])-\n(?=[a-zà-ÿ])", "", "\n".join(lines))
-    return WORD.findall(_SECTION_REFERENCE.sub(reference, _PAGE_REFERENCE.sub("", text)))
+    without_hyphens = re.sub(r"(?<=[a-zà-ÿ])-\n(?=[a-zà-ÿ])", "", "\n".join(lines))
+    without_pages = _PAGE_REFERENCE.sub("", without_hyphens)
+    return WORD.findall(_SECTION_REFERENCE.sub(without_number, without_pages))
 
 
 def letters(words: Iterable[str]) -> str:
@@ -221,187 +266,140 @@ def letters(words: Iterable[str]) -> str:
     return re.sub(r"[\W\d_]+", "", "".join(words))
 
 
-def _head(line: str) -> str:
-    return re.sub(r"\d+", "#", line.strip())
-
-
-def _page_numbers(lines: Sequence[str]) -> set[int]:
-    """Return the lines that contain only a page number: the longest series of numbers that increase in small steps."""
-    series: dict[int, list[int]] = {}
-    for index, line in enumerate(lines):
-        if _PAGE.fullmatch(line) and (number := re.search(r"\d{1,4}", line)):
-            page = int(number[0])
-            previous = max((series.get(page - step, []) for step in range(1, _PAGE_STEP + 1)), key=len)
-            series[page] = max(series.get(page, []), [*previous, index], key=len)
-    longest = max(series.values(), key=len, default=[])
-    return set(longest) if len(longest) >= _RUNNING else set()
-
-
-def _running_heads(lines: Sequence[str], headings: set[int]) -> set[int]:
-    """Return the lines that are printed on many pages: page numbers, and identical lines next to them.
-
-    A row of a table can also occur often. Its numbers do not increase each time, or the rows are close together.
-    """
-    places: dict[str, list[int]] = {}
-    for index, line in enumerate(lines):
-        if len(line) <= _LONGEST and index not in headings:
-            places.setdefault(_head(line), []).append(index)
-    frequent = {head: indexes for head, indexes in places.items() if len(indexes) >= _RUNNING}
-    spread = {head: indexes for head, indexes in frequent.items() if indexes[-1] - indexes[0] >= _SPREAD * len(lines)}
-    counting: set[str] = set()
-    for head, indexes in spread.items():
-        if _counts_pages([lines[index] for index in indexes]):
-            counting.add(head)
-    edges: list[int] = []
-    for index in sorted(index for head in counting for index in frequent[head]):
-        if not edges or index - edges[-1] > _EDGE:  # One page has only one, or the lines near it would count twice.
-            edges.append(index)
-    at_edges: Counter[str] = Counter()
-    for edge in edges:
-        at_edges.update({_head(line) for line in lines[max(edge - _EDGE, 0) : edge + _EDGE + 1]})
-    heads = {head for head, indexes in spread.items() if _is_regular(indexes)}
-    heads |= counting | {head for head, indexes in frequent.items() if at_edges[head] >= _MOSTLY * len(indexes)}
-    return {index for head in heads for index in frequent[head]}
-
-
-def _is_regular(places: Sequence[int]) -> bool:
-    lengths = sorted(following - previous for previous, following in pairwise(places))
-    usual = lengths[len(lengths) // 2]
-    near = sum(usual <= _FACTOR * length <= _FACTOR**2 * usual for length in lengths)
-    return usual >= _SHORT_PAGE and near >= _MOSTLY * len(lengths)
-
-
-def _heads_at_edges(pages: Sequence[Sequence[str]]) -> set[str]:
-    """Return the lines, with # for numbers, that occur often and mostly at the edges of pages."""
-    counts = Counter(_head(line) for page in pages for line in page)
-    edges = Counter(_head(line) for page in pages for line in (*page[:_PAGE_EDGE], *page[_PAGE_EDGE:][-_PAGE_EDGE:]))
-    return {head for head, count in edges.items() if count >= max(_RUNNING, _MOSTLY * counts[head])}
-
-
-def _without_edges(pages: Sequence[Sequence[str]], heads: Collection[str]) -> Iterator[Sequence[str]]:
-    """Yield the pages without page numbers and running heads."""
-    for page in pages:
-        last = len(page) - _PAGE_EDGE
-        lines: list[str] = []
-        for index, line in enumerate(page):
-            is_at_edge = not _PAGE_EDGE <= index < last
-            if not is_at_edge or (_head(line) not in heads and not _PAGE.fullmatch(line)):
-                lines.append(line)
-        yield lines
-
-
-def _counts_pages(lines: Sequence[str]) -> bool:
-    """Return whether the numbers in lines increase from line to line, except those that are always the same."""
-    numbers = [list(map(int, re.findall(r"\d{1,4}", line))) for line in lines]
-    columns = [column for column in zip(*numbers, strict=False) if len(set(column)) > 1]
-    return bool(columns) and all(map(_increases, columns))
-
-
-def _increases(numbers: Sequence[int]) -> bool:
-    return all(number < following for number, following in pairwise(numbers))
-
-
 def _headings(
-    lines: Sequence[str], numbered: Mapping[int, tuple[str, str]], listed: set[int], titles: Mapping[str, str]
-) -> tuple[dict[int, tuple[str, str]], dict[str, int]]:
-    """Return number and title of the headings by line, and the pages of those without a number.
+    lines: Sequence[str],
+    numbered_lines: Mapping[int, _Heading],
+    contents_lines: set[int],
+    title_by_number: Mapping[str, str],
+) -> tuple[dict[int, _Heading], dict[str, int]]:
+    """Return number and title of the headings by line, and the pages of those without a number by their titles.
 
     A heading is a numbered line whose number and words the contents list as well, or whose number they skip.
     """
-    headings: dict[int, tuple[str, str]] = {}
-    last: tuple[int, ...] = ()
-    for index, (number, title) in numbered.items():
+    headings: dict[int, _Heading] = {}
+    last_key: tuple[int, ...] = ()
+    for index, (number, title) in numbered_lines.items():
         key = _number_key(number)
-        if index in listed or key <= last:
+        if index in contents_lines or key <= last_key:
             continue
-        if _same_start(titles.get(number, ""), title) or (number not in titles and _is_skipped(key, last, titles)):
-            headings[index], last = (number, titles.get(number, title)), key
-    start = min(headings, default=len(lines))
-    places = {_title(line): index for index, line in enumerate(lines[:start]) if _IN_CONTENTS.search(line)}
-    pages: dict[str, int] = {}
-    for index, line in enumerate(lines[:start]):
-        if places.get(line, index) < index:
-            headings[index] = (line, line)
-            page = re.search(r"\d+$", lines[places[line]])
-            pages |= {line: int(page[0])} if page else {}
-    return headings, pages
+        has_listed_title = _have_same_start(title_by_number.get(number, ""), title)
+        is_skipped = number not in title_by_number and _is_skipped_in_contents(key, last_key, title_by_number)
+        if has_listed_title or is_skipped:
+            headings[index] = number, title_by_number.get(number, title)
+            last_key = key
+    first_heading = min(headings, default=len(lines))
+    lines_before = lines[:first_heading]
+    entry_by_title = {_entry_title(line): index for index, line in enumerate(lines_before) if _IN_CONTENTS.search(line)}
+    page_by_title: dict[str, int] = {}
+    for index, line in enumerate(lines_before):
+        is_after_its_entry = line in entry_by_title and entry_by_title[line] < index
+        if is_after_its_entry:
+            headings[index] = line, line
+            page = re.search(r"\d+$", lines[entry_by_title[line]])
+            if page is not None:
+                page_by_title[line] = int(page[0])
+    return headings, page_by_title
 
 
-def _is_skipped(key: tuple[int, ...], last: tuple[int, ...], titles: Mapping[str, str]) -> bool:
+def _is_skipped_in_contents(
+    key: tuple[int, ...], last_key: tuple[int, ...], title_by_number: Mapping[str, str]
+) -> bool:
     """Return whether the contents list the sections before and after a number, but not the number itself."""
-    after = ".".join(map(str, (*key[:-1], key[-1] + 1)))
-    return len(key) > 1 and last == (*key[:-1], key[-1] - 1) and after in titles
+    *chapter, last_number = key
+    key_before = (*chapter, last_number - 1)
+    number_after = ".".join(map(str, (*chapter, last_number + 1)))
+    return bool(chapter) and last_key == key_before and number_after in title_by_number
 
 
-def _contents(lines: Sequence[str], numbered: Mapping[int, tuple[str, str]]) -> set[int]:
+def _contents_lines(lines: Sequence[str], numbered_lines: Mapping[int, _Heading]) -> set[int]:
     """Return the numbered lines of the contents: those with a page, and the others up to the first lower number."""
-    with_page = {index for index in numbered if _IN_CONTENTS.search(lines[index])}
-    if len(with_page) >= _FEW:
-        return with_page
-    first = min(with_page or numbered, default=len(lines))
-    indexes: set[int] = set()
-    last: tuple[int, ...] = ()
-    for index, (number, _) in numbered.items():
-        if index >= first:
-            key = _number_key(number)
-            if key[:1] < last[:1]:
-                break
-            indexes.add(index)
-            last = max(key, last)
-    return indexes | with_page
+    lines_with_page = {index for index in numbered_lines if _IN_CONTENTS.search(lines[index])}
+    if len(lines_with_page) >= _LEAST_COMPLETE_CONTENTS:
+        return lines_with_page
+    first_line = min(lines_with_page or numbered_lines, default=len(lines))
+    contents_lines: set[int] = set()
+    highest_key: tuple[int, ...] = ()
+    for index, (number, _) in numbered_lines.items():
+        if index < first_line:
+            continue
+        key = _number_key(number)
+        is_lower_chapter = key[:1] < highest_key[:1]
+        if is_lower_chapter:
+            break
+        contents_lines.add(index)
+        highest_key = max(key, highest_key)
+    return contents_lines | lines_with_page
 
 
 def _number_key(number: str) -> tuple[int, ...]:
+    """Return the number of a section in a form that sorts: ``(4, 3, 2)`` for ``4.3.2``."""
     return tuple(map(int, number.split(".")))
 
 
-def _numbered_heading(line: str) -> tuple[str, str] | None:
-    match = _HEADING.fullmatch(_title(line))
-    return (match["number"], match["title"].strip()) if match is not None and len(line) <= _LONGEST else None
+def _numbered_heading(line: str) -> _Heading | None:
+    """Return ``("4.3", "Preset")`` for a line such as ``4.3 Preset ..... 21``, or None for one without a number."""
+    match = _HEADING.fullmatch(_entry_title(line))
+    if match is None or len(line) > LONGEST_HEAD:
+        return None
+    return match["number"], match["title"].strip()
 
 
-def _title(line: str) -> str:
+def _entry_title(line: str) -> str:
+    """Return a line without the dots and the page at the end of an entry of the contents."""
     return _IN_CONTENTS.sub("", line).strip()
 
 
 def _without_number(line: str) -> str:
     heading = _numbered_heading(line)
-    return line if heading is None else heading[1]
+    if heading is None:
+        return line
+    _, title = heading
+    return title
 
 
 def _folded_words(text: str) -> list[str]:
     return WORD.findall(text.casefold())
 
 
-def _same_start(listed: str, title: str) -> bool:
+def _have_same_start(listed_title: str, title: str) -> bool:
     """Return whether two titles have the same first words."""
-    first, second = (_folded_words(text)[:3] for text in (listed, title))
-    return bool(first) and first[: len(second)] == second[: len(first)]
+    listed_words, words = _folded_words(listed_title)[:3], _folded_words(title)[:3]
+    common_length = min(len(listed_words), len(words))
+    return bool(listed_words) and listed_words[:common_length] == words[:common_length]
 
 
-def aligned(old: Manual, new: Manual) -> Iterator[tuple[Section | None, Section | None]]:
+def pair_sections(old: Manual, new: Manual) -> Iterator[tuple[Section | None, Section | None]]:
     """Yield the sections of two editions in pairs, by title or else by number, with None for a missing one."""
     unpaired = {section.number: section for section in new.sections}
-    pairs: dict[str, Section] = {}
-    for find_same in (_same_section, _same_title, _same_number):
+    new_section_by_old_number: dict[str, Section] = {}
+    for find_number in (_same_number_and_title, _number_with_same_title, _same_number):
         for section in old.sections:
-            if section.number not in pairs and (number := find_same(section, unpaired)) is not None:
-                pairs[section.number] = unpaired.pop(number)
-    yield from ((section, pairs.get(section.number)) for section in old.sections)
-    yield from ((None, section) for section in unpaired.values())
+            if section.number in new_section_by_old_number:
+                continue
+            new_number = find_number(section, unpaired)
+            if new_number is not None:
+                new_section_by_old_number[section.number] = unpaired.pop(new_number)
+    for section in old.sections:
+        yield section, new_section_by_old_number.get(section.number)
+    for section in unpaired.values():
+        yield None, section
 
 
-def _same_section(section: Section, among: Mapping[str, Section]) -> str | None:
-    same_number = among.get(section.number)
-    return (
-        section.number if same_number is not None and same_number.title.casefold() == section.title.casefold() else None
-    )
+def _same_number_and_title(old_section: Section, new_sections: Mapping[str, Section]) -> str | None:
+    """Return the number of the section among the new ones, which are given by number, if it has the same title."""
+    new_section = new_sections.get(old_section.number)
+    if new_section is None or new_section.title.casefold() != old_section.title.casefold():
+        return None
+    return old_section.number
 
 
-def _same_title(section: Section, among: Mapping[str, Section]) -> str | None:
-    numbers = (number for number, candidate in among.items() if candidate.title.casefold() == section.title.casefold())
-    return next(numbers, None)
+def _number_with_same_title(old_section: Section, new_sections: Mapping[str, Section]) -> str | None:
+    """Return the number of the first new section with the same title, or None."""
+    for number, new_section in new_sections.items():
+        if new_section.title.casefold() == old_section.title.casefold():
+            return number
+    return None
 
 
-def _same_number(section: Section, among: Mapping[str, Section]) -> str | None:
-    return section.number if section.number in among else None
+def _same_number(old_section: Section, new_sections: Mapping[str, Section]) -> str | None:
+    return old_section.number if old_section.number in new_sections else None

@@ -11,7 +11,7 @@ from collections.abc import Generator
 from ..model import Crc, Layout
 from ..reference.bits import compute_bits
 from .encoder import VirtualEncoder
-from .faults import BUSY_S, disturbed
+from .faults import BUSY_S, word_with_fault
 
 #: Bytes with which the master lets the time-out pass, and the clock go low and high.
 TIMEOUT, CLOCK = b"TC"
@@ -61,7 +61,7 @@ ZEROS = 14
 #: CRC of control data: x^4 + x + 1, inverted.
 _CRC = Crc(name="control", width=4, poly=0x3, init=0, refin=False, refout=False, xorout=0xF, source=())
 #: Fewest and most clocks by which the start bit is late.
-_LATE = {"late": (1, 8), "busy": (9, 40)}
+_CLOCKS_LATE = {"late": (1, 8), "busy": (9, 40)}
 
 
 class BissLine(ByLevels):
@@ -80,10 +80,13 @@ class BissLine(ByLevels):
             raise ValueError(f"{encoder.variant.code} has no BiSS")
         super().__init__()
         self.encoder, self.acknowledge = encoder, acknowledge
-        self._access: Generator[int, int, int] | None = None
-        self._zeros = 0
-        self._ma, self._edges, self._cdm = 1, 0, 0
-        self._bits: list[int] = []
+        #: The answer to the control frame that the master sends, bit by bit.
+        self._control_frame: Generator[int, int, int] | None = None
+        self._cdm_zeros = 0
+        self._ma, self._cdm = 1, 0
+        #: Rising edges of MA in this cycle, and its bits.
+        self._rising_edges = 0
+        self._cycle_bits: list[int] = []
 
     @property
     def bits(self) -> int:
@@ -103,95 +106,105 @@ class BissLine(ByLevels):
         Returns:
             The CDS bit of this cycle, and its single cycle data.
         """
-        data = self.cycle(cdm)
-        start = self.acknowledge + 1
-        return data[start], int("".join(map(str, data[start + 1 : start + 1 + self.bits])), 2)
+        bits = self.cycle(cdm)
+        cds_index = self.acknowledge + 1
+        data_bits = bits[cds_index + 1 : cds_index + 1 + self.bits]
+        return bits[cds_index], int("".join(map(str, data_bits)), 2)
 
     def cycle(self, cdm: int) -> list[int]:
         """Return the bits of a cycle from the second rising edge of MA: acknowledge, start, CDS, data, stop."""
         encoder, faults = self.encoder, self.encoder.faults
         fault = faults.draw()
-        cds = self._control(cdm)
+        cds = self._exchange_control_bit(cdm)
         word = encoder.frame(encoder.layouts("encoder")[0])
-        data = [word >> shift & 1 for shift in range(self.bits - 1, -1, -1)]
-        late = [0] * faults.random.randint(*_LATE.get(fault, (0, 0)))
-        bits = [*[0] * self.acknowledge, *late, 1, cds, *data, 0]
+        data = [word >> shift & 1 for shift in reversed(range(self.bits))]
+        fewest_late, most_late = _CLOCKS_LATE.get(fault, (0, 0))
+        late_clocks = faults.random.randint(fewest_late, most_late)
+        start_bit, stop_bit = 1, 0
+        bits = [*[0] * (self.acknowledge + late_clocks), start_bit, cds, *data, stop_bit]
         if fault == "low":
             bits = [0] * len(bits)
         elif fault in ("high", "lost", "restart") or encoder.is_off():
             bits = [1] * len(bits)
         elif fault == "flip":
-            bits[faults.random.randrange(self.acknowledge + 1, len(bits) - 1)] ^= 1
+            inverted_index = faults.random.randrange(self.acknowledge + 1, len(bits) - 1)
+            bits[inverted_index] ^= 1
         elif fault in ("short", "brownout"):
+            # At least one of the lost bits is 0, so that the frame differs.
             last_zero = len(data) - 1 - data[::-1].index(0) if 0 in data else 0
             first_lost = faults.random.randint(self.acknowledge, self.acknowledge + 2 + last_zero)
             bits[first_lost:] = [1] * (len(bits) - first_lost)
         if fault in ("restart", "brownout"):
             encoder.restart()
-            self._access = None
+            self._control_frame = None
         elif fault == "busy":
             encoder.be_busy(BUSY_S)
         return bits
 
     def clock(self, ma: int) -> int:
         """Set the level of MA, and return the resulting level of SLO."""
-        if ma and not self._ma:
-            self._edges += 1
-            if self._edges == 1:
-                self._bits = self.cycle(self._cdm)
+        is_rising_edge = ma and not self._ma
+        if is_rising_edge:
+            self._rising_edges += 1
+            if self._rising_edges == 1:
+                self._cycle_bits = self.cycle(self._cdm)
         self._ma = ma
-        if self._edges < 2:
+        # The first bit of the cycle comes with the second rising edge.
+        bit_index = self._rising_edges - 2
+        if bit_index < 0:
             return 1
-        return self._bits[self._edges - 2] if self._edges - 2 < len(self._bits) else 0
+        return self._cycle_bits[bit_index] if bit_index < len(self._cycle_bits) else 0
 
     def timeout(self) -> int:
         """Let the time-out pass. The inverse of the level of MA is the CDM bit. SLO is then high."""
-        self._cdm, self._edges = 1 - self._ma, 0
+        self._cdm, self._rising_edges = 1 - self._ma, 0
         return 1
 
-    def _control(self, cdm: int) -> int:
+    def _exchange_control_bit(self, cdm: int) -> int:
         """Take the CDM bit of the previous cycle, and return the CDS bit of this one."""
-        ready = self._zeros >= ZEROS
-        self._zeros = 0 if cdm else self._zeros + 1
-        if self._zeros >= ZEROS:
-            self._access = None
-        elif self._access is not None:
+        may_start = self._cdm_zeros >= ZEROS
+        self._cdm_zeros = 0 if cdm else self._cdm_zeros + 1
+        if self._cdm_zeros >= ZEROS:
+            self._control_frame = None
+        elif self._control_frame is not None:
             try:
-                return self._access.send(cdm)
-            except StopIteration as ended:
-                self._access = None
-                return int(ended.value)
-        elif cdm and ready:
-            self._access = self._registers()
-            return next(self._access)
+                return self._control_frame.send(cdm)
+            except StopIteration as end_of_frame:
+                self._control_frame = None
+                return int(end_of_frame.value)
+        elif cdm and may_start:
+            self._control_frame = self._answer_control_frame()
+            return next(self._control_frame)
         return 0
 
-    def _registers(self) -> Generator[int, int, int]:
+    def _answer_control_frame(self) -> Generator[int, int, int]:
         """Answer one control frame: yield CDS bits, receive the next CDM bit for each, and return the last CDS bit."""
         memory = self.encoder.memory
-        read, head = yield from _receive_head()
-        address = head >> 4 & 0x7F
-        if head >> 11 != 0b1000 or head & 0xF != compute_bits(_CRC, head >> 4, 11):
+        read_bit, head = yield from _receive_head()
+        # CTS = 1 and slave ID 0 in 4 bits, 7 bits of the address, 4 bits of the CRC.
+        cts_and_id, address, received_crc = head >> 11, head >> 4 & 0x7F, head & 0xF
+        if cts_and_id != 0b1000 or received_crc != compute_bits(_CRC, head >> 4, 11):
             return 0
-        write = yield read
-        if read == write:
-            return write
-        allowed = memory.writable if write else memory.readable
-        if not allowed(address):
-            return 1 - write
-        cdm = yield write
+        write_bit = yield read_bit
+        if read_bit == write_bit:
+            return write_bit
+        is_accessible = memory.writable if write_bit else memory.readable
+        if not is_accessible(address):
+            return 1 - write_bit
+        cdm = yield write_bit
         while cdm:
             while self.encoder.is_busy():
                 cdm = yield 0
                 if not cdm:
                     return 0
-            if write:
+            if write_bit:
                 cdm, is_valid = yield from self._write_byte(address)
                 if not is_valid:
                     return cdm
             else:
                 cdm = yield from self._read_byte(address)
-            if cdm or address & 0x3F == 0x3F or not allowed(address + 1):
+            is_last_of_bank = address & 0x3F == 0x3F
+            if cdm or is_last_of_bank or not is_accessible(address + 1):
                 return 1
             address += 1
             cdm = yield 0
@@ -199,24 +212,26 @@ class BissLine(ByLevels):
 
     def _write_byte(self, address: int) -> Generator[int, int, tuple[int, bool]]:
         """Receive a byte and its CRC. Return the next CDM bit, and whether the CRC was correct and the byte written."""
-        cdm, data = (yield 1), 0
+        cdm = yield 1
+        byte_and_crc = 0
         for _ in range(11):
-            data = data << 1 | cdm
+            byte_and_crc = byte_and_crc << 1 | cdm
             cdm = yield cdm
-        data = data << 1 | cdm
-        if data & 0xF != compute_bits(_CRC, data >> 4, 8):
+        byte_and_crc = byte_and_crc << 1 | cdm
+        byte, received_crc = byte_and_crc >> 4, byte_and_crc & 0xF
+        if received_crc != compute_bits(_CRC, byte, 8):
             return cdm, False
-        self.encoder.memory.write(address, data >> 4)
+        self.encoder.memory.write(address, byte)
         cdm = yield cdm
         return cdm, True
 
     def _read_byte(self, address: int) -> Generator[int, int, int]:
         """Send a byte and its CRC, and return the next CDM bit."""
         byte = self.encoder.memory.read(address) or 0
-        data = byte << 4 | compute_bits(_CRC, byte, 8)
+        byte_and_crc = byte << 4 | compute_bits(_CRC, byte, 8)
         cdm = yield 1
-        for shift in range(11, -1, -1):
-            cdm = yield data >> shift & 1
+        for shift in reversed(range(12)):
+            cdm = yield byte_and_crc >> shift & 1
         return cdm
 
 
@@ -244,8 +259,9 @@ class SsiLine(ByLevels):
             raise ValueError(f"{encoder.variant.code} has no SSI")
         self.encoder = encoder
         super().__init__()
-        self._left, self._word = -1, 0
-        self._level = self._data = 1
+        #: The bits of the word that are still to be sent, and their number, which is -1 before the first clock.
+        self._word, self._bits_left = 0, -1
+        self._clock_level = self._data_level = 1
 
     @property
     def bits(self) -> int:
@@ -268,20 +284,22 @@ class SsiLine(ByLevels):
         if fault == "busy":
             self.encoder.be_busy(BUSY_S)
         word = 0 if self._is_not_ready else self.encoder.frame(self._layout)
-        return disturbed(self.encoder, fault, word, self.bits)
+        return word_with_fault(self.encoder, fault, word, self.bits)
 
     def clock(self, level: int) -> int:
         """Set the level of the clock, and return that of the data line. Zeros follow the word."""
-        if level and not self._level:
-            if self._left < 0:
-                self._word, self._left = self.word(), self.bits
-            self._left -= self._left > 0
-            self._data = self._word >> self._left & 1
-            self._word &= (1 << self._left) - 1
-        self._level = level
-        return self._data
+        is_rising_edge = level and not self._clock_level
+        if is_rising_edge:
+            if self._bits_left < 0:
+                self._word, self._bits_left = self.word(), self.bits
+            if self._bits_left > 0:
+                self._bits_left -= 1
+            self._data_level = self._word >> self._bits_left & 1
+            self._word &= (1 << self._bits_left) - 1
+        self._clock_level = level
+        return self._data_level
 
     def timeout(self) -> int:
         """Let the pause after a word pass. The data line is then high, unless the encoder is busy."""
-        self._left, self._data = -1, int(not self._is_not_ready)
-        return self._data
+        self._bits_left, self._data_level = -1, int(not self._is_not_ready)
+        return self._data_level

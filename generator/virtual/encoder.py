@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from functools import cache, cached_property
+from functools import cached_property
 from pathlib import Path
 from time import monotonic
 
-from ..language.problems import Report
-from ..loading.editions import revision_for
-from ..loading.library import Family, in_edition, load_families, sound_families
 from ..model import (
     Biss,
     Choice,
     Constant,
     CrcValue,
     Decimal,
-    Device,
     Field,
     Flag,
     Layout,
@@ -30,12 +26,10 @@ from ..model import (
     Variant,
     assert_never,
 )
-from ..one_line.encoder import device_of_line
-from ..one_line.parse import is_line
-from ..order_codes.labels import Match, UnknownOrderCode, find
 from ..order_codes.parameters import with_answers
 from ..reference import codec
 from .faults import Faults, Position
+from .find_order_code import find_order_code
 from .memory import Memory
 
 #: Seconds without supply after a restart, and until an encoder that reports this is ready.
@@ -83,11 +77,13 @@ class VirtualEncoder:
         edition: str = "",
         specs: Iterable[Path] = (),
     ) -> None:
-        self.device, match = _find_code(order_code, tuple(specs), edition)
+        self.device, match = find_order_code(order_code, tuple(specs), edition)
         self.answers = dict(choose or {})
         self._check_answers(match.variant)
         self.variant = with_answers(self.device, match.variant, self.answers)
-        self._placed: tuple[Variant, dict[str, PlacedLayout]] = (self.variant, {})
+        #: Layouts as placed for a variant, by name.
+        self._placed_for = self.variant
+        self._placed_layouts: dict[str, PlacedLayout] = {}
         self.position = position
         self.faults = Faults(self.variant.interface, faults, seed)
         self.flags: set[str] = set()
@@ -121,11 +117,11 @@ class VirtualEncoder:
         total = measurement.total if measurement is not None else None
         if total is not None:
             return total.value(self.variant.parameters)
-        return 1 << sum(placed_field.width for placed_field in self._fields(layout))
+        return 1 << sum(placed_field.width for placed_field in self._position_fields(layout))
 
     def _lowest(self, layout: Layout | None) -> int:
         """Return the lowest position in frames with this layout."""
-        fields = self._fields(layout)
+        fields = self._position_fields(layout)
         if len(fields) != 1 or not fields[0].field.number.signed:
             return 0
         measurement = self._measurement(layout)
@@ -145,32 +141,37 @@ class VirtualEncoder:
 
     def position_now(self) -> int:
         """Return the position that the encoder currently sends."""
-        return 0 if self.is_busy() and self._not_ready else self._wrapped(self.raw_position() + self._offset)
+        if self._reports_not_ready():
+            return 0
+        return self._wrap_into(self._position_layout, self.raw_position() + self._offset)
 
-    def _wrapped(self, position: int) -> int:
-        """Return the position that the encoder sends for a count."""
-        return self._wrapped_in(self._position_layout, position)
+    def _reports_not_ready(self) -> bool:
+        """Return whether the encoder is busy and reports that, so that it has no position."""
+        return self.is_busy() and self.reports_busy
 
-    def _wrapped_in(self, layout: Layout | None, position: int) -> int:
+    def _wrap_into(self, layout: Layout | None, count: int) -> int:
         """Return the position that frames with this layout contain for a count."""
         lowest = self._lowest(layout)
-        return lowest + (position - lowest) % self._counts(layout)
+        return lowest + (count - lowest) % self._counts(layout)
 
     def parts_now(self, layout: Layout | None = None) -> dict[str, int]:
         """Return the bits of each field of the current position in frames with a layout, by default the first one."""
         if layout is None or not self._carries_position(layout):
             layout = self._position_layout
-        is_away = self.is_busy() and self._not_ready
-        count = 0 if is_away else self._wrapped_in(layout, self.raw_position() + self._offset)
-        values = dict[str, int]()
-        for placed_field in reversed(self._fields(layout)):
-            values[placed_field.name] = count & placed_field.mask
-            count >>= placed_field.width
-        return values
+        remaining_bits = 0
+        if not self._reports_not_ready():
+            remaining_bits = self._wrap_into(layout, self.raw_position() + self._offset)
+        bits_by_field: dict[str, int] = {}
+        for placed_field in reversed(self._position_fields(layout)):
+            bits_by_field[placed_field.name] = remaining_bits & placed_field.mask
+            remaining_bits >>= placed_field.width
+        return bits_by_field
 
     def raw_position(self) -> int:
         """Return the current position without presets and resets."""
-        return int(self.position(self._now()) if callable(self.position) else self.position)
+        if callable(self.position):
+            return int(self.position(self._now()))
+        return int(self.position)
 
     def set_position(self, value: int) -> None:
         """Report ``value`` at the current shaft position, as a preset or reset does."""
@@ -186,10 +187,9 @@ class VirtualEncoder:
         Raises:
             ValueError: There is no such alarm or flag.
         """
-        flag_names = self._flags
         for name in names:
-            if name not in flag_names:
-                known_names = ", ".join(sorted(flag_names)) or "none"
+            if name not in self._flag_names:
+                known_names = ", ".join(sorted(self._flag_names)) or "none"
                 raise ValueError(f"{self.variant.code} has no flag '{name}'; it has: {known_names}")
         self.flags.update(names)
 
@@ -201,15 +201,16 @@ class VirtualEncoder:
         """Carry out a reset: clear its alarms, and set the parts of the position that its name contains to 0."""
         self.flags -= {alarm.name for alarm in self.device.alarms if procedure in alarm.cleared_by}
         # The position of another frame may be wider, so it stays as it is unless a part of it is reset.
-        if not any(name in procedure for name, _ in self._parts()):
+        fields = self._position_fields(self._position_layout)
+        if not any(placed_field.name in procedure for placed_field in fields):
             return
-        low = 0
-        value = self._wrapped(self.raw_position() + self._offset)
-        for name, width in reversed(self._parts()):
-            if name in procedure:
-                value &= ~(((1 << width) - 1) << low)
-            low += width
-        self.set_position(value & (1 << low) - 1)
+        position = self._wrap_into(self._position_layout, self.raw_position() + self._offset)
+        low_bit = 0
+        for placed_field in reversed(fields):
+            if placed_field.name in procedure:
+                position &= ~(placed_field.mask << low_bit)
+            low_bit += placed_field.width
+        self.set_position(position & (1 << low_bit) - 1)
 
     def restart(self) -> None:
         """Switch the supply off and on again. Registers that were not saved are lost."""
@@ -232,10 +233,10 @@ class VirtualEncoder:
     @property
     def reports_busy(self) -> bool:
         """True if a flag in frames shows that the encoder is busy."""
-        return bool(self._not_ready)
+        return bool(self._not_ready_flags)
 
     @cached_property
-    def _in_registers(self) -> frozenset[str]:
+    def _alarms_in_registers(self) -> frozenset[str]:
         return frozenset(alarm.name for alarm in self.device.alarms if alarm.register)
 
     def frame(self, layout: Layout, request_values: Mapping[str, int | str | bool] | None = None) -> int:
@@ -257,11 +258,12 @@ class VirtualEncoder:
 
     def place(self, layout: Layout) -> PlacedLayout:
         """Return a layout for this encoder with its current registers."""
-        if self._placed[0] is not self.variant:
-            self._placed = (self.variant, {})
-        if layout.name not in self._placed[1]:
-            self._placed[1][layout.name] = layout.place(self.variant.parameters)
-        return self._placed[1][layout.name]
+        if self._placed_for is not self.variant:
+            self._placed_for = self.variant
+            self._placed_layouts = {}
+        if layout.name not in self._placed_layouts:
+            self._placed_layouts[layout.name] = layout.place(self.variant.parameters)
+        return self._placed_layouts[layout.name]
 
     def layouts(self, sender: str) -> tuple[Layout, ...]:
         """Return the frames that the encoder or the master sends on this interface."""
@@ -277,72 +279,78 @@ class VirtualEncoder:
         assert isinstance(field.kind, Flag)
         if field.name in self.flags or any(name in self.flags for name in field.kind.sums_up):
             return True
-        if self.is_busy() and self._not_ready & {field.name, *field.kind.sums_up}:
+        if self.is_busy() and self._not_ready_flags & {field.name, *field.kind.sums_up}:
             return True
         # Over BiSS, an error in a register also sets the error flag of the frame.
-        return (
-            bool(self.flags) and field.name == next(iter(Biss.flags)) and not self.flags.isdisjoint(self._in_registers)
-        )
+        error_flag = next(iter(Biss.flags))
+        has_error_in_register = not self.flags.isdisjoint(self._alarms_in_registers)
+        return field.name == error_flag and has_error_in_register
 
     def _now(self) -> float:
         """Return the time. It does not advance while a frame is built, so that its fields are consistent."""
         return self.clock() if self._instant is None else self._instant
 
     def _values(self, layout: Layout, request_values: Mapping[str, int | str | bool]) -> dict[str, int | str | bool]:
+        """Return the value of each field that carries data. Those of the request come before the encoder's own."""
+        position_bits = self.parts_now(layout)
         values: dict[str, int | str | bool] = {}
-        parts = self.parts_now(layout)
         for placed_field in self.place(layout).fields:
-            field = placed_field.field
+            name, field = placed_field.name, placed_field.field
             if not field.carries_data:
                 continue
-            documented = field.documented(self.variant.parameters)
-            if placed_field.name in request_values:
-                values[placed_field.name] = request_values[placed_field.name]
-            elif placed_field.name in parts:
-                values[placed_field.name] = _number(placed_field, parts[placed_field.name] & placed_field.mask)
+            documented_value = field.documented(self.variant.parameters)
+            if name in request_values:
+                values[name] = request_values[name]
+            elif name in position_bits:
+                values[name] = _number_from_bits(placed_field, position_bits[name] & placed_field.mask)
             elif isinstance(field.kind, Flag):
-                values[placed_field.name] = self.is_active(field)
-            elif documented is not None:
-                values[placed_field.name] = documented
+                values[name] = self.is_active(field)
+            elif documented_value is not None:
+                values[name] = documented_value
             else:
-                values[placed_field.name] = _value_at_rest(field)
+                values[name] = _value_at_rest(field)
         return values
-
-    def _parts(self) -> tuple[tuple[str, int], ...]:
-        """Return the fields that form the position with their widths, most significant first."""
-        return tuple((placed_field.name, placed_field.width) for placed_field in self._fields(self._position_layout))
 
     @property
     def _position_layout(self) -> Layout | None:
         """The first frame with a position."""
-        return next(filter(self._carries_position, self.layouts("encoder")), None)
+        for layout in self.layouts("encoder"):
+            if self._carries_position(layout):
+                return layout
+        return None
+
+    @property
+    def _position_name(self) -> str:
+        measurement = self.device.measurement_of(self.variant.interface)
+        return measurement.of if measurement is not None else "position"
 
     def _carries_position(self, layout: Layout) -> bool:
-        measurement = self.device.measurement_of(self.variant.interface)
-        name = measurement.of if measurement is not None else "position"
-        return layout.names_in(name) != (name,) or self.place(layout).find_field(name) is not None
+        name = self._position_name
+        is_joined = layout.names_in(name) != (name,)
+        return is_joined or self.place(layout).find_field(name) is not None
 
-    def _fields(self, layout: Layout | None) -> tuple[PlacedField, ...]:
+    def _position_fields(self, layout: Layout | None) -> tuple[PlacedField, ...]:
         """Return the fields that form the position in frames with a layout, most significant first."""
         if layout is None:
             return ()
-        measurement = self.device.measurement_of(self.variant.interface)
-        name = measurement.of if measurement is not None else "position"
-        return tuple(self.place(layout).find_fields(layout.names_in(name)))
+        return tuple(self.place(layout).find_fields(layout.names_in(self._position_name)))
 
     @cached_property
-    def _not_ready(self) -> set[str]:
+    def _not_ready_flags(self) -> set[str]:
         """Alarms that do not latch: active while the encoder is not ready."""
-        return {alarm.name for alarm in self.device.alarms if alarm.latch is False and alarm.name in self._flags}
+        non_latching_alarms = [alarm.name for alarm in self.device.alarms if alarm.latch is False]
+        return {name for name in non_latching_alarms if name in self._flag_names}
 
     @cached_property
-    def _flags(self) -> frozenset[str]:
-        layouts = [
-            *self.layouts("encoder"),
-            *(register.layout for register in self.device.registers_over(self.variant.interface)),
-        ]
-        fields = (field for layout in layouts for field in layout.fields)
-        return frozenset(field.name for field in fields if isinstance(field.kind, Flag) and self._may_send(field))
+    def _flag_names(self) -> frozenset[str]:
+        """Names of the flags in the frames and registers of the encoder."""
+        frame_layouts = self.layouts("encoder")
+        register_layouts = [register.layout for register in self.device.registers_over(self.variant.interface)]
+        names: set[str] = set()
+        for layout in (*frame_layouts, *register_layouts):
+            flags = [field for field in layout.fields if isinstance(field.kind, Flag)]
+            names.update(flag.name for flag in flags if self._may_send(flag))
+        return frozenset(names)
 
     def _may_send(self, field: Field) -> bool:
         """Return whether the encoder sends a field, or would send it with other values in its registers."""
@@ -351,12 +359,15 @@ class VirtualEncoder:
         return field.width.value(self.variant.parameters) > 0 or not run_time_names.isdisjoint(needed_names)
 
     def _check_answers(self, variant: Variant) -> None:
-        alternatives = self.device.alternatives
-        pairs = [(alternative.name, answer.name) for alternative in alternatives for answer in alternative.answers]
-        for name, text in self.answers.items():
-            if (name, text) not in pairs:
-                options = " or ".join(map("=".join, pairs)) or "none"
-                raise ValueError(f"'{name}={text}' answers no question of {variant.code}; write {options}")
+        """Check that each answer belongs to a question, and that each question about a position has an answer."""
+        options: list[str] = []
+        for alternative in self.device.alternatives:
+            options += [f"{alternative.name}={answer.name}" for answer in alternative.answers]
+        for name, answer_name in self.answers.items():
+            chosen_option = f"{name}={answer_name}"
+            if chosen_option not in options:
+                options_text = " or ".join(options) or "none"
+                raise ValueError(f"'{chosen_option}' answers no question of {variant.code}; write {options_text}")
         for layout in self.device.interface(variant.interface).layouts:
             if self.device.tells_position(variant.interface, layout):
                 self._check_choices(layout)
@@ -369,13 +380,12 @@ class VirtualEncoder:
                 raise ValueError(f"{alternative.meaning}: choose {options}")
 
 
-def _number(placed_field: PlacedField, bits: int) -> int:
+def _number_from_bits(placed_field: PlacedField, bits: int) -> int:
     """Return the number that the bits of a field stand for."""
-    return (
-        bits - (1 << placed_field.width)
-        if placed_field.field.number.signed and bits >> placed_field.width - 1
-        else bits
-    )
+    sign_bit = bits >> placed_field.width - 1
+    if placed_field.field.number.signed and sign_bit:
+        return bits - (1 << placed_field.width)
+    return bits
 
 
 def _value_at_rest(field: Field) -> int:
@@ -391,40 +401,3 @@ def _value_at_rest(field: Field) -> int:
             return 0
         case _:
             assert_never(field.kind)
-
-
-@cache
-def _families(specs: tuple[Path, ...]) -> tuple[Family, ...]:
-    families, report = load_families(specs or None)
-    valid_families = tuple(sound_families(families, report))
-    if not valid_families:
-        raise ValueError("\n".join(problem.format() for problem in report.shown) or "there are no specs")
-    return valid_families
-
-
-def _is_special(device: Device, text: str) -> bool:
-    """Return whether the text of an order code contains that of a special model of the family."""
-    return any(overlay.special and overlay.special in text for overlay in device.overlays)
-
-
-def _find_code(text: str, specs: tuple[Path, ...], edition: str) -> tuple[Device, Match]:
-    if is_line(text):
-        if edition:
-            raise ValueError("an encoder in one line has no editions; leave the edition out")
-        return device_of_line(text)
-    reason = ""
-    special_families = [family for family in _families(specs) if _is_special(family.device, text)]
-    for family in (*special_families, *(family for family in _families(specs) if not family.device.base)):
-        try:
-            match = find(family.device, text)
-        except UnknownOrderCode as error:
-            reason = str(error) if error.close or not reason else reason
-            continue
-        if not edition:
-            return family.device, match
-        report = Report()
-        family_in_edition = in_edition(family, revision_for(family.device, edition), report)
-        if family_in_edition is None or report:
-            raise ValueError("\n".join(problem.format() for problem in report.shown))
-        return family_in_edition.device, find(family_in_edition.device, text)
-    raise ValueError(reason)

@@ -93,12 +93,12 @@ class Faults:
     def __init__(self, interface: str, texts: Iterable[str] = (), seed: int = 0) -> None:
         self.random = random.Random(seed)
         self.injected: Counter[str] = Counter()
-        rate_texts = [texts] if isinstance(texts, str) else texts
-        self._rates = [_rate(interface, text) for text in rate_texts]
+        fault_texts = [texts] if isinstance(texts, str) else texts
+        self._names_and_rates = [_parse_fault(interface, text) for text in fault_texts]
 
     def draw(self) -> str:
         """Return the fault of the next reply, or an empty string."""
-        for name, rate in self._rates:
+        for name, rate in self._names_and_rates:
             if self.random.random() < rate:
                 self.injected[name] += 1
                 return name
@@ -106,20 +106,23 @@ class Faults:
 
     def damaged(self, name: str, reply: bytes, request: bytes) -> bytes:
         """Return the bytes that this fault puts on the line in place of the reply."""
-        chance = self.random
         if name == "lost":
             return b""
         if name in ("short", "brownout"):
-            return reply[: chance.randrange(min(1, len(reply) - 1), len(reply))]
+            shortest_length = min(1, len(reply) - 1)
+            return reply[: self.random.randrange(shortest_length, len(reply))]
         if name == "doubled":
             return reply + reply
         if name == "flip":
-            bit_index = chance.randrange(8 * len(reply))
-            return bytes(byte ^ (1 << bit_index % 8) * (index == bit_index // 8) for index, byte in enumerate(reply))
+            byte_index, bit = divmod(self.random.randrange(8 * len(reply)), 8)
+            reply_with_flip = bytearray(reply)
+            reply_with_flip[byte_index] ^= 1 << bit
+            return bytes(reply_with_flip)
         if name == "echo":
             return request + reply
         if name == "junk":
-            return chance.randbytes(chance.randint(1, 8)) + reply
+            junk_length = self.random.randint(1, 8)
+            return self.random.randbytes(junk_length) + reply
         return reply
 
     def gap_s(self) -> float:
@@ -129,8 +132,8 @@ class Faults:
     def cut(self, word: int, bits: int) -> int:
         """Return a word whose last bits are all 1, at least one of which was 0, if there is one."""
         lowest_zero = (~word & (word + 1)).bit_length() - 1
-        fewest = min(lowest_zero + 1, bits)
-        missing_bits = self.random.randrange(fewest, max(fewest + 1, bits))
+        fewest_missing = min(lowest_zero + 1, bits)
+        missing_bits = self.random.randrange(fewest_missing, max(fewest_missing + 1, bits))
         return word | (1 << missing_bits) - 1
 
 
@@ -143,18 +146,22 @@ class _Host(Protocol):
     def restart(self) -> None: ...
 
 
-def disturbed(encoder: _Host, fault: str, word: int, bits: int) -> int:
-    """Return a word as it arrives over a clocked line with this fault."""
+def word_with_fault(encoder: _Host, fault: str, word: int, bits: int) -> int:
+    """Return a word of ``bits`` bits as it arrives over a clocked line with this fault."""
     was_off = encoder.is_off()
     if fault in ("restart", "brownout"):
         encoder.restart()
+    all_ones = (1 << bits) - 1
     if fault == "low":
         return 0
     if was_off or fault in ("high", "lost", "restart"):
-        return (1 << bits) - 1
+        return all_ones
     if fault in ("short", "brownout"):
         return encoder.faults.cut(word, bits)
-    return word ^ 1 << encoder.faults.random.randrange(bits) if fault == "flip" else word
+    if fault == "flip":
+        inverted_bit = encoder.faults.random.randrange(bits)
+        return word ^ (1 << inverted_bit)
+    return word
 
 
 def faults_of(interface: str) -> dict[str, str]:
@@ -162,18 +169,22 @@ def faults_of(interface: str) -> dict[str, str]:
     return {name: effects[interface] for name, effects in FAULTS.items() if interface in effects}
 
 
-def _rate(interface: str, text: str) -> tuple[str, float]:
-    name, _, rate = text.partition(":")
+def _parse_fault(interface: str, text: str) -> tuple[str, float]:
+    """Return the name and the rate of a fault: ``("flip", 0.001)`` for ``flip:1e-3``."""
+    name, _, rate_text = text.partition(":")
     try:
-        value = float(rate or 1)
+        rate = float(rate_text or 1)
     except ValueError:
-        value = -1.0
-    possible = ", ".join(faults_of(interface))
-    if name not in FAULTS or not isfinite(value) or not 0 <= value <= 1:
-        raise ValueError(f"'{text}' is not a fault; write a name and a rate from 0 to 1, such as flip:1e-3: {possible}")
+        rate = -1.0
+    possible_names = ", ".join(faults_of(interface))
+    is_rate = isfinite(rate) and 0 <= rate <= 1
+    if name not in FAULTS or not is_rate:
+        advice = f"write a name and a rate from 0 to 1, such as flip:1e-3: {possible_names}"
+        raise ValueError(f"'{text}' is not a fault; {advice}")
     if interface not in FAULTS[name]:
-        raise ValueError(f"{INTERFACES[interface].short} cannot have the fault '{name}'; it can have: {possible}")
-    return name, value
+        interface_name = INTERFACES[interface].short
+        raise ValueError(f"{interface_name} cannot have the fault '{name}'; it can have: {possible_names}")
+    return name, rate
 
 
 #: Position in counts as a function of the time in seconds. A number is a constant position.
@@ -204,37 +215,50 @@ def motion(text: str, counts: int, lowest: int = 0, counts_per_turn: int = 0) ->
         return int(text, 0)
     except ValueError:
         pass
-    ramp = _RAMP.fullmatch(text)
-    if ramp is not None:
-        speed = _finite(ramp["speed"], text)
-        return lambda now: speed * now
-    sine = _SINE.fullmatch(text)
-    if sine is None:
-        raise _bad_position(text)
-    frequency = _finite(sine["frequency"], text)
-    middle = lowest + (counts - 1) / 2
-    amplitude = (counts - 1) / 2
-    if sine["amplitude"]:
-        typed_amplitude = _finite(sine["amplitude"], text)
-        amplitude = _amplitude_in_counts(text, typed_amplitude, bool(sine["degrees"]), amplitude, counts_per_turn)
-    return lambda now: middle + amplitude * math.sin(2 * math.pi * frequency * now)
+    ramp_match = _RAMP.fullmatch(text)
+    if ramp_match is not None:
+        speed = _parse_finite(ramp_match["speed"], text)
+        return lambda seconds: speed * seconds
+    sine_match = _SINE.fullmatch(text)
+    if sine_match is None:
+        raise _not_a_position(text)
+    frequency = _parse_finite(sine_match["frequency"], text)
+    largest_amplitude = (counts - 1) / 2
+    middle = lowest + largest_amplitude
+    amplitude = largest_amplitude
+    if sine_match["amplitude"]:
+        amplitude = _amplitude_in_counts(
+            text,
+            _parse_finite(sine_match["amplitude"], text),
+            is_angle=bool(sine_match["degrees"]),
+            largest_amplitude=largest_amplitude,
+            counts_per_turn=counts_per_turn,
+        )
+    return lambda seconds: middle + amplitude * math.sin(2 * math.pi * frequency * seconds)
 
 
-def _finite(number: str, text: str) -> float:
-    value = float(number)
-    if not math.isfinite(value):
-        raise _bad_position(text)
-    return value
+def _parse_finite(number_text: str, text: str) -> float:
+    """Return a number in the text of a position.
+
+    Raises:
+        ValueError: The number is too large.
+    """
+    number = float(number_text)
+    if not math.isfinite(number):
+        raise _not_a_position(text)
+    return number
 
 
-def _bad_position(text: str) -> ValueError:
+def _not_a_position(text: str) -> ValueError:
     return ValueError(
         f"'{text}' is not a position; write 1000003, sine:0.5Hz, sine:0.5Hz:90deg, sine:0.5Hz:1000 (counts), "
         "or ramp:1000 (counts per second)"
     )
 
 
-def _amplitude_in_counts(text: str, amplitude: float, is_angle: bool, highest: float, counts_per_turn: int) -> float:
+def _amplitude_in_counts(
+    text: str, amplitude: float, *, is_angle: bool, largest_amplitude: float, counts_per_turn: int
+) -> float:
     """Return the amplitude of a motion in counts.
 
     Raises:
@@ -242,7 +266,8 @@ def _amplitude_in_counts(text: str, amplitude: float, is_angle: bool, highest: f
     """
     if is_angle and not counts_per_turn:
         raise ValueError(f"'{text}' is an angle, but this encoder has no turns; write the amplitude in counts")
-    radius = amplitude * counts_per_turn / 360 if is_angle else amplitude
-    if not 0 <= radius <= highest:
-        raise ValueError(f"'{text}' leaves the positions of this encoder; the largest amplitude is {highest:g} counts")
-    return radius
+    amplitude_in_counts = amplitude * counts_per_turn / 360 if is_angle else amplitude
+    if not 0 <= amplitude_in_counts <= largest_amplitude:
+        limit_text = f"the largest amplitude is {largest_amplitude:g} counts"
+        raise ValueError(f"'{text}' leaves the positions of this encoder; {limit_text}")
+    return amplitude_in_counts

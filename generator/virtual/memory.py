@@ -8,14 +8,16 @@ describe the effect of a command, so the effect is inferred from words in the na
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Protocol
 
 from ..model import (
     Constant,
     Device,
+    Field,
     Flag,
     Layout,
+    PlacedField,
     PlacedLayout,
     PollStep,
     Procedure,
@@ -53,19 +55,23 @@ class Memory:
         device, interface = encoder.device, encoder.variant.interface
         self.registers = {register.name: register for register in device.registers_over(interface)}
         self.too_early = 0
-        self._ready = 0.0
-        self._read: deque[str] = deque(maxlen=16)
-        self._bytes = {name: bytearray(self._default(register)) for name, register in self.registers.items()}
+        #: Time from which the encoder executes the next command.
+        self._ready_at = 0.0
+        #: Names of the registers that were read last.
+        self._last_reads: deque[str] = deque(maxlen=16)
+        #: Bytes of each register by its name, in the order of their addresses: now, and in the EEPROM.
+        self._bytes = {name: bytearray(self._default_bytes(register)) for name, register in self.registers.items()}
         for name, data in initial_bytes.items():
-            if name not in self.registers or len(data) != self.registers[name].length:
-                sizes = (
-                    ", ".join(f"{register.name} ({register.length})" for register in self.registers.values()) or "none"
-                )
-                raise ValueError(f"no register '{name}' of {len(data)} bytes; the registers are: {sizes}")
-            self._bytes[name][:] = data
-        self._saved = {name: bytes(data) for name, data in self._bytes.items()}
+            self._set_initial_bytes(name, data)
+        self._saved_bytes = {name: bytes(data) for name, data in self._bytes.items()}
         for register in self.registers.values():
-            self._take_over(register)
+            self._apply_to_parameters(register)
+
+    def _set_initial_bytes(self, name: str, data: bytes) -> None:
+        if name not in self.registers or len(data) != self.registers[name].length:
+            sizes = ", ".join(f"{register.name} ({register.length})" for register in self.registers.values())
+            raise ValueError(f"no register '{name}' of {len(data)} bytes; the registers are: {sizes or 'none'}")
+        self._bytes[name][:] = data
 
     def value(self, name: str) -> int:
         """Return the number that a register holds."""
@@ -77,57 +83,57 @@ class Memory:
         Raises:
             ValueError: There is no register at this address.
         """
-        register = self._register_at(address, write=False) or self._register_at(address, write=True)
+        register = self._readable_register_at(address) or self._writable_register_at(address)
         if register is None:
             raise ValueError(f"{self._encoder.variant.code} has no register at 0x{address:02X}")
-        self._bytes[register.name][address - register.last_address - 1] = value
-        self._saved[register.name] = bytes(self._bytes[register.name])
-        self._take_over(register)
+        index_from_end = address - register.last_address - 1
+        self._bytes[register.name][index_from_end] = value
+        self._saved_bytes[register.name] = bytes(self._bytes[register.name])
+        self._apply_to_parameters(register)
 
     def readable(self, address: int) -> bool:
         """Return whether the master may read the byte at an address."""
-        return self._register_at(address, write=False) is not None
+        return self._readable_register_at(address) is not None
 
     def writable(self, address: int) -> bool:
         """Return whether the master may write the byte at an address now."""
-        register = self._register_at(address, write=True)
+        register = self._writable_register_at(address)
         return register is not None and self._is_open(register)
 
     def read(self, address: int) -> int | None:
         """Return the byte at an address, or None if it cannot be read."""
-        register = self._register_at(address, write=False)
+        register = self._readable_register_at(address)
         if register is None:
             return None
         if address == register.address:
             self._refresh(register)
         byte = self._bytes[register.name][address - register.address]
         if address == register.last_address:
-            self._read.append(register.name)
-            self._clear_by_reading()
+            self._react_to_read(register)
         return byte
 
     def read_whole(self, address: int) -> int | None:
         """Return the number in the register at an address that has no others, or None if it cannot be read."""
-        register = self._register_at(address, write=False)
+        register = self._readable_register_at(address)
         if register is None:
             return None
         self._refresh(register)
-        self._read.append(register.name)
-        self._clear_by_reading()
+        self._react_to_read(register)
         return self.value(register.name)
 
     def write_whole(self, address: int, value: int) -> bool:
         """Write the register at an address that has no others, and return whether the encoder accepts it."""
-        register = self._register_at(address, write=True)
+        register = self._writable_register_at(address)
         if register is None or not self._is_open(register):
             return False
-        self._bytes[register.name][:] = register.bytes_of(value & (1 << 8 * register.length) - 1)
+        bits_that_fit = value & (1 << 8 * register.length) - 1
+        self._bytes[register.name][:] = register.bytes_of(bits_that_fit)
         self._react_to_write(register)
         return True
 
     def write(self, address: int, value: int) -> bool:
         """Write the byte at an address, and return whether the encoder accepts it."""
-        register = self._register_at(address, write=True)
+        register = self._writable_register_at(address)
         if register is None or not self._is_open(register):
             return False
         self._bytes[register.name][address - register.address] = value
@@ -138,180 +144,225 @@ class Memory:
     def restart(self) -> None:
         """Discard values that were not saved."""
         for name, register in self.registers.items():
-            self._bytes[name][:] = self._saved[name] if register.volatile else self._bytes[name]
-            self._take_over(register)
-        self._ready = 0.0
+            if register.volatile:
+                self._bytes[name][:] = self._saved_bytes[name]
+            self._apply_to_parameters(register)
+        self._ready_at = 0.0
 
-    def _register_at(self, address: int, write: bool) -> Register | None:
-        for register in self.registers.values():
-            if register.address <= address <= register.last_address and (
-                register.writable if write else register.readable
-            ):
-                select = self._encoder.device.bank_selector(register)
-                if not select or self.value(select) == register.bank:
-                    return register
+    def _readable_register_at(self, address: int) -> Register | None:
+        for register in self._registers_at(address):
+            if register.readable:
+                return register
         return None
 
-    def _default(self, register: Register) -> bytes:
+    def _writable_register_at(self, address: int) -> Register | None:
+        for register in self._registers_at(address):
+            if register.writable:
+                return register
+        return None
+
+    def _registers_at(self, address: int) -> Iterator[Register]:
+        """Yield the registers that have a byte at this address in the selected bank."""
+        for register in self.registers.values():
+            if register.address <= address <= register.last_address:
+                bank_selector = self._encoder.device.bank_selector(register)
+                if not bank_selector or self.value(bank_selector) == register.bank:
+                    yield register
+
+    def _default_bytes(self, register: Register) -> bytes:
+        """Return the default of a register, as stated or from the documented values of its fields."""
         if register.default is not None:
             return register.bytes_of(register.default)
-        placed = self._encoder.place(register.layout)
+        placed_layout = self._encoder.place(register.layout)
         values: dict[str, int | str | bool] = {}
-        for placed_field in placed.fields:
-            field = placed_field.field
-            documented = field.documented(self._encoder.variant.parameters)
-            if not field.carries_data:
-                continue
-            if documented is not None:
-                values[placed_field.name] = documented
-            else:
-                values[placed_field.name] = False if isinstance(field.kind, Flag) else field.default or 0
+        for placed_field in placed_layout.fields:
+            if placed_field.field.carries_data:
+                values[placed_field.name] = self._default_value(placed_field.field)
         number = 0
         for name, value in values.items():
+            only_this_value = {**dict.fromkeys(values, 0), name: value}
             try:
-                number |= codec.encode(self._encoder.device, placed, {**dict.fromkeys(values, 0), name: value})
+                number |= codec.encode(self._encoder.device, placed_layout, only_this_value)
             except codec.EncodeError:
                 continue  # such as a number for which 0 is not valid
         return number_to_bytes(register.layout, number, 8 * register.length)
 
+    def _default_value(self, field: Field) -> int | str | bool:
+        documented_value = field.documented(self._encoder.variant.parameters)
+        if documented_value is not None:
+            return documented_value
+        if isinstance(field.kind, Flag):
+            return False
+        return field.default or 0
+
     def _is_open(self, register: Register) -> bool:
+        """Return whether another register has the value that allows writing to this one, if there is one."""
         if not register.opened_by:
             return True
         opener = self.registers[register.opened_by]
-        field = opener.layout.field(register.opened_by_field) if register.opened_by_field else opener.layout.fields[0]
-        placed_field = self._encoder.place(opener.layout).find_field(field.name)
+        opening_field = opener.layout.fields[0]
+        if register.opened_by_field:
+            opening_field = opener.layout.field(register.opened_by_field)
+        placed_field = self._encoder.place(opener.layout).find_field(opening_field.name)
         if placed_field is None:
             return False
-        opening_value = field.value_named(register.opened_by_value).value
-        return self.value(opener.name) >> placed_field.low & placed_field.mask == opening_value
+        opening_value = opening_field.value_named(register.opened_by_value).value
+        return _bits_of_field(self.value(opener.name), placed_field) == opening_value
 
     def _react_to_write(self, register: Register) -> None:
+        """Do what follows from the new value of a register: correct it, execute a command, or save it."""
         number = self.value(register.name)
-        placed = self._encoder.place(register.layout)
-        for placed_field in placed.fields:
+        for placed_field in self._encoder.place(register.layout).fields:
             if isinstance(placed_field.field.kind, Constant):
-                number = (
-                    number & ~(placed_field.mask << placed_field.low)
-                    | placed_field.field.kind.value << placed_field.low
-                )
+                number = _with_bits_of_field(number, placed_field, placed_field.field.kind.value)
         if register.above_max == "default" and register.max is not None and register.default is not None:
-            number = register.default if number > register.max.value(self._encoder.variant.parameters) else number
+            highest = register.max.value(self._encoder.variant.parameters)
+            number = register.default if number > highest else number
         self._store(register, number)
         for name in register.write_clears:
             self._store(self.registers[name], 0)
         if register.clears_itself or not register.readable:
-            self._command(register, number)
+            self._execute_command(register, number)
         if register.clears_itself:
             self._store(register, register.default or 0)
         if not register.volatile:
-            self._saved[register.name] = bytes(self._bytes[register.name])
+            self._saved_bytes[register.name] = bytes(self._bytes[register.name])
 
     def _store(self, register: Register, number: int) -> None:
         self._bytes[register.name][:] = number_to_bytes(register.layout, number, 8 * register.length)
-        self._take_over(register)
+        self._apply_to_parameters(register)
 
-    def _take_over(self, register: Register) -> None:
+    def _apply_to_parameters(self, register: Register) -> None:
+        """Set the parameters of the encoder that the register holds, such as the width of a field."""
         encoder = self._encoder
         encoder.variant = after_write(encoder.device, encoder.variant, register, self.value(register.name))
 
-    def _command(self, register: Register, number: int) -> None:
+    def _execute_command(self, register: Register, number: int) -> None:
         """Execute a command, unless the previous one is still being executed."""
-        field = register.layout.fields[0]
-        name = next((value.name for value in field.values if value.value == number), "")
-        now = self._encoder.clock()
-        if not name or now < self._ready:
-            self.too_early += bool(name)
+        command_names = [value.name for value in register.layout.fields[0].values if value.value == number]
+        if not command_names:
             return
-        self._ready = now + (register.wait_at_least_ms or 0) / 1000
-        words = name.split("_")
+        now = self._encoder.clock()
+        if now < self._ready_at:
+            self.too_early += 1
+            return
+        self._ready_at = now + (register.wait_at_least_ms or 0) / 1000
+        words = command_names[0].split("_")
         if "restore" in words:
-            for volatile_register in self.registers.values():
-                if volatile_register.volatile:
-                    self._store(volatile_register, volatile_register.default or 0)
+            self._restore_defaults()
         if "activate" in words:
             self._activate(register)
-        if "save" in words or "restore" in words or "activate" in words:
-            self._saved = {register_name: bytes(data) for register_name, data in self._bytes.items()}
+        if not {"save", "restore", "activate"}.isdisjoint(words):
+            self._saved_bytes = {register_name: bytes(data) for register_name, data in self._bytes.items()}
         if "reset" in words:
             self.restart()
         if "simulate" in words:
             self._encoder.flags.add(words[-1])
         if "clear" in words:
             self._encoder.flags.discard(words[-1])
-        self._answer(register, number)
+        self._set_polled_fields(register, number)
 
-    def _activate(self, command: Register) -> None:
+    def _restore_defaults(self) -> None:
+        for register in self.registers.values():
+            if register.volatile:
+                self._store(register, register.default or 0)
+
+    def _activate(self, command_register: Register) -> None:
         """Activate the register whose argument a procedure writes before an activating command."""
         for procedure in self._encoder.device.procedures:
-            argument_steps = [step for step in procedure.steps if isinstance(step, WriteStep) and step.value is None]
-            if argument_steps and any("activate" in step.value_name for step in _commands(procedure, command)):
-                register = self.registers[argument_steps[-1].register]
-                meaning = self._meaning(register)
-                placed = self._encoder.place(register.layout)
-                value = codec.decode(self._encoder.device, placed, self.value(register.name)).values
-                number = value.get(register.limits_of or placed.fields[-1].name, self.value(register.name))
-                report_value = self._encoder.add_offset if meaning == "offset" else self._encoder.set_position
-                report_value(int(number))
+            write_steps = [step for step in procedure.steps if isinstance(step, WriteStep)]
+            argument_steps = [step for step in write_steps if step.value is None]
+            command_steps = _command_steps(procedure, command_register)
+            activates = any("activate" in step.value_name for step in command_steps)
+            if argument_steps and activates:
+                self._activate_argument(self.registers[argument_steps[-1].register])
                 return
 
-    def _meaning(self, register: Register) -> str:
+    def _activate_argument(self, register: Register) -> None:
+        """Preset the position to the number in a register, or use it as an offset if the register means that now."""
+        placed_layout = self._encoder.place(register.layout)
+        number = self.value(register.name)
+        values = codec.decode(self._encoder.device, placed_layout, number).values
+        argument_name = register.limits_of or placed_layout.fields[-1].name
+        argument = int(values.get(argument_name, number))
+        if self._current_meaning(register) == "offset":
+            self._encoder.add_offset(argument)
+        else:
+            self._encoder.set_position(argument)
+
+    def _current_meaning(self, register: Register) -> str:
+        """Return the meaning that a register has while another one has its present value, or an empty string."""
         for meaning in register.meanings:
-            name, _, field = meaning.when.partition(".")
-            placed_field = self._encoder.place(self.registers[name].layout).find_field(field)
-            if placed_field is not None:
-                number = self.value(name) >> placed_field.low & placed_field.mask
-                names = [value.name for value in placed_field.field.values if value.value == number]
-                if meaning.value in names:
-                    return meaning.name
+            deciding_register, _, deciding_field = meaning.when.partition(".")
+            placed_layout = self._encoder.place(self.registers[deciding_register].layout)
+            placed_field = placed_layout.find_field(deciding_field)
+            if placed_field is None:
+                continue
+            number = _bits_of_field(self.value(deciding_register), placed_field)
+            value_names = [value.name for value in placed_field.field.values if value.value == number]
+            if meaning.value in value_names:
+                return meaning.name
         return ""
 
-    def _answer(self, command: Register, number: int) -> None:
+    def _set_polled_fields(self, command_register: Register, command: int) -> None:
         """Set the fields for which a procedure polls after this command."""
         for procedure in self._encoder.device.procedures:
-            if any(step.value == number for step in _commands(procedure, command)):
-                for step in procedure.steps:
-                    if isinstance(step, PollStep):
-                        placed_field = self._encoder.place(self.registers[step.register].layout).find_field(step.field)
-                        if placed_field is not None:
-                            old = self.value(step.register)
-                            self._store(
-                                self.registers[step.register],
-                                old & ~(placed_field.mask << placed_field.low) | step.value << placed_field.low,
-                            )
+            commands = [step.value for step in _command_steps(procedure, command_register)]
+            if command not in commands:
+                continue
+            for step in procedure.steps:
+                if isinstance(step, PollStep):
+                    self._set_field(self.registers[step.register], step.field, step.value)
+
+    def _set_field(self, register: Register, field_name: str, value: int) -> None:
+        placed_field = self._encoder.place(register.layout).find_field(field_name)
+        if placed_field is not None:
+            self._store(register, _with_bits_of_field(self.value(register.name), placed_field, value))
 
     def _refresh(self, register: Register) -> None:
         """Update a read-only register that has flags or the position."""
-        placed = self._encoder.place(register.layout)
+        if register.writable:
+            return
         number = self.value(register.name)
-        parts = self._encoder.position_names()
-        for placed_field in placed.fields:
-            if register.writable:
-                return
-            if placed_field.name in parts:
-                number = (
-                    number & ~(placed_field.mask << placed_field.low)
-                    | (self._encoder.position_now() & placed_field.mask) << placed_field.low
-                )
-            elif placed_field.name in self._alarms():
-                bit = (placed_field.name in self._encoder.flags) != getattr(
-                    placed_field.field.kind, "active_low", False
-                )
-                number = number & ~(1 << placed_field.low) | bit << placed_field.low
+        position_names = self._encoder.position_names()
+        alarm_names = {alarm.field for alarm in self._encoder.device.alarms if alarm.register}
+        for placed_field in self._encoder.place(register.layout).fields:
+            if placed_field.name in position_names:
+                position_bits = self._encoder.position_now() & placed_field.mask
+                number = _with_bits_of_field(number, placed_field, position_bits)
+            elif placed_field.name in alarm_names:
+                is_active = placed_field.name in self._encoder.flags
+                is_active_low = getattr(placed_field.field.kind, "active_low", False)
+                alarm_bit = 1 << placed_field.low
+                number = number & ~alarm_bit if is_active == is_active_low else number | alarm_bit
         self._bytes[register.name][:] = number_to_bytes(register.layout, number, 8 * register.length)
 
-    def _alarms(self) -> set[str]:
-        return {alarm.field for alarm in self._encoder.device.alarms if alarm.register}
-
-    def _clear_by_reading(self) -> None:
+    def _react_to_read(self, register: Register) -> None:
         """Clear the alarms of a procedure that only reads, once its registers have been read in order."""
+        self._last_reads.append(register.name)
         for procedure in self._encoder.device.procedures:
-            names = [step.register for step in procedure.steps if isinstance(step, ReadStep)][:-1]
-            cleared = {alarm.name for alarm in self._encoder.device.alarms if procedure.name in alarm.cleared_by}
-            if cleared and len(names) + 1 == len(procedure.steps) and list(self._read)[-len(names) :] == names:
-                self._encoder.flags -= cleared
+            read_steps = [step for step in procedure.steps if isinstance(step, ReadStep)]
+            # The last step reads whether the alarms are gone.
+            registers_to_read = [step.register for step in read_steps[:-1]]
+            only_reads = len(registers_to_read) + 1 == len(procedure.steps)
+            have_been_read = list(self._last_reads)[-len(registers_to_read) :] == registers_to_read
+            if only_reads and have_been_read:
+                alarms = self._encoder.device.alarms
+                self._encoder.flags -= {alarm.name for alarm in alarms if procedure.name in alarm.cleared_by}
 
 
-def _commands(procedure: Procedure, command: Register) -> list[WriteStep]:
+def _bits_of_field(number: int, placed_field: PlacedField) -> int:
+    """Return the bits of a field in the number that a register holds."""
+    return number >> placed_field.low & placed_field.mask
+
+
+def _with_bits_of_field(number: int, placed_field: PlacedField, bits: int) -> int:
+    """Return the number that a register holds with other bits in a field."""
+    other_bits = number & ~(placed_field.mask << placed_field.low)
+    return other_bits | bits << placed_field.low
+
+
+def _command_steps(procedure: Procedure, command_register: Register) -> list[WriteStep]:
     """Return the steps of a procedure that write a fixed value to a command register."""
-    steps = (step for step in procedure.steps if isinstance(step, WriteStep))
-    return [step for step in steps if step.register == command.name and step.value is not None]
+    write_steps = [step for step in procedure.steps if isinstance(step, WriteStep)]
+    return [step for step in write_steps if step.register == command_register.name and step.value is not None]

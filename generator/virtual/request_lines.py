@@ -3,13 +3,26 @@
 from __future__ import annotations
 
 from bisect import insort
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
+from operator import itemgetter
 from typing import NamedTuple
 
-from ..model import DataId, Exchange, Flag, Layout, Rs485, SendStep, Spi, WaitStep, member_named, number_to_bytes
+from ..model import (
+    DataId,
+    Exchange,
+    Flag,
+    Layout,
+    Procedure,
+    Rs485,
+    SendStep,
+    Spi,
+    WaitStep,
+    member_named,
+    number_to_bytes,
+)
 from ..reference import codec
 from .encoder import VirtualEncoder
-from .faults import BUSY_S, disturbed
+from .faults import BUSY_S, word_with_fault
 
 #: Seconds after which the rest of an incomplete request is discarded.
 GAP_S = 0.005
@@ -19,7 +32,15 @@ EEPROM_S = 0.003
 #: Number of replies that are kept for a master that does not read them.
 _MOST_REPLIES = 1000
 #: Tolerance in seconds of the interval between the requests of a reset.
-_EARLY_S = 1e-9
+_TOLERANCE_S = 1e-9
+
+
+class _RequestFormat(NamedTuple):
+    """The layout of a request, its data ID if the encoder has these, and the layout of the reply if there is one."""
+
+    layout: Layout
+    data_id: DataId | None
+    reply: Layout | None
 
 
 class _ReceivedRequest(NamedTuple):
@@ -46,85 +67,103 @@ class Rs485Line:
         if not isinstance(interface, Rs485):
             raise ValueError(f"{encoder.variant.code} has the interface {interface.short}, not RS-485")
         self.encoder, self.interface = encoder, interface
-        self._requests = {data_id.control: data_id for data_id in interface.data_ids}
+        self._data_id_by_control = {data_id.control: data_id for data_id in interface.data_ids}
+        #: Bytes of a request that is not complete, and the time at which the last of them came.
         self._received = b""
-        self._since = self._outage_until = 0.0
+        self._received_at = 0.0
+        #: The fault "low" or "high" of the line, and its end.
         self._outage = ""
+        self._outage_until = 0.0
         #: Replies with the times at which they arrive, in order, and that of the last one without extra replies.
-        self._out: list[tuple[float, bytes]] = []
+        self._arrivals: list[tuple[float, bytes]] = []
         self._last_due = 0.0
-        self._resets: tuple[int, int, float] = (-1, 0, 0.0)
+        #: The control byte of the reset requests that came last, their number, and the time of the last one.
+        self._reset_requests: tuple[int, int, float] = (-1, 0, 0.0)
         self._eeprom: dict[int, int] = {}
         self._memory_busy_until = 0.0
 
     def receive(self, data: bytes) -> None:
         """Take bytes that the master sends now."""
         now = self.encoder.clock()
-        if now - self._since > GAP_S:
+        if now - self._received_at > GAP_S:
             self._received = b""
-        self._since = now
+        self._received_at = now
         self._received += data
         while self._received:
-            request = self._request()
+            request = self._first_request()
             if request is None:
                 return
-            length, values, data_id, reply = request
-            request_bytes, self._received = self._received[:length], self._received[length:]
-            if values is not None and not self.encoder.is_off():
-                self._answer(data_id, request_bytes, values, reply)
+            request_bytes = self._received[: request.length]
+            self._received = self._received[request.length :]
+            if request.values is not None and not self.encoder.is_off():
+                self._answer(request.data_id, request_bytes, request.values, request.reply)
 
-    def _request(self) -> _ReceivedRequest | None:
+    def _first_request(self) -> _ReceivedRequest | None:
         """Return the request at the start of the received bytes, or None if it is not complete."""
-        candidates = [self._of_data_id()] if self._requests else list(self._of_exchanges())
-        for layout, data_id, reply in filter(None, candidates):
-            placed = self.encoder.place(layout)
-            length = placed.bits // 8
+        request_formats = self._formats_by_data_id() if self._data_id_by_control else self._formats_of_exchanges()
+        longest = 0
+        for request_format in request_formats:
+            placed_layout = self.encoder.place(request_format.layout)
+            length = placed_layout.bits // 8
+            longest = max(longest, length)
             if len(self._received) < length:
                 continue
-            decoded = codec.decode_placed(self.encoder.device, placed, self._received[:length])
+            decoded = codec.decode_placed(self.encoder.device, placed_layout, self._received[:length])
             values = None if decoded.problems else decoded.values
-            if data_id is not None or (values is not None and self._is_for_me(layout, values)):
-                return _ReceivedRequest(length, values, data_id, reply)
-        longest = max(
-            (self.encoder.place(candidate[0]).bits // 8 for candidate in candidates if candidate is not None), default=0
-        )
-        return None if len(self._received) < longest else _ReceivedRequest(1, None, None, None)
-
-    def _of_data_id(self) -> tuple[Layout, DataId | None, Layout | None] | None:
-        data_id = self._requests.get(self._received[0])
-        layout = self._layout("master", data_id) if data_id is not None else None
-        if data_id is None or layout is None or self.encoder.needs_answer(layout):
+            has_data_id = request_format.data_id is not None
+            if has_data_id or (values is not None and self._is_for_this_encoder(request_format.layout, values)):
+                return _ReceivedRequest(length, values, request_format.data_id, request_format.reply)
+        if len(self._received) < longest:
             return None
-        return layout, data_id, self._layout("encoder", data_id)
+        # No request begins with the first byte, so it is discarded.
+        return _ReceivedRequest(length=1, values=None, data_id=None, reply=None)
 
-    def _of_exchanges(self) -> Iterator[tuple[Layout, DataId | None, Layout | None]]:
-        layouts = {layout.name: layout for layout in self.interface.layouts}
+    def _formats_by_data_id(self) -> list[_RequestFormat]:
+        """Return the format of a request with the control byte that was received first, if there is such a request."""
+        data_id = self._data_id_by_control.get(self._received[0])
+        layout = self._layout_with(data_id, sender="master") if data_id is not None else None
+        if data_id is None or layout is None or self.encoder.needs_answer(layout):
+            return []
+        return [_RequestFormat(layout, data_id, reply=self._layout_with(data_id, sender="encoder"))]
+
+    def _formats_of_exchanges(self) -> list[_RequestFormat]:
+        layout_by_name = {layout.name: layout for layout in self.interface.layouts}
+        formats: list[_RequestFormat] = []
         for exchange in self.interface.exchanges:
-            yield layouts[exchange.request], None, layouts.get(exchange.reply)
+            reply = layout_by_name.get(exchange.reply)
+            formats.append(_RequestFormat(layout_by_name[exchange.request], data_id=None, reply=reply))
+        return formats
 
     @staticmethod
-    def _is_for_me(layout: Layout, values: Mapping[str, int | str | bool]) -> bool:
+    def _is_for_this_encoder(layout: Layout, values: Mapping[str, int | str | bool]) -> bool:
         """Return whether a request has the values of this encoder, such as its address: the factory defaults."""
         return all(field.default in (None, values.get(field.name)) for field in layout.fields)
 
     def due(self) -> float | None:
         """Return the time in seconds at which the next bytes arrive at the master, or None if there are none."""
-        return self._out[0][0] if self._out else None
+        if not self._arrivals:
+            return None
+        due, _ = self._arrivals[0]
+        return due
 
     def send(self) -> bytes:
         """Return the bytes that have reached the master, each once."""
-        now, data = self.encoder.clock(), b""
-        while self._out and self._out[0][0] <= now:
-            data += self._out.pop(0)[1]
-        return data
+        now = self.encoder.clock()
+        arrived_replies = [reply for due, reply in self._arrivals if due <= now]
+        del self._arrivals[: len(arrived_replies)]
+        return b"".join(arrived_replies)
 
-    def _layout(self, sender: str, data_id: DataId) -> Layout | None:
-        layouts = self.encoder.layouts(sender)
-        return next((layout for layout in layouts if not layout.selector or data_id.id in layout.selects), None)
+    def _layout_with(self, data_id: DataId, sender: str) -> Layout | None:
+        """Return the frame of the sender with a data ID, or the one without any data ID."""
+        for layout in self.encoder.layouts(sender):
+            if not layout.selector or data_id.id in layout.selects:
+                return layout
+        return None
 
     def _answer(
         self, data_id: DataId | None, request: bytes, values: dict[str, int | str | bool], layout: Layout | None
     ) -> None:
+        """Carry out a request, and send the reply with this layout as the next fault leaves it."""
         encoder, faults = self.encoder, self.encoder.faults
         now = encoder.clock()
         fault = faults.draw()
@@ -137,11 +176,12 @@ class Rs485Line:
         if fault == "restart":
             encoder.restart()
             return
-        silent = encoder.is_busy() and not encoder.reports_busy
-        if reply and not silent:
+        is_silent = encoder.is_busy() and not encoder.reports_busy
+        if reply and not is_silent:
             data = faults.damaged(fault, reply, request)
             if now < self._outage_until:
-                data = bytes(len(reply)) if self._outage == "low" else b""
+                zeros = bytes(len(reply))
+                data = zeros if self._outage == "low" else b""
             delay = faults.random.uniform(0.005, 0.04) if fault == "late" else 0.0
             # The line keeps the order of replies, but extra ones can come before or after the next reply.
             self._last_due = max(now + delay, self._last_due)
@@ -153,8 +193,8 @@ class Rs485Line:
 
     def _put(self, due: float, data: bytes) -> None:
         """Add bytes that arrive at the master at a time. If it does not read, the first ones are lost."""
-        insort(self._out, (due, data), key=lambda arrival: arrival[0])
-        del self._out[:-_MOST_REPLIES]
+        insort(self._arrivals, (due, data), key=itemgetter(0))
+        del self._arrivals[:-_MOST_REPLIES]
 
     def _replies(
         self,
@@ -176,7 +216,7 @@ class Rs485Line:
         number, bits = self.encoder.frame(layout, request_values), self.encoder.place(layout).bits
         other = self.encoder.frame_of_another(layout, request_values) if is_second else number
         if data_id is not None:
-            self._count(data_id)
+            self._count_reset_request(data_id)
         return number_to_bytes(layout, number, bits), number_to_bytes(layout, other, bits)
 
     def _memory(
@@ -188,33 +228,42 @@ class Rs485Line:
         """
         now = self.encoder.clock()
         sent_fields = [placed_field.field for placed_field in self.encoder.place(layout).fields]
-        flags = [field.name for field in sent_fields if isinstance(field.kind, Flag)][:1]
+        flags = [field.name for field in sent_fields if isinstance(field.kind, Flag)]
+        busy_flags = flags[:1]
         if now < self._memory_busy_until:
-            return {**dict.fromkeys(flags, True), "data": 0} if flags else None
+            return {**dict.fromkeys(busy_flags, True), "data": 0} if busy_flags else None
         address = int(request_values["address"])
         if data_id.purpose == "write":
             self._eeprom[address] = int(request_values["data"])
             self._memory_busy_until = now + EEPROM_S
-        return {**dict.fromkeys(flags, False), "data": self._eeprom.get(address, 0xFF)}
+        return {**dict.fromkeys(busy_flags, False), "data": self._eeprom.get(address, 0xFF)}
 
-    def _count(self, data_id: DataId) -> None:
+    def _count_reset_request(self, data_id: DataId) -> None:
         """Count the requests of a reset, and carry it out after the last one."""
-        now = self.encoder.clock()
         for procedure in self.encoder.device.procedures:
             for step in procedure.steps:
                 if isinstance(step, SendStep) and step.request == bytes([data_id.control]):
-                    control, count, last = self._resets
-                    is_too_soon = now - last < step.microseconds / 1e6 - _EARLY_S
-                    count = 1 if control != data_id.control or is_too_soon else count + 1
-                    self._resets = (data_id.control, count % step.times, now)
-                    if count >= step.times:
-                        self.encoder.reset(data_id.name)
-                        wait_steps = [step for step in procedure.steps if isinstance(step, WaitStep)]
-                        waits = [wait_step.microseconds for wait_step in wait_steps]
-                        if self.encoder.reports_busy:
-                            self.encoder.be_busy(max(waits, default=0) / 1e6)
+                    is_complete = self._is_last_request(data_id.control, step)
+                    if is_complete:
+                        self._carry_out_reset(data_id, procedure)
                     return
-        self._resets = (-1, 0, 0.0)
+        self._reset_requests = (-1, 0, 0.0)
+
+    def _is_last_request(self, control: int, step: SendStep) -> bool:
+        """Count a request of a reset, and return whether it is the last one. One that comes too soon begins again."""
+        now = self.encoder.clock()
+        last_control, count, last_time = self._reset_requests
+        is_too_soon = now - last_time < step.microseconds / 1e6 - _TOLERANCE_S
+        count = 1 if last_control != control or is_too_soon else count + 1
+        self._reset_requests = (control, count % step.times, now)
+        return count >= step.times
+
+    def _carry_out_reset(self, data_id: DataId, procedure: Procedure) -> None:
+        """Reset the encoder, which is then busy for the longest wait of the procedure if it reports that."""
+        self.encoder.reset(data_id.name)
+        waits_us = [step.microseconds for step in procedure.steps if isinstance(step, WaitStep)]
+        if self.encoder.reports_busy:
+            self.encoder.be_busy(max(waits_us, default=0) / 1e6)
 
 
 class SpiLine:
@@ -240,9 +289,11 @@ class SpiLine:
         default_length = interface.word_bits.value(parameters)
         #: Bits of a word whose request is not known. Each exchange may have a length of its own.
         self.word_bits = default_length if default_length in self._lengths else self._lengths[-1]
-        self._writes = [exchange for exchange in interface.exchanges if exchange.purpose == "write"]
-        self._written: dict[str, int] = {}
-        self._next = 0, self.word_bits
+        self._write_exchanges = [exchange for exchange in interface.exchanges if exchange.purpose == "write"]
+        #: Address and data of a write whose words have not all come.
+        self._written_fields: dict[str, int] = {}
+        #: The word that the next one is answered with, and its length, if replies come one word later.
+        self._next_reply = 0, self.word_bits
         self._received, self._answers = b"", b""
 
     def exchange(self, word: int, bits: int | None = None) -> int:
@@ -264,23 +315,23 @@ class SpiLine:
             )
         answer = self._answer(word, length)
         if self.interface.exchanges and self.interface.reply == "next_word":
-            (previous_answer, previous_length), self._next = self._next, (answer, length)
+            previous_answer, previous_length = self._next_reply
+            self._next_reply = answer, length
             # A longer word ends with zeros, and a shorter one has only the beginning of the reply.
-            answer = (
-                previous_answer << length - previous_length
-                if length > previous_length
-                else previous_answer >> previous_length - length
-            )
-        return disturbed(self.encoder, self.encoder.faults.draw(), answer, length)
+            if length > previous_length:
+                answer = previous_answer << length - previous_length
+            else:
+                answer = previous_answer >> previous_length - length
+        return word_with_fault(self.encoder, self.encoder.faults.draw(), answer, length)
 
     def receive(self, data: bytes) -> None:
         """Take bytes that the master sends. Send a word in one piece if words have several lengths."""
         self._received += data
-        while (bits := self._arrived_bits()) is not None:
-            size = (bits + 7) // 8
-            word, self._received = self._received[:size], self._received[size:]
-            number = int.from_bytes(word, "big") & (1 << bits) - 1
-            self._answers += self.exchange(number, bits).to_bytes(size, "big")
+        while (word_bits := self._length_of_first_word()) is not None:
+            byte_count = (word_bits + 7) // 8
+            word_bytes, self._received = self._received[:byte_count], self._received[byte_count:]
+            word = int.from_bytes(word_bytes, "big") & (1 << word_bits) - 1
+            self._answers += self.exchange(word, word_bits).to_bytes(byte_count, "big")
 
     def send(self) -> bytes:
         """Return each answer once."""
@@ -291,69 +342,79 @@ class SpiLine:
         """Return None, because the answers never wait."""
         return None
 
-    def _arrived_bits(self) -> int | None:
-        """Return the length of the first word in the received bytes, or None if it is incomplete."""
-        for bits in self._lengths if len(self._lengths) > 1 else ():
-            word = self._received[: (bits + 7) // 8]
-            if 8 * len(word) >= bits and self._known_request(int.from_bytes(word, "big"), bits) is not None:
-                return bits
-        return self.word_bits if 8 * len(self._received) >= self.word_bits else None
+    def _length_of_first_word(self) -> int | None:
+        """Return the number of bits of the first word in the received bytes, or None if it is incomplete."""
+        if len(self._lengths) > 1:
+            for length in self._lengths:
+                word_bytes = self._received[: (length + 7) // 8]
+                is_complete = 8 * len(word_bytes) >= length
+                if is_complete and self._find_request(int.from_bytes(word_bytes, "big"), length) is not None:
+                    return length
+        is_complete = 8 * len(self._received) >= self.word_bits
+        return self.word_bits if is_complete else None
 
-    def _answer(self, word: int, bits: int) -> int:
+    def _answer(self, word: int, length: int) -> int:
+        """Carry out the request in a word of this length, and return the reply."""
         if not self.interface.exchanges:
             return self.encoder.frame(self.encoder.layouts("encoder")[0])
-        request = self._request(word, bits)
+        request = self._find_request(word, length)
         if request is None:
-            return self._error(bits)
+            self._written_fields = {}
+            return self._error_reply(length)
         exchange, values = request
         layout = self._layout(exchange.reply)
-        access: dict[str, int] = {name: int(values[name]) for name in ("address", "data") if name in values}
         # A reply can repeat fields of its request.
-        echo = {field.name: values[field.name] for field in layout.data_fields if field.name in values}
+        repeated_values = {field.name: values[field.name] for field in layout.data_fields if field.name in values}
         if exchange.purpose not in ("read", "write"):
-            return self.encoder.frame(layout, echo)
+            return self.encoder.frame(layout, repeated_values)
+        request_fields: dict[str, int] = {name: int(values[name]) for name in ("address", "data") if name in values}
         if exchange.purpose == "write":
-            self._written |= access
-        data = self._access(exchange.purpose, access)
-        return self._error(bits) if data is None else self.encoder.frame(layout, {**echo, "data": data})
+            self._written_fields |= request_fields
+            register_value = self._write()
+        else:
+            register_value = self.encoder.memory.read_whole(request_fields.get("address", -1))
+        if register_value is None:
+            return self._error_reply(length)
+        return self.encoder.frame(layout, {**repeated_values, "data": register_value})
 
-    def _access(self, purpose: str, access: dict[str, int]) -> int | None:
-        """Carry out an access, and return the value of the register afterwards, or None if there is no access."""
-        memory, address = self.encoder.memory, (access if purpose == "read" else self._written).get("address", -1)
-        if purpose == "write" and self._written.keys() >= {"address", "data"}:
-            data = self._written["data"]
-            self._written = {}
-            if not memory.write_whole(address, data):
+    def _write(self) -> int | None:
+        """Carry out a write whose address and data have come, and return the value of the register afterwards.
+
+        Return None if there is no register, or it cannot be written.
+        """
+        address = self._written_fields.get("address", -1)
+        if self._written_fields.keys() >= {"address", "data"}:
+            data = self._written_fields["data"]
+            self._written_fields = {}
+            if not self.encoder.memory.write_whole(address, data):
                 return None
-        return memory.read_whole(address)
+        return self.encoder.memory.read_whole(address)
 
-    def _request(self, word: int, bits: int) -> tuple[Exchange, dict[str, int | str | bool]] | None:
-        """Return the request in a word with its values, and forget a write that it does not continue."""
-        request = self._known_request(word, bits)
-        if request is None:
-            self._written = {}
-        return request
-
-    def _known_request(self, word: int, bits: int) -> tuple[Exchange, dict[str, int | str | bool]] | None:
+    def _find_request(self, word: int, length: int) -> tuple[Exchange, dict[str, int | str | bool]] | None:
         """Return the request in a word with its values. The second word of a write follows the first."""
-        started = bool(self._written)
-        for exchange in self._writes[1:] if started else self.interface.exchanges:
-            if not started and exchange in self._writes[1:]:
-                continue
-            placed = self.encoder.place(self._layout(exchange.request))
-            decoded = codec.decode_bits(self.encoder.device, placed, word, bits)
+        later_words_of_write = self._write_exchanges[1:]
+        if self._written_fields:
+            possible_exchanges = later_words_of_write
+        else:
+            exchanges = self.interface.exchanges
+            possible_exchanges = [exchange for exchange in exchanges if exchange not in later_words_of_write]
+        for exchange in possible_exchanges:
+            placed_layout = self.encoder.place(self._layout(exchange.request))
+            decoded = codec.decode_bits(self.encoder.device, placed_layout, word, length)
             if not decoded.problems:
                 return exchange, decoded.values
         return None
 
-    def _error(self, bits: int) -> int:
+    def _error_reply(self, length: int) -> int:
         """Return the reply to a request of this length that is not valid, with its flags active."""
         parameters = self.encoder.variant.parameters
-        lengths = [self.interface.bits_of(exchange).value(parameters) for exchange in self.interface.exchanges]
-        fitting = [self.interface.exchanges[index] for index, length in enumerate(lengths) if length == bits]
-        layout = self._layout(fitting[-1].reply)
-        flags = {field.name: True for field in layout.fields if isinstance(field.kind, Flag)}
-        return self.encoder.frame(layout, flags)
+        exchanges_of_length: list[Exchange] = []
+        for exchange in self.interface.exchanges:
+            if self.interface.bits_of(exchange).value(parameters) == length:
+                exchanges_of_length.append(exchange)
+        layout = self._layout(exchanges_of_length[-1].reply)
+        active_flags = {field.name: True for field in layout.fields if isinstance(field.kind, Flag)}
+        return self.encoder.frame(layout, active_flags)
 
     def _layout(self, name: str) -> Layout:
         return member_named(self.interface.layouts, name, "layout over SPI")

@@ -65,17 +65,28 @@ def terminal() -> _Port:
 
     def write(data: bytes) -> None:
         end = monotonic() + PATIENCE_S
-        while data and select([], [master], [], max(0.0, end - monotonic()))[1]:
+        unwritten = data
+        while unwritten:
+            _, writable, _ = select([], [master], [], max(0.0, end - monotonic()))
+            if not writable:
+                return
             try:
-                data = data[os.write(master, data) :]
+                written_count = os.write(master, unwritten)
             except BlockingIOError:
                 continue
+            unwritten = unwritten[written_count:]
 
     def close() -> None:
         os.close(master)
         os.close(slave)
 
-    return _Port(os.ttyname(slave), lambda: master, lambda: os.read(master, 4096), write, close)
+    return _Port(
+        name=os.ttyname(slave),
+        handle=lambda: master,
+        read=lambda: os.read(master, 4096),
+        write=write,
+        close=close,
+    )
 
 
 def listen_tcp(port: int = 0) -> _Port:
@@ -119,7 +130,7 @@ class _Clients:
         self._disconnect()
 
     def _accept(self) -> None:
-        self._client = self._server.accept()[0]
+        self._client, _ = self._server.accept()
         self._client.settimeout(PATIENCE_S)
         if self._server.family == socket.AF_INET:
             self._client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
@@ -136,15 +147,18 @@ def listener(server: socket.socket, name: str) -> _Port:
     A client that has gone or does not read its replies in time is disconnected. Its other requests are not answered.
     """
     clients = _Clients(server)
-    return _Port(name, clients.handle, clients.read, clients.write, clients.close)
+    return _Port(name=name, handle=clients.handle, read=clients.read, write=clients.write, close=clients.close)
 
 
 def serve(encoder: VirtualEncoder, line: Line, port: _Port, stop: Event | None = None) -> None:
     """Serve a line until ``stop`` is set. Without ``stop``, serve forever."""
     while stop is None or not stop.is_set():
         due = line.due()
-        wait = _TICK_S if due is None else min(_TICK_S, max(0.0, due - encoder.clock()))
-        if select([port.handle()], [], [], wait)[0]:
+        wait_s = _TICK_S
+        if due is not None:
+            wait_s = min(_TICK_S, max(0.0, due - encoder.clock()))
+        readable, _, _ = select([port.handle()], [], [], wait_s)
+        if readable:
             line.receive(port.read())
         data = line.send()
         if data:

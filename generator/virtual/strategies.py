@@ -30,7 +30,7 @@ def frames(draw: st.DrawFn, encoder: VirtualEncoder, layout: str = "") -> tuple[
         The position, and the frame: bytes over RS-485, otherwise a number whose highest bit is sent first.
     """
     encoder.position = draw(positions(encoder))
-    return encoder.position, _sent(encoder, _layout(encoder, layout))
+    return encoder.position, _frame_of(encoder, _frame_layout(encoder, layout))
 
 
 @st.composite
@@ -45,26 +45,32 @@ def disturbed_frames(draw: st.DrawFn, encoder: VirtualEncoder, layout: str = "")
     Returns:
         The frame, in the form that ``frames`` returns.
     """
-    sent_layout = _layout(encoder, layout)
+    frame_layout = _frame_layout(encoder, layout)
     encoder.position = draw(positions(encoder))
-    frame = _sent(encoder, sent_layout)
-    bit = 1 << draw(st.integers(0, encoder.place(sent_layout).bits - 1))
+    frame = _frame_of(encoder, frame_layout)
+    inverted_bit = 1 << draw(st.integers(0, encoder.place(frame_layout).bits - 1))
     if isinstance(frame, int):
-        return frame ^ bit
-    return (int.from_bytes(frame, "big") ^ bit).to_bytes(len(frame), "big")
+        return frame ^ inverted_bit
+    frame_number = int.from_bytes(frame, "big") ^ inverted_bit
+    return frame_number.to_bytes(len(frame), "big")
 
 
-def _layout(encoder: VirtualEncoder, name: str) -> Layout:
+def _frame_layout(encoder: VirtualEncoder, name: str) -> Layout:
+    """Return the frame with this name, or without a name the first one with a whole position."""
     layouts = encoder.layouts("encoder")
     measurement = encoder.device.measurement_of(encoder.variant.interface)
     position_name = measurement.of if measurement is not None else "position"
     for layout in layouts:
         if layout.name == name or (not name and position_name in layout.member_names):
             return layout
-    raise ValueError(f"{encoder.variant.code} has no frame '{name}'; it has: {', '.join(i.name for i in layouts)}")
+    known_names = ", ".join(layout.name for layout in layouts)
+    raise ValueError(f"{encoder.variant.code} has no frame '{name}'; it has: {known_names}")
 
 
-def _sent(encoder: VirtualEncoder, layout: Layout) -> Any:
+def _frame_of(encoder: VirtualEncoder, layout: Layout) -> Any:
+    """Return the current frame with this layout as bytes over RS-485, otherwise as a number."""
     selector_values = {layout.selector: layout.selects[0]} if layout.selector else {}
     number = encoder.frame(layout, selector_values)
-    return number_to_bytes(layout, number, encoder.place(layout).bits) if layout.in_bytes else number
+    if layout.in_bytes:
+        return number_to_bytes(layout, number, encoder.place(layout).bits)
+    return number

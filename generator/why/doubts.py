@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from ..model import Device, PlacedLayout, Variant
 from ..reference import codec
 from ..reference.bits import gray_to_binary, to_gray
-from .tries import fixed_bits
+from .hypotheses import check_constant_bits
 
 #: Text of each reading, in the order in which they are listed.
 READINGS = (
@@ -32,52 +32,57 @@ def position_name(device: Device, variant: Variant) -> str:
 
 def other_positions(device: Device, variant: Variant, decoded: codec.Decoded) -> list[tuple[str, int]]:
     """Return other readings of the position with their texts, or nothing if a CRC or an error contradicts them."""
-    placed = decoded.layout
-    if placed is None or placed.layout.in_bytes or placed.layout.sender != "encoder":
+    placed_layout = decoded.layout
+    if placed_layout is None or placed_layout.layout.in_bytes or placed_layout.layout.sender != "encoder":
         return []
     if decoded.problems or decoded.crc is not None:
         return []
     name = position_name(device, variant)
     position = decoded.values.get(name)
-    # Only a count has other readings, not a text or a flag.
-    if not isinstance(position, int) or isinstance(position, bool):
+    is_count = isinstance(position, int) and not isinstance(position, bool)
+    if not is_count:
         return []
     readings: list[tuple[str, int]] = []
-    frames = _frames_without_mistake(placed, name, decoded.number)
-    for text, frame in zip(READINGS, frames, strict=True):
-        if frame is None:
+    other_frames = _frames_without_mistake(placed_layout, name, decoded.number)
+    for text, other_frame in zip(READINGS, other_frames, strict=True):
+        if other_frame is None:
             continue
-        other_position = codec.decode(device, placed, frame).values[name]
+        other_position = codec.decode(device, placed_layout, other_frame).values[name]
         if isinstance(other_position, int) and other_position != position:
             readings.append((text, other_position))
     return readings
 
 
-def _frames_without_mistake(placed: PlacedLayout, name: str, number: int) -> Iterator[int | None]:
-    """Yield the frame without each mistake in ``READINGS``, or None if it cannot have the mistake.
-
-    ``name`` is the name of the position.
-    """
-    yield _read_one_clock_later(placed, number)
-    yield number >> 1
-    low, width = placed.place_of(name)
-    position = number >> low & ((1 << width) - 1)
-    without_position = number ^ position << low
-    if placed.gray:
+def _frames_without_mistake(placed_layout: PlacedLayout, position_name: str, frame: int) -> Iterator[int | None]:
+    """Yield the frame without each mistake in ``READINGS``, or None if it cannot have the mistake."""
+    yield _read_one_clock_later(placed_layout, frame)
+    read_one_clock_earlier = frame >> 1
+    yield read_one_clock_earlier
+    if placed_layout.gray:
         yield None
-        yield to_gray(placed, number)
+        yield to_gray(placed_layout, frame)
     else:
-        yield without_position | gray_to_binary(position) << low
+        yield _with_position_from_gray(placed_layout, position_name, frame)
         yield None
-    if placed.bits % 8 == 0:
-        yield int.from_bytes(number.to_bytes(placed.bits // 8, "little"), "big")
+    if placed_layout.bits % 8 == 0:
+        frame_bytes = frame.to_bytes(placed_layout.bits // 8, "little")
+        yield int.from_bytes(frame_bytes, "big")
     else:
         yield None
 
 
-def _read_one_clock_later(placed: PlacedLayout, number: int) -> int:
+def _with_position_from_gray(placed_layout: PlacedLayout, position_name: str, frame: int) -> int:
+    """Return the frame with its position converted from Gray code to binary."""
+    low, width = placed_layout.place_of(position_name)
+    position = frame >> low & ((1 << width) - 1)
+    frame_without_position = frame ^ position << low
+    return frame_without_position | gray_to_binary(position) << low
+
+
+def _read_one_clock_later(placed_layout: PlacedLayout, frame: int) -> int:
     """Return the frame with its missing last bit: the one with which constants and parity are right, or 0."""
-    with_zero = number << 1 & ((1 << placed.bits) - 1)
-    _, is_zero_right = fixed_bits(placed, with_zero)
-    _, is_one_right = fixed_bits(placed, with_zero | 1)
-    return with_zero | 1 if is_one_right and not is_zero_right else with_zero
+    with_last_0 = frame << 1 & ((1 << placed_layout.bits) - 1)
+    with_last_1 = with_last_0 | 1
+    _, is_0_right = check_constant_bits(placed_layout, with_last_0)
+    _, is_1_right = check_constant_bits(placed_layout, with_last_1)
+    return with_last_1 if is_1_right and not is_0_right else with_last_0

@@ -11,7 +11,7 @@ from dataclasses import replace
 from ..model import Device, PlacedLayout, Variant, number_from_bytes
 from ..model.record import dataclass
 from ..reference import codec
-from .tries import Try, fixed_bits
+from .hypotheses import Hypothesis, check_constant_bits
 
 #: More bytes than this are not searched for frames.
 MOST_BYTES = 64
@@ -28,21 +28,21 @@ FRAMES_TEXT = "the bytes are whole frames: {0}"
 class ExchangedFrame:
     """A valid frame among the bytes. ``evidence`` is the number of its bits that can only have one value."""
 
-    placed: PlacedLayout
+    placed_layout: PlacedLayout
     data: bytes
     evidence: int
 
     @property
     def is_request(self) -> bool:
-        return self.placed.layout.sender == "master"
+        return self.placed_layout.layout.sender == "master"
 
     @property
     def title(self) -> str:
-        sort = "request" if self.is_request else "reply"
-        return f"{sort} {self.placed.name}"
+        kind = "request" if self.is_request else "reply"
+        return f"{kind} {self.placed_layout.name}"
 
 
-def exchange_tries(device: Device, variant: Variant, data: bytes) -> Iterator[Try]:
+def exchange_hypotheses(device: Device, variant: Variant, data: bytes) -> Iterator[Hypothesis]:
     """Yield the bytes as whole frames, if they are more than one frame of the encoder."""
     frames = _frames_in(device, variant, data)
     if frames is None or not frames:
@@ -50,34 +50,37 @@ def exchange_tries(device: Device, variant: Variant, data: bytes) -> Iterator[Tr
     is_one_reply = len(frames) == 1 and not frames[0].is_request
     if is_one_reply:
         return
-    kind = _kind(frames)
+    kind = _mistake_kind(frames)
     if kind == "echo":
-        text = ECHO_TEXT.format(frames[0].placed.name)
+        description = ECHO_TEXT.format(frames[0].placed_layout.name)
     else:
-        text = FRAMES_TEXT.format(", then ".join(frame.title for frame in frames))
-    attempt = Try(
+        titles = ", then ".join(frame.title for frame in frames)
+        description = FRAMES_TEXT.format(titles)
+    hypothesis = Hypothesis(
         kind=kind,
-        text=text,
+        description=description,
         crc=None,
-        data=int.from_bytes(data, "big"),
-        bits=8 * len(data),
-        received=0,
-        known_bits=0,
-        demanded=sum(frame.evidence for frame in frames),
-        parts=tuple((frame.title, frame.data.hex(" ").upper()) for frame in frames),
+        covered_data=int.from_bytes(data, "big"),
+        covered_bits=8 * len(data),
+        received_crc=0,
+        received_crc_bits=0,
+        determined_bits=sum(frame.evidence for frame in frames),
+        recording_parts=tuple((frame.title, frame.data.hex(" ").upper()) for frame in frames),
     )
-    last = frames[-1]
+    last_frame = frames[-1]
+    last_layout = last_frame.placed_layout
     # The position is that of the last reply, unless the manual leaves open what the reply means.
-    if not last.is_request and not device.alternatives_of(last.placed.layout):
-        attempt = replace(attempt, number=number_from_bytes(last.placed.layout, last.data), placed=last.placed)
-    yield attempt
+    if not last_frame.is_request and not device.alternatives_of(last_layout.layout):
+        frame_number = number_from_bytes(last_layout.layout, last_frame.data)
+        hypothesis = replace(hypothesis, frame=frame_number, frame_layout=last_layout)
+    yield hypothesis
 
 
-def _kind(frames: Sequence[ExchangedFrame]) -> str:
+def _mistake_kind(frames: Sequence[ExchangedFrame]) -> str:
     """Return the kind of mistake: only requests, a request before or after the reply, or several frames."""
-    if all(frame.is_request for frame in frames):
-        return "echo"
     replies = [frame for frame in frames if not frame.is_request]
+    if not replies:
+        return "echo"
     if len(replies) > 1:
         return "several_frames"
     return "bytes_in_front" if frames[0].is_request else "bytes_behind"
@@ -87,32 +90,37 @@ def _frames_in(device: Device, variant: Variant, data: bytes) -> tuple[Exchanged
     """Return the fewest valid frames that the bytes consist of, or None if there are other bytes."""
     if len(data) > MOST_BYTES:
         return None
-    layouts = [layout for layout in device.interface(variant.interface).layouts if layout.in_bytes]
-    candidates = [layout.place(variant.parameters) for layout in layouts]
+    byte_layouts = [layout for layout in device.interface(variant.interface).layouts if layout.in_bytes]
+    placed_layouts = [layout.place(variant.parameters) for layout in byte_layouts]
+    requests = [placed_layout for placed_layout in placed_layouts if placed_layout.layout.sender == "master"]
+    replies = [placed_layout for placed_layout in placed_layouts if placed_layout.layout.sender != "master"]
     # The fewest frames from each byte to the end. The bytes are searched from the end, so those behind are known.
-    fewest: dict[int, tuple[ExchangedFrame, ...]] = {len(data): ()}
-    for start in range(len(data) - 1, -1, -1):
+    fewest_frames_from: dict[int, tuple[ExchangedFrame, ...]] = {len(data): ()}
+    for start in reversed(range(len(data))):
         # A request is in front of its reply, even if both have the same form.
-        in_likely_order = sorted(candidates, key=lambda placed: (placed.layout.sender == "master") != (start == 0))
-        for placed in in_likely_order:
-            following = fewest.get(start + placed.bits // 8)
-            if following is None:
+        likeliest_first = requests + replies if start == 0 else replies + requests
+        for placed_layout in likeliest_first:
+            end = start + placed_layout.bits // 8
+            if end not in fewest_frames_from:
                 continue
-            has_fewer_frames = start not in fewest or len(following) + 1 < len(fewest[start])
+            following_frames = fewest_frames_from[end]
+            has_fewer_frames = start not in fewest_frames_from or len(following_frames) + 1 < len(
+                fewest_frames_from[start]
+            )
             if not has_fewer_frames:
                 continue
-            frame = _valid_frame(device, placed, data[start : start + placed.bits // 8])
+            frame = _valid_frame(device, placed_layout, data[start:end])
             if frame is not None:
-                fewest[start] = (frame, *following)
-    return fewest.get(0)
+                fewest_frames_from[start] = (frame, *following_frames)
+    return fewest_frames_from.get(0)
 
 
-def _valid_frame(device: Device, placed: PlacedLayout, data: bytes) -> ExchangedFrame | None:
+def _valid_frame(device: Device, placed_layout: PlacedLayout, data: bytes) -> ExchangedFrame | None:
     """Return the bytes as a frame with this layout, or None if they are not one or could be one by chance."""
-    crc = device.crc_of(placed)
+    crc = device.crc_of(placed_layout)
     crc_bits = crc.width if crc is not None else 0
-    constant_bits, _ = fixed_bits(placed, 0)
+    constant_bits, _ = check_constant_bits(placed_layout, 0)
     evidence = constant_bits + crc_bits
-    if evidence < LEAST_EVIDENCE or codec.decode_placed(device, placed, data).problems:
+    if evidence < LEAST_EVIDENCE or codec.decode_placed(device, placed_layout, data).problems:
         return None
-    return ExchangedFrame(placed, data, evidence)
+    return ExchangedFrame(placed_layout=placed_layout, data=data, evidence=evidence)

@@ -14,7 +14,7 @@ from types import MappingProxyType
 
 from ..model import Biss, Crc, Interface, PlacedLayout, Spi, Ssi
 from ..model.record import dataclass
-from .tries import BitText, Try, read_as
+from .hypotheses import Hypothesis, TypedFrame, frame_hypothesis
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +49,8 @@ class FrameOffset:
     behind: int = 0
 
     @property
-    def longer(self) -> int:
+    def additional_bits(self) -> int:
+        """Number of bits by which the received bits are more than the frame."""
         return len(self.front) - len(self.missing) - self.lost + self.behind
 
 
@@ -222,60 +223,72 @@ def line_name(interface: Interface) -> str:
             return ""
 
 
-def recorded_bits(text: BitText, bits: int) -> str:
-    """Return the bits as received, with those leading zeros that were typed.
+def recorded_bits(typed_frame: TypedFrame, frame_length: int) -> str:
+    """Return the bits as received, such as ``0110``, with those leading zeros that were typed.
 
     A number that fits into the frame may only have been padded, so its zeros are not counted.
     """
-    fits_into_frame = text.number >> bits == 0
-    count = text.bits if text.exact or fits_into_frame else max(text.written, text.bits)
-    return f"{text.number:0{max(count, 1)}b}"
+    fits_into_frame = typed_frame.number >> frame_length == 0
+    bit_count = typed_frame.bits
+    if not typed_frame.exact and not fits_into_frame:
+        bit_count = max(typed_frame.written, typed_frame.bits)
+    return f"{typed_frame.number:0{max(bit_count, 1)}b}"
 
 
-def recording_tries(line: Line, placed: PlacedLayout, crc: Crc | None, received: str) -> Iterator[Try]:
+def recording_hypotheses(
+    line: Line, placed_layout: PlacedLayout, crc: Crc | None, received_bits: str
+) -> Iterator[Hypothesis]:
     """Yield the frames that the line's rules find in the bits."""
     for recording in line.recordings:
-        match = _compiled(recording.pattern, placed.bits).match(received)
+        match = _compile_for_length(recording.pattern, placed_layout.bits).match(received_bits)
         if match is None:
             continue
         parts = {name: bits for name, bits in match.groupdict().items() if bits}
-        frame = parts["frame"]
+        frame_bits = parts["frame"]
         # After the gap, an encoder that repeats its word sends the frame again, as far as the clock continues.
-        repeated_frame = parts.get("again", "")
-        attempt = read_as(
+        repeated_bits = parts.get("again", "")
+        hypothesis = frame_hypothesis(
             recording.kind,
             recording.text,
-            placed,
+            placed_layout,
             crc,
-            int(frame, 2),
-            demanded=sum(len(parts.get(name, "")) for name in recording.proof),
-            holds=frame.startswith(repeated_frame),
+            int(frame_bits, 2),
+            determined_bits=sum(len(parts.get(name, "")) for name in recording.proof),
+            are_determined_right=frame_bits.startswith(repeated_bits),
         )
-        yield replace(attempt, parts=tuple(parts.items()))
+        yield replace(hypothesis, recording_parts=tuple(parts.items()))
 
 
-def window_tries(placed: PlacedLayout, crc: Crc, received: str) -> Iterator[Try]:
+def window_hypotheses(placed_layout: PlacedLayout, crc: Crc, received_bits: str) -> Iterator[Hypothesis]:
     """Yield the frames at every bit. Of many places, one matches by chance more often."""
-    places = len(received) - placed.bits + 1
-    for place in range(places):
-        before, frame, behind = received[:place], received[place : place + placed.bits], received[place + placed.bits :]
-        attempt = read_as(FRAME_INSIDE, FRAME_INSIDE_TEXT.format(place), placed, crc, int(frame, 2))
-        parts = [(name, bits) for name, bits in (("before", before), ("frame", frame), ("behind", behind)) if bits]
-        yield replace(attempt, template=FRAME_INSIDE_TEXT, parts=tuple(parts), places=places)
+    frame_length = placed_layout.bits
+    place_count = len(received_bits) - frame_length + 1
+    for start in range(place_count):
+        end = start + frame_length
+        parts = {"before": received_bits[:start], "frame": received_bits[start:end], "behind": received_bits[end:]}
+        description = FRAME_INSIDE_TEXT.format(start)
+        hypothesis = frame_hypothesis(FRAME_INSIDE, description, placed_layout, crc, int(parts["frame"], 2))
+        yield replace(
+            hypothesis,
+            template=FRAME_INSIDE_TEXT,
+            recording_parts=tuple((name, bits) for name, bits in parts.items() if bits),
+            searched_places=place_count,
+        )
 
 
-def missing_part(line: Line, bits: int, received: str) -> str:
+def missing_part(line: Line, frame_length: int, received_bits: str) -> str:
     """Return what a recording without a complete frame lacks, or an empty string."""
     for incomplete in line.incomplete:
-        match = _compiled(incomplete.pattern, bits).match(received)
+        match = _compile_for_length(incomplete.pattern, frame_length).match(received_bits)
         if match is None:
             continue
-        count = len(match.groupdict().get("frame", ""))
-        if count < bits:
-            return incomplete.text.format(count, bits, bits - count)
+        received_length = len(match.groupdict().get("frame", ""))
+        if received_length < frame_length:
+            return incomplete.text.format(received_length, frame_length, frame_length - received_length)
     return ""
 
 
 @lru_cache(maxsize=1024)
-def _compiled(pattern: str, bits: int) -> re.Pattern[str]:
-    return re.compile(pattern.replace("#", f"{bits}"))
+def _compile_for_length(pattern: str, frame_length: int) -> re.Pattern[str]:
+    """Return the regular expression with the length of the frame in the place of ``#``."""
+    return re.compile(pattern.replace("#", f"{frame_length}"))

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from math import log2, prod
 
 from ..model.record import dataclass
-from .mistakes import Explanation, Why
-from .tries import MISTAKES
+from .diagnosis import Diagnosis, Explanation
+from .hypotheses import MISTAKES
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,16 +20,13 @@ class CommonMistake:
     score: float
 
 
-def judge_together(whys: Sequence[Why]) -> list[CommonMistake]:
+def judge_together(diagnoses: Sequence[Diagnosis]) -> list[CommonMistake]:
     """Return the mistakes that explain the most frames, most likely first."""
     explanations_by_mistake: dict[tuple[str, str, bool], list[Explanation]] = {}
-    for why in whys:
-        # One mistake may have several explanations of a frame, of which the first is the likeliest.
-        likeliest = {explanation.mistake: explanation for explanation in reversed(why.unmerged or why.explanations)}
-        for mistake, explanation in likeliest.items():
-            explanations_by_mistake.setdefault(mistake, []).append(explanation)
-    frame_counts = [len(explanations) for explanations in explanations_by_mistake.values()]
-    most_frames = max(frame_counts, default=0)
+    for diagnosis in diagnoses:
+        for explanation in _likeliest_explanations(diagnosis):
+            explanations_by_mistake.setdefault(explanation.mistake, []).append(explanation)
+    most_frames = max(map(len, explanations_by_mistake.values()), default=0)
     common_mistakes: list[CommonMistake] = []
     for explanations in explanations_by_mistake.values():
         if len(explanations) == most_frames:
@@ -43,15 +40,26 @@ def judge_together(whys: Sequence[Why]) -> list[CommonMistake]:
     return sorted(common_mistakes, key=lambda mistake: -mistake.score)
 
 
+def _likeliest_explanations(diagnosis: Diagnosis) -> Iterable[Explanation]:
+    """Return one explanation for each mistake, the likeliest, since a mistake may explain a frame in several ways."""
+    likeliest_by_mistake: dict[tuple[str, str, bool], Explanation] = {}
+    # The likeliest come first, so they are the last ones to be set.
+    for explanation in reversed(diagnosis.unmerged or diagnosis.explanations):
+        likeliest_by_mistake[explanation.mistake] = explanation
+    return likeliest_by_mistake.values()
+
+
 def _common_score(explanations: Sequence[Explanation]) -> float:
     """Return the logarithm of the likelihood. A mistake is made once, so its frequency counts once."""
     frequency = log2(MISTAKES[explanations[0].kind])
-    return frequency + sum(log2(explanation.score) - frequency for explanation in explanations)
+    evidence = sum(log2(explanation.score) - frequency for explanation in explanations)
+    return frequency + evidence
 
 
 def _common_text(explanations: Sequence[Explanation]) -> str:
-    """Return the text of the explanations, with the details of each frame."""
-    texts = dict.fromkeys(explanation.text for explanation in explanations)
+    """Return the text of the explanations, without the details in which the frames differ."""
+    texts = {explanation.text for explanation in explanations}
     if len(texts) == 1:
         return explanations[0].text
-    return explanations[0].template.replace("({0}) ", "").format("some")
+    template = explanations[0].template
+    return template.replace("({0}) ", "").format("some")

@@ -17,8 +17,9 @@ from codewheel.model import Choice, Decimal, Device, Flag, FrameExample, Registe
 from codewheel.model.registers import bounded, bounds
 from codewheel.reference import codec
 from codewheel.targets import Library
+from codewheel.why.diagnosis import Diagnosis, Explanation
 from codewheel.why.doubts import other_positions
-from codewheel.why.mistakes import Explanation, Why, explain_bits, explain_bytes, explain_constant
+from codewheel.why.explain import explain_bits, explain_bytes, explain_constant
 from codewheel.why.together import CommonMistake, judge_together
 from exhaustive import mostly_exhaustive
 from rust_frames import numbers
@@ -477,7 +478,7 @@ def expected_explanations(case: Case, text: str) -> list[Any] | None:
     return [[reason(mistake) for mistake in of_page(why).explanations], why.missing]
 
 
-def why_of(case: Case, text: str, *, with_pairs: bool = False) -> Why | None:
+def why_of(case: Case, text: str, *, with_pairs: bool = False) -> Diagnosis | None:
     """Return the explanations of the command."""
     if case.layout.in_bytes:
         data = frame_bytes(text)
@@ -502,7 +503,7 @@ def why_of(case: Case, text: str, *, with_pairs: bool = False) -> Why | None:
     return None
 
 
-def of_page(why: Why) -> Why:
+def of_page(why: Diagnosis) -> Diagnosis:
     """Return the explanations with the mistakes that the page knows. It shows a dead line apart."""
 
     def known(mistakes: tuple[Explanation, ...]) -> tuple[Explanation, ...]:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from codewheel.changes.report import read_accepted
+from codewheel.changes.accepted import read_accepted
 from codewheel.commands.cli import main, parser_for
 from codewheel.commands.new import device_text, manufacturer_text
 

@@ -140,4 +140,9 @@ def test_a_documented_property_reaches_every_output_diff_and_the_second_reading(
     document = read_document(SPEC, Report())
     assert document is not None
     (found,) = compare(facts_of(Reading(old, document)), facts_of(Reading(new, document))).disagreements
-    assert (found.description.partition(" of ")[0], found.used, found.other) == ("needs restart", "nothing", "yes")
+    values = found.spec_value, found.second_value
+    assert (found.description.partition(" of ")[0], *values) == (
+        "needs restart",
+        "nothing",
+        "yes",
+    )

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 from codewheel.commands.cli import main
-from codewheel.why.mistakes import Explanation, Why
+from codewheel.why.diagnosis import Diagnosis, Explanation
 from codewheel.why.together import judge_together
 from planted import crc
 
@@ -252,6 +252,16 @@ def test_the_first_byte_is_missing(decode: Decode) -> None:
     assert "first_byte_lost" in [explanation["kind"] for explanation in data["why"]["explanations"]]
 
 
+def test_missing_first_bytes_of_several_requests_are_one_mistake(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The same reply to the requests 02h and BAh, whose first byte repeats them. The last byte is the XOR."""
+    monkeypatch.setattr("sys.stdin", io.StringIO("00 12 34 00 24\n00 12 34 00 9C\n"))
+    assert main(["decode", "TS5700N8401", "-", "--specs", str(tamagawa_specs())]) == 1
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "- the first byte is missing;" in printed
+
+
 SPI = """\
     mode: 1
     word_bits: 16
@@ -313,7 +323,7 @@ def test_a_coincidence_in_one_frame_does_not_count() -> None:
     evidence = {"likely": 8, "unlikely": 6, "coincidence": 40}
     explanations = [Explanation("start_value", text, 64, 2.0**bits, {}) for text, bits in evidence.items()]
     likely, unlikely, coincidence = explanations
-    whys = [Why((coincidence, likely, unlikely), 3, 0.1, ()), Why((unlikely, likely), 2, 0.1, ())]
+    whys = [Diagnosis((coincidence, likely, unlikely), 3, 0.1, ()), Diagnosis((unlikely, likely), 2, 0.1, ())]
     mistakes = judge_together(whys)
     assert [(mistake.text, mistake.frames, mistake.one_in) for mistake in mistakes] == [
         ("likely", 2, 64 * 64),

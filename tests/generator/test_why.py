@@ -19,9 +19,10 @@ from codewheel.commands.decode.text import explain
 from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.order_codes.labels import find
-from codewheel.why.mistakes import Why, explain_bits
-from codewheel.why.tries import MISTAKES as KINDS
-from codewheel.why.tries import BitText
+from codewheel.why.diagnosis import Diagnosis
+from codewheel.why.explain import explain_bits
+from codewheel.why.hypotheses import MISTAKES as KINDS
+from codewheel.why.hypotheses import TypedFrame
 from exhaustive import mostly_exhaustive
 from planted import (
     BYTE_CODES,
@@ -52,7 +53,7 @@ def decode(capsys: pytest.CaptureFixture[str]) -> Run:
     return run
 
 
-def why_of_text(device: Device, code: str, text: str) -> Why | None:
+def why_of_text(device: Device, code: str, text: str) -> Diagnosis | None:
     variant = find(device, code).variant
     return why_text(device, variant, "encoder", text, decode_text(device, variant, "encoder", text))
 
@@ -390,13 +391,13 @@ def test_a_crc_is_blind_for_what_is_said(devices: Mapping[str, Device], decode: 
     assert any("swapped bytes" in text for text in limits)
 
 
-def explain_noise(device: Device, code: str, frames: int) -> Iterator[Why]:
+def explain_noise(device: Device, code: str, frames: int) -> Iterator[Diagnosis]:
     source = random.Random(code)
     variant = find(device, code).variant
     placed = device.layout("single_cycle_data").place(variant.parameters)
     for _ in range(frames):
         explained = explain_bits(
-            device, variant, placed, BitText(int(random_bits(source, placed.bits), 2), placed.bits, True)
+            device, variant, placed, TypedFrame(int(random_bits(source, placed.bits), 2), placed.bits, True)
         )
         assert explained is not None
         yield explained

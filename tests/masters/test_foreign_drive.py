@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from codewheel.masters.groups import records_of
 from codewheel.masters.record import Record
-from codewheel.masters.sheet import Master, records_of, sheet
+from codewheel.masters.sheet import Master, sheet
 from codewheel.targets import Library
 from codewheel.targets.masters.files import file_text
 

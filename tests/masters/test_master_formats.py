@@ -18,8 +18,9 @@ import pytest
 from codewheel.commands.cli import main
 from codewheel.language.master_items import FILE_FORMATS
 from codewheel.masters.frame_parts import NoRecord
+from codewheel.masters.groups import records_of
 from codewheel.masters.record import Record, record
-from codewheel.masters.sheet import Master, Sheet, records_of, sheet
+from codewheel.masters.sheet import Master, Sheet, sheet
 from codewheel.model import Device
 from codewheel.targets import Library
 from codewheel.targets.masters.entries import content

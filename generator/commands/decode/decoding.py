@@ -30,7 +30,7 @@ from .frames import (
 from .text import NO_ANSWERS, NO_LINE, explain, label_lines, other_frames_line, together_lines
 
 if TYPE_CHECKING:
-    from ...why.mistakes import Explanation, Why
+    from ...why.diagnosis import Diagnosis, Explanation
     from ...why.together import CommonMistake
 
 JSON_VERSION = 1
@@ -103,7 +103,7 @@ class Decoding:
         self._codes = {FAULT} if request.register_differences else set()
         self._is_first = True
         #: The last frames with an error, each with its explanations.
-        self._failed_frames: deque[tuple[str, codec.Decoded, Why]] = deque(maxlen=MOST_FRAMES)
+        self._failed_frames: deque[tuple[str, codec.Decoded, Diagnosis]] = deque(maxlen=MOST_FRAMES)
 
     @property
     def code(self) -> int:
@@ -160,7 +160,7 @@ class Decoding:
         whys = [why_text(device, variant, sender, text, decoded, with_pairs=True) for text, decoded, _ in failed_frames]
         return judge_together([why for why in whys if why is not None])
 
-    def _decode(self, text: str) -> tuple[codec.Decoded, Why | None]:
+    def _decode(self, text: str) -> tuple[codec.Decoded, Diagnosis | None]:
         """Decode a frame, and explain it if it is wrong, or decode the value of a register."""
         device, variant = self._request.device, self._request.match.variant
         if self._request.register is not None:
@@ -230,7 +230,7 @@ class Decoding:
         line: Line,
         decoded: codec.Decoded,
         frame_findings: Findings,
-        why: Why | None,
+        why: Diagnosis | None,
         other_layouts: Sequence[PlacedLayout],
     ) -> str:
         """Return a decoded frame as text or as JSON, with a blank line between the texts of several."""
@@ -281,7 +281,7 @@ def decoded_data(
     sender: str,
     decoded: codec.Decoded,
     frame_findings: Findings,
-    why: Why | None = None,
+    why: Diagnosis | None = None,
     line: Line = NO_LINE,
     answers: Mapping[str, str] = NO_ANSWERS,
     other_layouts: Sequence[PlacedLayout] = (),
@@ -364,7 +364,7 @@ def _report_data(report: Report) -> dict[str, Any]:
     }
 
 
-def _why_data(why: Why) -> dict[str, Any]:
+def _why_data(why: Diagnosis) -> dict[str, Any]:
     """Return the explanations of a frame with an error, for JSON."""
     return {
         "explanations": [_explanation_data(explanation) for explanation in why.explanations],

@@ -15,10 +15,10 @@ from ...model.layout import have_lengths
 from ...reference import codec
 from ...reference.registers import decode_register
 from ...say import report as say
-from ...why.tries import BitText
+from ...why.hypotheses import TypedFrame
 
 if TYPE_CHECKING:
-    from ...why.mistakes import Why
+    from ...why.diagnosis import Diagnosis
 
 _HEX = re.compile(r"(?:0x)?[0-9A-Fa-f]+", re.IGNORECASE)
 _GAPS = re.compile(r"[\s_]")
@@ -128,7 +128,7 @@ def placed_bytes(placed: PlacedLayout, variant: Variant, text: str) -> bytes:
     return int(without_gaps, 2).to_bytes(length, "big")
 
 
-def frame_number(placed: PlacedLayout, text: str, *, exact: bool = False) -> BitText:
+def frame_number(placed: PlacedLayout, text: str, *, exact: bool = False) -> TypedFrame:
     """Return one number given as ``0b`` with all leading zeros, or as ``0x`` or hex bytes, which imply them.
 
     With ``exact``, bytes imply no zeros, because frames of the sender have different lengths.
@@ -139,7 +139,7 @@ def frame_number(placed: PlacedLayout, text: str, *, exact: bool = False) -> Bit
     without_gaps = _GAPS.sub("", text)
     if _BITS.fullmatch(without_gaps):
         bits = len(without_gaps) - len("0b")
-        return BitText(int(without_gaps, 2), bits, exact=True, written=bits)
+        return TypedFrame(int(without_gaps, 2), bits, exact=True, written=bits)
     pieces = text.split()
     are_bytes = len(pieces) > 1 and all(map(_ONE_BYTE.fullmatch, pieces))
     if are_bytes:
@@ -148,16 +148,16 @@ def frame_number(placed: PlacedLayout, text: str, *, exact: bool = False) -> Bit
         without_gaps = "0x" + "".join(piece[-2:] for piece in pieces)
         if exact and len(pieces) != (placed.bits + 7) // 8:
             bits = 8 * len(pieces)
-            return BitText(int(without_gaps, 16), bits, exact=True, written=bits)
+            return TypedFrame(int(without_gaps, 16), bits, exact=True, written=bits)
     if _NUMBER.fullmatch(without_gaps):
         number = int(without_gaps, 16)
         hex_digits = len(without_gaps) - len("0x")
-        return BitText(number, number.bit_length(), exact=False, written=4 * hex_digits)
+        return TypedFrame(number, number.bit_length(), exact=False, written=4 * hex_digits)
     possible_meanings = list(_possible_meanings(without_gaps, placed.bits)) if len(pieces) == 1 else []
     are_all_bits = len(without_gaps) == placed.bits and set(without_gaps) <= {"0", "1"}
     if len(possible_meanings) == 1 and are_all_bits:
         # As a decimal or hexadecimal number, this many digits would not fit.
-        return BitText(int(without_gaps, 2), placed.bits, exact=True, written=placed.bits)
+        return TypedFrame(int(without_gaps, 2), placed.bits, exact=True, written=placed.bits)
     remedy = say.write_number(str(placed.bits))
     if possible_meanings:
         remedy = say.write_one_of(", ".join(possible_meanings))
@@ -285,7 +285,7 @@ def decode_as(device: Device, variant: Variant, placed: PlacedLayout, text: str,
 
 def why_text(
     device: Device, variant: Variant, sender: str, text: str, decoded: codec.Decoded, *, with_pairs: bool = False
-) -> Why | None:
+) -> Diagnosis | None:
     """Return explanations of a frame whose CRC, length or constant is wrong. ``decoded`` is its ``decode_text``.
 
     ``with_pairs`` also lists pairs of mistakes if a single one matches.
@@ -300,7 +300,7 @@ def why_text(
         if not faults & {*_TRANSMISSION_FAULTS, Fault.CONSTANT}:
             return None
         data = placed_bytes(placed, variant, undecorated(text))
-    from ...why.mistakes import explain_bytes
+    from ...why.explain import explain_bytes
 
     return explain_bytes(device, variant, sender, placed, data)
 
@@ -314,7 +314,7 @@ def _why_bits(
     decoded: codec.Decoded,
     *,
     with_pairs: bool,
-) -> Why | None:
+) -> Diagnosis | None:
     """Return explanations of a frame of bits. One without a CRC, or with equal bits, is explained even if valid."""
     faults = {problem.fault for problem in decoded.problems}
     has_no_crc = not faults and decoded.crc is None
@@ -322,7 +322,7 @@ def _why_bits(
     is_suspicious = has_no_crc or has_equal_bits or bool(faults & _TRANSMISSION_FAULTS)
     if not is_suspicious and Fault.CONSTANT not in faults:
         return None
-    from ...why.mistakes import explain_bits, explain_constant
+    from ...why.explain import explain_bits, explain_constant
 
     is_exact = have_lengths(device.interface(variant.interface).layouts, sender)
     frame = frame_number(placed, undecorated(text), exact=is_exact)

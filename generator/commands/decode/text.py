@@ -25,7 +25,7 @@ from ...say.text import BY_NAME, WORTH, counted, sentence, with_unit
 from .frames import Line, is_frame_of_other_kind
 
 if TYPE_CHECKING:
-    from ...why.mistakes import Explanation, Why
+    from ...why.diagnosis import Diagnosis, Explanation
     from ...why.together import CommonMistake
 
 NO_ANSWERS: Mapping[str, str] = MappingProxyType({})
@@ -41,7 +41,7 @@ def explain(
     sender: str,
     decoded: codec.Decoded,
     findings: Findings = _NO_FINDINGS,
-    why: Why | None = None,
+    why: Diagnosis | None = None,
     line: Line = NO_LINE,
     answers: Mapping[str, str] = NO_ANSWERS,
     label: Sequence[str] | None = None,
@@ -268,7 +268,7 @@ def _value_or_zero(expression: Expression | None, variant: Variant) -> int:
     return expression.value(variant.parameters) if expression is not None else 0
 
 
-def _why_lines(why: Why, placed: PlacedLayout | None) -> list[str]:
+def _why_lines(why: Diagnosis, placed: PlacedLayout | None) -> list[str]:
     """Return what explains the frame: a line that never changes, a disturbed bit, or mistakes."""
     is_line_stuck = [explanation.kind for explanation in why.explanations] == ["line_stuck"]
     if is_line_stuck:
@@ -297,7 +297,7 @@ def _bit_name(bit: int, placed: PlacedLayout) -> str:
     return f"bit {bit % 8} of byte {last_byte - bit // 8}"
 
 
-def _mistake_lines(why: Why) -> list[str]:
+def _mistake_lines(why: Diagnosis) -> list[str]:
     """Return the mistakes that explain a frame, each with its chance, and the hints that follow them."""
     percent = f"{100 * why.coincidence:.0f}" if why.coincidence >= 0.005 else "less than 1"
     mistakes = counted(why.tried, "common mistake")
@@ -315,7 +315,7 @@ def _mistake_lines(why: Why) -> list[str]:
     return [*lines, *_hint_lines(why)]
 
 
-def _hint_lines(why: Why) -> list[str]:
+def _hint_lines(why: Diagnosis) -> list[str]:
     """Return what a recording lacks, whether another frame would help, and what the CRC cannot detect."""
     lines = []
     if why.missing:
@@ -340,7 +340,7 @@ def together_lines(mistakes: Sequence[CommonMistake], failed_frames: int) -> Ite
     yield ""
 
 
-def _introduction(why: Why, chance: str) -> str:
+def _introduction(why: Diagnosis, chance: str) -> str:
     """Return the sentence in front of the explanations."""
     if not why.has_crc:
         return f"{UNCERTAIN_READINGS}:"

@@ -32,12 +32,13 @@ from ...say.names_and_places import field_at
 from ...say.order_code import not_on_label
 from ...say.plain_text import plain
 from ...say.text import BY_NAME, WORTH
-from ...why import MOST_FRAMES, in_bits, in_bytes
+from ...why import MOST_FRAMES
 from ...why.doubts import READINGS
 from ...why.exchanges import ECHO_TEXT, FRAMES_TEXT, LEAST_EVIDENCE, MOST_BYTES
+from ...why.hypotheses import ACTIVE, IDLE, MISTAKES
+from ...why.other_crcs import POLYNOMIALS, OtherCrc, other_crcs_over_bits, other_crcs_over_bytes
 from ...why.recordings import FRAME_INSIDE, FRAME_INSIDE_TEXT, LINES, Line, line_name
 from ...why.texts import START_BITS, TEXTS
-from ...why.tries import ACTIVE, IDLE, MISTAKES
 from .. import NO_OPTIONS, Library, Options, Target
 from ..palette import palette_css
 from ..registry import licence_in, our_runtime
@@ -154,14 +155,14 @@ def _crc_data(device: Device, crc: Crc) -> Data:
     """Return the parameters of a CRC, and those of similar CRCs that may be used by mistake."""
     over = carriers(device, crc)
     similar_crcs = {
-        "others": in_bits.other_crcs(crc) if Carrier.BITS in over else (),
-        "byte_others": in_bytes.other_crcs(crc) if Carrier.BYTES in over else (),
+        "others": other_crcs_over_bits(crc) if Carrier.BITS in over else (),
+        "byte_others": other_crcs_over_bytes(crc) if Carrier.BYTES in over else (),
     }
     others = {name: _similar_crcs(crc, similar) for name, similar in similar_crcs.items()}
     return _crc_parameters(crc) | {"text": crc.polynomial} | without_empty(**others)
 
 
-def _similar_crcs(crc: Crc, similar_crcs: Iterable[in_bits.OtherCrc]) -> list[list[Any]]:
+def _similar_crcs(crc: Crc, similar_crcs: Iterable[OtherCrc]) -> list[list[Any]]:
     """Return the kind of mistake, the text, and the parameters of each CRC that differs."""
     return [[kind, text, _crc_parameters(similar)] for kind, text, similar in similar_crcs if similar != crc]
 
@@ -320,11 +321,11 @@ def script_table(library: Library) -> Data:
         "inside": [FRAME_INSIDE, FRAME_INSIDE_TEXT],
         "texts": dict(TEXTS),
         "start_bits": START_BITS,
-        "polynomials": in_bits.POLYNOMIALS,
+        "polynomials": POLYNOMIALS,
         "likely": {"kinds": dict(MISTAKES), "idle": IDLE, "active": ACTIVE, "frames": MOST_FRAMES},
         "line": {"mark": GRADES[-1], "evidence": f"Evidence: {lowest_grade()}."},
         "known_crcs": [[json_number(known.polynomial), known.init, known.use] for known in KNOWN_CRCS],
-        "byte_polynomials": [polynomial for polynomial in in_bits.POLYNOMIALS if polynomial.bit_length() == 9],
+        "byte_polynomials": [polynomial for polynomial in POLYNOMIALS if polynomial.bit_length() == 9],
         "families": [library.part(_family_data, device, NO_OPTIONS) for device in library.devices],
     }
 

@@ -8,7 +8,8 @@ from functools import partial
 from math import prod
 from typing import Annotated, Any, TypedDict
 
-from ...masters.sheet import Group, GroupSheets, Master, Refusal, Setting, Sheet, records_of, sheets_of
+from ...masters.groups import Group, GroupSheets, records_of, sheets_of
+from ...masters.sheet import Master, Refusal, Setting, Sheet
 from ...masters.text import (
     cited,
     condition_text,

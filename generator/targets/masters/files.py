@@ -12,9 +12,10 @@ from typing import Annotated, TypedDict
 
 from ...language.master_items import FILE_FORMATS
 from ...language.problems import listed
+from ...masters.groups import GroupSheets, sheets_of
 from ...masters.places import Place
 from ...masters.record import Record
-from ...masters.sheet import GroupSheets, Master, Sheet, sheets_of, shipped_masters
+from ...masters.sheet import Master, Sheet, shipped_masters
 from ...masters.text import cited, condition_text
 from ...model import Device
 from ...render import Templates, our_templates

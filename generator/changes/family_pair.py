@@ -1,0 +1,276 @@
+"""Two versions of a family: their common order codes, and the new names of renamed things."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import replace
+from functools import cached_property
+from itertools import chain
+from typing import Any, TypeVar
+
+from ..model import Device, Field, Variant
+from ..model.expressions import Expression
+from ..model.members import PARTS_BY_CLASS
+from .pairs import Pair, complete_pairs
+from .rules import RULES, SAME, Change, Subject
+from .values import (
+    ComparisonPoint,
+    NumberDifferences,
+    as_plain_data,
+    compare_at_points,
+    describe_codes,
+    settings_of,
+    with_setting,
+)
+
+_Part = TypeVar("_Part", bound=Any)
+#: Rules whose values are interfaces, both of which are affected.
+_RULES_OF_INTERFACES = ("register-interface", "procedure-interface")
+
+
+def _names_of_frame_fields(device: Device) -> frozenset[str]:
+    """Return the names of the fields and joined numbers of all frames."""
+    names: set[str] = set()
+    for _, layout in device.layouts():
+        names.update(field.name for field in layout.fields)
+        names.update(join.name for join in layout.joins)
+    return frozenset(names)
+
+
+def _match_order_codes(old: Device, new: Device) -> dict[str, str]:
+    """Return the new order code by the old one, for those with the same code or else the same parts."""
+    old_codes, new_codes = _order_codes_of(old), _order_codes_of(new)
+    new_code_by_parts = {_parts_key(variant): variant.code for variant in new.variants}
+    new_code_by_old: dict[str, str] = {}
+    for variant in old.variants:
+        if variant.code in new_codes:
+            new_code_by_old[variant.code] = variant.code
+            continue
+        renamed_code = new_code_by_parts.get(_parts_key(variant))
+        # A code that also the old family has belongs to that order code.
+        if renamed_code is not None and renamed_code not in old_codes:
+            new_code_by_old[variant.code] = renamed_code
+    return new_code_by_old
+
+
+def _affected_side(rule: str) -> str:
+    """Return the version whose order codes a change affects: the old one, the new one, or those that both have."""
+    if rule.endswith("-gone"):
+        return "old"
+    if rule.endswith("-new"):
+        return "new"
+    return "common"
+
+
+def _order_codes_of(device: Device) -> set[str]:
+    return {variant.code for variant in device.variants}
+
+
+def _parts_key(variant: Variant) -> tuple[tuple[str, str], ...]:
+    """Return the texts of the parts of an order code, in a form in which they can be compared."""
+    return tuple(sorted(variant.parts.items()))
+
+
+class FamilyPair:
+    """Two versions of a family with their common order codes and renamed things."""
+
+    def __init__(self, old: Device, new: Device) -> None:
+        self.old = old
+        self.new = new
+        #: The new name by the old one, for each kind of renamed thing, and for fields also by their frame or register.
+        self.new_names_by_kind: dict[str, dict[str, str]] = {}
+        #: The fields and joined numbers of the new frames.
+        self.names_in_new_frames = _names_of_frame_fields(new)
+        #: The common order codes: the new ones by the old ones.
+        self.new_code_by_old = _match_order_codes(old, new)
+        #: The new ones among them.
+        self.common_new_codes = frozenset(self.new_code_by_old.values())
+
+    def remember_renamings(self, kind: str, pairs: Iterable[Pair[Any]]) -> None:
+        """Remember which things were renamed, so that references to them do not count as changed."""
+        for old, new in complete_pairs(pairs):
+            if old.name != new.name:
+                new_names = self.new_names_by_kind.setdefault(kind, {})
+                new_names[old.name] = new.name
+
+    def with_new_names(self, part: _Part, scope: str = "") -> _Part:
+        """Return an old part of the model with the new names of the things that it refers to.
+
+        ``scope`` is the frame or register in which to look up the names of fields.
+        """
+        members = PARTS_BY_CLASS[type(part).__name__].by_attribute
+        renamed_references: dict[str, Any] = {}
+        for attribute in dataclasses.fields(part):
+            member = members.get(attribute.name)
+            if member is not None and member.refers_to:
+                old_reference = getattr(part, attribute.name)
+                renamed_references[attribute.name] = self.to_new_names(member.refers_to, old_reference, scope)
+        return replace(part, **renamed_references) if renamed_references else part
+
+    def to_new_names(self, kind: str, value: Any, scope: str = "") -> Any:
+        """Return an old value with the new names of the things in it: a name, names, or numbers by parameter names."""
+        if isinstance(value, str):
+            return self._text_to_new_names(kind, value, scope)
+        if isinstance(value, tuple):
+            kind_of_each = kind.removesuffix("s")
+            return tuple(self.to_new_names(kind_of_each, old_name, scope) for old_name in value)
+        if not value:
+            return value
+        return {self.to_new_names("parameter", parameter): number for parameter, number in value.items()}
+
+    def _text_to_new_names(self, kind: str, value: str, scope: str) -> str:
+        """Return a text that is or contains old names, with the new ones."""
+        match kind:
+            case "pattern":
+                # Order codes, such as ``TV62-{resolution}``.
+                for old_part, new_part in self.new_names_by_kind.get("part", {}).items():
+                    value = value.replace(f"{{{old_part}}}", f"{{{new_part}}}")
+                return value
+            case "dotted":
+                # A register, or a field of it: ``status.error``.
+                old_register, dot, old_field = value.partition(".")
+                new_register = self.to_new_names("register", old_register)
+                new_field = self.to_new_names("field", old_field, new_register)
+                return f"{new_register}{dot}{new_field}"
+            case "condition":
+                # A field and its value: ``mode.fast``.
+                old_field, _, old_value = value.partition(".")
+                new_field = self.to_new_names("field", old_field, scope)
+                new_value = self.to_new_names("any-value", old_value)
+                return f"{new_field}.{new_value}"
+            case "limits":
+                # The limits of a register apply to a field, or to the register itself.
+                new_name: str = self.to_new_names("field", value, scope)
+                return self._text_to_new_names("register", new_name, scope="")
+            case "any-field" if value in self.names_in_new_frames:
+                return value
+            case "field":
+                return self.new_names_by_kind.get(f"field {scope}", {}).get(value, value)
+            case _:
+                return self.new_names_by_kind.get(kind, {}).get(value, value)
+
+    @cached_property
+    def _points(self) -> dict[str, list[ComparisonPoint]]:
+        """The points for comparing expressions of each interface, and under an empty name those of all interfaces."""
+        new_variant_by_code = {variant.code: variant for variant in self.new.variants}
+        points_by_interface: dict[str, list[ComparisonPoint]] = {}
+        for old_variant in self.old.variants:
+            if old_variant.code not in self.new_code_by_old:
+                continue
+            new_variant = new_variant_by_code[self.new_code_by_old[old_variant.code]]
+            for setting in settings_of(self.new):
+                point = self._comparison_point(old_variant, new_variant, setting)
+                points_by_interface.setdefault("", []).append(point)
+                points_by_interface.setdefault(new_variant.interface, []).append(point)
+        return points_by_interface
+
+    def _comparison_point(
+        self, old_variant: Variant, new_variant: Variant, setting: Mapping[str, int]
+    ) -> ComparisonPoint:
+        """Return the point of a common order code under a setting of the new family, as values by parameter name."""
+        renamed_parameters = self.new_names_by_kind.get("parameter", {})
+        old_name_by_new = {new_name: old_name for old_name, new_name in renamed_parameters.items()}
+        old_setting = {old_name_by_new.get(name, name): value for name, value in setting.items()}
+        old_parameters = with_setting(self.old, old_variant, old_setting)
+        new_parameters = with_setting(self.new, new_variant, setting)
+        return ComparisonPoint(
+            code=new_variant.code,
+            old_parameters=old_parameters,
+            new_parameters=new_parameters,
+            compared_parameters={name: new_parameters.get(name, value) for name, value in old_parameters.items()},
+        )
+
+    def compare_expressions(
+        self, interface: str, old: Expression | None, new: Expression | None
+    ) -> NumberDifferences | None:
+        """Return the differences of two expressions for an interface, or for all, or None if they are equal."""
+        return compare_at_points(old, new, self._points.get(interface, ()))
+
+    def low_bits_and_widths(self, field: Field, interface: str, *, is_old: bool) -> tuple[int | str, ...]:
+        """Return the low bit and the width of a field at every point of an interface: ``(0, 17, 0, 19)`` for two.
+
+        Without points, these are the two expressions as texts.
+        """
+        if not self._points.get(interface):
+            return field.low.render(), field.width.render()
+        low_bits = self.values_at_points(field.low, interface, is_old=is_old)
+        widths = self.values_at_points(field.width, interface, is_old=is_old)
+        return tuple(chain.from_iterable(zip(low_bits, widths, strict=True)))
+
+    def values_at_points(self, expression: Expression, interface: str, *, is_old: bool) -> tuple[int, ...]:
+        """Return the value of an expression at every point of an interface."""
+        points = self._points.get(interface, ())
+        if is_old:
+            return tuple(expression.value(point.old_parameters) for point in points)
+        return tuple(expression.value(point.new_parameters) for point in points)
+
+    def order_codes_over(self, interface: str, side: str = "common") -> tuple[str, ...]:
+        """Return the order codes of an interface, or all: of the ``old`` or ``new`` family, or the ``common`` ones.
+
+        If no order code is common, those of the new family count as common.
+        """
+        device = self.old if side == "old" else self.new
+        codes = [variant.code for variant in device.variants if interface in ("", variant.interface)]
+        if side == "common" and self.common_new_codes:
+            codes = [code for code in codes if code in self.common_new_codes]
+        return tuple(codes)
+
+    def change(
+        self, rule: str, subject: Subject, description: str, old: Any, new: Any, codes: Iterable[str] | None = None
+    ) -> Change:
+        """Return a change of a thing. Without ``codes``, it affects all order codes that the thing concerns."""
+        side = _affected_side(rule)
+        affected_codes = tuple(codes) if codes is not None else self.order_codes_over(subject.interface, side)
+        if rule in _RULES_OF_INTERFACES:
+            old_interface = old
+            both_interfaces = (*affected_codes, *self.order_codes_over(old_interface))
+            affected_codes = tuple(dict.fromkeys(both_interfaces))
+        reach = ""
+        # The text of a change of order codes already lists them.
+        if not rule.startswith("order-code-"):
+            reach = self._describe_affected_codes(side, affected_codes)
+        return Change(
+            family=self.new.name,
+            rule=RULES[rule],
+            path=subject.path,
+            text=f"{subject.label}{description}",
+            old=as_plain_data(old),
+            new=as_plain_data(new),
+            codes=affected_codes,
+            reach=reach,
+            names=subject.names,
+        )
+
+    def _describe_affected_codes(self, side: str, codes: Collection[str]) -> str:
+        """Describe order codes of the old family, of the new one, or of those that both have."""
+        if side == "old":
+            return describe_codes(self.old, codes)
+        text = describe_codes(self.new, codes)
+        common_variants = tuple(variant for variant in self.new.variants if variant.code in self.common_new_codes)
+        have_same_codes = len(common_variants) in (0, len(self.new.variants))
+        if side == "new" or have_same_codes or text.startswith("all "):
+            return text
+        # All common codes of an interface are not all of the new family.
+        new_family_without_new_codes = replace(self.new, variants=common_variants)
+        text_among_common = describe_codes(new_family_without_new_codes, codes)
+        if text_among_common.startswith("all "):
+            return f"{text_among_common} that stay"
+        return text
+
+    def compare_presence(
+        self, kind: str, subject: Subject, old: Any, new: Any, common_property: str = ""
+    ) -> Iterator[Change]:
+        """Yield a change if a thing is gone, new or renamed. ``subject.label`` ends with its present name.
+
+        ``common_property`` is the one by which a renamed thing is recognised, if it is not that of its kind.
+        """
+        if new is None:
+            yield self.change(f"{kind}-gone", subject, description=" is gone", old=old, new=None)
+        elif old is None:
+            yield self.change(f"{kind}-new", subject, description=" is new", old=None, new=new)
+        elif old.name != new.name:
+            words_before_name = subject.label.removesuffix(new.name)
+            label = f"{words_before_name}{old.name} → {new.name} ({common_property or SAME[kind]})"
+            renamed_subject = replace(subject, label=label)
+            yield self.change(f"{kind}-renamed", renamed_subject, description="", old=old.name, new=new.name)

@@ -1,0 +1,209 @@
+"""Compare the fields of a frame or register."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from ..model import (
+    Choice,
+    Constant,
+    Decimal,
+    Device,
+    Field,
+    Join,
+    Layout,
+    Number,
+    Rs485,
+    Text,
+    Unused,
+)
+from .compare import compare_members, compare_parts
+from .consequences import ComparedField, fold_length, fold_moves
+from .counterparts import pair_fields
+from .family_pair import FamilyPair
+from .pairs import Pair
+from .rules import Change, Subject
+from .values import short_value
+
+#: Kinds among which a change affects only how bits are read.
+_PLAIN = (Number, Decimal, Text)
+
+
+def compare_layout(family_pair: FamilyPair, subject: Subject, old: Layout, new: Layout) -> Iterator[Change]:
+    """Yield the differences in the fields of a frame or register."""
+    yield from _compare_fields(family_pair, subject, old, new)
+    join_subject = replace(subject, label=f"{subject.scope}: number")
+    yield from compare_parts(family_pair, "joined", old.joins, new.joins, join_subject)
+    combination_subject = replace(subject, label=f"{subject.scope}: combination")
+    yield from compare_parts(family_pair, "combination", old.combinations, new.combinations, combination_subject)
+    old_type_by_name = {join.name: _type_of_join(old, join) for join in old.joins}
+    for join in new.joins:
+        join_path, join_label = f"{subject.path}.{join.name}", f"{subject.scope}: number {join.name}"
+        type_subject = replace(subject, path=join_path, label=join_label)
+        old_type = old_type_by_name.get(join.name, "")
+        yield from _compare_type(family_pair, type_subject, old_type, _type_of_join(new, join))
+
+
+def _compare_fields(family_pair: FamilyPair, subject: Subject, old: Layout, new: Layout) -> Iterator[Change]:
+    """Compare the fields of a layout. What follows from the size of a field is part of that field's change."""
+    compared_fields: list[ComparedField] = []
+    for pair in pair_fields(family_pair, old, new, subject.interface):
+        # Padding follows from the field that it fills up, and is compared with that field.
+        is_padding = _is_padding(pair.new_or_old, old) or _is_padding(pair.new_or_old, new)
+        if is_padding:
+            continue
+        common_property = _common_property(family_pair, subject, pair, old, new)
+        field_changes = list(_compare_field(family_pair, subject, pair, common_property))
+        compared_fields.append(ComparedField(pair=pair, changes=field_changes))
+    fields_with_length = fold_length(
+        family_pair,
+        interface=subject.interface,
+        frame=subject.path,
+        old_length=old.bits,
+        new_length=new.bits,
+        compared_fields=compared_fields,
+    )
+    yield from fold_moves(family_pair, subject.interface, subject.path, fields_with_length)
+
+
+def _is_padding(field: Field, layout: Layout) -> bool:
+    """Return whether the field is the padding of another one: ``position_padding`` of ``position``."""
+    padded_name, suffix, _ = field.name.rpartition("_padding")
+    padded_field = layout.find_field(padded_name) if suffix else None
+    return padded_field is not None and padded_field.container > 0
+
+
+def _common_property(
+    family_pair: FamilyPair, subject: Subject, pair: Pair[Field], old_layout: Layout, new_layout: Layout
+) -> str:
+    """Return the property by which a renamed field is recognised, if its bits in the frame or group differ."""
+    if pair.old is None or pair.new is None or pair.old.name == pair.new.name:
+        return ""
+    old_low_bits = _low_bits_in_group(family_pair, subject.interface, old_layout, pair.old, is_old=True)
+    new_low_bits = _low_bits_in_group(family_pair, subject.interface, new_layout, pair.new, is_old=False)
+    if old_low_bits == new_low_bits:
+        return ""
+    return "between the same fields"
+
+
+def _low_bits_in_group(
+    family_pair: FamilyPair, interface: str, layout: Layout, field: Field, *, is_old: bool
+) -> tuple[int, ...]:
+    """Return the lowest bit of a field at every point, counted from the start of its group if it has one."""
+    low_bits = family_pair.values_at_points(field.low, interface, is_old=is_old)
+    if not field.group:
+        return low_bits
+    low_bits_of_group: list[tuple[int, ...]] = []
+    for group_field in layout.fields:
+        if group_field.group == field.group:
+            low_bits_of_group.append(family_pair.values_at_points(group_field.low, interface, is_old=is_old))
+    group_starts = map(min, zip(*low_bits_of_group, strict=True))
+    return tuple(low_bit - group_start for low_bit, group_start in zip(low_bits, group_starts, strict=True))
+
+
+def _compare_field(
+    family_pair: FamilyPair, subject: Subject, pair: Pair[Field], common_property: str = ""
+) -> Iterator[Change]:
+    """Compare a field of a frame or register: its name, its members, its kind, its type and its values."""
+    field = pair.new_or_old
+    # A field of a group is in many frames, but its change is reported once, for the group.
+    owner_path = f"field_groups.{field.group}" if field.group else subject.path
+    owner_name = field.group or subject.scope
+    field_subject = replace(subject, path=f"{owner_path}.{field.name}", label=f"{owner_name}: field {field.name}")
+    # The only field of a plain register has the register's name, and is renamed with it.
+    is_named_as_register = (
+        field.name == subject.scope
+        and pair.old is not None
+        and family_pair.to_new_names("register", pair.old.name) == subject.scope
+    )
+    if not is_named_as_register:
+        yield from family_pair.compare_presence(
+            "field", field_subject, old=pair.old, new=pair.new, common_property=common_property
+        )
+    if pair.old is None or pair.new is None:
+        return
+    old, new = pair.old, pair.new
+    yield from compare_members(family_pair, field_subject, old, new)
+    yield from _compare_kind(family_pair, field_subject, old, new)
+    yield from _compare_type(family_pair, field_subject, _type_of(old), _type_of(new))
+    if isinstance(old.kind, Choice) and isinstance(new.kind, Choice) and not _has_data_ids(family_pair.new, new):
+        value_subject = replace(field_subject, label=f"{owner_name}.{field.name}: value")
+        yield from compare_parts(family_pair, "value", old.values, new.values, value_subject)
+
+
+def _compare_type(family_pair: FamilyPair, subject: Subject, old: str, new: str) -> Iterator[Change]:
+    """Compare the types of a number in C. Other things have none."""
+    if old and new and old != new:
+        yield family_pair.change("field-type", subject, description=f": {old} → {new}", old=old, new=new)
+
+
+def _type_of(field: Field) -> str:
+    """Return the type of a number in C, or an empty string for another kind of field."""
+    if not isinstance(field.kind, (Number, Decimal)):
+        return ""
+    # The number that zero stands for may need one bit more than the field has.
+    bits = max(field.widest, field.number.zero_means.bit_length())
+    return _smallest_integer_type(bits, is_signed=field.number.signed)
+
+
+def _type_of_join(layout: Layout, join: Join) -> str:
+    """Return the type of a number made of several fields in C."""
+    bits = sum(layout.field(name).widest for name in join.fields)
+    return _smallest_integer_type(bits, is_signed=False)
+
+
+def _smallest_integer_type(bits: int, *, is_signed: bool) -> str:
+    """Return the smallest integer type of C with this number of bits, such as ``uint32_t``."""
+    sufficient_sizes = [size for size in (8, 16, 32) if bits <= size]
+    size = sufficient_sizes[0] if sufficient_sizes else 64
+    return f"int{size}_t" if is_signed else f"uint{size}_t"
+
+
+def _has_data_ids(device: Device, field: Field) -> bool:
+    """Return whether the values of a field are the data IDs of an interface, which are compared separately."""
+    value_names = {value.name for value in field.values}
+    for interface in device.interfaces:
+        if isinstance(interface, Rs485) and value_names == {data_id.name for data_id in interface.data_ids}:
+            return True
+    return False
+
+
+def _compare_kind(family_pair: FamilyPair, subject: Subject, old: Field, new: Field) -> Iterator[Change]:
+    """Compare the conversion of bits to a value."""
+    old_kind, new_kind = old.kind, new.kind
+    if isinstance(old_kind, Decimal) and isinstance(new_kind, Decimal):
+        yield from _compare_digits(family_pair, subject.inside("runs", subject.label), old_kind, new_kind)
+    elif type(old_kind) is type(new_kind):
+        yield from compare_members(family_pair, subject, old_kind, new_kind)
+    else:
+        rule = "field-kind"
+        if isinstance(old_kind, _PLAIN) and isinstance(new_kind, _PLAIN):
+            rule = "field-reads-otherwise"
+        elif isinstance(old_kind, Constant) and isinstance(new_kind, Unused):
+            rule = "field-constant"
+        yield family_pair.change(
+            rule, subject, description=f": {old_kind.word} → {new_kind.word}", old=old_kind, new=new_kind
+        )
+
+
+def _compare_digits(family_pair: FamilyPair, subject: Subject, old: Decimal, new: Decimal) -> Iterator[Change]:
+    """Compare the numbers made of digits in a text, by their names and their numbers of digits."""
+    if old == new:
+        return
+    old_digits, new_digits = _digits_by_name(old), _digits_by_name(new)
+    if list(old_digits.items()) == list(new_digits.items()):
+        yield family_pair.change("words", subject, description=": digits", old=old.runs, new=new.runs)
+        return
+    gone_names = old_digits.keys() - new_digits.keys()
+    rule = "field-kind" if gone_names else "field-reads-otherwise"
+    description = f": digits {_digits_text(old_digits)} → {_digits_text(new_digits)}"
+    yield family_pair.change(rule, subject, description=description, old=old.runs, new=new.runs)
+
+
+def _digits_by_name(decimal: Decimal) -> dict[str, int]:
+    return {run.name: run.digits for run in decimal.runs}
+
+
+def _digits_text(digits_by_name: dict[str, int]) -> str:
+    return short_value(", ".join(f"{name} ({digits})" for name, digits in digits_by_name.items()))

@@ -1,0 +1,106 @@
+"""The order codes of a family in groups with the same settings, and the sheets of every master for each group."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from typing import NamedTuple
+
+from ..model import Device, Interface, Variant, choices
+from ..model.record import dataclass
+from .frame_parts import NoRecord
+from .record import Record, Undecided, record
+from .sheet import Master, Sheet, sheet
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """Order codes that have the same settings in every master."""
+
+    device: Device
+    codes: tuple[str, ...]
+    record: Record
+
+
+def groups_of(device: Device, interface: Interface) -> list[Group]:
+    """Return the order codes of an interface in groups, each once for each choice on which its frame depends."""
+    records_by_facts: dict[str, list[Record]] = {}
+    for code_record in records_of(device, interface):
+        facts = repr(replace(code_record, code=""))
+        records_by_facts.setdefault(facts, []).append(code_record)
+    return [_group(device, records) for records in records_by_facts.values()]
+
+
+def _group(device: Device, records: Sequence[Record]) -> Group:
+    codes = tuple(code_record.code for code_record in records)
+    return Group(device, codes, record=records[0])
+
+
+@dataclass(frozen=True, slots=True)
+class GroupSheets:
+    """The sheets of each master for the groups of one interface, in the order of the groups."""
+
+    interface: Interface
+    groups: tuple[Group, ...]
+    sheets: tuple[tuple[Master, tuple[Sheet, ...]], ...]
+
+
+def sheets_of(device: Device, masters: Sequence[Master]) -> tuple[GroupSheets, ...]:
+    """Return the sheets of each interface with an order code for masters. Those of the last family are remembered."""
+    master_ids = tuple(map(id, masters))
+    for last_sheets in _SHEETS_OF_LAST_FAMILY:
+        if last_sheets.device is device and last_sheets.master_ids == master_ids:
+            return last_sheets.sheets
+    sheets = tuple(_compute_sheets(device, masters))
+    _SHEETS_OF_LAST_FAMILY[:] = [_FamilySheets(device=device, master_ids=master_ids, sheets=sheets)]
+    return sheets
+
+
+class _FamilySheets(NamedTuple):
+    """Sheets of a family for the masters with these identities."""
+
+    device: Device
+    master_ids: tuple[int, ...]
+    sheets: tuple[GroupSheets, ...]
+
+
+#: Sheets of the last family, or nothing before the first.
+#: Families are compared by identity, because comparing their members takes longer than making the sheets.
+_SHEETS_OF_LAST_FAMILY: list[_FamilySheets] = []
+
+
+def _compute_sheets(device: Device, masters: Sequence[Master]) -> Iterator[GroupSheets]:
+    for interface in device.interfaces:
+        groups = tuple(groups_of(device, interface))
+        if groups:
+            master_sheets = tuple((master, _sheets_for(master, groups)) for master in masters)
+            yield GroupSheets(interface, groups, master_sheets)
+
+
+def _sheets_for(master: Master, groups: Sequence[Group]) -> tuple[Sheet, ...]:
+    return tuple(sheet(master, group.record) for group in groups)
+
+
+def records_of(device: Device, interface: Interface) -> Iterator[Record]:
+    """Yield the records of all listed order codes of an interface, once for each choice on which the frame depends.
+
+    Order codes whose position no master can read are left out.
+    """
+    for variant in device.variants_over(interface.name):
+        with suppress(NoRecord):
+            for code_record in _records_by_answers(device, variant):
+                if not code_record.obstacle:
+                    yield code_record
+
+
+def _records_by_answers(device: Device, variant: Variant) -> Iterator[Record]:
+    """Yield the record of an order code, once for each choice on which its frame depends."""
+    try:
+        yield record(device, variant)
+    except Undecided as error:
+        deciding_alternatives = device.alternatives_of(error.layout)
+        for answers, _ in choices(deciding_alternatives):
+            pairs = zip(deciding_alternatives, answers, strict=True)
+            chosen_answers = {alternative.name: answer.name for alternative, answer in pairs}
+            yield record(device, variant, answers=chosen_answers)

@@ -1,0 +1,173 @@
+"""Compare single facts of two readings, and the names that the readers give to items."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+
+from ..changes.pairs import match_by_key
+from ..language.document import Path
+from ..say.plain_text import first_of
+from .comparison import Comparison, Disagreement, Read
+from .reading import (
+    FACTORY_DEFAULTS,
+    NOTHING,
+    Case,
+    Fact,
+    Key,
+    Names,
+    Sort,
+    Value,
+    in_hex,
+    mistaken_pairs,
+    same_name,
+)
+
+#: Items that each reader defines as needed, so that none is missing if the other has a different set.
+CHOSEN_BY_READER = frozenset(("parameter",))
+
+
+def compare_facts(
+    comparison: Comparison,
+    spec_facts: Mapping[Key, Fact],
+    second_facts: Mapping[Key, Fact],
+    place_in_spec: Callable[[Fact], Path | None],
+) -> Iterator[Disagreement]:
+    """Compare facts by their keys.
+
+    ``place_in_spec`` returns the place of a fact that the spec lacks, or None if the spec may lack it.
+    """
+    for key, second_fact, spec_fact in match_by_key(second_facts, spec_facts):
+        if spec_fact is not None and not spec_fact.is_implied:
+            if second_fact is not None:
+                yield from _compare_values(comparison, spec_fact, second_fact)
+            elif key[0] not in CHOSEN_BY_READER:
+                comparison.count_fact(spec_fact.sort, spec_fact.place, Read.ONCE)
+        elif second_fact is not None and not second_fact.is_implied:
+            # An implied fact of the spec has a place, but the spec must state it if the second reading does.
+            nearest_place = spec_fact.place if spec_fact is not None else place_in_spec(second_fact)
+            if nearest_place is not None:
+                yield missing_in_spec(second_fact, nearest_place)
+
+
+def missing_in_spec(second_fact: Fact, nearest_place: Path) -> Disagreement:
+    """Return the disagreement on a fact that only the second reading has."""
+    return Disagreement(
+        sort=second_fact.sort,
+        description=second_fact.description,
+        spec_value=NOTHING,
+        second_value=value_text(second_fact.value),
+        spec_place=(),
+        second_place=second_fact.place,
+        nearest_place=nearest_place,
+    )
+
+
+def _compare_values(comparison: Comparison, spec_fact: Fact, second_fact: Fact) -> Iterator[Disagreement]:
+    """Compare the values of a fact: one value, or one for each case. Of several differences, yield the first."""
+    spec_value, second_value = _common_value(spec_fact.value), _common_value(second_fact.value)
+    if isinstance(spec_value, str) is not isinstance(second_value, str):
+        # A reading in which all cases have one value is compared in the cases of the other one.
+        spec_value, second_value = spec_fact.value, second_fact.value
+    if not isinstance(spec_value, str) and not isinstance(second_value, str):
+        yield from _compare_cases(comparison, spec_fact, spec_value, second_fact, second_value)
+        return
+    spec_text, second_text = value_text(spec_value), value_text(second_value)
+    is_same_name = spec_fact.sort is Sort.PRINTED and same_name(spec_text, second_text)
+    if spec_value == second_value or is_same_name:
+        comparison.count_fact(spec_fact.sort, spec_fact.place, Read.TWICE)
+    else:
+        yield _different_values(spec_fact, spec_text, second_fact, second_text)
+
+
+def _common_value(value: Value) -> Value:
+    """Return the common value if all cases have the same one, otherwise all values."""
+    if isinstance(value, str):
+        return value
+    distinct_values = set(value.values())
+    return distinct_values.pop() if len(distinct_values) == 1 else value
+
+
+def value_text(value: Value) -> str:
+    """Return a value, or that of the first case if there are several."""
+    if isinstance(value, str):
+        return value
+    return next(iter(value.values()), NOTHING)
+
+
+def _compare_cases(
+    comparison: Comparison,
+    spec_fact: Fact,
+    spec_values: Mapping[Case, str],
+    second_fact: Fact,
+    second_values: Mapping[Case, str],
+) -> Iterator[Disagreement]:
+    """Compare the values that a fact has in each case."""
+    common_cases = [case for case in spec_values if case in second_values]
+    differing_cases = [case for case in common_cases if spec_values[case] != second_values[case]]
+    if differing_cases:
+        first_case = differing_cases[0]
+        described_fact = replace(spec_fact, description=spec_fact.description + cases_text(differing_cases))
+        yield _different_values(described_fact, spec_values[first_case], second_fact, second_values[first_case])
+    # A state that changes nothing is known from the factory defaults.
+    missing_cases = [case for case in spec_values if case not in second_values]
+    is_incomplete = any(not _is_as_by_default(spec_values, case) for case in missing_cases)
+    comparison.count_fact(spec_fact.sort, spec_fact.place, Read.ONCE if is_incomplete else Read.TWICE)
+
+
+def _is_as_by_default(values: Mapping[Case, str], case: Case) -> bool:
+    """Return whether a fact has the same value in a state of the registers as with the factory defaults."""
+    return case.state != FACTORY_DEFAULTS and values[case] == values.get(case.by_default)
+
+
+def _different_values(spec_fact: Fact, spec_text: str, second_fact: Fact, second_text: str) -> Disagreement:
+    is_length = spec_fact.key[-1] == "length"
+    return Disagreement(
+        sort=spec_fact.sort,
+        description=spec_fact.description,
+        spec_value=spec_text,
+        second_value=second_text,
+        spec_place=spec_fact.place,
+        second_place=second_fact.place,
+        is_name=spec_fact.sort is Sort.PRINTED,
+        resized_frame=_frame_text(spec_fact.key) if is_length else "",
+    )
+
+
+def _frame_text(key: Key) -> str:
+    """Return the words for the frame with this key in other facts, or an empty text for a register."""
+    if key[0] != "frame":
+        return ""
+    _, _, sender, _, selector_value, _ = key
+    frame_text = f"of the {sender}'s frame"
+    if isinstance(selector_value, int) and selector_value >= 0:
+        return f"{frame_text} with {in_hex(selector_value)}"
+    return frame_text
+
+
+def cases_text(cases: list[Case]) -> str:
+    """Return the text on the order codes and the state of the registers: ``, for TV62-12-B1 while 0x49 = 3``."""
+    order_codes = list(dict.fromkeys(case.code for case in cases))
+    text = f", for {first_of(order_codes, 1)}"
+    state = cases[0].state
+    return text if state == FACTORY_DEFAULTS else f"{text} while {state}"
+
+
+def compare_names(
+    comparison: Comparison, spec_names_by_kind: Mapping[Key, Names], second_names_by_kind: Mapping[Key, Names]
+) -> Iterator[Disagreement]:
+    """Yield the different names of one item if one of them must be a mistake."""
+    for kind, spec_names in spec_names_by_kind.items():
+        second_names = second_names_by_kind.get(kind, {})
+        for spec_name, second_name in mistaken_pairs(
+            spec_names, second_names, must_be_equal=comparison.has_names_of_spec
+        ):
+            yield Disagreement(
+                sort=spec_name.sort,
+                description=spec_name.description,
+                spec_value=f"'{spec_name.value}'",
+                second_value=f"'{second_name.value}'",
+                spec_place=spec_name.place,
+                second_place=second_name.place,
+                is_name=True,
+            )

@@ -1,0 +1,151 @@
+"""Compare the words of two readings, which are frames and registers, bit by bit."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from functools import partial
+
+from ..language.document import Path
+from ..say.names_and_places import bits as bits_text
+from .compare_facts import cases_text, compare_facts, compare_names
+from .comparison import Comparison, Disagreement, Read
+from .frame_bits import continues_item, describe_bits
+from .reading import FACTORY_DEFAULTS, Bit, Case, Fact, Sort, Word, WordCase
+
+#: Identity of a disagreement in all cases: its places, its class, and its number among those of a case with these.
+_DisagreementKey = tuple[Path, Path, Sort, int]
+
+
+def compare_word(comparison: Comparison, spec_word: Word, second_word: Word | None) -> None:
+    """Compare a frame or register in every case. Each difference is reported for the first case that shows it."""
+    second_cases = _second_cases(spec_word, second_word)
+    for case, spec_case in spec_word.cases.items():
+        # A state that changes nothing is counted with its factory defaults.
+        is_repetition = case.state != FACTORY_DEFAULTS and spec_case is spec_word.cases.get(case.by_default)
+        if case not in second_cases and not is_repetition:
+            _count_as_read_once(comparison, spec_case)
+    for disagreement, cases in _disagreements_with_cases(comparison, spec_word, second_cases):
+        if len(cases) == len(spec_word.cases):
+            comparison.add_disagreement(disagreement)
+        else:
+            description = disagreement.description + cases_text(cases)
+            comparison.add_disagreement(replace(disagreement, description=description))
+
+
+def _second_cases(spec_word: Word, second_word: Word | None) -> Mapping[Case, WordCase]:
+    """Return the word of the second reading in each case with which that of the spec is compared."""
+    if second_word is None:
+        return {}
+    if spec_word.everywhere is not None and second_word.everywhere is not None:
+        # Words that are the same in every case are compared even if the readings have no order code in common.
+        return dict.fromkeys(spec_word.cases, second_word.everywhere)
+    return second_word.cases
+
+
+def _count_as_read_once(comparison: Comparison, spec_case: WordCase) -> None:
+    """Count all facts of a word in a case that only the spec has."""
+    for bit in spec_case.bits:
+        comparison.count_fact(Sort.POSITION, bit.place, Read.ONCE)
+    for properties in spec_case.fields.values():
+        for fact in properties.values():
+            comparison.count_fact(fact.sort, fact.place, Read.ONCE)
+
+
+def _disagreements_with_cases(
+    comparison: Comparison, spec_word: Word, second_cases: Mapping[Case, WordCase]
+) -> Iterable[tuple[Disagreement, list[Case]]]:
+    """Return each disagreement as it is in the first case that shows it, with all cases that do."""
+    # Most cases share one word, so each pair of words is compared once.
+    disagreements_by_pair: dict[tuple[int, int], list[Disagreement]] = {}
+    disagreement_and_cases: dict[_DisagreementKey, tuple[Disagreement, list[Case]]] = {}
+    for case, spec_case in spec_word.cases.items():
+        second_case = second_cases.get(case)
+        if second_case is None:
+            continue
+        pair = id(spec_case), id(second_case)
+        if pair not in disagreements_by_pair:
+            disagreements_by_pair[pair] = list(_compare_in_case(comparison, spec_word, spec_case, second_case))
+        for key, disagreement in _numbered(disagreements_by_pair[pair]):
+            _, cases = disagreement_and_cases.setdefault(key, (disagreement, []))
+            cases.append(case)
+    return disagreement_and_cases.values()
+
+
+def _numbered(disagreements: Iterable[Disagreement]) -> Iterator[tuple[_DisagreementKey, Disagreement]]:
+    """Yield the disagreements of one case, each with the key by which it is recognised in other cases."""
+    counts: Counter[tuple[Path, Path, Sort]] = Counter()
+    for disagreement in disagreements:
+        places_and_sort = disagreement.spec_place, disagreement.second_place, disagreement.sort
+        counts[places_and_sort] += 1
+        yield (*places_and_sort, counts[places_and_sort]), disagreement
+
+
+def _compare_in_case(
+    comparison: Comparison, spec_word: Word, spec_case: WordCase, second_case: WordCase
+) -> Iterator[Disagreement]:
+    """Yield the differences in one case. Different lengths are reported with the other facts."""
+    if len(spec_case.bits) != len(second_case.bits):
+        return
+    yield from _compare_bits(comparison, spec_word, spec_case.bits, second_case.bits)
+    for low_and_width, spec_properties in spec_case.fields.items():
+        places = [fact.place for fact in spec_properties.values()]
+        field_place = places[0] if places else spec_word.place
+        second_properties = second_case.fields.get(low_and_width, {})
+        place_in_spec = partial(_place_unless_optional, field_place)
+        yield from compare_facts(comparison, spec_properties, second_properties, place_in_spec)
+    yield from compare_names(comparison, spec_case.names, second_case.names)
+
+
+def _place_unless_optional(field_place: Path, second_fact: Fact) -> Path | None:
+    """Return the place of the field if the spec must have a fact about it that the second reading has."""
+    return None if second_fact.may_be_missing else field_place
+
+
+def _compare_bits(
+    comparison: Comparison, spec_word: Word, spec_bits: tuple[Bit, ...], second_bits: tuple[Bit, ...]
+) -> Iterator[Disagreement]:
+    """Yield the ranges of bits with different meanings, and count the other bits."""
+    for high, low in _different_ranges(spec_bits, second_bits):
+        # Descriptions begin with the highest bit.
+        spec_range = spec_bits[low : high + 1][::-1]
+        second_range = second_bits[low : high + 1][::-1]
+        yield Disagreement(
+            sort=Sort.POSITION,
+            description=f"{bits_text(high, low)} of {spec_word.description}",
+            spec_value=describe_bits(spec_range),
+            second_value=describe_bits(second_range),
+            spec_place=spec_range[0].place,
+            second_place=second_range[0].place,
+        )
+    for spec_bit, second_bit in zip(spec_bits, second_bits, strict=True):
+        if _have_same_meaning(spec_bit, second_bit):
+            comparison.count_fact(Sort.POSITION, spec_bit.place, Read.TWICE)
+
+
+def _have_same_meaning(bit: Bit, other_bit: Bit) -> bool:
+    return (bit.part, bit.weight, bit.fixed) == (other_bit.part, other_bit.weight, other_bit.fixed)
+
+
+def _different_ranges(spec_bits: tuple[Bit, ...], second_bits: tuple[Bit, ...]) -> list[tuple[int, int]]:
+    """Return the high and low ends of ranges of different bits, highest first.
+
+    Adjacent bits are in one range if they differ in the same way.
+    """
+    ranges: list[tuple[int, int]] = []
+    for index in reversed(range(len(spec_bits))):
+        if _have_same_meaning(spec_bits[index], second_bits[index]):
+            continue
+        above = index + 1
+        is_below_last_range = bool(ranges) and ranges[-1][1] == above
+        if (
+            is_below_last_range
+            and continues_item(spec_bits[index], spec_bits[above])
+            and continues_item(second_bits[index], second_bits[above])
+        ):
+            high, _ = ranges[-1]
+            ranges[-1] = high, index
+        else:
+            ranges.append((index, index))
+    return ranges

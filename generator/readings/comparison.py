@@ -1,0 +1,68 @@
+"""The result of comparing two readings: how often each fact was read, and the disagreements."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+from ..language.document import Path
+from .reading import Sort
+
+
+class Read(IntEnum):
+    """How often a fact was read, best first. For a place with several facts, the worst applies."""
+
+    TWICE = 0
+    DECIDED = 1
+    EXPLAINED = 2
+    ONCE = 3
+    DIFFERENTLY = 4
+
+
+@dataclass(frozen=True, slots=True)
+class Disagreement:
+    """A fact with different values in the spec and in the second reading.
+
+    A place is empty if a reading lacks the fact. ``nearest_place`` is then the place in the spec where it would be.
+    ``is_name`` is set if the values are names of the same thing, and ``resized_frame`` contains the words for a frame
+    with another length.
+    """
+
+    sort: Sort
+    description: str
+    spec_value: str
+    second_value: str
+    spec_place: Path
+    second_place: Path
+    nearest_place: Path = ()
+    is_name: bool = False
+    resized_frame: str = ""
+
+    @property
+    def spec_place_or_nearest(self) -> Path:
+        """The place in the spec, or the one where the spec would state the fact."""
+        return self.spec_place or self.nearest_place
+
+
+@dataclass(slots=True)
+class Comparison:
+    """The result: each place of the spec by class and how often it was read, and the disagreements.
+
+    ``has_names_of_spec`` is set if the second reading uses the names of the spec.
+    """
+
+    read_by_place: dict[tuple[Sort, Path], Read] = field(default_factory=dict)
+    disagreements: list[Disagreement] = field(default_factory=list)
+    has_names_of_spec: bool = False
+
+    def count_fact(self, sort: Sort, spec_place: Path, read: Read) -> None:
+        """Count a fact of the spec."""
+        key = sort, spec_place
+        self.read_by_place[key] = max(read, self.read_by_place.get(key, Read.TWICE))
+
+    def add_disagreement(self, disagreement: Disagreement) -> None:
+        """Add a disagreement, once."""
+        if disagreement.spec_place:
+            self.count_fact(disagreement.sort, disagreement.spec_place, Read.DIFFERENTLY)
+        if disagreement not in self.disagreements:
+            self.disagreements.append(disagreement)

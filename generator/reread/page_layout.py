@@ -1,0 +1,138 @@
+"""Find the text of the page layout in a manual: page numbers and running heads."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from itertools import chain, pairwise
+
+_PAGE = re.compile(r"[\s\-]*\d{1,4}[\s\-]*|(?:page|pag\.?|seite)\s+\d{1,4}(?:\s*(?:of|di|/)\s*\d{1,4})?", re.IGNORECASE)
+#: Least number of times that a line is printed to be a running head, and the longest such line.
+LEAST_REPETITIONS, LONGEST_HEAD = 4, 120
+#: Number of lines at the top or bottom of a page, and the least share of a running head that is printed there.
+_EDGE, _MOSTLY = 4, 0.8
+#: The same with a form feed between pages, which shows where they end.
+_PAGE_EDGE = 2
+#: Least share of a text over which page numbers are spread, unlike the numbers of steps or of the rows of a table.
+_SPREAD = 0.5
+#: Least number of lines from one page to the next, and largest factor by which a page is longer or shorter than usual.
+_SHORT_PAGE, _FACTOR = 12, 2
+#: Largest step between two page numbers that are found. The first page of a chapter often has none.
+_PAGE_STEP = 3
+
+
+def without_digits(line: str) -> str:
+    """Return a line with # for each number, so that running heads with different pages are equal."""
+    return re.sub(r"\d+", "#", line.strip())
+
+
+def find_page_numbers(lines: Sequence[str]) -> set[int]:
+    """Return the lines that contain only a page number: the longest series of numbers that increase in small steps."""
+    #: The lines of the longest series that ends with each page.
+    series_by_last_page: dict[int, list[int]] = {}
+    for index, line in enumerate(lines):
+        number = re.search(r"\d{1,4}", line) if _PAGE.fullmatch(line) else None
+        if number is None:
+            continue
+        page = int(number[0])
+        previous_pages = [page - step for step in range(1, _PAGE_STEP + 1)]
+        previous_series = max((series_by_last_page.get(previous, []) for previous in previous_pages), key=len)
+        known_series = series_by_last_page.get(page, [])
+        series_by_last_page[page] = max(known_series, [*previous_series, index], key=len)
+    longest_series = max(series_by_last_page.values(), key=len, default=[])
+    return set(longest_series) if len(longest_series) >= LEAST_REPETITIONS else set()
+
+
+def find_running_heads(lines: Sequence[str], headings: set[int]) -> set[int]:
+    """Return the lines that are printed on many pages: page numbers, and identical lines next to them.
+
+    A row of a table can also occur often. Its numbers do not increase each time, or the rows are close together.
+    """
+    indices_by_head: dict[str, list[int]] = {}
+    for index, line in enumerate(lines):
+        if len(line) <= LONGEST_HEAD and index not in headings:
+            indices_by_head.setdefault(without_digits(line), []).append(index)
+    heads_with_page: set[str] = set()
+    running_heads: set[str] = set()
+    for head, indices in _spread_heads(indices_by_head, len(lines)).items():
+        if _counts_pages([lines[index] for index in indices]):
+            heads_with_page.add(head)
+        if _is_regular(indices):
+            running_heads.add(head)
+    lines_with_page = sorted(chain.from_iterable(indices_by_head[head] for head in heads_with_page))
+    counts_at_edges = _count_near_pages(lines, lines_with_page)
+    for head, indices in indices_by_head.items():
+        is_mostly_at_edges = counts_at_edges[head] >= _MOSTLY * len(indices)
+        if len(indices) >= LEAST_REPETITIONS and is_mostly_at_edges:
+            running_heads.add(head)
+    return set(chain.from_iterable(indices_by_head[head] for head in running_heads | heads_with_page))
+
+
+def _spread_heads(indices_by_head: Mapping[str, list[int]], line_count: int) -> dict[str, list[int]]:
+    """Return the lines that are printed often, and over most of the text."""
+    spread_heads: dict[str, list[int]] = {}
+    for head, indices in indices_by_head.items():
+        is_spread = indices[-1] - indices[0] >= _SPREAD * line_count
+        if len(indices) >= LEAST_REPETITIONS and is_spread:
+            spread_heads[head] = indices
+    return spread_heads
+
+
+def _count_near_pages(lines: Sequence[str], lines_with_page: Sequence[int]) -> Counter[str]:
+    """Return on how many pages each line is printed near the page number."""
+    counts: Counter[str] = Counter()
+    last_edge: int | None = None
+    for index in lines_with_page:
+        # One page has only one edge, or the lines near it would count twice.
+        if last_edge is None or index - last_edge > _EDGE:
+            lines_at_edge = lines[max(index - _EDGE, 0) : index + _EDGE + 1]
+            counts.update({without_digits(line) for line in lines_at_edge})
+            last_edge = index
+    return counts
+
+
+def _is_regular(indices: Sequence[int]) -> bool:
+    """Return whether a line is printed at about the same distance each time, as once on each page."""
+    distances = sorted(following - previous for previous, following in pairwise(indices))
+    usual = distances[len(distances) // 2]
+    near_usual = [distance for distance in distances if usual <= _FACTOR * distance <= _FACTOR**2 * usual]
+    return usual >= _SHORT_PAGE and len(near_usual) >= _MOSTLY * len(distances)
+
+
+def find_heads_at_edges(pages: Sequence[Sequence[str]]) -> set[str]:
+    """Return the lines, with # for numbers, that occur often and mostly at the edges of pages."""
+    counts: Counter[str] = Counter()
+    counts_at_edges: Counter[str] = Counter()
+    for page in pages:
+        top, below_top = page[:_PAGE_EDGE], page[_PAGE_EDGE:]
+        bottom = below_top[-_PAGE_EDGE:]
+        counts.update(map(without_digits, page))
+        counts_at_edges.update(map(without_digits, (*top, *bottom)))
+    return {head for head, count in counts_at_edges.items() if count >= max(LEAST_REPETITIONS, _MOSTLY * counts[head])}
+
+
+def without_edges(pages: Sequence[Sequence[str]], heads: Collection[str]) -> Iterator[Sequence[str]]:
+    """Yield the pages without page numbers and running heads."""
+    for page in pages:
+        bottom = len(page) - _PAGE_EDGE
+        lines: list[str] = []
+        for index, line in enumerate(page):
+            is_at_edge = not _PAGE_EDGE <= index < bottom
+            is_head_or_page = without_digits(line) in heads or bool(_PAGE.fullmatch(line))
+            if not is_at_edge or not is_head_or_page:
+                lines.append(line)
+        yield lines
+
+
+def _counts_pages(lines: Sequence[str]) -> bool:
+    """Return whether the numbers in lines increase from line to line, except those that are always the same."""
+    numbers_by_line = [list(map(int, re.findall(r"\d{1,4}", line))) for line in lines]
+    # The first numbers of all lines, the second numbers of all lines, and so on.
+    columns = zip(*numbers_by_line, strict=False)
+    changing_columns = [column for column in columns if len(set(column)) > 1]
+    return bool(changing_columns) and all(map(_increases, changing_columns))
+
+
+def _increases(numbers: Sequence[int]) -> bool:
+    return all(number < following for number, following in pairwise(numbers))

@@ -1,0 +1,258 @@
+"""The diagnosis of a frame: which hypotheses explain it, and how likely each is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from math import prod
+
+from ..model import Crc, Device, Number, PlacedLayout
+from ..model.record import dataclass
+from ..reference import codec
+from .hypotheses import NOT_INVERTED, Hypothesis
+from .recordings import FRAME_INSIDE
+from .texts import TEXTS
+
+#: A mistake that matches more than one random frame in eight explains nothing.
+_LEAST_BITS = 3
+#: An explanation that matches fewer random frames than one in this many is as good as certain.
+_CERTAIN = 1 << 16
+
+
+@dataclass(frozen=True, slots=True)
+class Explanation:
+    """A mistake that would explain the CRC.
+
+    It matches one of ``one_in`` random frames. ``reads`` are the numbers in the frame without the mistake, if that
+    changes the frame. ``codes`` are the order codes that would send it. ``twice`` is true if two mistakes are needed.
+    ``parts`` are the parts of a recording, each with its bits. ``template`` is the text without the details of this
+    frame, if it has any.
+    """
+
+    kind: str
+    text: str
+    one_in: int
+    score: float
+    reads: Mapping[str, int]
+    codes: tuple[str, ...] = ()
+    twice: bool = False
+    parts: tuple[tuple[str, str], ...] = ()
+    template: str = ""
+
+    @property
+    def mistake(self) -> tuple[str, str, bool]:
+        """Key of the mistake, which is the same for all frames with it."""
+        return self.kind, self.template or self.text, self.twice
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnosis:
+    """Explanations of a frame, most likely first.
+
+    ``tried`` is the number of mistakes tried, pairs included. At least one of them matches the fraction ``coincidence``
+    of random frames. ``cannot_see`` lists mistakes that a CRC of this kind cannot detect. ``disturbed`` are the bits,
+    counted from the last as 0, that make the frame valid if one of them is inverted. Such noise is the usual cause if
+    only some frames fail, but one frame cannot prove it: the CRC is short, and most random frames have such a bit.
+    ``unmerged`` has all that fit, also those that lead to the same frame as a likelier one.
+    ``missing`` is the part that a recording without a complete frame lacks. ``has_crc`` is false if only constants,
+    parity and the length can contradict a frame, so that nothing is certain.
+    """
+
+    explanations: tuple[Explanation, ...]
+    tried: int
+    coincidence: float
+    cannot_see: tuple[str, ...]
+    disturbed: tuple[int, ...] = ()
+    missing: str = ""
+    has_crc: bool = True
+    unmerged: tuple[Explanation, ...] = ()
+
+    @property
+    def needs_another_frame(self) -> bool:
+        """True if other frames with the same mistake would decide between the explanations."""
+        if any(explanation.kind in ("line_stuck", "echo") for explanation in self.explanations):
+            return False
+        is_doubtful = bool(self.explanations) and self.explanations[0].one_in < _CERTAIN
+        return is_doubtful or len(self.explanations) > 1
+
+
+def diagnose_without_crc(device: Device, hypotheses: Iterable[Hypothesis], missing: str) -> Diagnosis | None:
+    """Return the readings of a frame without a CRC, most likely first. Nothing proves one of them."""
+    fitting_hypotheses = [hypothesis for hypothesis in hypotheses if hypothesis.fits]
+    fitting_hypotheses.sort(key=lambda hypothesis: -hypothesis.score)
+    unmerged: list[Explanation] = []
+    likeliest_by_frame: dict[int, Explanation] = {}
+    for hypothesis in fitting_hypotheses:
+        explanation = _explanation(device, hypothesis, undecided_parameters=frozenset())
+        unmerged.append(explanation)
+        likeliest_by_frame.setdefault(hypothesis.frame, explanation)
+    if not likeliest_by_frame and not missing:
+        return None
+    return Diagnosis(
+        explanations=tuple(likeliest_by_frame.values()),
+        tried=len(likeliest_by_frame),
+        coincidence=1.0,
+        cannot_see=(),
+        missing=missing,
+        has_crc=False,
+        unmerged=tuple(unmerged),
+    )
+
+
+def diagnose(
+    device: Device,
+    hypotheses: Iterable[Hypothesis],
+    refuted: Sequence[Hypothesis],
+    crcs: Sequence[Crc],
+    undecided_parameters: frozenset[str] = frozenset(),
+    *,
+    with_pairs: bool = False,
+) -> Diagnosis | None:
+    """Return the explanations among the hypotheses, without the refuted ones, or None if there is no hypothesis.
+
+    Pairs of mistakes would mostly match by coincidence, so they are only tried if no single mistake matches, or
+    ``with_pairs``.
+    """
+    significant = significant_hypotheses(hypotheses, refuted)
+    tried_hypotheses = _distinct_hypotheses(significant)
+    if not tried_hypotheses:
+        return None
+    explanations = _explanations(device, tried_hypotheses, undecided_parameters)
+    unmerged = _explanations(device, significant, undecided_parameters)
+    is_unexplained = all(explanation.kind == FRAME_INSIDE for explanation in explanations)
+    if with_pairs or is_unexplained:
+        single_count = len(tried_hypotheses)
+        pairs = significant_hypotheses(_paired_with_inversion(significant), refuted)
+        tried_hypotheses = _distinct_hypotheses((*tried_hypotheses, *pairs))
+        distinct_pairs = tried_hypotheses[single_count:]
+        explanations += _explanations(device, distinct_pairs, undecided_parameters, by_two_mistakes=True)
+        unmerged += _explanations(device, pairs, undecided_parameters, by_two_mistakes=True)
+    explanations.sort(key=lambda explanation: -explanation.score)
+    unmerged.sort(key=lambda explanation: -explanation.score)
+    return Diagnosis(
+        explanations=tuple(explanations),
+        tried=len(tried_hypotheses),
+        coincidence=_chance_of_any(tried_hypotheses),
+        cannot_see=tuple(_blind_spots(crcs)),
+        unmerged=tuple(unmerged),
+    )
+
+
+def _chance_of_any(hypotheses: Iterable[Hypothesis]) -> float:
+    """Return the fraction of random frames that at least one of the hypotheses matches."""
+    one_in_by_key = {hypothesis.match_key: hypothesis.one_in for hypothesis in hypotheses}
+    chance_of_none = prod(1 - 1 / one_in for one_in in one_in_by_key.values())
+    return 1 - chance_of_none
+
+
+def _paired_with_inversion(hypotheses: Iterable[Hypothesis]) -> Iterator[Hypothesis]:
+    """Yield the hypotheses together with the most common mistake, a CRC that is inverted or not."""
+    for hypothesis in hypotheses:
+        if hypothesis.crc is None or hypothesis.kind in (NOT_INVERTED, FRAME_INSIDE):
+            continue
+        pair_text = TEXTS["not_inverted_too" if hypothesis.crc.xorout else "inverted_too"]
+        inverted_crc = replace(hypothesis.crc, xorout=hypothesis.crc.xorout ^ hypothesis.crc.mask)
+        template = pair_text.format(hypothesis.template) if hypothesis.template else ""
+        description = pair_text.format(hypothesis.description)
+        yield replace(hypothesis, description=description, template=template, crc=inverted_crc)
+
+
+def is_significant(hypothesis: Hypothesis) -> bool:
+    """Return whether the hypothesis does not match too many random frames."""
+    return hypothesis.received_crc_bits + hypothesis.determined_bits >= _LEAST_BITS
+
+
+def significant_hypotheses(hypotheses: Iterable[Hypothesis], refuted: Sequence[Hypothesis]) -> list[Hypothesis]:
+    """Return the hypotheses that do not match too many random frames, without the refuted ones."""
+    refuted_keys = {hypothesis.match_key for hypothesis in refuted}
+    significant = [hypothesis for hypothesis in hypotheses if is_significant(hypothesis)]
+    return [hypothesis for hypothesis in significant if hypothesis.match_key not in refuted_keys]
+
+
+def _distinct_hypotheses(hypotheses: Iterable[Hypothesis]) -> list[Hypothesis]:
+    """Return the likeliest of the hypotheses that lead to the same frame."""
+    likeliest_by_result: dict[object, Hypothesis] = {}
+    for hypothesis in hypotheses:
+        key = hypothesis.match_key, _resulting_frame(hypothesis)
+        known_hypothesis = likeliest_by_result.get(key)
+        if known_hypothesis is None or _likeliness(hypothesis) > _likeliness(known_hypothesis):
+            likeliest_by_result[key] = hypothesis
+    return list(likeliest_by_result.values())
+
+
+def _likeliness(hypothesis: Hypothesis) -> tuple[bool, float]:
+    return hypothesis.are_determined_right, hypothesis.score
+
+
+def _resulting_frame(hypothesis: Hypothesis) -> object:
+    """Return a key of the frame without the mistake: its bits and where its fields are.
+
+    A mistake that does not change the frame leads to its own description.
+    """
+    placed_layout = hypothesis.frame_layout
+    if placed_layout is None:
+        return hypothesis.description
+    field_positions = tuple((placed_field.name, placed_field.low) for placed_field in placed_layout.fields)
+    return hypothesis.frame, placed_layout.bits, field_positions
+
+
+def _explanations(
+    device: Device,
+    hypotheses: Iterable[Hypothesis],
+    undecided_parameters: frozenset[str],
+    *,
+    by_two_mistakes: bool = False,
+) -> list[Explanation]:
+    """Return an explanation for each hypothesis that fits the frame."""
+    explanations: list[Explanation] = []
+    for hypothesis in hypotheses:
+        if hypothesis.fits:
+            explanation = _explanation(device, hypothesis, undecided_parameters)
+            explanations.append(replace(explanation, twice=by_two_mistakes))
+    return explanations
+
+
+def _explanation(device: Device, hypothesis: Hypothesis, undecided_parameters: frozenset[str]) -> Explanation:
+    numbers: Mapping[str, int] = {}
+    if hypothesis.frame_layout is not None:
+        numbers = _numbers_in_frame(device, hypothesis.frame_layout, hypothesis.frame, undecided_parameters)
+    return Explanation(
+        kind=hypothesis.kind,
+        text=hypothesis.description,
+        one_in=hypothesis.one_in,
+        score=hypothesis.score,
+        reads=numbers,
+        codes=hypothesis.order_codes,
+        parts=hypothesis.recording_parts,
+        template=hypothesis.template,
+    )
+
+
+def _numbers_in_frame(
+    device: Device, placed_layout: PlacedLayout, frame: int, undecided_parameters: frozenset[str]
+) -> dict[str, int]:
+    """Return the numbers in a frame by field name, except those at bits that depend on undecided parameters."""
+    numbers: dict[str, int] = {}
+    fields = {placed_field.name: placed_field.field for placed_field in placed_layout.fields}
+    for decoded_field in codec.decode(device, placed_layout, frame).fields:
+        field = fields.get(decoded_field.name)
+        if field is None or not isinstance(field.kind, Number) or not isinstance(decoded_field.value, int):
+            continue
+        if undecided_parameters.isdisjoint(field.low.parameters):
+            numbers[decoded_field.name] = decoded_field.value
+    return numbers
+
+
+def _blind_spots(crcs: Iterable[Crc]) -> list[str]:
+    """Return the mistakes that at least one of the CRCs cannot detect, each once."""
+    undetected_mistakes: list[str] = []
+    for crc in crcs:
+        if crc.is_xor:
+            undetected_mistakes.append("swapped bytes, or reversed bits in every byte (it is the XOR of the bytes)")
+            undetected_mistakes.append("missing or extra bytes of 0")
+        elif crc.init == 0:
+            undetected_mistakes.append(
+                "missing or extra leading zeros, such as those of a wider or narrower order code (its start value is 0)"
+            )
+        undetected_mistakes.append("wrong field boundaries, or Gray code mistaken for binary")
+    return list(dict.fromkeys(undetected_mistakes))

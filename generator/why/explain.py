@@ -1,0 +1,214 @@
+"""Explain why a CRC fails by trying common mistakes.
+
+For each mistake, the CRC is computed as if it had been made. All that match are listed, most likely first. A mistake
+may match by coincidence: with a 6-bit CRC, one random frame in 64 does. So each explanation, and the list as a whole,
+comes with its chance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from ..model import Crc, Device, PlacedLayout, Rs485, Variant
+from .diagnosis import Diagnosis, Explanation, diagnose, diagnose_without_crc, is_significant, significant_hypotheses
+from .exchanges import exchange_hypotheses
+from .hypotheses import MISTAKES, Hypothesis, TypedFrame, frame_hypothesis
+from .in_bits import (
+    all_hypotheses,
+    moved_frame_hypotheses,
+    other_answer_hypotheses,
+    rearranged_frame_hypotheses,
+)
+from .in_bytes import byte_hypotheses, is_valid_in_bytes
+from .other_crcs import hypothesis_without_mistake
+from .recordings import FRAME_INSIDE, LINES, line_name, missing_part, recorded_bits
+
+#: Frames with fewer bits may be all zeros or all ones by coincidence.
+_LEAST_EQUAL_BITS = 12
+
+
+def explain_bits(
+    device: Device,
+    variant: Variant,
+    placed_layout: PlacedLayout,
+    typed_frame: TypedFrame,
+    *,
+    is_valid: bool = False,
+    with_pairs: bool = False,
+) -> Diagnosis | None:
+    """Explain the wrong CRC of the typed frame, which should have the layout ``placed_layout``.
+
+    ``with_pairs`` also lists pairs of mistakes if a single one matches.
+
+    Return None if the frame is valid, unless all its bits are equal.
+    """
+    crc = device.crc_of(placed_layout)
+    frame_length = typed_frame.bits if typed_frame.exact else max(typed_frame.bits, placed_layout.bits)
+    doubt = _doubt_about_dead_line(crc, is_valid)
+    dead_line = _diagnose_equal_bits(variant, typed_frame.number, frame_length, doubt)
+    if dead_line is not None:
+        return dead_line
+    if is_valid:
+        return None
+    missing = _missing_part(device, variant, placed_layout, typed_frame)
+    if crc is None:
+        hypotheses = _hypotheses_without_crc(device, variant, placed_layout, typed_frame)
+        return diagnose_without_crc(device, hypotheses, missing)
+    refuted = _refuted_hypotheses(placed_layout, crc, typed_frame)
+    hypotheses = all_hypotheses(device, variant, placed_layout, crc, typed_frame)
+    diagnosis = diagnose(device, hypotheses, refuted, [crc], with_pairs=with_pairs)
+    if diagnosis is None:
+        return _only_missing(missing) if missing else None
+    disturbed_bits: list[int] = []
+    has_frame_length = bool(refuted)
+    if has_frame_length:
+        disturbed_bits = _bits_to_invert(placed_layout, crc, typed_frame.number)
+    return replace(diagnosis, missing=missing, disturbed=tuple(disturbed_bits))
+
+
+def _bits_to_invert(placed_layout: PlacedLayout, crc: Crc, frame: int) -> list[int]:
+    """Return the bits of which each makes the frame valid if it is inverted."""
+    bits_to_invert: list[int] = []
+    for bit in range(placed_layout.bits):
+        frame_with_flip = frame ^ 1 << bit
+        if frame_hypothesis("", "", placed_layout, crc, frame_with_flip).fits:
+            bits_to_invert.append(bit)
+    return bits_to_invert
+
+
+def _doubt_about_dead_line(crc: Crc | None, is_valid: bool) -> str:
+    """Return why a frame of equal bits may still be a frame, or an empty string if it cannot."""
+    if crc is None:
+        return "and there is no CRC to distinguish it"
+    return "and the CRC is correct too" if is_valid else ""
+
+
+def _only_missing(missing: str) -> Diagnosis:
+    """Return the diagnosis of a recording that only lacks a part of the frame."""
+    return Diagnosis(explanations=(), tried=0, coincidence=0.0, cannot_see=(), missing=missing)
+
+
+def _missing_part(device: Device, variant: Variant, placed_layout: PlacedLayout, typed_frame: TypedFrame) -> str:
+    """Return what a recording of another length lacks, or an empty string if a rule of the line finds a frame."""
+    line = LINES.get(line_name(device.interface(variant.interface)))
+    if line is None or typed_frame.may_have(placed_layout.bits):
+        return ""
+    crc = device.crc_of(placed_layout)
+    for hypothesis in moved_frame_hypotheses(device, variant, placed_layout, crc, typed_frame):
+        is_found_by_rule = hypothesis.fits and hypothesis.kind != FRAME_INSIDE
+        if is_found_by_rule and (hypothesis.crc is None or is_significant(hypothesis)):
+            return ""
+    return missing_part(line, placed_layout.bits, recorded_bits(typed_frame, placed_layout.bits))
+
+
+def _hypotheses_without_crc(
+    device: Device, variant: Variant, placed_layout: PlacedLayout, typed_frame: TypedFrame
+) -> Iterator[Hypothesis]:
+    """Yield hypotheses with a frame without a CRC: with other bits around it, or with its bits or bytes rearranged."""
+    yield from moved_frame_hypotheses(device, variant, placed_layout, None, typed_frame)
+    yield from rearranged_frame_hypotheses(placed_layout, None, typed_frame)
+
+
+def explain_constant(
+    device: Device, variant: Variant, placed_layout: PlacedLayout, typed_frame: TypedFrame
+) -> Diagnosis | None:
+    """Explain a wrong constant.
+
+    With a valid CRC, this is another answer to a question that the manual leaves open, or the CRC of a moved or
+    rearranged frame is valid by coincidence. Without a CRC, it is a moved or rearranged frame. Return None if nothing
+    matches.
+    """
+    crc = device.crc_of(placed_layout)
+    if crc is None:
+        hypotheses = _hypotheses_without_crc(device, variant, placed_layout, typed_frame)
+        return diagnose_without_crc(device, hypotheses, missing="")
+    answer_hypotheses = other_answer_hypotheses(device, variant, placed_layout, typed_frame)
+    fitting_hypotheses = [hypothesis for hypothesis in answer_hypotheses if hypothesis.fits]
+    frame_hypotheses = [
+        *rearranged_frame_hypotheses(placed_layout, crc, typed_frame),
+        *moved_frame_hypotheses(device, variant, placed_layout, crc, typed_frame),
+    ]
+    fitting_frames = [hypothesis for hypothesis in frame_hypotheses if hypothesis.fits]
+    fitting_hypotheses += significant_hypotheses(fitting_frames, _refuted_hypotheses(placed_layout, crc, typed_frame))
+    if not fitting_hypotheses:
+        return None
+    return diagnose(device, fitting_hypotheses, refuted=[], crcs=[crc])
+
+
+def explain_bytes(
+    device: Device, variant: Variant, sender: str, placed_layout: PlacedLayout | None, data: bytes
+) -> Diagnosis | None:
+    """Explain the wrong CRC of ``data``, which should be a frame of the layout ``placed_layout`` if that is known.
+
+    Return None if there is no mistake to try.
+    """
+    dead_line = _diagnose_equal_bits(variant, int.from_bytes(data, "big"), 8 * len(data), doubt="")
+    if dead_line is not None:
+        return dead_line
+    hypotheses = _hypotheses_about_bytes(device, variant, sender, placed_layout, data)
+    crc_names = dict.fromkeys(hypothesis.crc.name for hypothesis in hypotheses if hypothesis.crc is not None)
+    crcs = [device.crc(name) for name in crc_names]
+    # For an unknown frame the user has not chosen anything, so values that depend on a choice are not read.
+    undecided = frozenset(name for alternative in device.alternatives for name in alternative.answers[0].sets)
+    diagnosis = diagnose(device, hypotheses, refuted=[], crcs=crcs, undecided_parameters=undecided)
+    if diagnosis is None or placed_layout is None or 8 * len(data) != placed_layout.bits:
+        return diagnosis
+    return replace(diagnosis, disturbed=tuple(_bits_of_bytes_to_invert(device, placed_layout, data)))
+
+
+def _hypotheses_about_bytes(
+    device: Device, variant: Variant, sender: str, placed_layout: PlacedLayout | None, data: bytes
+) -> list[Hypothesis]:
+    """Return the hypotheses with whole frames, if ``data`` consists of them, and with one mistake in a frame."""
+    whole_frames = list(exchange_hypotheses(device, variant, data)) if sender == "encoder" else []
+    hypotheses = list(byte_hypotheses(device, variant, sender, placed_layout, data))
+    if whole_frames:
+        # The extra bytes are known, so they are not explained again.
+        explained_kinds = ("bytes_in_front", "bytes_behind")
+        hypotheses = [hypothesis for hypothesis in hypotheses if hypothesis.kind not in explained_kinds]
+    return [*whole_frames, *hypotheses]
+
+
+def _bits_of_bytes_to_invert(device: Device, placed_layout: PlacedLayout, data: bytes) -> list[int]:
+    """Return the bits, counted from the last as 0, of which each makes the frame valid if it is inverted."""
+    bits_to_invert: list[int] = []
+    number = int.from_bytes(data, "big")
+    for bit in range(placed_layout.bits):
+        frame_with_flip = (number ^ 1 << bit).to_bytes(len(data), "big")
+        if is_valid_in_bytes(device, placed_layout, frame_with_flip):
+            bits_to_invert.append(bit)
+    return bits_to_invert
+
+
+def _refuted_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_frame: TypedFrame) -> Sequence[Hypothesis]:
+    """Return the hypothesis that there is no mistake, or nothing if the frame cannot have the expected length.
+
+    It is known not to match, so equivalent mistakes need not be tried.
+    """
+    is_too_short = typed_frame.exact and typed_frame.bits < placed_layout.bits
+    if typed_frame.bits > placed_layout.bits or is_too_short:
+        return []
+    return [hypothesis_without_mistake(placed_layout, crc, typed_frame.number)]
+
+
+def _diagnose_equal_bits(variant: Variant, number: int, bit_count: int, doubt: str) -> Diagnosis | None:
+    """Explain a frame whose bits are all equal, or return None. No other mistake is tried for such a frame.
+
+    ``doubt`` is the reason why nothing proves that the line is dead.
+    """
+    all_ones = (1 << bit_count) - 1
+    if bit_count < _LEAST_EQUAL_BITS or number not in (0, all_ones):
+        return None
+    level = 1 if number == all_ones else 0
+    if doubt:
+        text = f"every bit is {level}. A dead line looks the same, {doubt}"
+    else:
+        cause = "a broken wire" if level else "a short circuit"
+        other_causes = "wires A and B" if variant.interface == Rs485.name else "the clock"
+        text = f"every bit is {level}: the line never changes. Check for {cause}, the supply and {other_causes}"
+    # The first bit can be either level.
+    one_in = 1 << min(bit_count - 1, 62)
+    score = MISTAKES["line_stuck"] * one_in
+    explanation = Explanation(kind="line_stuck", text=text, one_in=one_in, score=score, reads={})
+    return Diagnosis(explanations=(explanation,), tried=1, coincidence=1 / one_in, cannot_see=())

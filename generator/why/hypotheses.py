@@ -1,0 +1,293 @@
+"""A common mistake that may explain a frame, and what the frame must look like with it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+
+from ..model import (
+    Choice,
+    Constant,
+    Crc,
+    CrcValue,
+    Decimal,
+    Flag,
+    Number,
+    Parity,
+    PlacedField,
+    PlacedLayout,
+    Text,
+    Unused,
+    assert_never,
+)
+from ..model.record import dataclass
+from ..reference.bits import compute_bits, compute_bytes, parity_bit
+
+
+@dataclass(frozen=True, slots=True)
+class TypedFrame:
+    """A frame as typed, with ``bits`` bits, or at least that many if the text does not show leading zeros.
+
+    ``written`` is the number of bits of all digits, leading zeros included.
+    """
+
+    number: int
+    bits: int
+    exact: bool
+    written: int = 0
+
+    def may_have(self, bits: int) -> bool:
+        """Return whether the frame may have had this number of bits."""
+        if self.exact:
+            return self.bits == bits
+        return self.bits <= bits
+
+
+NOT_INVERTED = "crc_not_inverted"
+
+#: Estimated relative frequency of each kind of mistake, with the reason. It applies to every single hypothesis.
+MISTAKES: Mapping[str, float] = MappingProxyType(
+    {
+        "line_stuck": 8,  # no power, no encoder, or a disconnected wire
+        NOT_INVERTED: 8,  # every master has a switch for it, and drivers differ
+        "other_order_code": 8,  # a person types in the widths, and the label is worn
+        "other_widths": 2,  # registers hold the widths, and someone once wrote to them
+        "first_bit_missing": 4,  # sampled one clock late, such as with an uncompensated line delay
+        "bits_in_front": 4,  # few manuals say whether a master's data begin at the start bit, at CDS or after it
+        "bits_behind": 4,  # the stop bit is read as one more data bit
+        "last_bits_missing": 4,  # one clock too few, or a frame cut to fit an integer
+        "status_left_out": 4,  # a driver computes the CRC over the position only
+        "status_not_sent": 4,  # a master's switch for status bits removes them from the data
+        "raw_buffer": 64,  # the rule of the receiver finds the frame in every complete buffer
+        "bits_around": 2,  # a buffer without acknowledge, since the program removed it
+        "frame_inside": 0.5,  # nothing but the CRC shows where the frame begins
+        "zeros_behind": 8,  # SSI with more clocks than the word has bits
+        "zeros_in_front": 8,  # the word is at the end of a fixed number of clocks
+        "word_twice": 8,  # some encoders repeat the word while the clock continues
+        "other_answer": 8,  # tried only if the manual is ambiguous about the frame
+        "status_turned": 2,  # drivers pass error and warning on as active high
+        "other_code": 2,  # a master converts Gray code to binary before the CRC is checked
+        "start_bits_in_crc": 2,  # other protocols include their start bit in the CRC
+        "other_polynomial": 2,  # masters offer polynomials of many lengths, and their defaults differ
+        "bytes_reversed": 2,  # a byte buffer is copied into an integer of the other byte order
+        "bytes_in_front": 8,  # on two wires the sender receives its own request
+        "bytes_behind": 4,  # the next frame has begun
+        "echo": 16,  # the wires are swapped, or the receiver is never switched off
+        "several_frames": 8,  # a program reads all that has arrived
+        "first_byte_lost": 4,  # the receiver was enabled too late after the request
+        "first_byte_left_out": 2,  # the control field is compared, but left out of the CRC
+        "all_inverted": 2,  # the two wires of a differential pair are swapped
+        "start_value": 1,  # other protocols start with all ones
+        "polynomial_reversed": 1,  # a polynomial can be written from either end
+        "words_swapped": 2,  # a buffer of 16-bit words is read on a machine of the other byte order
+        "bits_reversed": 1,  # the bits are collected from the other end
+        "bits_reversed_in_bytes": 1,  # a serial port receives the least significant bit first
+        "crc_reversed": 0.5,  # the CRC is computed least significant bit first
+    }
+)
+
+#: Likelihood, relative to a random bit, of an inactive flag or a reserved bit as documented, and of an active flag.
+#: Faults are assumed to be rare.
+IDLE, ACTIVE = 1.8, 0.2
+
+
+@dataclass(frozen=True, slots=True)
+class Hypothesis:
+    """One common mistake that may have been made with a frame, and what a frame with that mistake must look like.
+
+    The CRC with the parameters ``crc`` (None if the frame has none) covers the ``covered_bits`` bits ``covered_data``.
+    ``received_crc`` are the first ``received_crc_bits`` bits of the received CRC. ``determined_bits`` is the number of
+    other bits whose value the mistake determines, and ``are_determined_right`` is true if they have it.
+
+    ``right_constant_bits`` is the number of frame bits that have their constant value. They prove nothing, but make
+    one reading more likely than another, as do inactive flags (``likelihood``).
+
+    ``frame`` is the frame without the mistake, with the layout ``frame_layout``, if the mistake changes the frame.
+    ``order_codes`` are those that would send it. ``recording_parts`` are the parts of the recording that contains the
+    frame, each as a name and its bits, and ``searched_places`` is the number of places at which it was searched.
+    ``template`` is the description without the details of this frame.
+    """
+
+    kind: str
+    description: str
+    crc: Crc | None
+    covered_data: int
+    covered_bits: int
+    received_crc: int
+    received_crc_bits: int
+    is_crc_over_bytes: bool = False
+    determined_bits: int = 0
+    are_determined_right: bool = True
+    right_constant_bits: int = 0
+    likelihood: float = 1.0
+    frame: int = 0
+    frame_layout: PlacedLayout | None = None
+    order_codes: tuple[str, ...] = ()
+    recording_parts: tuple[tuple[str, str], ...] = ()
+    searched_places: int = 1
+    template: str = ""
+
+    @property
+    def fits(self) -> bool:
+        """Whether a frame with the mistake has these bits: the ones that it determines, and the CRC."""
+        if not self.are_determined_right:
+            return False
+        if self.crc is None:
+            return True
+        if self.is_crc_over_bytes:
+            computed_crc = compute_bytes(self.crc, self.covered_data.to_bytes(self.covered_bits // 8, "big"))
+        else:
+            computed_crc = compute_bits(self.crc, self.covered_data, self.covered_bits)
+        missing_crc_bits = self.crc.width - self.received_crc_bits
+        return computed_crc >> missing_crc_bits == self.received_crc
+
+    @property
+    def one_in(self) -> int:
+        """Average number of random frames among which one matches."""
+        return max((1 << (self.received_crc_bits + self.determined_bits)) // self.searched_places, 1)
+
+    @property
+    def score(self) -> float:
+        """Likelihood of a mistake that matches: its frequency, times the improbability of the match without it."""
+        evidence = self.received_crc_bits + max(self.determined_bits, self.right_constant_bits)
+        return MISTAKES[self.kind] * self.likelihood * 2.0**evidence / self.searched_places
+
+    @property
+    def match_key(self) -> tuple[object, ...]:
+        """Key of the hypothesis. Hypotheses with the same key match the same frames."""
+        # With a start value of 0, leading zeros do not change the CRC, so the number of bits does not matter.
+        has_start_value = self.crc is not None and self.crc.init != 0
+        distinguishing_bits = self.covered_bits if has_start_value else 0
+        return self.crc, self.covered_data, distinguishing_bits, self.received_crc, self.received_crc_bits
+
+
+def check_constant_bits(placed_layout: PlacedLayout, frame: int) -> tuple[int, bool]:
+    """Return the number of bits in a frame that must have a certain value, and whether they all have it.
+
+    These are constants, parity, and the field that identifies the layout.
+    """
+    constant_bits, are_right = 0, True
+    for placed_field in placed_layout.fields:
+        raw_value = frame >> placed_field.low & placed_field.mask
+        expected_value = _expected_constant(placed_layout, placed_field, frame)
+        if expected_value is not None:
+            constant_bits += placed_field.width
+            are_right = are_right and raw_value == expected_value
+        elif placed_field.name == placed_layout.layout.selector:
+            selector_values = placed_layout.layout.selects
+            # Of several values of the selector, each is right.
+            free_bits = (len(selector_values) - 1).bit_length()
+            constant_bits += placed_field.width - free_bits
+            are_right = are_right and raw_value in selector_values
+    return constant_bits, are_right
+
+
+def _expected_constant(placed_layout: PlacedLayout, placed_field: PlacedField, frame: int) -> int | None:
+    """Return the value that a constant or parity must have in the frame, or None for other fields."""
+    match placed_field.field.kind:
+        case Constant(value):
+            return value
+        case Parity() as parity:
+            return parity_bit(placed_layout, parity, frame)
+        case Number() | Flag() | Choice() | Unused() | CrcValue() | Decimal() | Text():
+            return None
+        case _ as kind:
+            assert_never(kind)
+
+
+def likelihood(placed_layout: PlacedLayout, frame: int) -> float:
+    """Return the likelihood of the flags and reserved bits, relative to random bits."""
+    likelihood = 1.0
+    for placed_field in placed_layout.fields:
+        raw_value = frame >> placed_field.low & placed_field.mask
+        match placed_field.field.kind:
+            case Flag(active_low=active_low):
+                is_active = bool(raw_value) != active_low
+                likelihood *= ACTIVE if is_active else IDLE
+            case Unused(documented_value):
+                is_as_documented = raw_value == documented_value & placed_field.mask
+                likelihood *= IDLE**placed_field.width if is_as_documented else ACTIVE
+    return likelihood
+
+
+def frame_hypothesis(
+    kind: str,
+    description: str,
+    placed_layout: PlacedLayout,
+    crc: Crc | None,
+    frame: int,
+    *,
+    lost_bits: int = 0,
+    determined_bits: int = 0,
+    are_determined_right: bool = True,
+    order_codes: Sequence[str] = (),
+) -> Hypothesis:
+    """Return the hypothesis that the frame was ``frame``, whose last ``lost_bits`` bits were not received.
+
+    Without a CRC, lost bits are those with which the parity is right.
+    """
+    if crc is None:
+        frame_without_crc = _with_right_last_bits(placed_layout, frame, lost_bits)
+        return _hypothesis_without_crc(
+            kind, description, placed_layout, frame_without_crc, lost_bits, determined_bits, are_determined_right
+        )
+    constant_bits, are_constants_right = check_constant_bits(placed_layout, frame)
+    covered_data, covered_bits = crc_covered_bits(placed_layout, frame)
+    return Hypothesis(
+        kind=kind,
+        description=description,
+        crc=crc,
+        covered_data=covered_data,
+        covered_bits=covered_bits,
+        # The CRC is at the end of the frame, so the lost bits belong to it.
+        received_crc=(frame & crc.mask) >> lost_bits,
+        received_crc_bits=crc.width - lost_bits,
+        determined_bits=determined_bits + constant_bits,
+        are_determined_right=are_determined_right and are_constants_right,
+        likelihood=likelihood(placed_layout, frame),
+        frame=frame,
+        frame_layout=placed_layout,
+        order_codes=tuple(order_codes),
+    )
+
+
+def _hypothesis_without_crc(
+    kind: str,
+    description: str,
+    placed_layout: PlacedLayout,
+    frame: int,
+    lost_bits: int,
+    determined_bits: int,
+    are_determined_right: bool,
+) -> Hypothesis:
+    """Return the hypothesis of a frame that only its constants and parity can contradict."""
+    constant_bits, are_constants_right = check_constant_bits(placed_layout, frame)
+    return Hypothesis(
+        kind=kind,
+        description=description,
+        crc=None,
+        covered_data=frame,
+        covered_bits=placed_layout.bits,
+        received_crc=0,
+        received_crc_bits=0,
+        determined_bits=determined_bits + max(constant_bits - lost_bits, 0),
+        are_determined_right=are_determined_right and are_constants_right,
+        likelihood=likelihood(placed_layout, frame),
+        frame=frame,
+        frame_layout=placed_layout,
+    )
+
+
+def _with_right_last_bits(placed_layout: PlacedLayout, frame: int, lost_bits: int) -> int:
+    """Return the frame with those lost last bits with which constants and parity are right, or as it is."""
+    for last_bits in range(1 << lost_bits):
+        _, are_constants_right = check_constant_bits(placed_layout, frame | last_bits)
+        if are_constants_right:
+            return frame | last_bits
+    return frame
+
+
+def crc_covered_bits(placed_layout: PlacedLayout, frame: int) -> tuple[int, int]:
+    """Return the bits that the CRC covers, and how many they are."""
+    low, width = placed_layout.crc_covers
+    return frame >> low & (1 << width) - 1, width

@@ -1,0 +1,246 @@
+"""Frames whose CRC was computed with other parameters, or over other bits than those in the frame."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from ..model import Crc, Number, PlacedLayout
+from ..model.known_crcs import KNOWN_CRCS
+from ..reference.bits import binary_to_gray, gray_to_binary, reflect
+from .hypotheses import (
+    NOT_INVERTED,
+    Hypothesis,
+    TypedFrame,
+    check_constant_bits,
+    crc_covered_bits,
+    likelihood,
+)
+from .texts import START_BITS, TEXTS
+
+#: Polynomials, including their top bit, that BiSS masters offer.
+POLYNOMIALS = tuple(crc.polynomial for crc in KNOWN_CRCS if crc.in_masters)
+#: A kind of mistake, its description, and the CRC of a frame with that mistake.
+OtherCrc = tuple[str, str, Crc]
+
+
+def hypothesis_without_mistake(placed_layout: PlacedLayout, crc: Crc, frame: int) -> Hypothesis:
+    """Return the hypothesis that the frame is as it should be, to which the caller adds the mistake."""
+    constant_bits, are_constants_right = check_constant_bits(placed_layout, frame)
+    covered_data, covered_bits = crc_covered_bits(placed_layout, frame)
+    return Hypothesis(
+        kind="",
+        description="",
+        crc=crc,
+        covered_data=covered_data,
+        covered_bits=covered_bits,
+        received_crc=frame & crc.mask,
+        received_crc_bits=crc.width,
+        right_constant_bits=constant_bits if are_constants_right else 0,
+        likelihood=likelihood(placed_layout, frame),
+    )
+
+
+def other_crc_hypotheses(placed_layout: PlacedLayout, crc: Crc, frame: int) -> Iterator[Hypothesis]:
+    """Yield hypotheses with another CRC over the frame, or with the CRC over other bits."""
+    without_mistake = hypothesis_without_mistake(placed_layout, crc, frame)
+    for kind, description, other_crc in other_crcs_over_bits(crc):
+        yield replace(without_mistake, kind=kind, description=description, crc=other_crc)
+    reversed_crc = reflect(without_mistake.received_crc, crc.width)
+    yield replace(without_mistake, kind="crc_reversed", description=TEXTS["crc_reversed"], received_crc=reversed_crc)
+    if placed_layout.covers_part:
+        return
+    yield from _status_hypotheses(without_mistake, placed_layout, frame)
+    yield from _position_code_hypotheses(without_mistake, placed_layout, frame)
+    yield from _start_bit_hypotheses(without_mistake)
+
+
+def other_crcs_over_bits(crc: Crc) -> Iterator[OtherCrc]:
+    """Yield the CRC with its inversion changed, with another start value, or with its polynomial reversed."""
+    inversion_text = "the CRC is not inverted" if crc.xorout else "the CRC is inverted"
+    yield NOT_INVERTED, inversion_text, replace(crc, xorout=crc.xorout ^ crc.mask)
+    for start in sorted({0, crc.mask} - {crc.init}):
+        yield "start_value", f"the start value of the CRC is {start:#x}", replace(crc, init=start)
+    reversed_polynomial = reflect(crc.poly_with_top_bit, crc.width + 1) & crc.mask
+    with_top_bit = reversed_polynomial | 1 << crc.width
+    polynomial_text = f"the polynomial is {with_top_bit:#x}, written in reverse"
+    yield "polynomial_reversed", polynomial_text, replace(crc, poly=reversed_polynomial)
+
+
+def other_crcs_over_bytes(crc: Crc) -> Iterator[OtherCrc]:
+    """Yield the CRC with its inversion changed, with another start value, or with another polynomial of its length."""
+    inversion_text = "the CRC is not inverted" if crc.xorout else "the CRC is inverted"
+    if crc.is_xor:
+        # With x^8 + 1 a start value only adds itself to the result.
+        inversion_text += f", or its start value is {crc.mask ^ crc.init:#x} (the same here)"
+    yield NOT_INVERTED, inversion_text, replace(crc, xorout=crc.xorout ^ crc.mask)
+    if not crc.is_xor:
+        for start in sorted({0, crc.mask} - {crc.init}):
+            yield "start_value", f"the start value of the CRC is {start:#x}", replace(crc, init=start)
+    for polynomial in POLYNOMIALS:
+        is_8_bit = polynomial.bit_length() == 9
+        if is_8_bit:
+            without_top_bit = polynomial & 0xFF
+            most_significant_first = replace(crc, poly=without_top_bit, refin=False, refout=False)
+            least_significant_first = replace(crc, poly=without_top_bit, refin=True, refout=True)
+            text = f"the polynomial is {polynomial:#x}"
+            yield "other_polynomial", f"{text}, most significant bit first", most_significant_first
+            yield "other_polynomial", f"{text}, least significant bit first", least_significant_first
+
+
+def _status_hypotheses(without_mistake: Hypothesis, placed_layout: PlacedLayout, frame: int) -> Iterator[Hypothesis]:
+    """Yield hypotheses in which the CRC does not cover error and warning, or they were inverted."""
+    frame_status_mask = status_mask(placed_layout)
+    if not frame_status_mask:
+        return
+    crc_bits = without_mistake.received_crc_bits
+    data_without_status, data_bits = _remove_bits(
+        without_mistake.covered_data, without_mistake.covered_bits, mask=frame_status_mask >> crc_bits
+    )
+    yield replace(
+        without_mistake,
+        kind="status_left_out",
+        description=TEXTS["status_left_out"],
+        covered_data=data_without_status,
+        covered_bits=data_bits,
+    )
+    frame_with_inverted_status = frame ^ frame_status_mask
+    yield replace(
+        without_mistake,
+        kind="status_turned",
+        description=TEXTS["status_turned"],
+        covered_data=frame_with_inverted_status >> crc_bits,
+        likelihood=likelihood(placed_layout, frame_with_inverted_status),
+    )
+
+
+def status_mask(placed_layout: PlacedLayout) -> int:
+    """Return the mask of error and warning in the frame, or 0 if the frame has neither."""
+    status_names = [status_field.name for status_field in placed_layout.layout.status_fields]
+    mask = 0
+    for placed_field in placed_layout.fields:
+        if placed_field.name in status_names:
+            mask |= placed_field.mask << placed_field.low
+    return mask
+
+
+def _remove_bits(data: int, data_bits: int, mask: int) -> tuple[int, int]:
+    """Return ``data`` without the bits of ``mask``, and the number of bits that remain."""
+    remaining_data = remaining_bits = 0
+    for bit in reversed(range(data_bits)):
+        is_masked = mask >> bit & 1
+        if not is_masked:
+            remaining_data = remaining_data << 1 | data >> bit & 1
+            remaining_bits += 1
+    return remaining_data, remaining_bits
+
+
+def _position_code_hypotheses(
+    without_mistake: Hypothesis, placed_layout: PlacedLayout, frame: int
+) -> Iterator[Hypothesis]:
+    """Yield hypotheses in which the position is in Gray code but the CRC covers binary, or vice versa."""
+    low, width = _place_of_position(placed_layout)
+    if not width:
+        return
+    position = frame >> low & ((1 << width) - 1)
+    frame_without_position = frame ^ position << low
+    conversions = (
+        (gray_to_binary(position), TEXTS["covers_binary"]),
+        (binary_to_gray(position), TEXTS["covers_gray"]),
+    )
+    for converted_position, description in conversions:
+        converted_frame = frame_without_position | converted_position << low
+        covered_data = converted_frame >> without_mistake.received_crc_bits
+        yield replace(without_mistake, kind="other_code", description=description, covered_data=covered_data)
+
+
+def _place_of_position(placed_layout: PlacedLayout) -> tuple[int, int]:
+    """Return low bit and width of the number that a master would convert from Gray code to binary.
+
+    This is the number in Gray code, a joined number, or else the widest one. The width is 0 if there is no number.
+    """
+    joins = placed_layout.layout.joins
+    if placed_layout.layout.gray_of:
+        return placed_layout.place_of(placed_layout.layout.gray_of)
+    if joins:
+        return placed_layout.place_of(joins[0].name)
+    number_fields = [field for field in placed_layout.fields if isinstance(field.field.kind, Number)]
+    if not number_fields:
+        return 0, 0
+    widest_field = max(number_fields, key=lambda placed_field: placed_field.width)
+    return placed_layout.place_of(widest_field.name)
+
+
+def _start_bit_hypotheses(without_mistake: Hypothesis) -> Iterator[Hypothesis]:
+    """Yield hypotheses in which the CRC also covers the bits that BiSS sends in front of the frame."""
+    for front_bits, description in START_BITS:
+        front_number = int(front_bits, 2)
+        yield replace(
+            without_mistake,
+            kind="start_bits_in_crc",
+            description=description,
+            covered_data=front_number << without_mistake.covered_bits | without_mistake.covered_data,
+            covered_bits=without_mistake.covered_bits + len(front_bits),
+        )
+
+
+def other_polynomial_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_frame: TypedFrame) -> Iterator[Hypothesis]:
+    """Yield hypotheses with data of the right length before a CRC of another length.
+
+    The CRC is complete, truncated by a reader that expects fewer bits, or followed by zeros. The stop bit is 0, and
+    with one slave the bits after it are 0 too, since the master holds SLI at 0.
+    """
+    data_bits = placed_layout.bits - crc.width
+    for polynomial in POLYNOMIALS:
+        if polynomial == crc.poly_with_top_bit:
+            continue
+        other_crc = _with_polynomial(crc, polynomial)
+        complete_length = data_bits + other_crc.width
+        for length in dict.fromkeys((complete_length, placed_layout.bits)):
+            has_hidden_zeros = not typed_frame.exact and length > typed_frame.bits
+            if length == typed_frame.bits or has_hidden_zeros:
+                yield _polynomial_hypothesis(placed_layout, crc, other_crc, typed_frame.number, length)
+
+
+def _with_polynomial(crc: Crc, polynomial: int) -> Crc:
+    """Return the CRC with another polynomial, and with start value and inversion of that width."""
+    width = polynomial.bit_length() - 1
+    mask = (1 << width) - 1
+    init = mask if crc.init else 0
+    xorout = mask if crc.xorout else 0
+    return replace(crc, width=width, poly=polynomial & mask, init=init, xorout=xorout)
+
+
+def _polynomial_hypothesis(
+    placed_layout: PlacedLayout, crc: Crc, other_crc: Crc, number: int, length: int
+) -> Hypothesis:
+    """Return the hypothesis that the ``length`` bits of ``number`` are the frame's data with the CRC ``other_crc``."""
+    data_bits = placed_layout.bits - crc.width
+    bits_after_data = length - data_bits
+    data = number >> bits_after_data
+    after_data = number & ((1 << bits_after_data) - 1)
+    received_crc_bits = min(other_crc.width, bits_after_data)
+    zeros = bits_after_data - received_crc_bits
+    are_zero = after_data & ((1 << zeros) - 1) == 0
+    frame_with_crc_0 = data << crc.width
+    constant_bits, are_constants_right = check_constant_bits(placed_layout, frame_with_crc_0)
+    description = TEXTS["polynomial"].format(f"{other_crc.poly_with_top_bit:#x}", other_crc.width)
+    if received_crc_bits < other_crc.width:
+        description = TEXTS["bits_arrived"].format(description, received_crc_bits)
+    elif zeros:
+        description = TEXTS["then_zeros"].format(description)
+    # In a frame of the expected length, the mistake does not move the constants, so they prove nothing.
+    do_constants_prove = length != placed_layout.bits
+    return Hypothesis(
+        kind="other_polynomial",
+        description=description,
+        crc=other_crc,
+        covered_data=data,
+        covered_bits=data_bits,
+        received_crc=after_data >> zeros,
+        received_crc_bits=received_crc_bits,
+        determined_bits=zeros + (constant_bits if do_constants_prove else 0),
+        are_determined_right=are_zero and (are_constants_right or not do_constants_prove),
+        right_constant_bits=zeros + (constant_bits if are_constants_right else 0),
+        likelihood=likelihood(placed_layout, frame_with_crc_0),
+    )

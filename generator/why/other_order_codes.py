@@ -1,0 +1,216 @@
+"""Frames of other order codes, or of an encoder whose registers select other widths."""
+
+from __future__ import annotations
+
+from collections import ChainMap
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import islice, product
+from typing import NamedTuple
+
+from ..model import Constant, Crc, Device, Layout, PlacedLayout, Variant
+from ..order_codes.parameters import possible_states, run_time_widths, with_changed
+from ..say.plain_text import counted, first_of
+from .hypotheses import Hypothesis, TypedFrame, check_constant_bits, frame_hypothesis
+
+#: A truncated frame of another order code is recognised by the rest of its CRC. At most this many bits may be missing.
+_MOST_CUT_BITS = 2
+#: Most register states to try, far more than today's encoders have.
+_MOST_STATES = 4096
+
+
+class FrameShape(NamedTuple):
+    """A layout of a certain length, and the order codes that send it, or none if registers set that length."""
+
+    placed_layout: PlacedLayout
+    order_codes: tuple[str, ...]
+
+
+def other_order_code_hypotheses(
+    device: Device, variant: Variant, placed_layout: PlacedLayout, typed_frame: TypedFrame
+) -> Iterator[Hypothesis]:
+    """Yield hypotheses with the frame of another order code, or with the frame that results from other register values.
+
+    The frame is complete, read too long, or truncated.
+    """
+    for crc in device.crcs_of(placed_layout.layout):
+        yield from _hypotheses_with_crc(device, variant, placed_layout, crc, typed_frame)
+
+
+def _hypotheses_with_crc(
+    device: Device, variant: Variant, placed_layout: PlacedLayout, crc: Crc, typed_frame: TypedFrame
+) -> Iterator[Hypothesis]:
+    """Yield hypotheses with other frames that end with this CRC."""
+    shapes_by_length = _shapes_by_length(device, variant, placed_layout, crc)
+    yield from _complete_frame_hypotheses(variant, placed_layout, crc, typed_frame, shapes_by_length)
+    for shape_bits, shapes in shapes_by_length.items():
+        extra_bits = placed_layout.bits - shape_bits
+        if extra_bits > 0 and typed_frame.may_have(placed_layout.bits):
+            yield _too_long_hypothesis(variant, shapes, crc, typed_frame.number, extra_bits)
+        elif -_MOST_CUT_BITS <= extra_bits < 0 and typed_frame.bits == placed_layout.bits:
+            yield _too_short_hypothesis(variant, shapes, crc, typed_frame.number, lost_bits=-extra_bits)
+
+
+def _too_long_hypothesis(
+    variant: Variant, shapes: Sequence[FrameShape], crc: Crc, number: int, extra_bits: int
+) -> Hypothesis:
+    """Return the hypothesis that ``number`` is a shorter frame with extra bits behind it."""
+    # The first extra bit is the stop bit or whatever came instead. The others are 0: the master holds SLI at 0.
+    zeros = extra_bits if extra_bits > 1 else 0
+    are_zero = number & ((1 << zeros) - 1) == 0
+    frame = number >> extra_bits
+    shape = _possible_shape(shapes, frame)
+    length_text = f"{shape.placed_layout.bits} bits"
+    mistake_text = f", read {counted(extra_bits, 'bit')} too long"
+    hypothesis = frame_hypothesis(
+        _mistake_kind(shape.order_codes),
+        f"{length_text}, {_sender_text(variant, shape.order_codes)}{mistake_text}",
+        shape.placed_layout,
+        crc,
+        frame,
+        determined_bits=zeros,
+        are_determined_right=are_zero,
+        order_codes=shape.order_codes,
+    )
+    return _with_template(hypothesis, length_text, mistake_text)
+
+
+def _too_short_hypothesis(
+    variant: Variant, shapes: Sequence[FrameShape], crc: Crc, number: int, lost_bits: int
+) -> Hypothesis:
+    """Return the hypothesis that ``number`` is a longer frame without its last bits."""
+    frame = number << lost_bits
+    shape = _possible_shape(shapes, frame)
+    length_text = f"{shape.placed_layout.bits} bits"
+    mistake_text = f", read {counted(lost_bits, 'bit')} too short"
+    hypothesis = frame_hypothesis(
+        _mistake_kind(shape.order_codes),
+        f"{length_text}, {_sender_text(variant, shape.order_codes)}{mistake_text}",
+        shape.placed_layout,
+        crc,
+        frame,
+        lost_bits=lost_bits,
+        order_codes=shape.order_codes,
+    )
+    return _with_template(hypothesis, length_text, mistake_text)
+
+
+def _complete_frame_hypotheses(
+    variant: Variant,
+    placed_layout: PlacedLayout,
+    crc: Crc,
+    typed_frame: TypedFrame,
+    shapes_by_length: Mapping[int, Sequence[FrameShape]],
+) -> Iterator[Hypothesis]:
+    """Yield a hypothesis with the complete frame of another order code or other register values."""
+    # A text without leading zeros that fits into the expected frame is not explained by a longer one.
+    has_known_length = typed_frame.exact or typed_frame.bits > placed_layout.bits
+    if not has_known_length:
+        return
+    possible_shapes: list[FrameShape] = []
+    for shape_bits, shapes in shapes_by_length.items():
+        if typed_frame.may_have(shape_bits):
+            possible_shapes.append(_possible_shape(shapes, typed_frame.number))
+    if not possible_shapes:
+        return
+    # If the text may have any number of leading zeros, the CRC cannot distinguish these lengths.
+    shortest_layout = possible_shapes[0].placed_layout
+    order_codes = _order_codes_of(possible_shapes)
+    length_text = f"{shortest_layout.bits} bits"
+    if len(possible_shapes) > 1:
+        length_text += " or more"
+    hypothesis = frame_hypothesis(
+        _mistake_kind(order_codes),
+        f"{length_text}, {_sender_text(variant, order_codes)}",
+        shortest_layout,
+        crc,
+        typed_frame.number,
+        order_codes=order_codes,
+    )
+    yield _with_template(hypothesis, length_text, mistake_text="")
+
+
+def _with_template(hypothesis: Hypothesis, length_text: str, mistake_text: str) -> Hypothesis:
+    """Return the hypothesis with a template without the order codes, which can differ between frames of one encoder."""
+    if not hypothesis.order_codes:
+        return hypothesis
+    return replace(hypothesis, template=f"{length_text}, the frame of another order code{mistake_text}")
+
+
+def _possible_shape(shapes: Sequence[FrameShape], frame: int) -> FrameShape:
+    """Return the layout of this length with the fewest constant bits, and all order codes that could send the frame."""
+    constants = [check_constant_bits(shape.placed_layout, frame) for shape in shapes]
+    possible_shapes = [shape for shape, (_, are_right) in zip(shapes, constants, strict=True) if are_right] or shapes
+    likeliest = min(possible_shapes, key=lambda shape: check_constant_bits(shape.placed_layout, frame)[0])
+    return FrameShape(likeliest.placed_layout, _order_codes_of(possible_shapes))
+
+
+def _order_codes_of(shapes: Sequence[FrameShape]) -> tuple[str, ...]:
+    return tuple(order_code for shape in shapes for order_code in shape.order_codes)
+
+
+def _mistake_kind(order_codes: Sequence[str]) -> str:
+    return "other_order_code" if order_codes else "other_widths"
+
+
+def _sender_text(variant: Variant, order_codes: Sequence[str]) -> str:
+    """Return which encoders send a frame, such as ``the frame of TV62-12-B1 or TV62-14-B1``."""
+    if not order_codes:
+        return f"the frame that {variant.code} sends when its registers select other widths"
+    if len(order_codes) == 2:
+        return f"the frame of {order_codes[0]} or {order_codes[1]}"
+    return f"the frame of {first_of(order_codes, 1)}"
+
+
+def _shapes_by_length(
+    device: Device, variant: Variant, placed_layout: PlacedLayout, crc: Crc
+) -> dict[int, list[FrameShape]]:
+    """Return the layout with this CRC in each other length that is possible for it, by length in bits, shortest first.
+
+    Those of one length differ in their constant bits, such as zeros above the position. With another CRC than that of
+    the expected frame, the length can be the same.
+    """
+    layout = placed_layout.layout
+    shapes = _shapes_of_order_codes(device, variant, layout)
+    known_lengths = {shape.placed_layout.bits for shape in shapes}
+    for parameters in _parameters_of_states(device, variant, layout):
+        length = layout.bits.value(parameters)
+        if length not in known_lengths:
+            known_lengths.add(length)
+            shapes.append(FrameShape(layout.place(parameters), order_codes=()))
+    has_other_crc = device.crc_of(placed_layout) != crc
+    shapes_with_crc = [shape for shape in shapes if device.crc_of(shape.placed_layout) == crc]
+    shapes_with_crc.sort(key=lambda shape: shape.placed_layout.bits)
+    shapes_by_length: dict[int, list[FrameShape]] = {}
+    for shape in shapes_with_crc:
+        length = shape.placed_layout.bits
+        if length != placed_layout.bits or has_other_crc:
+            shapes_by_length.setdefault(length, []).append(shape)
+    return shapes_by_length
+
+
+def _shapes_of_order_codes(device: Device, variant: Variant, layout: Layout) -> list[FrameShape]:
+    """Return the layout for each order code, once for those with the same length, CRC and constant bits."""
+    # A question that the manual leaves open has the same answer for all of them.
+    answer_names = [parameter.name for parameter in device.parameters if parameter.alternative]
+    answers = {name: variant.parameters[name] for name in answer_names}
+    shapes: dict[object, FrameShape] = {}
+    for other_variant in device.variants_over(variant.interface):
+        other_layout = layout.place({**other_variant.parameters, **answers})
+        constants = [field for field in other_layout.fields if isinstance(field.field.kind, Constant)]
+        constant_places = tuple((constant.low, constant.width) for constant in constants)
+        key = other_layout.bits, device.crc_of(other_layout), constant_places
+        known_shape = shapes.get(key, FrameShape(other_layout, order_codes=()))
+        order_codes = (*known_shape.order_codes, other_variant.code)
+        shapes[key] = FrameShape(known_shape.placed_layout, order_codes)
+    return list(shapes.values())
+
+
+def _parameters_of_states(device: Device, variant: Variant, layout: Layout) -> Iterator[Mapping[str, int]]:
+    """Yield the parameters with other values of the registers that decide the length of a layout."""
+    registers = run_time_widths(device, layout)
+    parameters_in_registers = [width for width in device.run_time_parameters if width.read_from in registers]
+    if not parameters_in_registers:
+        return
+    for state in islice(product(*possible_states(parameters_in_registers)), _MOST_STATES):
+        yield with_changed(device, variant, ChainMap(*map(dict, state)))
