@@ -239,6 +239,13 @@ def test_the_readme(command: str, include: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("command", mostly_exhaustive(COMPILERS[::2], COMPILERS[0]))
+def test_the_page_on_languages(command: str, include: Path, tmp_path: Path) -> None:
+    page = (ROOT / "docs" / "firmware" / "languages.md").read_text(encoding="utf-8")
+    (block,) = re.findall(r"```cpp\n(.*?)```", page, re.DOTALL)
+    assert compiled(command, block, include, tmp_path) == (0, "")
+
+
+@pytest.mark.parametrize("command", mostly_exhaustive(COMPILERS[::2], COMPILERS[0]))
 def test_a_result_that_is_not_looked_at_is_a_warning(command: str, include: Path, tmp_path: Path) -> None:
     text = (
         '#include "lika/amm5_biss.hpp"\nvoid f();\nvoid f() { lika::amm5_biss::@(LIKA_AMM5_BISS_A17_1SC1, {0, 25}); }\n'
