@@ -11,8 +11,12 @@ from pathlib import Path
 
 import pytest
 from codewheel.loading.library import load_library
+from codewheel.model import Verdict
 from codewheel.targets import Library
 from codewheel_rust import names
+from codewheel_rust.family import Family
+from codewheel_rust.spelling import Scope
+from codewheel_rust.verdicts import conditions
 from exhaustive import mostly_exhaustive
 from hostile_specs import BISS_CLOCK, HEAD, Item, crc, digits, layout_of
 from rust_frames import decoding
@@ -178,6 +182,17 @@ def test_what_cannot_be_computed_is_refused(spec: str, part: str, codewheel: Run
     code, _, output = codewheel("generate", *specs, "-o", tmp_path, "--target", "rust")
     assert code == 1
     assert f"rust-parity: 'word' has {part}, which this target does not compute" in output
+
+
+def test_without_a_bit_that_judges_a_position_its_verdict_is_unknown() -> None:
+    """Only specs with optional flags have such order codes, and the target refuses these for another reason."""
+    devices, _ = load_library([ROOT / "tests" / "specs" / "options.yaml"])
+    structs = {struct.layout.name: struct for _, struct in Family(devices[0]).frames}
+    assert list(conditions(structs["cycle"], Scope(devices[0]))) == [
+        ("self.error", Verdict.NOT_USABLE),
+        ("variant.error_bits + variant.warning_bits == 0", Verdict.UNKNOWN),
+        ("self.warning", Verdict.USABLE_WITH_WARNING),
+    ]
 
 
 # -- hostile names and texts
