@@ -88,6 +88,7 @@ ELSEWHERE = {
     },
     "docs/transcribe/rules.md": {"yaml: ": "tests/docs/test_rules_page.py::test_the_page_is_that_of_today"},
     "docs/bench/start-bench.md": dict.fromkeys((": ", "text: ", "python: "), _START_PAGES),
+    "docs/firmware/languages.md": {"cpp: ": "tests/c/test_cpp.py::test_the_page_on_languages"},
     "docs/firmware/start-firmware.md": dict.fromkeys((": ", "c: "), _START_PAGES),
     "docs/transcribe/start-maintainer.md": {": ": _START_PAGES},
     "docs/master/start-master.md": {": ": _START_PAGES},
@@ -141,7 +142,7 @@ ELSEWHERE = {
     },
     "examples/rust-target/README.md": {
         "rust: ": "tests/rust/test_rust_target.py::test_the_readme",
-        ": 5 revolutions": "tests/rust/test_rust_target.py::test_the_readme",
+        ": position 725360": "tests/rust/test_rust_target.py::test_the_readme",
     },
 }
 #: Blocks that no test runs, with the reason.
@@ -177,6 +178,14 @@ EXCEPTIONS = {
         ": pip install",
     ): "changes the reader's own environment; test_the_readme runs the line after it",
     ("examples/opcua-target/README.md", ": pip install"): "test_the_installed_target runs both lines",
+    (
+        "examples/zephyr-target/README.md",
+        ": pip install",
+    ): "changes the reader's own environment; test_it_is_installed_and_generates runs both lines",
+    (
+        "examples/zephyr-target/README.md",
+        "dts: ",
+    ): "a part of a devicetree; test_an_order_code_has_its_place_in_the_binding reads one with each order code",
     (
         "examples/rust-target/README.md",
         "toml: ",

@@ -1,4 +1,4 @@
-"""The headers for C++17: frames decoded at compile time, and errors found at compile time."""
+"""The headers for C++17: frames received and decoded at compile time, and errors found at compile time."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from c_harness import members, short
+from c_harness import devices_of, members, short, write
 from codewheel.model import Device, Text
 from codewheel.targets.c.codec import StructCodec
 from codewheel.targets.c.device import DeviceView, views_of
@@ -18,6 +18,7 @@ from test_c_codec import Table, on_the_wire, valid_numbers
 from working_tools import require
 
 pytestmark = pytest.mark.slow
+ROOT = Path(__file__).parents[2]
 
 COMPILERS = ("g++ -std=c++17", "g++ -std=c++20", "clang++ -std=c++17", "clang++ -std=c++20")
 WARNINGS = "-Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wshadow -Werror"
@@ -59,7 +60,12 @@ static_assert(lika::sma21_rs485::position_reply_verdict(LIKA_SMA21_RS485_JP1_000
 constexpr auto captured = lika::sma21_biss::position(LIKA_SMA21_BISS_SC1_0010, biss((192458ULL << 2 | 3) << 6 | 28));
 static_assert(captured && captured.position == 192458 && captured.verdict == codewheel::verdict::usable);
 constexpr auto faulty = lika::sma21_biss::position(LIKA_SMA21_BISS_SC1_0010, biss((74565ULL << 2 | 1) << 6 | 11));
-static_assert(!faulty && faulty.error == codewheel::fault::none && faulty.position == 0);
+static_assert(!faulty && faulty.error() == codewheel::fault::none && faulty.position == 0);
+
+// The same in a buffer: idle, an acknowledge, start bit, CDS, the word, and a stop bit.
+constexpr std::array<uint8_t, 5> rx_captured{0xC4, 0x05, 0xDF, 0x95, 0xB8};
+constexpr auto read_captured = lika::sma21_biss::read(LIKA_SMA21_BISS_SC1_0010, rx_captured);
+static_assert(read_captured && read_captured.position == 192458 && read_captured.verdict == codewheel::verdict::usable);
 
 // 123 counts are 6.15 mm, SMA21 5.2; in Gray code 123 is 70. The error bit 1 is inactive.
 constexpr auto length = lika::sma21_ssi::position(LIKA_SMA21_SSI_GG1_0050, ssi(70U << 1 | 1U));
@@ -72,7 +78,13 @@ WRONG = """
 constexpr auto disturbed = lika::sma21_biss::decode(LIKA_SMA21_BISS_SC1_0010, biss((192458ULL << 2 | 3) << 6 | 29));
 static_assert(!disturbed && disturbed.error() == codewheel::fault::crc && disturbed->position == 0);
 constexpr auto rejected = lika::sma21_biss::position(LIKA_SMA21_BISS_SC1_0010, biss((192458ULL << 2 | 3) << 6 | 29));
-static_assert(!rejected && rejected.error == codewheel::fault::crc);
+static_assert(!rejected && rejected.error() == codewheel::fault::crc);
+constexpr std::array<uint8_t, 5> rx_disturbed{0xC4, 0x05, 0xDF, 0x95, 0xBA};
+constexpr auto unread = lika::sma21_biss::read(LIKA_SMA21_BISS_SC1_0010, rx_disturbed);
+static_assert(!unread && unread.error() == codewheel::fault::crc && unread.position == 0);
+constexpr std::array<uint8_t, 8> rx_high{0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF};
+static_assert(lika::sma21_biss::read(LIKA_SMA21_BISS_SC1_0010, rx_high).error() == codewheel::fault::line_high);
+static_assert(lika::sma21_ssi::read(LIKA_SMA21_SSI_BG1_0050, rx_high).error() == codewheel::fault::line_high);
 constexpr auto wide = lika::sma21_ssi::decode(LIKA_SMA21_SSI_BG1_0050, ssi(1ULL << 21));
 static_assert(wide.error() == codewheel::fault::length);
 static_assert(lika::sma21_rs485::position_reply_decode(LIKA_SMA21_RS485_JP1_0005, {printed, 6}).error() ==
@@ -112,11 +124,39 @@ def _assertions_of_layout(table: Table, view: DeviceView, codec: StructCodec, ra
                 frame = f"cw_word_of({frame}, {codec.name}_bits({row.macro}{taken}))"
             values = zip(numbers, table.row(name, placed, number).split(), strict=True)
             numeric = [(name, value) for name, value in values if not isinstance(kinds.get(name.rstrip("_")), Text)]
-            claims = [f"static_cast<int64_t>(f->{name}) == INT64_C({value})" for name, value in numeric]
+            claims = [f"static_cast<int64_t>(f->{name}) == {_signed(value)}" for name, value in numeric]
             yield (
                 f"static_assert([] {{ constexpr auto f = {space}::{head}decode({row.macro}, {answers}{frame});\n"
                 f"    return f && {' && '.join(claims)}; }}());\n"
             )
+            if codec.is_read:
+                sent_bits = placed.layout.sent_bits.value(row.variant.parameters)
+                position = _signed(dict(numeric)[codec.measured])
+                rx = _line(view.context.interface.name, number, sent_bits)
+                yield _assertion_of_buffer(f"{space}::{head}read({row.macro}, {answers}rx)", position, rx)
+
+
+def _assertion_of_buffer(call: str, position: str, rx: bytes) -> str:
+    listed = ", ".join(f"0x{byte:02X}" for byte in rx)
+    return (
+        f"static_assert([] {{ constexpr uint8_t rx[] = {{{listed}}};\n    constexpr auto f = {call};\n"
+        f"    return f.error() == codewheel::fault::none &&\n"
+        f"        static_cast<int64_t>(f.position) == (f ? {position} : 0); }}());\n"
+    )
+
+
+def _signed(number: str) -> str:
+    """Return a number as a literal of 64 bits in two's complement."""
+    wrapped = (int(number) + (1 << 63)) % (1 << 64) - (1 << 63)
+    return f"INT64_C({wrapped})"
+
+
+def _line(interface: str, number: int, bits: int) -> bytes:
+    """Return the bytes that a master stores while the encoder sends a word."""
+    word = format(number, f"0{bits}b")
+    levels = {"biss": f"11000010{word}01", "ssi": f"1{word}01", "spi": word.zfill(-(-bits // 8) * 8)}[interface]
+    filled = levels.ljust(-(-len(levels) // 8) * 8, "1")
+    return int(filled, 2).to_bytes(len(filled) // 8, "big")
 
 
 @pytest.fixture(scope="module")
@@ -124,6 +164,7 @@ def program(c_devices: tuple[Device, ...]) -> str:
     stems = [view.header for device in c_devices for view in views_of(device)]
     lines = [line for device in c_devices for line in assertions(device)]
     assert len(lines) > 200
+    assert sum("read(" in line for line in lines) > 100
     return "".join(f'#include "{stem}pp"\n' for stem in stems) + PRINTED + WRONG + "".join(lines)
 
 
@@ -141,6 +182,24 @@ def compiled(command: str, text: str, include: Path, tmp_path: Path) -> tuple[in
 @pytest.mark.parametrize("command", mostly_exhaustive(COMPILERS, COMPILERS[0], COMPILERS[-1]))
 def test_a_compiler_decodes_frames(command: str, program: str, include: Path, tmp_path: Path) -> None:
     assert compiled(command, program, include, tmp_path) == (0, "")
+
+
+@pytest.mark.parametrize("command", mostly_exhaustive(COMPILERS, COMPILERS[-1]))
+@pytest.mark.parametrize("specs", ["tests/specs/long.yaml", "specs/ams/as5048a.yaml"])
+def test_long_frames_and_spi_are_received_at_compile_time(command: str, specs: str, tmp_path: Path) -> None:
+    devices = devices_of(ROOT / specs)
+    lines = list(assertions(devices[0]))
+    assert any("read(" in line for line in lines)
+    heads = "".join(f'#include "{view.header}pp"\n' for view in views_of(devices[0]))
+    assert compiled(command, heads + "".join(lines), write(tmp_path, devices), tmp_path) == (0, "")
+
+
+@pytest.mark.parametrize("command", mostly_exhaustive(COMPILERS, COMPILERS[0], COMPILERS[-1]))
+def test_four_bytes_are_loaded_at_once_only_at_run_time(
+    command: str, program: str, include: Path, tmp_path: Path
+) -> None:
+    """Code for processors with unaligned access calls memcpy, which no compiler evaluates."""
+    assert compiled(f"{command} -D__ARM_FEATURE_UNALIGNED", program, include, tmp_path) == (0, "")
 
 
 @pytest.mark.parametrize("option", ["-DLIKA_CRC_TABLE", "-DLIKA_CRC_BITWISE"])
@@ -177,6 +236,13 @@ def test_the_readme(command: str, include: Path, tmp_path: Path) -> None:
         "#include <cstdint>\nvoid move_to(uint64_t position);\nvoid ask_again();\nvoid received(uint64_t word);\n"
     )
     assert compiled(command, declarations + block, include, tmp_path) == (0, "")
+
+
+@pytest.mark.parametrize("command", mostly_exhaustive(COMPILERS[::2], COMPILERS[0]))
+def test_the_page_on_languages(command: str, include: Path, tmp_path: Path) -> None:
+    page = (ROOT / "docs" / "firmware" / "languages.md").read_text(encoding="utf-8")
+    (block,) = re.findall(r"```cpp\n(.*?)```", page, re.DOTALL)
+    assert compiled(command, block, include, tmp_path) == (0, "")
 
 
 @pytest.mark.parametrize("command", mostly_exhaustive(COMPILERS[::2], COMPILERS[0]))

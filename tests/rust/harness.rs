@@ -1,6 +1,6 @@
 #![allow(unused)]
 use encoders::@module@::*;
-use encoders::{Fault, Interface};
+use encoders::{Fault, Verdict};
 use std::convert::TryInto;
 use std::io::{BufRead, BufWriter, Write};
 
@@ -38,6 +38,7 @@ fn told(result: Result<String, Fault>) -> String {
         Err(Fault::Constant(field)) => format!("constant {}", field),
         Err(Fault::Range(field)) => format!("range {}", field),
         Err(Fault::Undecided(what)) => format!("undecided {}", what),
+        Err(fault) => format!("{:?}", fault),
     }
 }
 
@@ -87,10 +88,18 @@ fn answer(variant: &mut Variant, words: &mut Words) -> String {
             _ => panic!(),
         },
         "o" => {
-            let of = |code: &OrderCode| format!("{} {:?} {}", code.text, code.interface, parameters(&code.variant));
-            ORDER_CODES.iter().map(of).collect::<Vec<_>>().join(";")
+            let mut shown: Vec<String> = Vec::new();
+            @codes@
+            shown.join(";")
         }
-        "f" => format!("{:?}", find_order_code(words.next().unwrap()).map(|code| code.text)),
+        "f" => {
+            let text = words.next().unwrap();
+            [@found@].join(" ")
+        }
+        "x" => match words.next().unwrap() {
+@read@
+            _ => panic!(),
+        },
         "r" => {
             let shown: Vec<String> = vec![@registers@];
             shown.join(";")
@@ -100,7 +109,7 @@ fn answer(variant: &mut Variant, words: &mut Words) -> String {
 }
 
 fn main() {
-    let mut variant = ORDER_CODES[0].variant;
+    let mut variant = (@first@::ORDER_CODES[0].1).0;
     let mut out = BufWriter::new(std::io::stdout());
     for line in std::io::stdin().lock().lines() {
         writeln!(out, "{}", answer(&mut variant, &mut line.unwrap().split_whitespace())).unwrap();

@@ -8,7 +8,8 @@ It answers each line with one line. Values are in decimal, words and bytes in he
     s INDEX WIRE    identifies a frame and decodes it; answers its type
     h INDEX WIRE    updates the variant from a register; answers all parameters
     c INDEX WIRE... the CRC of bytes, or of a number with this many bits
-    o, f TEXT, r    all order codes; the one with this text; the constants of the registers
+    x TYPE WIRE     reads a received buffer; answers the position and its verdict
+    o, f TEXT, r    all order codes; the interfaces that have this one; the constants of the registers
 
 An error is answered by its name and that of the field.
 """
@@ -27,6 +28,7 @@ from codewheel.targets import Library
 from codewheel_rust import TARGET
 from codewheel_rust.family import Family, Struct, crc_name
 from codewheel_rust.names import pascal, snake
+from codewheel_rust.spelling import Scope
 from working_tools import require
 
 HERE = Path(__file__).resolve().parent
@@ -119,16 +121,20 @@ class Program:
 
     def _source(self) -> str:
         device, family = self.device, self.family
+        scope = Scope(device)
         assignments = []
         for parameter in device.parameters:
             if parameter.equals is None:
-                value = "number(words) as _" if not parameter.alternative else _SOME
+                value = _SOME if scope.is_open(parameter.name) else "number(words) as _"
                 assignments.append(f"variant.{snake(parameter.name)} = {value};")
         printed = []
         for parameter in device.parameters:
             call = "()" if parameter.equals is not None else ""
-            printed.append(f"variant.{snake(parameter.name)}{call}{_SHOWN[bool(parameter.alternative)]}")
-        dispatches = [_TELL.format(type=name, arms=_layout_arms(name, layouts)) for name, layouts in self.senders()]
+            printed.append(f"variant.{snake(parameter.name)}{call}{_SHOWN[scope.is_open(parameter.name)]}")
+        dispatches = []
+        for code, name, layouts in self.senders():
+            dispatches.append(_TELL.format(code=code, type=name, arms=_layout_arms(name, layouts)))
+        codes = [*family.interfaces]
         values = {
             "module": snake(device.name),
             "set": " ".join(assignments),
@@ -138,7 +144,18 @@ class Program:
             "encode": _arms(f"encoded::<{_type(struct)}>(variant, words)" for struct in self.structs),
             "placed": _arms(f"told(<{_type(struct)} as Frame>::placed(variant))" for struct in self.structs),
             "dispatch": _arms(dispatches),
-            "held": _arms(_TAKE.format(name=effect.register.name) for effect in family.held),
+            "held": _arms(
+                _TAKE.format(code=pascal(effect.register.interface), name=effect.register.name)
+                for effect in family.held
+            ),
+            "codes": "\n            ".join(_CODES.format(code=code) for code in codes),
+            "found": ", ".join(_FOUND.format(code=code) for code in codes),
+            "first": codes[0],
+            "read": "\n".join(
+                f'            "{index}" => {_READ.format(code=struct.code, type=_type(struct))},'
+                for index, struct in enumerate(self.structs)
+                if struct.measured
+            ),
             "crcs": _arms(f'format!("{{:X}}", {crc_name(crc)}({_crc_arguments(crc)}))' for crc in family.crcs),
             "registers": ", ".join(map(_constants, family.registers)),
         }
@@ -147,19 +164,30 @@ class Program:
             text = text.replace(f"@{name}@", value)
         return text
 
-    def senders(self) -> Iterator[tuple[str, list[Layout]]]:
-        """Return the types that hold any frame of one side, and their content."""
+    def senders(self) -> Iterator[tuple[str, str, list[Layout]]]:
+        """Return the types of order codes, the types that hold any frame of one side, and their content."""
         for interface, dispatch in self.family.dispatches:
             layouts = [branch.layout for branch in dispatch.branches]
             layouts += [dispatch.fallback] if dispatch.fallback is not None else []
-            yield pascal(f"{interface.name}_from_{dispatch.sender}"), layouts
+            yield pascal(interface.name), pascal(f"{interface.name}_from_{dispatch.sender}"), layouts
 
 
 _SOME = "Some(number(words) as _)"
 _SHOWN = (".to_string()", '.map_or("none".to_string(), |one| one.to_string())')
-_TELL = "told({type}::decode(variant, &bytes(words.next().unwrap())).map(|frame| match frame {{ {arms} }}.to_string()))"
-_TAKE = """told(variant.with_{name}(&bytes(words.next().unwrap())).map(|taken| {{
-            *variant = taken;
+_TELL = (
+    "told({type}::decode(&{code}(*variant), &bytes(words.next().unwrap()))"
+    ".map(|frame| match frame {{ {arms} }}.to_string()))"
+)
+_CODES = (
+    "{code}::ORDER_CODES.iter()"
+    '.for_each(|(text, code)| shown.push(format!("{{}} {code} {{}}", text, parameters(&code.0))));'
+)
+_FOUND = '{code}::find(text).map_or("-", |_| "{code}")'
+_READ = """told({type}::read(&{code}(*variant), &bytes(words.next().unwrap())).map(|(position, verdict)| {{
+                format!("{{}} {{:?}}", position, verdict)
+            }}))"""
+_TAKE = """told({code}(*variant).with_{name}(&bytes(words.next().unwrap())).map(|taken| {{
+            *variant = taken.0;
             parameters(variant)
         }}))"""
 
@@ -230,7 +258,11 @@ def _implementation(struct: Struct) -> str:
     printed += [f"self.{snake(run.name)}().to_string()" for field in struct.layout.fields for run in field.runs]
     printed += [f"self.{snake(join.name)}(variant).to_string()" for join in struct.layout.joins]
     in_bytes = struct.codec.in_bytes
-    text = _IMPLEMENTATION.replace("@type@", _type(struct)).replace("@shown@", ", ".join(printed))
+    text = (
+        _IMPLEMENTATION.replace("@type@", _type(struct))
+        .replace("@code@", struct.code)
+        .replace("@shown@", ", ".join(printed))
+    )
     text = text.replace("@wire@", "&bytes(wire)" if in_bytes else "word(wire)").replace("@given@", ", ".join(parsed))
     return text.replace("@sent@", "hex(&sent)" if in_bytes else 'format!("{:X}", sent)')
 
@@ -238,12 +270,13 @@ def _implementation(struct: Struct) -> str:
 _IMPLEMENTATION = """
 impl Frame for @type@ {
     fn taken(variant: &Variant, wire: &str) -> Result<Self, Fault> {
-        Self::decode(variant, @wire@)
+        Self::decode(&@code@(*variant), @wire@)
     }
     fn sent(&self, variant: &Variant) -> Result<String, Fault> {
-        self.encode(variant).map(|sent| @sent@)
+        self.encode(&@code@(*variant)).map(|sent| @sent@)
     }
     fn shown(&self, variant: &Variant) -> String {
+        let variant = &@code@(*variant);
         let shown: Vec<String> = vec![@shown@];
         shown.join(" ")
     }
@@ -252,7 +285,7 @@ impl Frame for @type@ {
     }
     fn placed(variant: &Variant) -> Result<String, Fault> {
         let shown = |one: &(&str, u32, u32)| format!("{} {} {}", one.0, one.1, one.2);
-        Ok(Self::fields(variant)?.iter().filter(|one| one.2 > 0).map(shown).collect::<Vec<_>>().join(","))
+        Ok(Self::fields(&@code@(*variant))?.iter().filter(|one| one.2 > 0).map(shown).collect::<Vec<_>>().join(","))
     }
 }
 """

@@ -6,12 +6,14 @@ import random
 from collections.abc import Iterator
 
 import pytest
-from codewheel.model import Choice, Decimal, Flag, PlacedField, Register, Text, Variant, number_to_bytes
+from codewheel.model import Choice, Decimal, Flag, PlacedField, Register, Text, Variant, Verdict, number_to_bytes
 from codewheel.order_codes.parameters import RegisterError, with_registers
 from codewheel.plan.crcs import Carrier, Form
 from codewheel.plan.frames import HoldingRegister
 from codewheel.reference import codec
 from codewheel.reference.bits import compute_bits, compute_bytes
+from codewheel.reference.findings import findings
+from codewheel_rust.names import pascal
 from exhaustive import mostly_exhaustive
 from rust_frames import Case, cases, check, decoding, first_fault, numbers
 from rust_harness import SPECS, Program, Workshop, masks
@@ -30,6 +32,66 @@ def test_frames_and_registers(program: Program) -> None:
     kinds = {kind for index in range(len(program.structs)) for kind in decoding(program, index, FRAMES)}
     assert kinds >= {"ok", "length"}
     assert "crc" in kinds or not any(struct.crc for struct in program.structs)
+
+
+def test_positions_are_read_from_buffers(program: Program) -> None:
+    """Lines drawn bit by bit, with valid and disturbed frames."""
+    random_ = random.Random("buffers")
+    pairs = []
+    for index, struct in enumerate(program.structs):
+        for case in cases(program, index) if struct.measured else ():
+            pairs.append((case.set, ""))
+            sent_bits = struct.layout.sent_bits.value(case.variant.parameters)
+            for number in numbers(case, 60, random_):
+                sent = number % (1 << sent_bits)
+                pairs.append((f"x {index} x{line(case, sent).hex()}", reading(case, sent)))
+            pairs += [(f"x {index} x{rx.hex()}", fault) for rx, fault in broken_lines(case, number)]
+    check(program, pairs)
+
+
+def line(case: Case, number: int) -> bytes:
+    """Return what a receiver stores while the encoder sends a frame."""
+    if case.struct.receiver not in LINES:
+        return number_to_bytes(case.placed.layout, number, case.placed.bits)
+    bits = case.placed.layout.sent_bits.value(case.variant.parameters)
+    return packed(LINES[case.struct.receiver].format(word=f"{number:0{bits}b}"))
+
+
+#: Levels of the data line with a word: idle, acknowledge, start bit and control data; or the clock that stores.
+LINES = {"biss": "1110000010{word}0", "ssi": "1{word}0"}
+
+
+def packed(levels: str) -> bytes:
+    filled = levels.ljust(-(-len(levels) // 8) * 8, "1")
+    return int(filled, 2).to_bytes(len(filled) // 8, "big")
+
+
+def broken_lines(case: Case, number: int) -> Iterator[tuple[bytes, str]]:
+    """Yield buffers without a frame, and the cause of each."""
+    if case.struct.receiver not in LINES:
+        rx = line(case, number)
+        yield from ((rx[:-1], "length"), (rx + b"\0", "length"))
+        return
+    size = len(line(case, number)) + 1
+    yield bytes([255] * size), "LineHigh"
+    yield bytes(size), "LineLow"
+    yield line(case, number)[:1], "length" if case.struct.receiver == "ssi" else "NoStart"
+    bits = case.placed.layout.sent_bits.value(case.variant.parameters)
+    levels = LINES[case.struct.receiver].format(word="0" * bits)
+    name = "bit after the word" if case.struct.receiver == "ssi" else "stop bit"
+    yield packed(f"{levels[:-1]}1"), f"constant {name}"
+
+
+def reading(case: Case, number: int) -> str:
+    """Return the expected position and verdict, or the reason why there is none."""
+    decoded = codec.decode(case.device, case.placed, number)
+    if decoded.problems:
+        return first_fault(decoded.problems)
+    verdict = findings(case.device, case.variant, decoded).verdict
+    assert verdict is not None
+    if verdict is Verdict.NOT_USABLE:
+        return "NotUsable"
+    return f"{decoded.values[case.struct.measured]} {pascal(verdict.value)}"
 
 
 def test_places_of_fields(program: Program) -> None:
@@ -174,15 +236,18 @@ def expected_parameters(program: Program, variant: Variant, register: Register, 
 def test_order_codes(program: Program) -> None:
     device = program.device
     names = [parameter.name for parameter in device.parameters]
-    undecided = {parameter.name: "none" for parameter in device.parameters if parameter.alternative}
+    questions = {alternative.name for alternative in device.alternatives if not alternative.default}
+    undecided = {parameter.name: "none" for parameter in device.parameters if parameter.alternative in questions}
+    interfaces = [interface.name for interface in device.interfaces]
     rows = []
-    for variant in device.variants:
+    for variant in sorted(device.variants, key=lambda variant: interfaces.index(variant.interface)):
         values = [undecided.get(name, str(variant.parameters[name])) for name in names]
         rows.append(" ".join([variant.code, variant.interface.capitalize(), *values]))
-    code = device.variants[-1].code
+    code, interface = device.variants[-1].code, device.variants[-1].interface
     answers = program.run(["o", f"f {code}", f"f {code}X"])
     assert [row.rstrip() for row in answers[0].split(";")] == rows
-    assert answers[1:] == [f'Some("{code}")', "None"]
+    found = [name.capitalize() if name == interface else "-" for name in interfaces]
+    assert answers[1:] == [" ".join(found), " ".join("-" for _ in interfaces)]
 
 
 def test_constants_of_registers(program: Program) -> None:

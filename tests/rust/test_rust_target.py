@@ -11,12 +11,16 @@ from pathlib import Path
 
 import pytest
 from codewheel.loading.library import load_library
+from codewheel.model import Verdict
 from codewheel.targets import Library
 from codewheel_rust import names
+from codewheel_rust.family import Family
+from codewheel_rust.spelling import Scope
+from codewheel_rust.verdicts import conditions
 from exhaustive import mostly_exhaustive
 from hostile_specs import BISS_CLOCK, HEAD, Item, crc, digits, layout_of
 from rust_frames import decoding
-from rust_harness import CRATES, LIBRARY, PACKAGE, ROOT, SPECS, Program, compiled, write
+from rust_harness import CRATES, LIBRARY, PACKAGE, ROOT, SPECS, Program, compiled, rust_tool, write
 
 pytestmark = pytest.mark.slow
 Run = Callable[..., tuple[int, str, str]]
@@ -29,8 +33,8 @@ def sources() -> list[Path]:
 
 def test_it_is_small_and_codewheel_knows_nothing_of_it() -> None:
     ours = [path for path in sources() if not {"build", "__pycache__"} & set(path.parts)]
-    assert len(ours) == 9
-    assert sum(len(path.read_text(encoding="utf-8").splitlines()) for path in ours) <= 1063
+    assert len(ours) == 10
+    assert sum(len(path.read_text(encoding="utf-8").splitlines()) for path in ours) <= 1280
     for folder in ("generator", "templates", "runtime"):
         for path in (ROOT / folder).rglob("*.*"):
             assert path.suffix == ".pyc" or not re.search(rb"(?i)\brust\b", path.read_bytes()), path
@@ -86,6 +90,45 @@ def test_the_readme(codewheel: Run, tmp_path: Path) -> None:
     compiled("--edition", "2021", "--extern", library, "-o", tmp_path / "main", tmp_path / "main.rs")
     completed = subprocess.run([tmp_path / "main"], capture_output=True, text=True, check=True)
     assert completed.stdout == example[2]
+
+
+# -- order codes of another interface
+
+#: A call with the order code of its interface, and with that of another one.
+MIXES = [
+    ("SingleCycleData::decode(&@, 0)", "Biss::AMM5A17_65KSC1", "Ssi::AMM5A17_65KBG1"),
+    ("SingleCycleData::read(&@, &[0])", "Biss::AMM5A17_65KSC1", "Rs485::AMM5A17_65KJP1"),
+    ("SsiWord::receive(&@, &[0])", "Ssi::AMM5A17_65KBG1", "Biss::AMM5A17_65KSC1"),
+    ("Rs485FromEncoder::decode(&@, &[0])", "Rs485::AMM5A17_65KJP1", "Ssi::AMM5A17_65KBG1"),
+    ("registers::SerialNumber::decode(&@, &[0])", "Biss::AMM5A17_65KSC1", "Ssi::AMM5A17_65KBG1"),
+    ("SingleCycleData::decode(&@, 0)", "Biss::AMM5A17_65KSC1", "Biss::AMM5A17_65KBG1"),
+    ("SingleCycleData::decode(&@, 0)", "Biss::AMM5A17_65KSC1", "*Biss::AMM5A17_65KSC1"),
+]
+
+
+@pytest.fixture(scope="module")
+def lika(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("lika")
+    devices, _ = load_library([ROOT / "specs" / "lika"])
+    compiled("--edition", "2021", *LIBRARY, "--out-dir", folder, write(devices, folder))
+    return folder / "libencoders.rlib"
+
+
+@pytest.mark.parametrize(("call", "code", "other"), MIXES)
+def test_an_order_code_of_another_interface_does_not_compile(
+    call: str, code: str, other: str, lika: Path, tmp_path: Path
+) -> None:
+    errors = []
+    for argument in (code, other):
+        main = tmp_path / "main.rs"
+        main.write_text(
+            f"use encoders::amm5::*;\nfn main() {{ drop({call.replace('@', argument)}); }}\n", encoding="utf-8"
+        )
+        command = [rust_tool("rustc"), "--edition", "2021", "--extern", f"encoders={lika}", "--emit", "metadata"]
+        completed = subprocess.run([*command, "--out-dir", tmp_path, main], capture_output=True, text=True, check=False)
+        errors.append(re.findall(r"^error\[(E\d+)\]", completed.stderr, re.MULTILINE))
+    mistake = "E0599" if other == "Biss::AMM5A17_65KBG1" else "E0308"
+    assert errors == [[], [mistake]]
 
 
 # -- problems
@@ -147,6 +190,17 @@ def test_what_cannot_be_computed_is_refused(spec: str, rule: str, part: str, cod
     assert f"{rule}: 'word' has {part}, which this target does not compute" in output
 
 
+def test_without_a_bit_that_judges_a_position_its_verdict_is_unknown() -> None:
+    """Only specs with optional flags have such order codes, and the target refuses these for another reason."""
+    devices, _ = load_library([ROOT / "tests" / "specs" / "options.yaml"])
+    structs = {struct.layout.name: struct for _, struct in Family(devices[0]).frames}
+    assert list(conditions(structs["cycle"], Scope(devices[0]))) == [
+        ("self.error", Verdict.NOT_USABLE),
+        ("variant.error_bits + variant.warning_bits == 0", Verdict.UNKNOWN),
+        ("self.warning", Verdict.USABLE_WITH_WARNING),
+    ]
+
+
 # -- hostile names and texts
 
 
@@ -203,13 +257,13 @@ def words() -> list[str]:
         statements = re.sub(r"{[{%#].*?[}%#]}|//.*", " ", path.read_text(encoding="utf-8"))
         candidates.update(re.findall(r"\b[a-z]\w*\b", statements))
     # Every module or struct has these names, so a spec that uses them has a problem.
-    reserved = {name.lower() for name in names.OF_MODULE} | {*names.OF_STRUCT}
+    reserved = {name.lower() for name in names.OF_MODULE} | {*names.OF_STRUCT, *names.OF_CODE}
     return sorted(word for word in candidates - reserved if re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)*", word))
 
 
-@pytest.mark.parametrize("part", mostly_exhaustive(range(3), 0))
+@pytest.mark.parametrize("part", mostly_exhaustive(range(4), 0))
 def test_no_word_is_a_bad_name(part: int, tmp_path: Path) -> None:
-    candidates = words()[part::3]
+    candidates = words()[part::4]
     assert 30 < len(candidates) < 64
     shutil.copy(ROOT / "tests" / "specs" / "manufacturer.yaml", tmp_path)
     (tmp_path / "hostile.yaml").write_text(json.dumps(hostile(candidates), indent=1), encoding="utf-8")

@@ -178,10 +178,12 @@ def test_only_the_three_headers_of_the_standard_are_included(headers: tuple[Path
 #: The macros that identify compilers, and unaligned loads on Arm, which decide how an XOR of bytes is written.
 #: SDCC returns no structures.
 _COMPILER = r"__(GNUC__|SDCC\b|ARM_FEATURE_UNALIGNED\b)"
-#: The only built-in functions are those for words of memory, used where a macro says that they exist.
+#: The only built-in functions are those for words of memory, used where a macro says that they exist, and the one that
+#: keeps C++17 from using them at compile time.
 _PREDEFINED = (
     _COMPILER
     + r"|__(ARM_FEATURE_(UNALIGNED|CLZ)|(BYTE_)?ORDER(_LITTLE_ENDIAN)?__|builtin_(memcpy|bswap32|bswap64|clz|clzll))"
+    + r"|__builtin_is_constant_evaluated\b"
 )
 
 

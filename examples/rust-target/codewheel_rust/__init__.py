@@ -17,7 +17,7 @@ from codewheel.say.order_code import order_code, parameter
 from codewheel.say.register import value
 from codewheel.targets import Library, Option, Options, Target, TargetProblem
 
-from . import about, names, spelling
+from . import about, names, spelling, verdicts
 from .family import Family, crc_name
 
 
@@ -57,7 +57,8 @@ TEMPLATES = Templates(
     Path(__file__).parent / "templates",
     values={"Cargo.toml.jinja": Crate, "lib.rs.jinja": Crate, "family.rs.jinja": Module},
     filters={item.__name__: item for item in (*_WORDS, *spelling.PIECES, *spelling.NUMBERS)},
-    functions={"never": assert_never} | {item.__name__: item for item in (*_TEXTS, describe, refusals)},
+    functions={"never": assert_never}
+    | {item.__name__: item for item in (*_TEXTS, describe, refusals, verdicts.conditions)},
     tests=tests_for(Check, Refusal, Fixed, ValueOfField, ParityOf, ReservedBits),
 )
 TARGET = Target(

@@ -12,9 +12,10 @@ from codewheel.plan.frames import dispatches, held_parameters
 from codewheel.plan.limits import Limits, limits_of
 from codewheel.plan.operations import AlwaysIs, Bits, Fixed, ParityIs, ParityOf, Term
 from codewheel.plan.values import Characters, meaning_of
+from codewheel.plan.verdicts import Judgement, reportings
 from codewheel.targets import TargetProblem
 
-from .names import OF_MODULE, OF_STRUCT, Names, Place, constant, pascal, snake
+from .names import OF_CODE, OF_MODULE, OF_STRUCT, Names, Place, constant, pascal, snake
 from .spelling import type_of
 
 WORD = 64
@@ -30,14 +31,22 @@ class Enum:
 
 @dataclass(frozen=True)
 class Struct:
-    """A frame or register as a type. ``enums`` has the type of each member that is a choice."""
+    """A frame or register as a type. ``enums`` has the type of each member that is a choice.
+
+    ``code`` is the type of the order codes of its interface. ``measured`` is the member with the position if there is
+    a ``judgement`` on it, or empty.
+    """
 
     layout: Layout
+    code: str
     codec: Codec
     crc: CrcFunction | None
     enums: Mapping[str, Enum]
     register: Register | None = None
     limits: Limits | None = None
+    receiver: str = ""
+    judgement: Judgement | None = None
+    measured: str = ""
 
     @property
     def bits_to_decode(self) -> dict[str, Bits]:
@@ -60,6 +69,21 @@ class Struct:
         """Return the type of a member."""
         return self.enums[field.name].name if field.name in self.enums else type_of(field)
 
+    @property
+    def is_joined(self) -> bool:
+        """True if the position is several fields together."""
+        return self.measured in {join.name for join in self.layout.joins}
+
+    @property
+    def position_type(self) -> str:
+        """Return the type of the position."""
+        return "u64" if self.is_joined else self.type_of(self.layout.field(self.measured))
+
+    @property
+    def is_extracted(self) -> bool:
+        """True if the frame is bits in a buffer, which a receiver extracts."""
+        return self.receiver in ("biss", "ssi") or (self.receiver == "spi" and not self.codec.in_bytes)
+
     def allows_only(self, field: Field, values: Iterable[int]) -> bool:
         """Return whether the type of a member already excludes every other value."""
         return field.name in self.enums and {value.value for value in field.values} == set(values)
@@ -78,8 +102,13 @@ class Family:
 
     def __init__(self, device: Device) -> None:
         self.device, self._scopes, self._wide = device, list[Names](), list[TargetProblem]()
-        self._top, self._inner = self._scope(OF_MODULE), self._scope(OF_MODULE)
-        codes, methods = self._scope(()), self._scope(())
+        self._top = self._scope(OF_MODULE)
+        self.interfaces = {
+            self._top.give(pascal(item.name), "interfaces", item.name): item for item in device.interfaces
+        }
+        self._inner = self._scope((*OF_MODULE, *self.interfaces))
+        codes, methods = self._scope(OF_CODE), self._scope(OF_CODE)
+        self._judgements = {reporting.codec.layout.name: reporting.judgement for reporting in reportings(device)}
         self.codes = {variant.code: codes.give(constant(variant.code), "order_code") for variant in device.variants}
         self.held = tuple(held_parameters(device))
         for held_register in self.held:
@@ -116,14 +145,22 @@ class Family:
             is_shared = all(namesake.values == field.values for namesake in fields if namesake.name == field.name)
             owners[field.name] = interface.name if is_shared else layout.name
         place = ("interfaces", interface.name, "layouts", layout.name)
-        return self._struct(self._top, self.enums, place, layout, owners)
+        struct = self._struct(self._top, self.enums, place, layout, owners, interface.name)
+        judgement = self._judgements.get(layout.name)
+        measurement = self.device.measurement_of(interface.name)
+        if judgement is None or measurement is None or measurement.of not in layout.member_names:
+            return struct
+        return replace(struct, receiver=interface.name, judgement=judgement, measured=measurement.of)
 
     def _register(self, register: Register) -> Struct:
         owners = {register_field.name: register.name for register_field in register.layout.fields}
-        struct = self._struct(self._inner, self.register_enums, ("registers", register.name), register.layout, owners)
+        place = ("registers", register.name)
+        struct = self._struct(self._inner, self.register_enums, place, register.layout, owners, register.interface)
         return replace(struct, register=register, limits=limits_of(self.device, register))
 
-    def _struct(self, names: Names, enums: list[Enum], place: Place, layout: Layout, owners: dict[str, str]) -> Struct:
+    def _struct(
+        self, names: Names, enums: list[Enum], place: Place, layout: Layout, owners: dict[str, str], interface: str
+    ) -> Struct:
         choices = [field for field in layout.data_fields if field.values]
         types = {field.name: Enum(pascal(f"{owners[field.name]}_{field.name}"), field.values) for field in choices}
         for enum in types.values():
@@ -138,7 +175,7 @@ class Family:
         codec = codec_of(self.device, layout)
         crc = codec.only_crc
         crc_function = function_of(self.device, layout, crc.crc) if crc is not None else None
-        struct = Struct(layout, codec, crc_function, types)
+        struct = Struct(layout, pascal(interface), codec, crc_function, types)
         for problem in struct.width_problems():
             self._wide.append(TargetProblem(self.device, "rust-size", place, f"{problem}. Rust allows at most {WORD}"))
         if struct.codec.parity_covers_gray or layout.has_optional_flags:

@@ -15,9 +15,11 @@ KEYWORDS = frozenset(
     " typeof unsafe unsized use virtual where while yield".split()
 )
 #: Names that every module declares or relies on.
-OF_MODULE = tuple("Crc Err Fault Interface None Ok Option OrderCode Result Some Variant".split())
+OF_MODULE = tuple("Crc Err Fault None Ok Option Result Some Variant Verdict".split())
+#: Names that every type of order codes has.
+OF_CODE = ("ORDER_CODES", "find")
 #: Names that every type of a frame or register has.
-OF_STRUCT = ("bits", "decode", "encode", "fields")
+OF_STRUCT = ("bits", "decode", "encode", "fields", "read", "receive", "verdict")
 
 
 def snake(name: str) -> str:

@@ -105,10 +105,15 @@ class Scope:
 
     def __init__(self, device: Device) -> None:
         self._parameters = {parameter.name: parameter for parameter in device.parameters}
+        self._questions = {alternative.name for alternative in device.alternatives if not alternative.default}
+
+    def is_open(self, name: str) -> bool:
+        """Return True if the user must decide on a parameter, since its question has no default answer."""
+        return self._parameters[name].alternative in self._questions
 
     def parameter(self, name: str) -> str:
         """Return a parameter. One that the user must decide on is asked for."""
-        question = self._parameters[name].alternative
+        question = self._parameters[name].alternative if self.is_open(name) else ""
         call = "" if self._parameters[name].equals is None else "()"
         return f"variant.{snake(name)}{call}" + (f'.ok_or(Fault::Undecided("{question}"))?' if question else "")
 

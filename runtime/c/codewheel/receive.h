@@ -42,6 +42,7 @@ extern "C" {
 /* -- bits -------------------------------------------------------------------------------------- */
 
 /** Return a received bit, 0 or 1. Bit 0 was received first. */
+CW_CONSTEXPR
 static inline uint32_t cw_received_bit(const uint8_t *rx, size_t place)
 {
     const uint32_t byte = rx[place / 8U];
@@ -50,20 +51,26 @@ static inline uint32_t cw_received_bit(const uint8_t *rx, size_t place)
 }
 
 /** Return 4 bytes as a number. The first one is the most significant. */
+CW_CONSTEXPR
 static inline uint32_t cw_received_4_bytes(const uint8_t *rx)
 {
 #if defined(__GNUC__) && defined(__ARM_FEATURE_UNALIGNED) && \
     (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__)
-    uint32_t loaded;
-    (void)__builtin_memcpy(&loaded, rx, 4U);
-    return __builtin_bswap32(loaded);
-#else
+#if defined(__cplusplus) && (__cplusplus >= 201703L) /* no compiler evaluates memcpy */
+    if (!__builtin_is_constant_evaluated())
+#endif
+    {
+        uint32_t loaded = 0U;
+        (void)__builtin_memcpy(&loaded, rx, 4U);
+        return __builtin_bswap32(loaded);
+    }
+#endif
     return ((uint32_t)rx[0] << 24U) | ((uint32_t)rx[1] << 16U) | ((uint32_t)rx[2] << 8U) |
         (uint32_t)rx[3];
-#endif
 }
 
 /** Return the number of zeros above the highest 1 of a number, which must not be 0. */
+CW_CONSTEXPR
 static inline uint32_t cw_received_zeros(uint32_t value)
 {
 #if defined(__GNUC__) && defined(__ARM_FEATURE_CLZ)
@@ -88,6 +95,7 @@ static inline uint32_t cw_received_zeros(uint32_t value)
 }
 
 /** Return up to 64 bits as a number. Its most significant bit is the bit at first. */
+CW_CONSTEXPR
 static inline uint64_t cw_received_bits(const uint8_t *rx, size_t first, uint32_t bits)
 {
     /* Work on two halves, since small processors are slow at shifting 64 bits. */
@@ -126,6 +134,7 @@ static inline uint64_t cw_received_bits(const uint8_t *rx, size_t first, uint32_
  * @param upper  the half with the first bit
  * @param lower  the other half
  */
+CW_CONSTEXPR
 static inline void cw_received_halves(
     const uint8_t *rx, size_t size, size_t first, uint32_t *upper, uint32_t *lower)
 {
@@ -146,6 +155,7 @@ static inline void cw_received_halves(
 }
 
 /** Return the highest 1 to 63 bits of two halves as a number. */
+CW_CONSTEXPR
 static inline uint64_t cw_received_highest(uint32_t high, uint32_t low, uint32_t bits)
 {
     if (bits > 32U) {
@@ -253,11 +263,12 @@ static inline size_t cw_received_samples(
  * Return the index of the start bit, which is the first 1 after a 0. If there is none, return
  * received, or received + 1 if there is no 0 either.
  */
+CW_CONSTEXPR
 static inline size_t cw_biss_start(const uint8_t *rx, size_t received)
 {
     uint32_t before = 0x80000000U; /* bit 31 is the bit before the next one */
-    size_t at;
-    for (at = 0U; (at + 32U) <= received; at += 32U) {
+    size_t at = 0U;
+    while ((at + 32U) <= received) {
         const uint32_t bits = cw_received_4_bytes(&rx[at / 8U]);
         const uint32_t follows = before | (bits >> 1U);
         const uint32_t rising = (bits | follows) ^ follows; /* SDCC 4.2 miscompiles & ~ for STM8 */
@@ -265,6 +276,7 @@ static inline size_t cw_biss_start(const uint8_t *rx, size_t received)
             return at + (size_t)cw_received_zeros(rising);
         }
         before = (bits & 1U) << 31U;
+        at += 32U;
     }
     while (at < received) {
         const uint32_t bit = cw_received_bit(rx, at);
@@ -316,6 +328,7 @@ static inline size_t cw_biss_start(const uint8_t *rx, size_t received)
  *   CONSTANT   the stop bit is 1: the frame has a different length or was disturbed.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result cw_biss_receive_bits(
     const uint8_t *rx, size_t received, uint32_t bits, uint64_t *word)
 {
@@ -356,6 +369,7 @@ static inline cw_result cw_biss_receive_bits(
 
 /** Extract the word of single cycle data from whole bytes. See cw_biss_receive_bits. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result cw_biss_receive(
     const uint8_t *rx, size_t size, uint32_t bits, uint64_t *word)
 {
@@ -372,6 +386,7 @@ static inline cw_result cw_biss_receive(
  * @return OK, or LENGTH if there is no frame. In that case abort the access in progress
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result cw_biss_receive_cds_bits(const uint8_t *rx, size_t received, bool *cds)
 {
     CW_ASSERT((rx != NULL) && (cds != NULL));
@@ -385,6 +400,7 @@ static inline cw_result cw_biss_receive_cds_bits(const uint8_t *rx, size_t recei
 
 /** Extract the CDS bit from whole bytes. See cw_biss_receive_cds_bits. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result cw_biss_receive_cds(const uint8_t *rx, size_t size, bool *cds)
 {
     return cw_biss_receive_cds_bits(rx, 8U * size, cds);
@@ -398,6 +414,7 @@ static inline cw_result cw_biss_receive_cds(const uint8_t *rx, size_t size, bool
  * @param rx  the buffer, which must hold the bits
  * @param bits  number of bits
  */
+CW_CONSTEXPR
 static inline uint64_t cw_ssi_word(const uint8_t *rx, uint32_t bits)
 {
     const size_t last = (size_t)bits / 8U;
@@ -450,18 +467,18 @@ static inline uint64_t cw_ssi_word(const uint8_t *rx, uint32_t bits)
  *   CONSTANT   the bit after the word is 1: the word is longer or was disturbed.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result cw_ssi_receive(
     const uint8_t *rx, size_t size, uint32_t bits, uint64_t *word)
 {
     CW_ASSERT((rx != NULL) && (word != NULL));
-    uint64_t found;
     if ((bits > 64U) || (((size_t)bits + 2U) > (8U * size))) {
         return CW_FAULT_LENGTH;
     }
     if (cw_received_bit(rx, 0U) == 0U) {
         return CW_FAULT_LINE_LOW;
     }
-    found = cw_ssi_word(rx, bits);
+    const uint64_t found = cw_ssi_word(rx, bits);
     if (cw_received_bit(rx, (size_t)bits + 1U) != 0U) {
         return (found == cw_mask(bits)) ? CW_FAULT_LINE_HIGH : CW_FAULT_CONSTANT;
     }
@@ -484,6 +501,7 @@ static inline cw_result cw_ssi_receive(
  *         must be read again
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result cw_ssi_repeats(
     uint64_t first, uint64_t second, uint64_t modulus, uint64_t at_most)
 {

@@ -24,8 +24,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "bits.h"
 #include "result.h"
-#include "version.h"
 
 #if (CW_RUNTIME_MAJOR != 1) || (CW_RUNTIME_MINOR != 0)
 #error "codewheel/spi.h 1.0 and version.h differ: take all of codewheel/ from one folder"
@@ -91,11 +91,11 @@ static inline void cw_spi_bytes(uint64_t data, uint8_t *bytes, size_t length)
 }
 
 /** Return the value of a register from its bytes, which the _encode function of it stored. */
+CW_CONSTEXPR
 static inline uint64_t cw_spi_data(const uint8_t *bytes, size_t length)
 {
     uint64_t data = 0U;
-    size_t at;
-    for (at = 0U; at < length; at++) {
+    for (size_t at = 0U; at < length; at++) {
         data = (data << 8U) | bytes[at];
     }
     return data;
@@ -134,6 +134,7 @@ static inline cw_result cw_spi_store(uint64_t word, uint32_t bits, uint8_t *byte
  * @return CW_OK, or CW_FAULT_LENGTH if the word has another number of bytes.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result cw_spi_load(
     const uint8_t *bytes, size_t length, uint32_t bits, uint64_t *word)
 {

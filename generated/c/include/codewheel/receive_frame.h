@@ -31,12 +31,12 @@ extern "C" {
  * Store any number of bits as bytes. The last bit is bit 0 of the last byte, and the bits before
  * the first one are 0.
  */
+CW_CONSTEXPR
 static inline void cw_received_frame(
     const uint8_t *rx, size_t first, uint32_t bits, uint8_t *frame, size_t length)
 {
     uint32_t left = bits;
-    size_t at;
-    for (at = length; at > 0U; at--) {
+    for (size_t at = length; at > 0U; at--) {
         const uint32_t take = (left < 8U) ? left : 8U;
         left -= take;
         frame[at - 1U] = (uint8_t)cw_received_bits(rx, first + (size_t)left, take);
@@ -55,6 +55,7 @@ static inline void cw_received_frame(
  * @return the results of cw_biss_receive_bits, and LENGTH if length is too short
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result cw_biss_receive_frame_bits(
     const uint8_t *rx, size_t received, uint32_t bits, uint8_t *frame, size_t length)
 {
@@ -84,6 +85,7 @@ static inline cw_result cw_biss_receive_frame_bits(
 
 /** Extract single cycle data as bytes from whole bytes. See cw_biss_receive_frame_bits. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result cw_biss_receive_frame(
     const uint8_t *rx, size_t size, uint32_t bits, uint8_t *frame, size_t length)
 {
@@ -102,6 +104,7 @@ static inline cw_result cw_biss_receive_frame(
  * @return the results of cw_ssi_receive, and LENGTH if length is too short
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result cw_ssi_receive_frame(
     const uint8_t *rx, size_t size, uint32_t bits, uint8_t *frame, size_t length)
 {

@@ -94,25 +94,45 @@ private:
 
 /** A position with its verdict. */
 template <typename T>
-struct [[nodiscard]] reading {
+class [[nodiscard]] reading {
+public:
     codewheel::verdict verdict; /**< not_usable as well if the frame is not well formed */
-    codewheel::fault error;     /**< fault of the frame, or fault::none */
     T position;                 /**< the position, or 0 if it is not usable */
+
+    /** Keep the verdict on a well-formed frame, and its position if that is usable. */
+    constexpr reading(codewheel::verdict found, T value) noexcept
+        : verdict(found), position((found != codewheel::verdict::not_usable) ? value : T{}),
+          fault_(codewheel::fault::none)
+    {
+    }
+
+    /** Keep the fault of a frame that is not well formed. */
+    constexpr reading(codewheel::fault found) noexcept
+        : verdict(codewheel::verdict::not_usable), position(), fault_(found)
+    {
+    }
+
+    /** Return the fault of the frame, or fault::none if it is well formed. */
+    constexpr codewheel::fault error() const noexcept
+    {
+        return fault_;
+    }
 
     /** Return true unless the position is not usable. An unknown verdict counts as usable. */
     constexpr explicit operator bool() const noexcept
     {
         return verdict != codewheel::verdict::not_usable;
     }
+
+private:
+    codewheel::fault fault_;
 };
 
 /** Return the position of a frame with its verdict. */
 template <typename Frame, typename T>
 constexpr reading<T> read(const result<Frame> &frame, verdict found, T position) noexcept
 {
-    return (frame && (found != verdict::not_usable)) ?
-        reading<T>{found, fault::none, position} :
-        reading<T>{verdict::not_usable, frame.error(), T{}};
+    return frame ? reading<T>(found, position) : reading<T>(frame.error());
 }
 
 /** Bytes of a request or a register. */

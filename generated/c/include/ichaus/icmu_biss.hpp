@@ -7,8 +7,8 @@
  * This file is yours: use it, change it and pass it on as you like.
  *
  * The functions have the names of those in icmu_biss.h without ichaus_icmu_biss_. They work at
- * compile time too, like all functions in that header except those that end in _position, _receive
- * or _read.
+ * compile time too, like all functions in that header except those that end in _position, _read or
+ * _read_twice.
  */
 #ifndef ICHAUS_ICMU_BISS_HPP
 #define ICHAUS_ICMU_BISS_HPP

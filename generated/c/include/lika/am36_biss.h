@@ -424,6 +424,7 @@ static inline bool lika_am36_biss_is_expected(
  * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_am36_biss_receive(
     lika_am36_biss variant, const uint8_t *bytes, size_t length, cw_word *word)
 {

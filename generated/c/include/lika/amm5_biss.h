@@ -409,6 +409,7 @@ static inline cw_result lika_amm5_biss_decode(
  * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_receive(
     lika_amm5_biss variant, const uint8_t *bytes, size_t length, cw_word *word)
 {

@@ -11,8 +11,8 @@
  *     }
  *
  * The functions have the names of those in amm5_rs485.h without lika_amm5_rs485_. They work at
- * compile time too, like all functions in that header except those that end in _position, _receive
- * or _read.
+ * compile time too, like all functions in that header except those that end in _position, _read or
+ * _read_twice.
  */
 #ifndef LIKA_AMM5_RS485_HPP
 #define LIKA_AMM5_RS485_HPP

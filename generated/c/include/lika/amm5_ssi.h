@@ -281,6 +281,7 @@ static inline cw_result lika_amm5_ssi_decode(
  * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_ssi_receive(
     lika_amm5_ssi variant, const uint8_t *bytes, size_t length, cw_word *word)
 {

@@ -11,8 +11,8 @@
  *     }
  *
  * The functions have the names of those in amm5_ssi.h without lika_amm5_ssi_. They work at compile
- * time too, like all functions in that header except those that end in _position, _receive or
- * _read.
+ * time too, like all functions in that header except those that end in _position, _read or
+ * _read_twice.
  */
 #ifndef LIKA_AMM5_SSI_HPP
 #define LIKA_AMM5_SSI_HPP
@@ -52,14 +52,14 @@ position(
 /**
  * Return the position in a buffer and the verdict on it. rx is an array, a std::array or a span.
  */
-[[nodiscard]] inline codewheel::reading<uint64_t>
+[[nodiscard]] constexpr codewheel::reading<uint64_t>
 read(
     const ::lika_amm5_ssi &variant, codewheel::view rx) noexcept
 {
     cw_word word{};
     const cw_result found = lika_amm5_ssi_receive(variant, rx.data(), rx.size(), &word);
     if (found != CW_OK) {
-        return {codewheel::verdict::not_usable, static_cast<codewheel::fault>(found), {}};
+        return static_cast<codewheel::fault>(found);
     }
     return position(variant, word);
 }

@@ -416,6 +416,7 @@ static inline cw_result lika_asc85_biss_decode(
  * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_receive(
     lika_asc85_biss variant, lika_asc85_biss_zero_bit zero_bit, const uint8_t *bytes, size_t length,
     cw_word *word)

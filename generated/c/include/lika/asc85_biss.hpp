@@ -12,8 +12,8 @@
  *     }
  *
  * The functions have the names of those in asc85_biss.h without lika_asc85_biss_. They work at
- * compile time too, like all functions in that header except those that end in _position, _receive
- * or _read.
+ * compile time too, like all functions in that header except those that end in _position, _read or
+ * _read_twice.
  */
 #ifndef LIKA_ASC85_BISS_HPP
 #define LIKA_ASC85_BISS_HPP
@@ -53,7 +53,7 @@ position(
 /**
  * Return the position in a buffer and the verdict on it. rx is an array, a std::array or a span.
  */
-[[nodiscard]] inline codewheel::reading<uint32_t>
+[[nodiscard]] constexpr codewheel::reading<uint32_t>
 read(
     const ::lika_asc85_biss &variant, lika_asc85_biss_zero_bit zero_bit,
     codewheel::view rx) noexcept
@@ -61,7 +61,7 @@ read(
     cw_word word{};
     const cw_result found = lika_asc85_biss_receive(variant, zero_bit, rx.data(), rx.size(), &word);
     if (found != CW_OK) {
-        return {codewheel::verdict::not_usable, static_cast<codewheel::fault>(found), {}};
+        return static_cast<codewheel::fault>(found);
     }
     return position(variant, zero_bit, word);
 }

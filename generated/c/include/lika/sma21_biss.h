@@ -433,6 +433,7 @@ static inline cw_result lika_sma21_biss_decode(
  * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_receive(
     lika_sma21_biss variant, const uint8_t *bytes, size_t length, cw_word *word)
 {

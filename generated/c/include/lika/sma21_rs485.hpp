@@ -11,8 +11,8 @@
  *     }
  *
  * The functions have the names of those in sma21_rs485.h without lika_sma21_rs485_. They work at
- * compile time too, like all functions in that header except those that end in _position, _receive
- * or _read.
+ * compile time too, like all functions in that header except those that end in _position, _read or
+ * _read_twice.
  */
 #ifndef LIKA_SMA21_RS485_HPP
 #define LIKA_SMA21_RS485_HPP

@@ -1,0 +1,59 @@
+"""Conditions of a verdict on the position of a frame, as expressions over ``self`` and ``variant``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import reduce
+from operator import or_
+
+from codewheel.model import Verdict
+from codewheel.plan.operations import Part, Reserved
+from codewheel.plan.values import Active
+from codewheel.plan.verdicts import Match, Only, VerdictCause
+
+from .family import Struct
+from .names import pascal, snake
+from .spelling import Scope, hexadecimal
+
+
+def conditions(struct: Struct, scope: Scope) -> Iterator[tuple[str, Verdict]]:
+    """Yield the conditions of the verdicts that are worse than that without an active cause, worst first."""
+    judgement = struct.judgement
+    if judgement is None:
+        return
+    causes = dict(judgement.worst_first)
+    for verdict in Verdict:
+        if verdict is Verdict.UNKNOWN and judgement.may_be_unknown:
+            yield f"{scope.expression(judgement.judging_bits)} == 0", verdict
+        for condition in _active(struct, causes.get(verdict, ()), scope):
+            yield condition, verdict
+
+
+def _active(struct: Struct, causes: Sequence[VerdictCause], scope: Scope) -> Iterator[str]:
+    """Yield the condition that each cause is active. Unused bits are checked together."""
+    for cause in causes:
+        if not isinstance(cause.by, Reserved):
+            terms = [_selects(condition, scope) for condition in cause.conditions]
+            terms += _terms(struct, cause.by)
+            terms += [f"!self.{snake(part.field.name)}" for part in cause.unless]
+            yield " && ".join(terms)
+    mask = reduce(or_, (cause.by.mask for cause in causes if isinstance(cause.by, Reserved)), 0)
+    if mask:
+        yield f"self.unused & {hexadecimal(mask)} != 0"
+
+
+def _selects(condition: Only, scope: Scope) -> str:
+    return f"{scope.parameter(condition.parameter)} {'!=' if condition.holds else '=='} 0"
+
+
+def _terms(struct: Struct, cause: Part | Match) -> Iterator[str]:
+    """Yield the conditions that a flag is active, or that fields have their values."""
+    parts = cause.conditions if isinstance(cause, Match) else ((cause, 1),)
+    for part, value in parts:
+        member = f"self.{snake(part.field.name)}"
+        if isinstance(part.meaning, Active):
+            yield member if value else f"!{member}"
+        else:
+            enum = struct.enums[part.field.name]
+            name = next(named.name for named in enum.values if named.value == value)
+            yield f"{member} == {enum.name}::{pascal(name)}"

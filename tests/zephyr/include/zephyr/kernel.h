@@ -1,0 +1,2 @@
+#include <stdint.h>
+void k_busy_wait(uint32_t us);

@@ -1,0 +1,1 @@
+#define ARG_UNUSED(x) (void)(x)
