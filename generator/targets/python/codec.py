@@ -30,9 +30,11 @@ from ...say.names_and_places import words
 from ...say.text import sentence
 from . import docstrings
 from .bits import Maker
-from .decode import Decoder, FrameReports, NamedValues, assigned
+from .decode import Decoder, assigned
 from .literals import Atom, Expr, Negative, Operation, Scope, coded, number, quoted
+from .named_values import NamedValues
 from .names import ClassNames, Context, OpenQuestion, encoder_name, interface_name, meaning_limits
+from .reports import FrameReports
 
 
 @dataclass(frozen=True)

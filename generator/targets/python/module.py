@@ -15,7 +15,6 @@ from . import docstrings, facts
 from .bits import from_pieces
 from .codec import Coder
 from .docstrings import Block, Lines, docstring
-from .facts import Shape, row, rows
 from .literals import Call, Expr
 from .names import (
     LOCAL_NAMES,
@@ -30,6 +29,8 @@ from .names import (
 )
 from .procedures import Steps
 from .readme import Readme, ReadmeExample
+from .records import record_of, records_of
+from .shapes import Shape
 from .variants import FrameKind, Variants
 
 
@@ -132,9 +133,9 @@ class Module:
         steps_by_name = {steps.procedure.name: steps for steps in self.procedures}
         self.readme = Readme(self.context, kinds, coders, steps_by_name)
         self.identities = list(identities(device))
-        self.family, self.manual = facts.family(device), row("Manual", device.manual)
+        self.family, self.manual = facts.family(device), record_of("Manual", device.manual)
         self.order_code = facts.order_code(device.order_code)
-        self.crcs = rows("Crc", device.crcs)
+        self.crcs = records_of("Crc", device.crcs)
 
     # -- facts, which the files of the whole package do not need
 
