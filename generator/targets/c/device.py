@@ -89,18 +89,33 @@ class CrcCode:
 
 
 def crc_code(context: Context, function: CrcFunction, codecs: Sequence[StructCodec]) -> CrcCode:
+    """Return the function of a CRC, with a table only if a codec uses the CRC."""
+    users = [codec for codec in codecs if _uses(codec, function)]
+    return CrcCode(
+        name=context.crc_name(function.crc, function.carrier.value),
+        function=function,
+        about=tuple(about_crc(context.device, function)),
+        table=_table_of(function) if users else (),
+        is_called=any(codec.word_crc is None for codec in users),
+    )
+
+
+def _uses(codec: StructCodec, function: CrcFunction) -> bool:
+    """Return whether a codec computes its CRC by this function, or by its table."""
+    frame_crc = codec.plan.crc
+    if frame_crc is None or frame_crc.crc != function.crc or codec.bits_crc is not None:
+        return False
+    return carrier_of(codec.struct.layout) is function.carrier
+
+
+def _table_of(function: CrcFunction) -> tuple[int, ...]:
     crc = function.crc
-    users = [codec for codec in codecs if codec.plan.crc is not None and codec.plan.crc.crc == crc]
-    users = [codec for codec in users if carrier_of(codec.struct.layout) is function.carrier and codec.bits_crc is None]
-    is_called = any(codec.word_crc is None for codec in users)
-    name = context.crc_name(crc, function.carrier.value)
-    values: tuple[int, ...] = ()
     if function.form is Form.TABLE:
-        values = table(crc.width, crc.poly, function.carrier is Carrier.BYTES and crc.refin)
-    elif function.form is Form.FOLD and function.in_words:
-        values = word_table(crc.width, crc.poly)
-    values = values if users else ()
-    return CrcCode(name, function, tuple(about_crc(context.device, function)), values, is_called)
+        is_reflected = function.carrier is Carrier.BYTES and crc.refin
+        return table(crc.width, crc.poly, is_reflected)
+    if function.form is Form.FOLD and function.in_words:
+        return word_table(crc.width, crc.poly)
+    return ()
 
 
 _Built = TypeVar("_Built")
