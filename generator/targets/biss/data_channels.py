@@ -272,9 +272,8 @@ def _sent_fields(layout: Layout) -> str:
         elif field is not layout.crc_field:
             names.append(field.name)
     names.append("CRC")
-    if not layout.status_fields:
-        names.append("no status bits")
-    return ", ".join(names)
+    without_status = "" if layout.status_fields else ", no status bits"
+    return ", ".join(names) + without_status
 
 
 def _heading(device: Device, layout: Layout, lengths: Sequence[DataLength]) -> str:

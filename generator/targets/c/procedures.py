@@ -379,8 +379,9 @@ def _unused_name(name: str, used_names: Collection[str]) -> str:
 def _refuse_unsupported(step: Writes | Reads | Polls | Verifies) -> None:
     """Raise an error if the C target cannot access the bytes of a step."""
     if not step.pieces:
-        problem = f"the place of '{_place_text(step)}' depends on the order code"
-        raise TargetError(f"{problem}; the C target cannot access it alone")
+        raise TargetError(
+            f"the place of '{_place_text(step)}' depends on the order code; the C target cannot access it alone"
+        )
     if isinstance(step, Polls) and len(step.pieces) > 1 and not step.register.is_accessed_whole:
         # The bytes could match one after the other, and never all at the same time.
         problem = f"'{_place_text(step)}' is spread over {len(step.pieces)} bytes"

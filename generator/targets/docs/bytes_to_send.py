@@ -122,11 +122,14 @@ def _introduction_for_biss(
 def _sentences_on_writable_registers(possible_commands: Commands) -> Iterator[str]:
     """Yield the registers that hold commands, with the commands, and the other registers that can be written."""
     for register in possible_commands.registers:
-        names = ", ".join(code(title(value)) for field in register.layout.fields for value in field.values)
-        yield f"Write a command to {_register_link(register)}: {names}."
+        command_names: list[str] = []
+        for field in register.layout.fields:
+            command_names += [code(title(command)) for command in field.values]
+        yield f"Write a command to {_register_link(register)}: {', '.join(command_names)}."
     if possible_commands.settings:
-        settings = ", ".join(map(_register_link, possible_commands.settings))
-        yield f"{'Other registers' if possible_commands.registers else 'Registers'} that can be written: {settings}."
+        registers = "Other registers" if possible_commands.registers else "Registers"
+        links = ", ".join(map(_register_link, possible_commands.settings))
+        yield f"{registers} that can be written: {links}."
 
 
 def _register_link(register: Register) -> str:
@@ -146,7 +149,9 @@ def _commands_missing_in_t_format(device: Device, possible_commands: Commands) -
 def _preset_registers(device: Device) -> Iterator[Register]:
     """Yield the registers to which procedures write a position."""
     for procedure in device.procedures:
-        yield from (device.register(argument.of) for argument in procedure.arguments if argument.name == "position")
+        for argument in procedure.arguments:
+            if argument.name == "position":
+                yield device.register(argument.of)
 
 
 def _registers_with_known_zero(device: Device, variant: Variant) -> Iterator[Register]:
@@ -181,12 +186,15 @@ def _request_rows(device: Device, interface: Interface, errata_at: Callable[...,
 
 
 def _exchange_row(exchange: Exchanged) -> Row:
-    layouts = [layout for layout in (exchange.request, exchange.reply) if layout]
+    """Return a row of links to the request and its reply, purpose of the request."""
+    layouts = [layout for layout in (exchange.request, exchange.reply) if layout is not None]
     frame_links = [link(code(layout.name), f"#layout-{layout.name}") for layout in layouts]
+    first_sentence_of_note = exchange.request.note.partition(". ")[0].removesuffix(".")
+    description = PURPOSES[exchange.exchange.purpose] or text(first_sentence_of_note)
     word_bits = exchange.exchange.word_bits
-    purpose = PURPOSES[exchange.exchange.purpose] or text(exchange.request.note.partition(". ")[0].removesuffix("."))
-    word_size = f"in words of {word_lengths([word_bits])}" if word_bits is not None else ""
-    description = ", ".join(filter(None, (purpose, word_size)))
+    if word_bits is not None:
+        word_size = f"in words of {word_lengths([word_bits])}"
+        description = f"{description}, {word_size}" if description else word_size
     return " → ".join(frame_links), description[:1].upper() + description[1:]
 
 
@@ -209,8 +217,12 @@ def _data_id_row(device: Device, interface: Rs485, data_id: DataId, errata_at: C
 def _names_after_control_field(request: Layout) -> list[str]:
     """Return the names of the parts of a request after its control field. A group of fields is one part."""
     control_group = request.fields[0].group
-    fields = [field for field in request.fields if not field.group or field.group != control_group]
-    names = dict.fromkeys(field.group or field.name for field in fields)
+    names: dict[str, None] = {}
+    for field in request.fields:
+        is_in_control_field = bool(field.group) and field.group == control_group
+        if not is_in_control_field:
+            names[field.group or field.name] = None
+    # Of "preset of turns", only "preset" is shown.
     return [text(name_as_words(name).partition(" of ")[0]) for name in names]
 
 

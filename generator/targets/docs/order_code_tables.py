@@ -129,9 +129,10 @@ def code_table(device: Device, interface: Interface, links: Mapping[str, str]) -
     parameters = _parameters_of_order_codes(device, interface.name)
     rows = []
     for variant in device.variants_over(interface.name):
-        values = [parameter_value(parameter, variant.parameters[parameter.name]) for parameter in parameters]
-        rows.append((links[variant.code], *values))
-    return {"head": ["Order code", *(code(parameter.name) for parameter in parameters)], "rows": rows}
+        quantities = [parameter_value(parameter, variant.parameters[parameter.name]) for parameter in parameters]
+        rows.append((links[variant.code], *quantities))
+    parameter_names = [code(parameter.name) for parameter in parameters]
+    return {"head": ["Order code", *parameter_names], "rows": rows}
 
 
 def alternative_sections(device: Device) -> list[dict[str, Any]]:
@@ -200,8 +201,9 @@ def patterns(device: Device, codes: Collection[str]) -> list[str]:
     """Return patterns that together match exactly these order codes, such as `A-x/y` with x = 1 or 2, y = B or C."""
     part_names = [part.name for part in device.order_code.parts]
     variants = [variant for variant in device.variants if variant.code in codes]
-    rows = [_texts_of_parts(variant, part_names) for variant in variants]
-    return [_pattern(device.order_code, part_names, texts_of_parts) for texts_of_parts in _products(rows)]
+    texts_by_variant = [_texts_of_parts(variant, part_names) for variant in variants]
+    products = _products(texts_by_variant)
+    return [_pattern(device.order_code, part_names, texts_by_part) for texts_by_part in products]
 
 
 def _texts_of_parts(variant: Variant, part_names: Sequence[str]) -> PartTexts:
@@ -231,25 +233,31 @@ def _letters_without(fixed_letters: Collection[str]) -> Iterator[str]:
     yield from (f"x{number}" for number in count(1))
 
 
-def _products(rows: Sequence[PartTexts]) -> Iterator[list[list[str]]]:
-    """Yield the rows as products of the texts of each part. Rows are split if a part combines with only some others."""
-    divisions = [_divided_by_part(rows, index) for index in range(len(rows[0]))]
-    splitting_divisions = [groups for groups in divisions if len(groups) > 1]
-    if not splitting_divisions:
-        yield [list(dict.fromkeys(texts)) for texts in zip(*rows, strict=True)]
+def _products(combinations: Sequence[PartTexts]) -> Iterator[list[list[str]]]:
+    """Yield the combinations of texts as products, such as the texts ``["A"], ["1", "2"]`` for A-1 and A-2.
+
+    They are split if a part combines with only some others.
+    """
+    number_of_parts = len(combinations[0])
+    groups_by_part = [_divided_by_part(combinations, index) for index in range(number_of_parts)]
+    splitting_groups = [groups for groups in groups_by_part if len(groups) > 1]
+    if not splitting_groups:
+        texts_by_part = zip(*combinations, strict=True)
+        yield [list(dict.fromkeys(texts)) for texts in texts_by_part]
         return
-    for group in min(splitting_divisions, key=len):
+    for group in min(splitting_groups, key=len):
         yield from _products(group)
 
 
-def _divided_by_part(rows: Sequence[PartTexts], index: int) -> list[list[PartTexts]]:
-    """Group the rows by one part, and merge texts of it that combine with the same other parts."""
-    other_parts_of_text: dict[str, set[PartTexts]] = {}
-    for row in rows:
-        other_parts_of_text.setdefault(row[index], set()).add(row[:index] + row[index + 1 :])
+def _divided_by_part(combinations: Sequence[PartTexts], index: int) -> list[list[PartTexts]]:
+    """Group the combinations by one part, and merge texts of it that combine with the same other parts."""
+    other_parts_by_text: dict[str, set[PartTexts]] = {}
+    for texts in combinations:
+        other_parts = texts[:index] + texts[index + 1 :]
+        other_parts_by_text.setdefault(texts[index], set()).add(other_parts)
     groups: dict[frozenset[PartTexts], list[PartTexts]] = {}
-    for row in rows:
-        groups.setdefault(frozenset(other_parts_of_text[row[index]]), []).append(row)
+    for texts in combinations:
+        groups.setdefault(frozenset(other_parts_by_text[texts[index]]), []).append(texts)
     return list(groups.values())
 
 
