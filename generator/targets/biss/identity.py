@@ -93,15 +93,18 @@ def _holds_identity(register: Register) -> bool:
 
 
 def _register_bits(register: Register) -> Iterator[IdBits]:
-    below = 8 * (LAST - register.last_address)
+    """Yield the fixed bits of a register, at their places in the 64-bit identity."""
+    bits_below = 8 * (LAST - register.last_address)
     for field in register.layout.fields:
         number = _fixed_value(register.layout, field)
         if number is None or not field.low.is_constant or not field.width.is_constant:
             continue
-        low = below + field.low.constant
+        low = bits_below + field.low.constant
         high = low + field.width.constant - 1
-        first, last = FIRST + (_IDENTITY_BITS - 1 - high) // 8, FIRST + (_IDENTITY_BITS - 1 - low) // 8
-        place = f"register {first:02X}h" if first == last else f"registers {first:02X}h to {last:02X}h"
+        first_address, last_address = _address_of_bit(high), _address_of_bit(low)
+        place = f"register {first_address:02X}h"
+        if first_address != last_address:
+            place = f"registers {first_address:02X}h to {last_address:02X}h"
         yield IdBits(
             high=high,
             low=low,
@@ -110,6 +113,11 @@ def _register_bits(register: Register) -> Iterator[IdBits]:
             text=field.equals if isinstance(field.equals, str) else "",
             register=register.name,
         )
+
+
+def _address_of_bit(bit: int) -> int:
+    """Return the register with a bit of the 64-bit identity."""
+    return FIRST + (_IDENTITY_BITS - 1 - bit) // 8
 
 
 def _fixed_value(layout: Layout, field: Field) -> int | None:
@@ -140,14 +148,17 @@ def data_lengths(device: Device, layout: Layout) -> tuple[DataLength, ...]:
     Each length is listed once, or once for each choice that the manual leaves open.
     """
     lengths: list[DataLength] = []
-    for answers, sets in choices(device.alternatives_of(layout)):
-        placed: dict[tuple[tuple[str, int], ...], tuple[PlacedLayout, list[str]]] = {}
+    for answers, parameters_of_answers in choices(device.alternatives_of(layout)):
+        codes_by_widths: dict[tuple[tuple[str, int], ...], list[str]] = {}
+        layout_by_widths: dict[tuple[tuple[str, int], ...], PlacedLayout] = {}
         for variant in device.variants_over(Biss.name):
-            placed_layout = layout.place({**variant.parameters, **sets})
-            shape = tuple((field.name, field.width) for field in placed_layout.fields)
-            placed.setdefault(shape, (placed_layout, []))[1].append(variant.code)
-        names = tuple(answer.name for answer in answers)
-        lengths += (_data_length(placed_layout, tuple(codes), names) for placed_layout, codes in placed.values())
+            placed_layout = layout.place({**variant.parameters, **parameters_of_answers})
+            widths = tuple((field.name, field.width) for field in placed_layout.fields)
+            codes_by_widths.setdefault(widths, []).append(variant.code)
+            layout_by_widths.setdefault(widths, placed_layout)
+        answer_names = tuple(answer.name for answer in answers)
+        for widths, order_codes in codes_by_widths.items():
+            lengths.append(_data_length(layout_by_widths[widths], tuple(order_codes), answer_names))
     return tuple(sorted(lengths, key=lambda length: (length.data_bits, length.codes)))
 
 

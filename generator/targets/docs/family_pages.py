@@ -268,15 +268,19 @@ def _second_reading_text(counts: TimesRead | None) -> str:
     """Return the text about facts confirmed by a second reading, or an empty string without one."""
     if counts is None:
         return ""
-    fact_count = counts.twice + counts.explained + counts.decided + counts.once
-    differ = "differs for a reason" if counts.explained == 1 else "differ for reasons"
-    explained = f", {counts.explained} {differ} given in the errata" if counts.explained else ""
-    are = "is" if counts.decided == 1 else "are"
-    were = "was" if counts.once == 1 else "were"
-    decided = f", {counts.decided} {are} not in the manual" if counts.decided else ""
-    once = f", and {counts.once} {were} read only once" if counts.once else ""
-    derived = f". {counts.derived} more follow from others" if counts.derived else ""
-    return f"Twice. Of {fact_count} facts, {counts.twice} agree in both readings{explained}{decided}{once}{derived}"
+    number_of_facts = counts.twice + counts.explained + counts.decided + counts.once
+    sentence_parts = [f"Of {number_of_facts} facts, {counts.twice} agree in both readings"]
+    if counts.explained:
+        differ = "differs for a reason" if counts.explained == 1 else "differ for reasons"
+        sentence_parts.append(f"{counts.explained} {differ} given in the errata")
+    if counts.decided:
+        are = "is" if counts.decided == 1 else "are"
+        sentence_parts.append(f"{counts.decided} {are} not in the manual")
+    if counts.once:
+        were = "was" if counts.once == 1 else "were"
+        sentence_parts.append(f"and {counts.once} {were} read only once")
+    about = f"Twice. {', '.join(sentence_parts)}"
+    return f"{about}. {counts.derived} more follow from others" if counts.derived else about
 
 
 def _edition_rows(device: Device) -> Iterator[tuple[str, ...]]:

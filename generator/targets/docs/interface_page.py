@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from itertools import chain
 from typing import Annotated, Any, TypedDict
 
 from ...model import (
@@ -91,7 +92,7 @@ def page_sections(device: Device) -> Sections:
         "alarms": [_alarm_section(device, device_alarm) for device_alarm in device.alarms],
         "inputs": [_input_section(device, device_input) for device_input in device.inputs],
         "connectors": [_connector_section(connector) for connector in device.connectors],
-        "led_rows": [row for led in device.leds for row in _led_rows(led)],
+        "led_rows": list(chain.from_iterable(map(_led_rows, device.leds))),
         "examples": [_example_section(device, example) for example in device.examples],
     }
 
@@ -138,21 +139,23 @@ _KEYS_OF_FACTS = (
 
 def _interface_section(device: Device, interface: Interface) -> Section:
     groups = {group.name: group for group in device.field_groups}
-    path = f"interfaces.{interface.name}"
-    interface_timings = [f"{path}.{timing.name}" for timing in interface.timings]
-    device_timings = [f"timings.{timing.name}" for timing in device.timings]
     used_groups = [groups[name] for name in layout_tables.used_groups(interface)]
+    path = f"interfaces.{interface.name}"
+    paths_of_interface_timings = [f"{path}.{timing.name}" for timing in interface.timings]
+    paths_of_device_timings = [f"timings.{timing.name}" for timing in device.timings]
+    data_ids = interface.data_ids if isinstance(interface, Rs485) else ()
+    memory_access = interface.memory_access if isinstance(interface, Rs485) else ()
     return {
         "interface": interface,
         "rows": list(fact_tables.interface_rows(device, interface)),
         "path": path,
         "paths": [f"{path}.{key}" for key in _KEYS_OF_FACTS],
-        "timing_paths": [*interface_timings, f"{path}.timings", *device_timings],
-        "data_id_rows": list(map(_data_id_row, interface.data_ids)) if isinstance(interface, Rs485) else [],
+        "timing_paths": [*paths_of_interface_timings, f"{path}.timings", *paths_of_device_timings],
+        "data_id_rows": [_data_id_row(data_id) for data_id in data_ids],
         "exchange_rows": _exchange_rows(interface),
         "layouts": [_layout_section(device, interface, layout) for layout in interface.layouts],
         "groups": [_group_section(device, interface, group) for group in used_groups],
-        "memory_rows": list(map(_memory_row, interface.memory_access)) if isinstance(interface, Rs485) else [],
+        "memory_rows": [_memory_row(access) for access in memory_access],
         "control_rows": list(fact_tables.control_rows(interface)) if isinstance(interface, Biss) else [],
     }
 

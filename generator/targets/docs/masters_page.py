@@ -102,19 +102,22 @@ def _common_rows_and_tables(columns: Columns) -> tuple[list[Row], list[Table]]:
 
     Each column is a group with its rows by key. The first cell of a row is its name, the second its value.
     """
-    keys = dict.fromkeys(key for _, rows in columns for key in rows)
+    keys: dict[Any, None] = {}
+    for _, rows in columns:
+        keys |= dict.fromkeys(rows)
     common_rows: list[Row] = []
-    differing_keys, supply_keys = [], []
+    differing_keys: list[Any] = []
+    supply_keys: list[Any] = []
     for key in keys:
-        different_rows = {rows.get(key) for _, rows in columns}
-        row = different_rows.pop()
-        if row is not None and not different_rows:
-            common_rows.append(row)
+        first_row, *other_rows = [rows.get(key) for _, rows in columns]
+        is_common = all(row == first_row for row in other_rows)
+        if first_row is not None and is_common:
+            common_rows.append(first_row)
         elif _follows_supply(key, columns):
             supply_keys.append(key)
         else:
             differing_keys.append(key)
-    tables = [_table_of_differences(keys, columns) for keys in (differing_keys, supply_keys) if keys]
+    tables = [_table_of_differences(table_keys, columns) for table_keys in (differing_keys, supply_keys) if table_keys]
     return common_rows, tables
 
 
