@@ -171,14 +171,8 @@ class DeviceView:
         self.row = self.variants.rows[device.variants.index(chosen_variant(device, context.interface))]
         self.lengths = LengthCode(context, context.interface, self.variants.rows, self.row)
         self.positions = positions(context)
-        # A register that selects banks comes first: the functions of the registers in its banks use its address.
-        selecting = {device.bank_selector(register) for register in device.registers}
-        registers = sorted(device.registers, key=lambda register: register.name not in selecting)
-        self.registers = [self._register(register) for register in registers]
-        register_codecs = (register.codec for register in self.registers if register.codec is not None)
-        codecs = [*self.interface.codecs, *register_codecs]
-        crcs = (crc_code(context, function, codecs) for function in crc_functions(device))
-        self.crcs = [crc for crc in crcs if crc.is_called or crc.table]
+        self.registers = [self._register(register) for register in _bank_selectors_first(device)]
+        self.crcs = list(self._crc_codes())
         codes = {code.register.name: code for code in self.registers}
         self.takers = [Taker(context, group, codes[group.register.name].access) for group in held_parameters(device)]
         usage = self.usage
@@ -189,7 +183,16 @@ class DeviceView:
         self.identities = list(identity_codes(context, codes))
         self.procedures = [self._procedure(procedure, codes) for procedure in device.procedures]
         self.alarms = [AlarmCode(context, alarm) for alarm in device.alarms]
-        self.timings = [macro for timing in device.timings for macro in timing_macros(timing, self.PREFIX)]
+        self.timings = list(chain.from_iterable(timing_macros(timing, self.PREFIX) for timing in device.timings))
+
+    def _crc_codes(self) -> Iterator[CrcCode]:
+        """Yield the CRCs whose function is called or whose table is used."""
+        codecs = list(self.interface.codecs)
+        codecs += [register.codec for register in self.registers if register.codec is not None]
+        for function in crc_functions(self.device):
+            crc = crc_code(self.context, function, codecs)
+            if crc.is_called or crc.table:
+                yield crc
 
     @property
     def variant(self) -> str:
@@ -250,12 +253,14 @@ class DeviceView:
         return Names(self._declared())
 
     def _declared(self) -> Iterator[Declared]:
-        yield from ((f"{self.PREFIX}_{ending}", ()) for ending in ("H", "HPP"))
-        yield from ((f"{self.PREFIX}_{part.name}_H".upper(), ()) for part in self.parts)
+        yield f"{self.PREFIX}_H", ()
+        yield f"{self.PREFIX}_HPP", ()
+        for part in self.parts:
+            yield f"{self.PREFIX}_{part.name}_H".upper(), ()
         yield f"{self.PREFIX}_VERSION", ()
         if self.read_state:
             yield self.read_state, ()
-        parts: Iterator[_Declaring] = chain(
+        declaring_parts: Iterator[_Declaring] = chain(
             [self.variants],
             self.context.enumerations.all,
             self.crcs,
@@ -269,10 +274,11 @@ class DeviceView:
             self.procedures,
             self.alarms,
         )
-        for part in parts:
-            yield from part.declared()
+        for declaring_part in declaring_parts:
+            yield from declaring_part.declared()
         for timing in self.device.timings:
-            yield from ((macro.name, ("timings", timing.name)) for macro in timing_macros(timing, self.PREFIX))
+            for macro in timing_macros(timing, self.PREFIX):
+                yield macro.name, ("timings", timing.name)
 
     @property
     def measured(self) -> str:
@@ -369,6 +375,12 @@ class DeviceView:
 
     def errata(self, *paths: str) -> list[Paragraph]:
         return [S.sentence(erratum(correction)) for correction in errata(self.device, *paths)]
+
+
+def _bank_selectors_first(device: Device) -> list[Register]:
+    """Return the registers. Functions of registers in a bank use the address of the register that selects it."""
+    selector_names = {device.bank_selector(register) for register in device.registers}
+    return sorted(device.registers, key=lambda register: register.name not in selector_names)
 
 
 def _cites(text: str, key: str) -> bool:

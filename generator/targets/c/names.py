@@ -293,9 +293,10 @@ class Operation(Expr):
     def __str__(self) -> str:
         first, *following = self.operands
         # A sum continues without parentheses, from the left.
-        goes_on = isinstance(first, Operation) and {first.operator, self.operator} <= _SUMS
-        start = str(first) if goes_on else first.operand
-        return f" {self.operator} ".join([start, *(operand.operand for operand in following)])
+        continues_sum = isinstance(first, Operation) and {first.operator, self.operator} <= _SUMS
+        operand_texts = [str(first) if continues_sum else first.operand]
+        operand_texts += [operand.operand for operand in following]
+        return f" {self.operator} ".join(operand_texts)
 
     @property
     def operand(self) -> str:
@@ -390,7 +391,10 @@ class Scope:
         return Call("cw_mask", (self.of(width),))
 
     def of(self, expression: Expression) -> Expr:
-        """Return the expression in C, unsigned. No intermediate result is negative unless the result is."""
+        """Return the expression in C, unsigned, such as ``8U + variant.position_bits - 1U``.
+
+        No intermediate result is negative unless the result is.
+        """
         match expression:
             case Expression(-1, (Term(1, (Factor(name, True),)),)):
                 return Call("cw_mask", (self.atom(name),))
@@ -409,17 +413,27 @@ class Scope:
 
         A power of two is written as its mask plus one, since the power itself may not fit.
         """
-        masks = [term for term in expression.terms if term.is_power and not term.is_product]
-        constant = expression.constant + sum(term.multiple for term in masks)
-        total: Expr | None = Number(constant, signed=True)
-        if constant == 0 and expression.terms and expression.terms[0].multiple > 0:
-            total = None
+        constant = expression.constant
+        signs_and_products: list[tuple[str, Expr]] = []
         for term in expression.terms:
-            product = Call("cw_mask", (self.atom(term.factors[0].parameter),)) if term in masks else self._term(term)
-            wide = Cast("int64_t", product)
             sign = "+" if term.multiple > 0 else "-"
-            total = Operation(sign, (total, wide)) if total is not None else wide
-        return total or Number(0, signed=True)
+            if term.is_power and not term.is_product:
+                # The power is one more than its mask.
+                constant += term.multiple
+                (exponent,) = term.factors
+                product: Expr = Call("cw_mask", (self.atom(exponent.parameter),))
+            else:
+                product = self._term(term)
+            signs_and_products.append((sign, Cast("int64_t", product)))
+        if not signs_and_products:
+            return Number(constant, signed=True)
+        (first_sign, first_product), *further = signs_and_products
+        total = first_product
+        if constant or first_sign == "-":
+            total = Operation(first_sign, (Number(constant, signed=True), first_product))
+        for sign, product in further:
+            total = Operation(sign, (total, product))
+        return total
 
     def _term(self, term: Term) -> Expr:
         """Return a product, in 64 bits if 32 may be too few. A single parameter keeps its own type."""

@@ -58,15 +58,18 @@ def sending_section(
     # In this order, because ``errata_at`` lists the errata in the order of its calls.
     requests = tuple(_request_rows(device, interface, errata_at))
     commands = tuple(_command_rows(device, variant, errata_at))
-    preset = next(_registers_with_known_zero(device, variant), None)
+    presets = list(_registers_with_known_zero(device, variant))
     possible_commands = commands_over(device, interface)
-    facts = list(_introduction(device, interface, possible_commands, bool(commands), preset is not None))
+    introduction = _introduction(
+        device, interface, possible_commands, has_rows=bool(commands), has_preset=bool(presets)
+    )
+    facts = list(introduction)
     inputs = [link(text(title(hardware_input)), f"#input-{hardware_input.name}") for hardware_input in device.inputs]
     if inputs:
         facts.append(f"Inputs: {', '.join(inputs)}.")
     other_value = ""
-    if preset is not None:
-        other_value = _how_to_write_other_positions(family.register(preset.name), variant)
+    if presets:
+        other_value = _how_to_write_other_positions(family.register(presets[0].name), variant)
     return SendingSection(
         facts=tuple(facts),
         requests=requests,
@@ -77,7 +80,7 @@ def sending_section(
 
 
 def _introduction(
-    device: Device, interface: Interface, possible_commands: Commands, has_rows: bool, has_preset: bool
+    device: Device, interface: Interface, possible_commands: Commands, *, has_rows: bool, has_preset: bool
 ) -> Iterator[str]:
     """Yield what the bytes mean. A sentence denies only what no possible command contradicts."""
     match interface:
@@ -86,7 +89,7 @@ def _introduction(
             yield f"SSI only reads the position.{denial}"
             yield from _sentences_on_writable_registers(possible_commands)
         case Biss():
-            yield from _introduction_for_biss(device, possible_commands, has_rows, has_preset)
+            yield from _introduction_for_biss(device, possible_commands, has_rows=has_rows, has_preset=has_preset)
         case Rs485() if not interface.exchanges:
             yield "Bytes are in hexadecimal."
             yield from _commands_missing_in_t_format(device, possible_commands)
@@ -98,7 +101,7 @@ def _introduction(
 
 
 def _introduction_for_biss(
-    device: Device, possible_commands: Commands, has_rows: bool, has_preset: bool
+    device: Device, possible_commands: Commands, *, has_rows: bool, has_preset: bool
 ) -> Iterator[str]:
     if has_preset:
         # The script of the site changes this sentence together with the bytes.

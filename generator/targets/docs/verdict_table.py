@@ -46,8 +46,8 @@ def verdict_table(family: Device, device: Device, layout: Layout, variant: Varia
     if judgement is not None and causes_by_verdict:
         with_crc = "" if family.crc_of(layout) is None else ", and the CRC is correct"
         rows.append(("", f"none of these{with_crc}", "", EFFECTS[judgement.otherwise], ""))
-    used_columns = [index for index in range(len(_HEAD)) if any(row[index] for row in rows)]
-    return _columns(_HEAD, used_columns), [_columns(row, used_columns) for row in rows]
+    columns_with_content = [index for index in range(len(_HEAD)) if any(row[index] for row in rows)]
+    return _columns(_HEAD, columns_with_content), [_columns(row, columns_with_content) for row in rows]
 
 
 def _columns(row: Row, indexes: Iterable[int]) -> Row:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
+from itertools import chain
 
 from ...model import Device, Field, Interface, Register, Spi, Value
 from ...model.record import dataclass
@@ -80,13 +81,15 @@ class Dispatcher:
     @property
     def allowed(self) -> list[int]:
         """All values of the selector that belong to a frame."""
-        return sorted(value for branch in self.plan.branches for value in branch.values)
+        return sorted(chain.from_iterable(branch.values for branch in self.plan.branches))
 
     @property
     def questions(self) -> list[OpenQuestion]:
         """Questions that the manual leaves open about any of the frames."""
-        questions = (question for coder in self.members for question in coder.questions)
-        return list({question.name: question for question in questions}.values())
+        questions_by_name: dict[str, OpenQuestion] = {}
+        for coder in self.members:
+            questions_by_name |= {question.name: question for question in coder.questions}
+        return list(questions_by_name.values())
 
     @property
     def listed(self) -> list[tuple[str, str]]:
@@ -224,10 +227,11 @@ class Module:
     @property
     def spi_example(self) -> ReadmeExample | None:
         """Example of a position over SPI, whose ``kind`` is the class of the request, if it has no arguments."""
-        frame = next((frame for frame in self.readme.frames if frame.interface == "spi" and frame.position), None)
+        frames = [frame for frame in self.readme.frames if frame.interface == "spi" and frame.position]
         interface = self.device.find_interface(Spi)
-        if frame is None or frame.answers or interface is None:
+        if not frames or frames[0].answers or interface is None:
             return None
+        frame = frames[0]
         requests = [exchange.request for exchange in interface.exchanges if exchange.purpose == "position"]
         for coder in self.coders:
             if coder.layout.name in requests and not coder.takes_variant and not coder.attributes:
@@ -276,18 +280,20 @@ class Module:
         return Section(interface, facts.interface(interface), notes, coders, tuple(dispatchers))
 
     def _dispatcher(self, interface: Interface, plan: Dispatch, coders: Sequence[Coder]) -> Dispatcher:
-        with_selector = {owner.name for owner, layout in self.device.layouts() if layout.selector}
-        prefix = f"{interface.name}_" if len(with_selector) > 1 else ""
-        word = prefix + ("reply" if plan.sender == "encoder" else "request")
-        coder_of = {coder.layout.name: coder for coder in coders}
+        """Return the function that decodes all frames of a sender, such as ``decode_reply``."""
+        interfaces_with_selector = {owner.name for owner, layout in self.device.layouts() if layout.selector}
+        kind = "reply" if plan.sender == "encoder" else "request"
+        if len(interfaces_with_selector) > 1:
+            kind = f"{interface.name}_{kind}"
+        coders_by_frame = {coder.layout.name: coder for coder in coders}
         dispatcher = Dispatcher(
             plan=plan,
-            name=f"decode_{word}",
-            union=camel(word),
+            name=f"decode_{kind}",
+            union=camel(kind),
             interface=interface_name(interface.name),
             encoder=encoder_name(interface.name),
-            coders=tuple(coder_of[branch.layout.name] for branch in plan.branches),
-            fallback=coder_of[plan.fallback.name] if plan.fallback is not None else None,
+            coders=tuple(coders_by_frame[branch.layout.name] for branch in plan.branches),
+            fallback=coders_by_frame[plan.fallback.name] if plan.fallback is not None else None,
         )
         for coder in dispatcher.members:
             coder.passed = dispatcher.questions
@@ -301,21 +307,30 @@ class Module:
         return Enumeration(name, docstring(summary, *blocks, indent=4), register.values, register)
 
     def _frame_kinds(self) -> Iterator[FrameKind]:
+        """Yield the frames that the encoder sends over each interface."""
         for section in self.sections:
             replies = [coder for coder in section.coders if coder.layout.sender == "encoder"]
-            if not replies:
-                continue
-            # A word does not show which frame it is. Without a request, it is taken as the position.
-            interface = section.interface.name
-            positions = (coder for coder in replies if self.device.tells_position(interface, coder.layout))
-            first = next(positions, replies[0])
-            dispatchers = (dispatcher for dispatcher in section.dispatchers if dispatcher.plan.sender == "encoder")
-            dispatcher = next(dispatchers, None)
-            if dispatcher is None:
-                yield FrameKind(interface, first, "", "", first.questions, (first,))
-            else:
-                names = (dispatcher.name, dispatcher.union)
-                yield FrameKind(interface, first, *names, dispatcher.questions, dispatcher.members)
+            if replies:
+                yield self._frame_kind(section, replies)
+
+    def _frame_kind(self, section: Section, replies: Sequence[Coder]) -> FrameKind:
+        interface = section.interface.name
+        # A word does not show which frame it is. Without a request, it is taken as the position.
+        positions = [coder for coder in replies if self.device.tells_position(interface, coder.layout)]
+        coder = positions[0] if positions else replies[0]
+        for dispatcher in section.dispatchers:
+            if dispatcher.plan.sender == "encoder":
+                return FrameKind(
+                    interface=interface,
+                    coder=coder,
+                    dispatch=dispatcher.name,
+                    union=dispatcher.union,
+                    questions=dispatcher.questions,
+                    members=dispatcher.members,
+                )
+        return FrameKind(
+            interface=interface, coder=coder, dispatch="", union="", questions=coder.questions, members=(coder,)
+        )
 
 
 def _enumeration_doc(field: Field) -> str:
