@@ -86,6 +86,7 @@ def digest_on_disk(folder: Path, targets: Iterable[str]) -> str:
 
 
 def _digest(files: Iterable[tuple[str, bytes]]) -> str:
+    """Return a hash of the paths and contents."""
     digest = hashlib.sha256()
     for path, content in files:
         digest.update(f"{path}\0{len(content)}\0".encode())
@@ -226,6 +227,7 @@ def _has_changes(target_changes: Iterable[Change]) -> bool:
 def _needs_writing(
     folder: Path, target: str, files: Mapping[str, str], target_changes: Iterable[Change], families: Sequence[str]
 ) -> bool:
+    """Return whether files, the list of them, or the families in this list differ from those in the folder."""
     if _has_changes(target_changes) or _listed_paths(folder, target) != sorted(files):
         return True
     return bool(families) and families_in(folder / target) != list(families)

@@ -147,6 +147,7 @@ def _load_checked(name: str, load: Callable[[], object]) -> Target:
 
 
 def _run_target(name: str, work: Callable[[], _Result]) -> _Result:
+    """Return the result of ``work``. An unexpected error from it names the target."""
     try:
         return work()
     except (TargetError, TemplateFault):

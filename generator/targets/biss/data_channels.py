@@ -207,6 +207,7 @@ def _errata_lines(device: Device, layout: Layout, ids: Sequence[IdBits]) -> list
 
 
 def _active_level(status: Field) -> str:
+    """Return the level at which a status bit is active, or that it is a constant."""
     match meaning_of(status):
         case Active(low):
             return "active low" if low else "active high"

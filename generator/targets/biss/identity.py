@@ -69,6 +69,7 @@ class DataLength:
 
 
 def manufacturer_bits(biss_id: int) -> IdBits:
+    """Return the manufacturer ID, which is often two ASCII characters."""
     text = biss_id.to_bytes(2, "big").decode("ascii", "replace")
     return IdBits(
         high=_MANUFACTURER_BITS - 1,
@@ -189,6 +190,7 @@ def _is_stated(layout: Layout, field: Field) -> bool:
 
 
 def _stated_value(layout: Layout, field: Field, variant: Variant) -> int:
+    """Return the value that the spec gives for a field and this order code, or 0."""
     if isinstance(field.equals, Expression):
         return field.equals.value(variant.parameters)
     if isinstance(field.equals, int):
@@ -197,6 +199,7 @@ def _stated_value(layout: Layout, field: Field, variant: Variant) -> int:
 
 
 def _data_length(placed: PlacedLayout, codes: tuple[str, ...], answers: tuple[str, ...]) -> DataLength:
+    """Return the numbers of data, status and CRC bits of a frame with these widths."""
     crc_field = placed.layout.crc_field
     status_names = [field.name for field in placed.layout.status_fields]
     data_fields = [field for field in placed.fields if field.field is not crc_field and field.name not in status_names]

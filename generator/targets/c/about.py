@@ -57,6 +57,7 @@ def _with_heading(name: str, items: Iterable[Statement]) -> list[Paragraph]:
 
 
 def about_order_codes(device: Device) -> list[Paragraph]:
+    """Return the comment on the order codes, with the parts of which only the listed values are known."""
     unknown = unknown_parts(device)
     parts = [part for part in device.order_code.parts if part.name in unknown]
     unknown_values = [statement for part in parts for statement in say_order_code.open_values(part)]
@@ -230,6 +231,7 @@ def about_argument(device: Device, argument: Argument) -> str:
 
 
 def about_run(device: Device, run: Run, read_state: str) -> Iterator[Paragraph]:
+    """Yield the purpose of the function that carries out a procedure, and the accesses that it needs."""
     *calls, last = (CALLS[call] for call in run.calls)
     needed = f"{', '.join(calls)} and {last}" if calls else last
     interface = device.interface(run.procedure.interface)

@@ -114,6 +114,7 @@ class Chosen:
         return None
 
     def _clearing_procedures(self) -> Iterator[Procedure]:
+        """Yield the procedures that clear an alarm by a request over this interface."""
         for alarm in self.device.alarms:
             for procedure in map(self.device.procedure, alarm.cleared_by):
                 sends = any(isinstance(step, SendStep) for step in procedure.steps)
@@ -140,6 +141,7 @@ class Chosen:
         )
 
     def _made_up_frame(self) -> Frame:
+        """Return a made-up frame, if possible one with the position."""
         layouts = [layout for layout in self.interface.layouts if layout.sender == "encoder"]
         # Prefer one that needs no choice by the user. Order codes have the first answer of each alternative.
         layouts.sort(key=lambda layout: (not self.has_position(layout), bool(self.device.alternatives_of(layout))))

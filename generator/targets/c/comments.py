@@ -154,6 +154,7 @@ def documented(text: str) -> str:
 
 
 def _documented(line: str) -> Iterator[str]:
+    """Yield a line with the mark of Doxygen in its comment, if it has one."""
     if _OPENING.match(line):
         yield from _one_or_more(line.replace("/*", "/**", 1))
         return

@@ -137,6 +137,7 @@ def _end_of_macro(lines: Sequence[str], start: int) -> int:
 
 
 def _end_of_condition(lines: Sequence[str], start: int) -> int:
+    """Return the index after the ``#endif`` of a condition that begins at ``start``."""
     end = start
     depth = 0
     while True:

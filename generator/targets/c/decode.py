@@ -414,6 +414,7 @@ def positions(context: Context) -> Positions | None:
 
 
 def _positions(context: Context, measurement: Measurement) -> Positions | None:
+    """Return the conversions to angles or to lengths, or None if the manual gives no unit."""
     if measurement.counts_per_turn is not None:
         return _angle_positions(context, measurement, measurement.counts_per_turn)
     if measurement.step_um is not None:
@@ -424,6 +425,7 @@ def _positions(context: Context, measurement: Measurement) -> Positions | None:
 
 
 def _angle_positions(context: Context, measurement: Measurement, counts_per_turn: Expression) -> AnglePositions:
+    """Return the functions that convert counts to turns and degrees."""
     ranges = position_ranges(context.device, context.interface)
     where = f"[{cite(measurement.source)}]"
     per_turn = wide_number_of(
@@ -444,6 +446,7 @@ def _angle_positions(context: Context, measurement: Measurement, counts_per_turn
 def _length_positions(
     context: Context, measurement: Measurement, step: Expression, *, unit: str, per_mm: int
 ) -> LengthPositions:
+    """Return the functions that convert counts to lengths, with a step in ``unit``."""
     ranges = position_ranges(context.device, context.interface)
     per_counts = measurement.per_counts
     return LengthPositions(
@@ -474,6 +477,7 @@ def _range_functions(context: Context, ranges: Sequence[PositionRange]) -> Itera
 def _functions_of_range(
     context: Context, position_range: PositionRange, *, scope: str, layouts: tuple[Layout, ...]
 ) -> RangeFunctions:
+    """Return the functions for one range, whose names begin with ``scope``."""
     turns = position_range.measurement.turns
     return RangeFunctions(
         prefix=context.prefix,

@@ -109,6 +109,7 @@ def _uses(codec: StructCodec, function: CrcFunction) -> bool:
 
 
 def _table_of(function: CrcFunction) -> tuple[int, ...]:
+    """Return the entries of the table of a CRC, none if it is computed otherwise."""
     crc = function.crc
     if function.form is Form.TABLE:
         is_reflected = function.carrier is Carrier.BYTES and crc.refin
@@ -253,6 +254,7 @@ class DeviceView:
         return Names(self._declared())
 
     def _declared(self) -> Iterator[Declared]:
+        """Yield all names in the headers, each with the part of the spec that it comes from."""
         yield f"{self.PREFIX}_H", ()
         yield f"{self.PREFIX}_HPP", ()
         for part in self.parts:
@@ -424,6 +426,7 @@ _LATEST: deque[tuple[Device, Passing, Sequence[DeviceView]]] = deque(maxlen=8)
 
 
 def _views_of(device: Device, passing: Passing) -> Iterator[DeviceView]:
+    """Yield each interface with its own order codes, registers and parameters only."""
     for interface in device.interfaces:
         codes = {variant.code for variant in device.variants_over(interface.name)}
         narrowed_device = for_codes(device, codes)

@@ -124,6 +124,7 @@ class Encoder:
     # -- values of terms, with their lowest bit at bit 0
 
     def _value(self, term: Term) -> Expr:
+        """Return the value of a term as a number, with its lowest bit at bit 0."""
         match term.value:
             case Fixed(number):
                 is_parity = term.field.name in self._parity_names
@@ -148,6 +149,7 @@ class Encoder:
         return Operation("&", (bit, self.struct.scope.of(width)))
 
     def _parity_of_members(self, parity: ParityOf) -> Expr:
+        """Return the parity of the members that a parity bit covers, 1 for an odd number of ones."""
         bits_and_widths = [(self._bits_of_member(field), field.widest) for field in parity.of]
         if len(bits_and_widths) == 1:
             ((bits, width),) = bits_and_widths
@@ -161,6 +163,7 @@ class Encoder:
         return Cast(unsigned(field.widest), bits) if isinstance(meaning_of(field), Named) else bits
 
     def _bits_of_member(self, field: Field) -> Expr:
+        """Return the bits that are sent for a member."""
         if field.name in self._reserved_names:
             return self.struct.unused.bits_of(field)
         member = self.member_of(field)

@@ -103,6 +103,7 @@ class Enumerations:
             self._add_new(owner, field, path, f"{self.prefix}_{path[-1]}_{field.name}")
 
     def _add_new(self, owner: str, field: Field, path: Path, type_: str, sole: str = "") -> Enumeration:
+        """Add and return a new enumeration with the values of a field."""
         statements = () if sole else tuple(meaning(field, field.meaning))
         enumeration = Enumeration(
             type=type_,

@@ -344,6 +344,7 @@ class ExampleCode:
         return self.run.code.run.procedure.steps if self.run is not None else ()
 
     def _shown_run(self) -> ShownRun | None:
+        """Return the procedure that the program carries out, if the manual has a suitable one."""
         if self._chosen.procedure is None:
             return None
         procedure, example = self._chosen.procedure
@@ -363,6 +364,7 @@ class ExampleCode:
         )
 
     def _read(self, register: Register) -> ShownRegister:
+        """Return a register that the program reads, with the source of its worked example."""
         _, example = self._chosen.registers[register.name]
         candidates = (code for code in self.view.registers if code.register is register)
         code = first_of(candidates, f"code for the register '{register.name}'")

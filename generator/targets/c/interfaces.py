@@ -160,6 +160,7 @@ class InterfaceCode:
         return f"{self.upper}_FRAME_{layout.name}".upper()
 
     def _codec(self, context: Context, layout: Layout) -> StructCodec:
+        """Return the struct, decoder and encoder of a frame."""
         # The functions of the only frame of an interface need no further name.
         is_only_frame = len(self.interface.layouts) == 1 and not self.tellers
         name = context.prefix if is_only_frame else f"{context.prefix}_{layout.name}"
@@ -218,6 +219,7 @@ class InterfaceCode:
         return Macro(f"{self.upper}_{name}".upper(), number(value, hexadecimal), note)
 
     def _macros(self) -> Iterator[Macro]:
+        """Yield the constants of the interface: clock, time-out, port, words and times."""
         interface = self.interface
         for fact, about in zip(interface.facts(), settings(self.device, interface), strict=True):
             match fact:
@@ -263,6 +265,7 @@ class InterfaceCode:
         yield self._macro("STOP_BITS", port.stop_bits, "number of stop bits")
 
     def _control_data(self, interface: Biss) -> Iterator[Macro]:
+        """Yield the widths and the named values of the fields in the control data."""
         for field in interface.control_data:
             yield self._macro(f"CONTROL_{field.name}_BITS", field.bits, control_field(field))
             for value in field.values:

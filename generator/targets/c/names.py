@@ -374,6 +374,7 @@ class Scope:
     passing: Passing = BY_VALUE
 
     def atom(self, parameter: str) -> Expr:
+        """Return a parameter: a function of an answer, a member of the variant, or a function of the variant."""
         if parameter in self.answers:
             return Call(f"{self.prefix}_{parameter}", (Name(self.answers[parameter]),))
         if parameter in self.largest:

@@ -203,6 +203,7 @@ class ProcedureCode:
     # -- arguments
 
     def _argument(self, parameter: CheckedArgument) -> ArgumentCode:
+        """Return an argument with the reasons to refuse it, each once."""
         all_refusals = list(parameter.refusals)
         for write in parameter.written:
             all_refusals += self._byte_refusals(write)
@@ -306,6 +307,7 @@ class ProcedureCode:
 
     @staticmethod
     def _row(index: int, step: Writes | Reads | Polls | Verifies, note: str, piece: Piece, value: Expr) -> Row:
+        """Return the step on one byte of a register."""
         return Row(
             at=index,
             op=step,

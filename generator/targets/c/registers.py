@@ -78,6 +78,7 @@ class Access:
         return tuple(about_access(context.device, self.register, writes, read_state))
 
     def _set_bank(self, selector: Register) -> None:
+        """Set the address and the byte that select the bank of the register."""
         if selector.length > 1:
             problem = f"'{selector.name}' selects banks with {selector.length} bytes"
             raise TargetError(f"{problem}; the C target writes one")
@@ -287,6 +288,7 @@ class RegisterCode:
         return tuple(field for field in self._with_masks if field not in self.masked)
 
     def _explained(self) -> Iterator[ExplainingBits]:
+        """Yield the bits of other registers that give the reason why a field of this one is set."""
         for field in self.layout.fields:
             mask_by_register: dict[str, int] = {}
             for register_and_field in field.explained_by:
@@ -322,6 +324,7 @@ class RegisterCode:
         return Bounds(tuple(macros), tuple(functions))
 
     def _limit_function(self, name: str, about: str, limit: Expression, *, is_signed: bool) -> Function:
+        """Return the function for a limit that depends on the order code."""
         if is_signed:
             return Function(name, "int64_t", self.scope.signed(limit), about, uses_variant=True)
         limits_of_encoders = [0]

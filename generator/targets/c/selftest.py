@@ -155,6 +155,7 @@ class SelfTest:
                 yield f"control field of data ID {data_id.id}", ConstantCheck(macro, _hex(CONTROL_FIELDS[data_id.id]))
 
     def _checks_of_example(self, example: Example) -> Iterator[Work]:
+        """Yield the checks for one worked example, none if the headers have no function for it."""
         match example:
             case FrameExample():
                 yield from self._frame_checks(example)
@@ -170,6 +171,7 @@ class SelfTest:
                 assert_never(example)
 
     def _procedure_check(self, example: ProcedureExample) -> ProcedureCheck:
+        """Return the check that a procedure writes the bytes of the example."""
         codes = {code.run.procedure.name: code for code in self.view.procedures}
         code = codes[example.procedure]
         argument_names = [argument.checked.argument.name for argument in code.arguments]
@@ -213,6 +215,7 @@ class SelfTest:
                 yield codec
 
     def _frame_checks(self, example: FrameExample) -> Iterator[Work]:
+        """Yield a check for each frame that the example can be, in bytes or as a word."""
         has_wrong_length = example.refused == "length"
         if not example.layout and not has_wrong_length:
             return
@@ -225,6 +228,7 @@ class SelfTest:
                 yield self._frame_check(codec, example)
 
     def _frame_check(self, codec: StructCodec, example: FrameExample) -> FrameCheck:
+        """Return the check that a frame decodes to the values of the example, or is refused."""
         # A word can be given as its bytes, too.
         word = int(example.bits, 2) if example.bits else int.from_bytes(example.bytes, "big")
         fault = f"CW_FAULT_{example.refused.upper()}" if example.refused else ""
@@ -258,6 +262,7 @@ class SelfTest:
         return answers
 
     def _register_checks(self, example: RegisterExample) -> Iterator[Work]:
+        """Yield the check that a register decodes to the values of the example, if it has a decoder."""
         codes = (code for code in self.view.registers if code.register.name == example.register)
         code = first_of(codes, f"code for the register '{example.register}'")
         if code.codec is not None:
@@ -302,6 +307,7 @@ class SelfTest:
                 assert_never(never)
 
     def _crc_checks(self, example: CrcExample) -> Iterator[Work]:
+        """Yield the checks of a CRC over the bytes of the example, and over them as a word."""
         for function in self.view.crcs:
             if function.crc.name == example.crc and function.is_called and function.in_bytes:
                 yield CrcCheck(function.name, data=_bytes(example.bytes), word="", crc=_hex(example.check))
@@ -311,6 +317,7 @@ class SelfTest:
                 yield from _word_check(crc, data, example.check)
 
     def _measure_checks(self, example: MeasureExample) -> Iterator[Work]:
+        """Yield the check of a position in counts as a length, for a linear encoder."""
         if isinstance(self.view.positions, LengthPositions):
             yield MeasureCheck(
                 function=f"{self.view.prefix}_micrometres",

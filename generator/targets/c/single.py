@@ -178,6 +178,7 @@ class SingleCode:
                 yield "cw_spi_load"
 
     def _position_codecs(self) -> Iterator[StructCodec]:
+        """Yield the frame that the macros read, or all frames with a position if there are no macros."""
         frame = self.view.reading.frame
         if frame is not None:
             yield frame
@@ -197,6 +198,7 @@ class SingleCode:
         return new_names
 
     def _new_name(self, name: str) -> str:
+        """Return a name of the tree with the prefix of this header."""
         if name in self._runtime_names:
             return re.sub("^cw_", f"{self.stem}_", re.sub("^CW_", f"{self.STEM}_", name))
         view = self.view
@@ -209,6 +211,7 @@ class SingleCode:
     # -- texts
 
     def _text(self, declaration: Declaration) -> str:
+        """Return a declaration with its comment, with the names of this header and its lines broken anew."""
         comment, code = declaration.comment, declaration.code
         if self._is_helper(declaration):
             comment = _first_paragraph(comment)
@@ -254,6 +257,7 @@ class SingleCode:
         return _member_comment(self.named(" ".join(kept_sentences)), margin)
 
     def _paragraph(self, lines: list[str]) -> list[str]:
+        """Return the lines of a paragraph without sentences about what the header lacks, none if nothing is left."""
         text = " ".join(lines)
         if lines[0].startswith((" ", "@")) or not text:
             return [self.named(line) for line in lines]
@@ -404,6 +408,7 @@ def _paragraphs(lines: Iterable[str]) -> Iterator[list[str]]:
 
 
 def _as_comment(lines: list[str]) -> str:
+    """Return lines as a comment with the marks of Doxygen, or an empty text without lines."""
     text = "\n".join(lines).strip("\n")
     if not text:
         return ""

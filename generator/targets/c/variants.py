@@ -185,6 +185,7 @@ class VariantCode:
         return " | ".join(map(self._unlisted_macro, pattern.unlisted)) or "0U"
 
     def _unlisted_macros(self) -> Iterator[Macro]:
+        """Yield a bit for each open part of the order code."""
         unknown_names = unknown_parts(self.device)
         bit = 1
         for part in self.device.order_code.parts:

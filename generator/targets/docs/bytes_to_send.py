@@ -103,6 +103,7 @@ def _introduction(
 def _introduction_for_biss(
     device: Device, possible_commands: Commands, *, has_rows: bool, has_preset: bool
 ) -> Iterator[str]:
+    """Yield what the rows show over BiSS, or that the manual describes no commands."""
     if has_preset:
         # The script of the site changes this sentence together with the bytes.
         zero = '<span id="preset-of-rows">The preset is 0 in these rows.</span>'
@@ -202,6 +203,7 @@ def _exchange_row(exchange: Exchanged) -> Row:
 
 
 def _data_id_row(device: Device, interface: Rs485, data_id: DataId, errata_at: Callable[..., str]) -> Row:
+    """Return a row of the bytes of a request with its reply, meaning with its repetitions and errata."""
     request = _layout_with_data_id(interface, "master", data_id.id)
     reply = _layout_with_data_id(interface, "encoder", data_id.id)
     part_names = _names_after_control_field(request) if request is not None else []
@@ -285,6 +287,7 @@ def _command_errata(device: Device, errata_at: Callable[..., str]) -> str:
 
 
 def _step_in_bytes(device: Device, step: Step, variant: Variant) -> str:
+    """Return a step of a procedure in short, such as ``wait 1 ms`` or an address with the bytes to write."""
     match step:
         case WaitStep():
             return f"wait {microseconds(step.microseconds)}"

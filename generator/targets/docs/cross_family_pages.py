@@ -50,6 +50,7 @@ class AlarmsPage(TypedDict):
 
 
 def identification_page_values(devices: Sequence[Device]) -> WhichPage:
+    """Return the values of the page that tells encoders of different families apart."""
     return {
         "label_rows": [_label_row(device) for device in devices],
         "told_rows": _rows_of_all(devices, _identity_rows),
@@ -114,6 +115,7 @@ def _identity_rows(device: Device) -> Iterator[Row]:
 
 
 def _documented_content(field: Field) -> str:
+    """Return the content of an identifying field, such as ```1Bh```, or an empty text if the manual gives none."""
     match field.equals:
         case int():
             return f"`{field.equals:0{(field.widest + 3) // 4}X}h`"
@@ -126,6 +128,7 @@ def _documented_content(field: Field) -> str:
 
 
 def _interface_fact_rows(device: Device) -> Iterator[Row]:
+    """Yield rows of interface, family, label, fact, source."""
     for interface in device.interfaces:
         for setting in settings(device, interface):
             if setting.label in _COMPARED_LABELS:
@@ -139,6 +142,7 @@ def _interface_fact_rows(device: Device) -> Iterator[Row]:
 
 
 def _position_frame_rows(device: Device) -> Iterator[Row]:
+    """Yield rows of interface, family, frame, bits, order, CRC."""
     for interface, layout in device.layouts():
         if device.tells_position(interface.name, layout):
             crc = device.crc_of(layout)
@@ -189,6 +193,7 @@ def _register_link(device: Device, register: Register) -> str:
 
 
 def registers_page_values(devices: Sequence[Device]) -> RegistersPage:
+    """Return the values of the page with the registers of all families by address."""
     registers_and_devices: list[tuple[Register, Device]] = []
     for device in devices:
         registers_and_devices += [(register, device) for register in device.registers]
@@ -218,6 +223,7 @@ def _register_row(register: Register, device: Device) -> Row:
 
 
 def alarms_page_values(devices: Sequence[Device]) -> AlarmsPage:
+    """Return the values of the page with the alarms and LEDs of all families."""
     explained_alarms: list[tuple[Alarm, Device, Interface]] = []
     for device in devices:
         explained_alarms += _alarms_with_interfaces(device)
@@ -229,6 +235,7 @@ def alarms_page_values(devices: Sequence[Device]) -> AlarmsPage:
 
 
 def _led_rows(device: Device) -> Iterator[Row]:
+    """Yield rows of LED, state, family, meaning, order codes that have it, source."""
     for led in device.leds:
         for state in led.states:
             yield (

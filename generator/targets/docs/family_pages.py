@@ -48,6 +48,7 @@ def file_name(device: Device) -> str:
 
 
 def page_values(device: Device) -> ChangesPage:
+    """Return the values of the page with the changes between releases."""
     manual = device.manual
     return {
         "device": device,
@@ -59,6 +60,7 @@ def page_values(device: Device) -> ChangesPage:
 
 
 def _release_section(release: Release) -> dict[str, Any]:
+    """Return the changes of a release by their impact, and the changed names in code."""
     parts: list[dict[str, Any]] = []
     for impact, title in _TITLES_BY_IMPACT.items():
         impact_changes = [change for change in release.changes if change.impact == impact]
@@ -116,6 +118,7 @@ class ManualPage(TypedDict):
 
 
 def index_values(family: OrderCodes, has_masters: bool) -> FamilyPage:
+    """Return the values of the first page of a family."""
     device = family.device
     return {
         "device": device,
@@ -202,6 +205,7 @@ def _section_links(device: Device, section: str) -> Iterator[str]:
 
 
 def hardware_values(device: Device) -> HardwarePage:
+    """Return the values of the page about connectors, LEDs and inputs."""
     errata_at = inline_errata.ErrataLines(device)
     return {
         "device": device,
@@ -223,6 +227,7 @@ def _characteristic_rows(device: Device, errata_at: inline_errata.ErrataLines) -
 
 
 def manual_values(device: Device) -> ManualPage:
+    """Return the values of the page about the manual."""
     style = page_links.style_in_folder(device)
     tests = [edition_test(edition.revision, test) for edition in device.editions for test in edition.tests]
     return {
@@ -237,6 +242,7 @@ def manual_values(device: Device) -> ManualPage:
 
 
 def _history_row(revision: Revision) -> tuple[str, ...]:
+    """Return a row for one revision of the manual."""
     return (
         text(revision.revision),
         revision.date,
@@ -247,6 +253,7 @@ def _history_row(revision: Revision) -> tuple[str, ...]:
 
 
 def _manual_rows(device: Device) -> Iterator[tuple[str, str]]:
+    """Yield the facts about the manual, each with its label."""
     manual = device.manual
     yield "Manual", text(manual.title)
     yield "Revision", revision_and_date(manual)

@@ -64,6 +64,7 @@ class ErrataLines:
         return link(label, f"{self._page}#erratum-{erratum.name}")
 
     def _line(self, erratum: Erratum) -> str:
+        """Return an erratum as an item of a list."""
         if erratum.name in self._names_on_page:
             first_mention = link(text(erratum.title), f"#erratum-{erratum.name}")
             return f"- {status_badge(erratum)} {first_mention}, see above"
@@ -95,6 +96,7 @@ class ErrataLinks:
         return self._links_by_status([erratum for erratum in manual_errata if erratum.severity == "wrong_data"])
 
     def _links_by_status(self, linked_errata: Sequence[Erratum]) -> str:
+        """Return links to errata in one cell, folded by status if there are several."""
         self._errata |= {erratum.name: erratum for erratum in linked_errata}
         if len(linked_errata) == 1:
             (erratum,) = linked_errata
@@ -190,6 +192,7 @@ def _errata_of_manual(device: Device) -> list[Erratum]:
 
 
 def page_values(device: Device) -> ErrataPage:
+    """Return the values of the page with the errata of a family."""
     manual_errata = _errata_of_manual(device)
     open_errata = [erratum for erratum in manual_errata if erratum.status == "open"]
     summary = _summary(len(manual_errata), len(open_errata))
@@ -202,6 +205,7 @@ def page_values(device: Device) -> ErrataPage:
 
 
 def _erratum_section(erratum: Erratum) -> dict[str, Any]:
+    """Return one erratum with its rows for the page of errata."""
     rows = [
         *fact_tables.printed_and_used_rows(erratum),
         ("Why", text(erratum.why)),
@@ -243,6 +247,7 @@ def _is_of(erratum: Erratum, status: str, severity: str) -> bool:
 
 
 def all_values(devices: Sequence[Device]) -> AllErrataPage:
+    """Return the values of the page with the errata of all families."""
     titles = {"open": "Open: only hardware or the manufacturer can decide", "settled": "Settled"}
     sections = []
     for status, title in titles.items():

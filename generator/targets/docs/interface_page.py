@@ -77,6 +77,7 @@ class Sections(TypedDict):
 
 
 def page_sections(device: Device) -> Sections:
+    """Return the sections that the page of an interface and that of an order code share."""
     return {
         "device": device,
         "document": document(device),
@@ -102,6 +103,7 @@ def _alarm_section(device: Device, device_alarm: Alarm) -> Section:
 
 
 def _input_section(device: Device, device_input: Input) -> Section:
+    """Return an input with its title and its facts."""
     return {
         "input": device_input,
         "title": title(device_input),
@@ -138,6 +140,7 @@ _KEYS_OF_FACTS = (
 
 
 def _interface_section(device: Device, interface: Interface) -> Section:
+    """Return an interface with its facts, frames, groups of fields, and the paths of its errata."""
     groups = {group.name: group for group in device.field_groups}
     used_groups = [groups[name] for name in layout_tables.used_groups(interface)]
     path = f"interfaces.{interface.name}"
@@ -161,6 +164,7 @@ def _interface_section(device: Device, interface: Interface) -> Section:
 
 
 def _group_section(device: Device, interface: Interface, group: FieldGroup) -> Section:
+    """Return a group of fields with its rows and the frames that contain it."""
     return {
         "group": group,
         "title": _group_title(group),
@@ -170,6 +174,7 @@ def _group_section(device: Device, interface: Interface, group: FieldGroup) -> S
 
 
 def _data_id_row(data_id: DataId) -> tuple[str, ...]:
+    """Return a row for one data ID of the T-format."""
     return (
         f"{data_id.id:X}",
         code(data_id.name),
@@ -198,6 +203,7 @@ def _layout_link(layout: Layout | None) -> str:
 
 
 def _memory_row(access: MemoryAccess) -> tuple[str, ...]:
+    """Return a row for one kind of access to memory."""
     return (
         text(access.access),
         f"{access.busy}",
@@ -214,6 +220,7 @@ def _group_title(group: FieldGroup) -> str:
 
 
 def _layout_section(device: Device, interface: Interface, layout: Layout) -> Section:
+    """Return a frame with the rows of its fields and its places by order code."""
     return {
         "layout": layout,
         "head": say_layout.head(interface, layout, Code(layout.name), device.alternatives),
@@ -226,6 +233,7 @@ def _layout_section(device: Device, interface: Interface, layout: Layout) -> Sec
 
 
 def _register_section(device: Device, register: Register) -> Section:
+    """Return a register with its facts, fields and named values."""
     fields = register.layout.fields
     rows = list(layout_tables.field_rows(device, register.layout))
     is_plain = len(fields) == 1 and rows[0][3:] == ("", "") and fields[0].name == register.name
@@ -247,6 +255,7 @@ def _value_table(field: Field, is_only_field: bool) -> Section:
 
 
 def _procedure_section(device: Device, procedure: Procedure) -> Section:
+    """Return a procedure with the rows of its steps and its arguments."""
     return {
         "procedure": procedure,
         "about": list(say_commands.about_procedure(procedure)),
@@ -256,6 +265,7 @@ def _procedure_section(device: Device, procedure: Procedure) -> Section:
 
 
 def _connector_section(connector: Connector) -> Section:
+    """Return a connector with the head and the rows of its contacts."""
     return {
         "connector": connector,
         "head": "Wire" if connector.kind == "cable" else "Pin",
@@ -264,6 +274,7 @@ def _connector_section(connector: Connector) -> Section:
 
 
 def _register_row(register: Register) -> tuple[str, ...]:
+    """Return a row for one register in the overview."""
     data = register.default_bytes()
     return (
         "" if register.bank is None else f"{register.bank}",
@@ -347,6 +358,7 @@ def _overview_rows(device: Device, interface: Interface, variants: Sequence[Vari
 
 
 def _codes_by_supply(device: Device, variants: Iterable[Variant]) -> dict[Supply, list[str]]:
+    """Return the order codes with each supply."""
     codes_by_supply: dict[Supply, list[str]] = {}
     for variant in variants:
         supply = device.supply_of(variant)

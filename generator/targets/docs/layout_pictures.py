@@ -36,6 +36,7 @@ _CLASS_COLOURS = (
 
 
 def _style_element() -> str:
+    """Return the style sheet of a picture, with the colours for light and dark screens."""
     colours = palette()
     light = "".join(f".{name}{{{key}:{colours.light[colour]}}}" for name, key, colour in _CLASS_COLOURS)
     dark = "".join(f".{name}{{{key}:{colours.on_dark(colour)}}}" for name, key, colour in _CLASS_COLOURS)
@@ -238,6 +239,7 @@ _MOST_DESCRIBED = 4
 
 
 def _stack_text(stack: Stack) -> str:
+    """Return the text alternative of one stack, with its caption."""
     if not stack.caption:
         return stack.text
     # The caption of a frame ends with its number of bits, and so its text need not begin with it.
@@ -298,6 +300,7 @@ def _runs_with_groups_merged(placed_layout: PlacedLayout) -> list[_BitRun]:
 
 
 def _run_of_field(field: Field, high: int, low: int) -> _BitRun:
+    """Return the bits of a field, with its label and colour."""
     return _BitRun(
         high=high,
         low=low,

@@ -129,6 +129,7 @@ def _group_row(device: Device, layout: Layout, group: FieldGroup) -> tuple[str, 
 
 
 def _field_row(device: Device, layout: Layout, field: Field) -> tuple[str, ...]:
+    """Return a row of field, place, width, meaning, source."""
     return (
         name_cell(field),
         field_place_cell(layout, field, device.alternatives_of(layout)),
@@ -368,6 +369,7 @@ def has_picture(register: Register) -> bool:
 
 
 def register_stacks(device: Device, register: Register) -> list[Stack]:
+    """Return the bytes of each shape of a register."""
     low_byte_first = register.byte_order == "low_byte_first"
     shapes = placements(device, register.layout, register.interface)
     stacks = []

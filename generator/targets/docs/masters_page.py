@@ -51,6 +51,7 @@ class MastersPage(TypedDict):
 
 
 def page_values(device: Device, masters: Sequence[Master]) -> MastersPage:
+    """Return the values of the page with the settings of all masters for a family."""
     interface_sheets = sheets_of(device, masters)
     sheets: list[Sheet] = []
     for group_sheets in interface_sheets:
@@ -65,6 +66,7 @@ def page_values(device: Device, masters: Sequence[Master]) -> MastersPage:
 
 
 def _interface_section(device: Device, group_sheets: GroupSheets) -> dict[str, Any]:
+    """Return the facts that masters need over an interface, and the settings of each master."""
     interface, groups = group_sheets.interface, group_sheets.groups
     common_rows, tables = _common_rows_and_tables([(group, _fact_rows(group)) for group in groups])
     order_code_rows = [] if tables else [("Order codes", _codes_label(groups))]
@@ -171,6 +173,7 @@ def _codes_label(groups: Sequence[Group]) -> str:
 
 
 def _master_section(master: Master, sheets: GroupSettings) -> dict[str, Any]:
+    """Return the settings of one master for all groups of order codes."""
     accepted_sheets = [(group, sheet) for group, sheet in sheets if not sheet.refusals]
     refused = list(_refusal_lines(sheets))
     notes = [*_setting_notes(accepted_sheets), *_further_notes(accepted_sheets)]

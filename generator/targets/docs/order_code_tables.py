@@ -141,6 +141,7 @@ def alternative_sections(device: Device) -> list[dict[str, Any]]:
 
 
 def _alternative_section(device: Device, alternative: Alternative) -> dict[str, Any]:
+    """Return a question that the manual leaves open, with its answers and the frames that need one."""
     frames = []
     for _, layout in device.layouts():
         if alternative in (*device.alternatives_of(layout), *device.verdict_alternatives(layout)):
@@ -412,6 +413,7 @@ def _cause_texts(causes: Sequence[VerdictCause]) -> Iterator[str]:
 
 
 def _cause_text(cause: VerdictCause) -> str:
+    """Return a flag, with the flags that must be inactive if it combines them."""
     name = code(cause.by.field.name)
     if not cause.unless:
         return name

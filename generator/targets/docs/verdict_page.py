@@ -28,6 +28,7 @@ class UsablePage(TypedDict):
 
 
 def page_values(devices: Sequence[Device]) -> UsablePage:
+    """Return the values of the page about verdicts, with the rows of all families."""
     values: UsablePage = {"decides_rows": [], "frame_rows": [], "report_rows": []}
     for device in devices:
         reporting_frames = list(reportings(device))

@@ -252,6 +252,7 @@ class SpeedSection:
 
 
 def speed_section(family: Device, device: Device, interface: Interface, layout: Layout | None) -> SpeedSection:
+    """Return the section about the clock or the baud rate of an interface."""
     match interface:
         case Ssi() | Biss():
             return _clock_section(family, device, interface, layout)
@@ -265,6 +266,7 @@ def speed_section(family: Device, device: Device, interface: Interface, layout: 
 
 
 def _clock_section(family: Device, device: Device, interface: Ssi | Biss, layout: Layout | None) -> SpeedSection:
+    """Return the limits of the clock, the duration of a frame, and the clock for each cable length."""
     clock = interface.clock
     facts = [f"Clock: {clock_words(clock)} ({cited(clock.source)})."]
     lengths = _frame_lengths(device, layout) if layout is not None else []
@@ -318,6 +320,7 @@ def _pauses(family: Device, interface: Ssi | Biss) -> Iterator[str]:
 
 
 def _baud_section(family: Device, device: Device, interface: Rs485) -> SpeedSection:
+    """Return the baud rate, and the durations of one byte and of the replies."""
     port = interface.port
     start_bit = 1
     parity_bits = 0 if port.parity == "none" else 1

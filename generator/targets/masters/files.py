@@ -89,12 +89,14 @@ def file_text(
 def _first_paragraphs(
     device: Device, codes: Sequence[str], sheet: Sheet, rule: Raw, master_device: str
 ) -> Iterator[str]:
+    """Yield what the file is for, and where its values come from."""
     format_ = FILE_FORMATS[rule["format"]]
     yield f"{master_device} with {', '.join(codes)}. For {format_.title}."
     yield from _paragraphs_on_origin(device, sheet, rule, master_device)
 
 
 def _paragraphs_on_origin(device: Device, sheet: Sheet, rule: Raw, master_device: str) -> Iterator[str]:
+    """Yield the manual and the documents that the values come from, and whether the file has been tested."""
     format_, manual = FILE_FORMATS[rule["format"]], device.manual
     yield f"From the spec of {device.title}, manual {manual.title}, revision {manual.revision}."
     cited_keys: set[str] = set()
@@ -117,6 +119,7 @@ def _places_on_device(sheet: Sheet, master_device: str) -> Iterator[Place]:
 
 
 def _paragraphs_on_content(file_content: Content, is_short: bool) -> Iterator[str]:
+    """Yield which values are derived or left out, and the conditions on writing them."""
     derived = _names_with_mark(file_content, "derived")
     if derived:
         yield f"Derived, not stated in a document: {listed(derived)}."
@@ -219,6 +222,7 @@ def _index(library: Library, files: Iterable[str]) -> str:
 
 
 def _index_row(master: Master, format_name: str) -> dict[str, str]:
+    """Return a format of a master, with its folder and the program that reads it."""
     format_ = FILE_FORMATS[format_name]
     return {
         "master": master.title,

@@ -216,6 +216,7 @@ class Coder:
         return self._attribute(field, "int", coded(default) if default is not None else "")
 
     def _attribute(self, field: Field, type_: str, default: str = "") -> Attribute:
+        """Return the attribute of a field, whose description says if some order codes lack it."""
         variants = () if field.width.is_constant else self.context.device.variants
         may_be_missing = any(field.width.value(variant.parameters) == 0 for variant in variants)
         return Attribute(

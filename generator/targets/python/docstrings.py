@@ -227,6 +227,7 @@ def of_parameter(device: Device, quantity: Parameter) -> str:
 
 
 def of_layout(device: Device, interface: Interface, frame: Layout) -> tuple[str, list[Block]]:
+    """Return the summary of a frame, and the paragraphs below it."""
     summary = S.sentence(layout.head(interface, frame, heading(frame.name), device.alternatives))
     names_of_groups = dict.fromkeys(member.group for member in frame.fields if member.group)
     groups = [f"field_groups.{name}" for name in names_of_groups]
@@ -267,6 +268,7 @@ def of_crc(device: Device, device_crc: Crc) -> list[Block]:
 
 
 def of_procedure(device: Device, device_procedure: Procedure) -> list[Block]:
+    """Return the paragraphs about a procedure, beginning with its title."""
     return paragraphs(
         [
             statement(device_procedure.title, source=device_procedure.source),
@@ -283,6 +285,7 @@ def of_argument(device: Device, argument: Argument) -> str:
 
 
 def of_field(device: Device, data_field: Field, may_be_missing: bool) -> str:
+    """Return the description of an attribute: meaning, rules and note, or else the name of the field."""
     missing = [statement("0 if the encoder does not have this field")] if may_be_missing else []
     about = [
         *field.meaning(data_field, data_field.meaning),

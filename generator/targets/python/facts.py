@@ -71,6 +71,7 @@ _ALWAYS = ("ALARMS", "TIMINGS", "CONNECTORS", "LEDS", "CHARACTERISTICS", "ERRATA
 
 
 def family(device: Device) -> Call:
+    """Return the record ``Family`` of a device."""
     return literal_call(
         "Family",
         device.name,
@@ -81,6 +82,7 @@ def family(device: Device) -> Call:
 
 
 def order_code(code: OrderCode) -> Call:
+    """Return the record ``OrderCode`` with the parts and their values."""
     parts = []
     for part in code.parts:
         combinations = _allowed_combinations(part.open_only_with)
@@ -118,6 +120,7 @@ def reports(device: Device) -> list[Call]:
 
 
 def _report(name: str, field: Field, alarm: Alarm | None) -> Call:
+    """Return the record ``Report``, with the meaning and the remedy of its alarm if it has one."""
     verdict = verdict_of(field)
     return record(
         "Report",
@@ -132,6 +135,7 @@ def _report(name: str, field: Field, alarm: Alarm | None) -> Call:
 
 
 def interface(interface: Interface) -> Call:
+    """Return the record with the facts of an interface, such as ``SsiFacts``."""
     match interface:
         case Ssi():
             output_code = interface.output_code
@@ -160,6 +164,7 @@ def interface(interface: Interface) -> Call:
 
 
 def _field(codec: Codec, field: Field) -> Call:
+    """Return the record ``FieldFacts`` of a field."""
     when_active, when_inactive = states(field)
     unused_values = {reserved.field.name: reserved.value for reserved in codec.reserved}
     return record_of(
@@ -198,6 +203,7 @@ def register_rows(device: Device) -> dict[str, Call]:
 
 
 def _register(device: Device, register: Register) -> Call:
+    """Return the record ``Register``. A register that is a single number has no fields."""
     return record_of(
         "Register",
         register,

@@ -165,6 +165,7 @@ def runtime_version() -> str:
 def _package(
     maker: Manufacturer, devices: tuple[Device, ...], library: Library, folders: Mapping[str, str]
 ) -> dict[str, str]:
+    """Return the files of a manufacturer's package, by their path in it."""
     package = maker.python_package
     biss = (BISS,) if has_biss(devices) else ()
     values = _package_values(maker, devices, folders, biss)
@@ -185,6 +186,7 @@ def _package(
 def _package_values(
     maker: Manufacturer, devices: tuple[Device, ...], folders: Mapping[str, str], biss: tuple[str, ...]
 ) -> Package:
+    """Return the values of the templates of a package."""
     folder = folders[maker.name]
     # pip would take a path without a dot for the name of a package.
     prefix = "./" if folder == "python" else ""
@@ -247,6 +249,7 @@ def _family(device: Device, library: Library, options: Options) -> Iterator[tupl
 
 
 def _module_text(module: Module, package: str, template: str, user_templates: Path | None) -> str:
+    """Return the text of a module, with imports of the names that it uses."""
     family: Family = {
         "header": _header(f"the specification of {plain(module.device.title)}"),
         "package": package,

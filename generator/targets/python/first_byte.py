@@ -53,6 +53,7 @@ class FirstByte:
         return {}
 
     def _members(self, selector: Field) -> dict[int, str]:
+        """Return the code of each value of the selector, by first byte."""
         match meaning_of(selector):
             case Named(choices):
                 members = {choice.value: f"{self.enum(selector)}.{choice.name.upper()}" for choice in choices}
@@ -78,6 +79,7 @@ class FirstByte:
 
 
 def _needs_only_first_byte(check: Check) -> bool:
+    """Return whether all bits that a check needs are in the first byte."""
     if not isinstance(check, (AlwaysIs, ParityIs, IsOneOf)):
         return False
     pieces = list(check.bits.pieces)

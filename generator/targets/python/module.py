@@ -172,6 +172,7 @@ class Module:
         return [(name, names) for name, names in self._contents() if names]
 
     def _contents(self) -> Iterator[tuple[str, list[str]]]:
+        """Yield the groups of public names, each with its title."""
         identification = ["identify"] if self.identities else []
         yield "Encoders", ["lookup", *identification, "Variant", *self._encoders(), "VARIANTS", "FAMILY"]
         for section in self.sections:
@@ -272,6 +273,7 @@ class Module:
         return [Enumeration(self.context.enum(field), _enumeration_doc(field), field.values) for field in fields]
 
     def _section(self, interface: Interface) -> Section:
+        """Return an interface with its frames and the functions that decode any of them."""
         coders = tuple(Coder(self.context, interface.name, layout) for layout in interface.layouts)
         dispatchers = [self._dispatcher(interface, dispatch, coders) for dispatch in dispatches(interface.layouts)]
         # Frames sent by the master come first.
@@ -300,6 +302,7 @@ class Module:
         return dispatcher
 
     def _register(self, register: Register) -> Coder | Enumeration:
+        """Return the class of a register, or its enumeration if it is one choice among named values."""
         if not is_one_choice(register):
             return Coder(self.context, register.interface, register.layout, register)
         summary, blocks = docstrings.of_register(self.device, register)
@@ -314,6 +317,7 @@ class Module:
                 yield self._frame_kind(section, replies)
 
     def _frame_kind(self, section: Section, replies: Sequence[Coder]) -> FrameKind:
+        """Return the frames over an interface, with the function that decodes any of them if they are distinguished."""
         interface = section.interface.name
         # A word does not show which frame it is. Without a request, it is taken as the position.
         positions = [coder for coder in replies if self.device.tells_position(interface, coder.layout)]

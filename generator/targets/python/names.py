@@ -287,6 +287,7 @@ class Context:
         return Scope({name: f"{owner}.{member}" for name, member in self.parameters.items()})
 
     def _open_question(self, alternative: Alternative, names: Names) -> OpenQuestion:
+        """Return a question as an argument whose name no field of its frames has."""
         names_in_frames: set[str] = set()
         for layout in self.coded_layouts():
             if alternative in self.device.alternatives_of(layout):

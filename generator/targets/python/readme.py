@@ -156,6 +156,7 @@ class Readme:
         return None
 
     def _valid_frame(self, coder: Coder, variant: Variant, sample: Sample) -> ReadmeExample:
+        """Return the call that decodes the sample frame, and its numbers."""
         layout = coder.layout
         placed_layout = layout.place(variant.parameters)
         numbers = _numbers_of(coder, sample)

@@ -44,6 +44,7 @@ class Shape:
         return [(name, value) for name, value in self._members() if value not in (None, 0, "", ())]
 
     def _members(self) -> Iterator[tuple[str, Literal]]:
+        """Yield all members of the shape by name, also empty ones."""
         description, coder = self._description, self.coder
         yield "bits", self._literal_of(description.bits)
         yield "length", description.length
@@ -68,6 +69,7 @@ class Shape:
         return tuple(self._column(column) for column in self._description.columns if column.name in names)
 
     def _other_rows(self) -> Iterator[tuple[str, Literal]]:
+        """Yield the members with several items, except the columns."""
         for name in self.rows:
             # The class of a register checks its values.
             is_checked_by_class = name == "checks" and self.coder.register is not None

@@ -453,6 +453,7 @@ class Variants:
         return ", ".join(f"{register.name} at {register.address:02X}h" for register in registers)
 
     def _held_record(self, register: Register, held_parameter: HeldParameter) -> Call:
+        """Return the record of a parameter in a register: its place, its limits and its codes."""
         parameter = held_parameter.parameter
         members: dict[str, Literal] = {
             "parameter": self.context.parameters[parameter.name],
