@@ -83,7 +83,9 @@ def parts_of_records() -> Iterator[tuple[str, Part]]:
 )
 def test_records_of_python_have_the_members(record: str, part: Part) -> None:
     """A member of the data that the class of a record lacks would be missing from the Python package."""
-    names = {member.name for member in records.runtime_records().members[record]} | set(ELSEWHERE.get(record, "").split())
+    names = {member.name for member in records.runtime_records().members[record]} | set(
+        ELSEWHERE.get(record, "").split()
+    )
     assert {member.name for member in part.members if member.shape and member.attribute not in names} - names == set()
 
 

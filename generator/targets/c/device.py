@@ -25,9 +25,9 @@ from .chosen import chosen_variant
 from .codec import StructCodec
 from .comments import Paragraph, S
 from .context import Context, timing_macros
-from .decode import RangeFunctions, positions
 from .interfaces import InterfaceCode, ReplyRequest
 from .names import BY_VALUE, Declared, Names, Passing, c_name, errata_page_name, runtime_version, unsigned
+from .positions import RangeFunctions, positions
 from .procedures import ProcedureCode
 from .reading import ReadCode
 from .registers import AlarmCode, RegisterCode, identity_codes, state_registers

@@ -33,11 +33,11 @@ from ...say.text import WORTH
 from .chosen import Chosen, Frame, NoFrame
 from .codec import StructCodec
 from .comments import ascii_text
-from .decode import Positions
 from .device import DeviceView
 from .enumerations import AlternativeCode, FrameReports
 from .interfaces import ReplyRequest
 from .names import c_name
+from .positions import Positions
 from .procedures import ProcedureCode, Row
 from .registers import Access
 from .structs import Struct

@@ -33,7 +33,7 @@ from .about import place
 from .bits import digits
 from .comments import break_lines, comment, comment_lines, documented, end_comment, in_comment, in_lines, literals
 from .crc_functions import FoldOperation
-from .decode import ByteIs, FlagsIn, Positions, UnusedAre, UnusedIn
+from .decode import ByteIs, FlagsIn, UnusedAre, UnusedIn
 from .device import DeviceView, Part, views_of
 from .errata_page import ERRATA_TEMPLATE, ErrataPage, errata_files
 from .examples import ExampleCode
@@ -64,6 +64,7 @@ from .package import (
     own_programs,
     package_files,
 )
+from .positions import Positions
 from .procedures import FilledRows
 from .runtime_files import needed_runtime
 from .selftest import AllTests, FamilyTest, SelfTest, Work, own_test, selftest_files

@@ -30,10 +30,10 @@ from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComple
 from .. import manufacturers
 from .codec import StructCodec
 from .crc_functions import WordCrc
-from .decode import LengthPositions
 from .device import DeviceView
 from .enumerations import AlternativeCode
 from .names import c_name, number, runtime_tests, signed_number, string
+from .positions import LengthPositions
 from .procedures import ProcedureCode
 
 

@@ -46,7 +46,7 @@ def verdict_table(family: Device, device: Device, layout: Layout, variant: Varia
     if judgement is not None and causes_by_verdict:
         with_crc = "" if family.crc_of(layout) is None else ", and the CRC is correct"
         rows.append(("", f"none of these{with_crc}", "", EFFECTS[judgement.otherwise], ""))
-    columns_with_content = [index for index in range(len(_HEAD)) if any(row[index] for row in rows)]
+    columns_with_content = _indices_with_content(rows)
     return _columns(_HEAD, columns_with_content), [_columns(row, columns_with_content) for row in rows]
 
 
@@ -66,6 +66,14 @@ def _cause_rows(
                 field = cause.by.field
                 level = deciding(field) + _while_inactive(cause)
                 yield _row(device, placed, field, level, EFFECTS[verdict])
+
+
+def _indices_with_content(rows: Iterable[Row]) -> list[int]:
+    """Return the indices of the columns in which a row has content."""
+    indices: set[int] = set()
+    for row in rows:
+        indices.update(index for index, cell in enumerate(row) if cell)
+    return sorted(indices)
 
 
 def _rows_of_other_flags(

@@ -31,7 +31,8 @@ from ...say.text import sentence
 from . import docstrings
 from .bits import Maker
 from .decode import Decoder, assigned
-from .literals import Atom, Expr, Negative, Operation, Scope, coded, number, quoted
+from .limits import LimitsFunction, limit_expressions, limits_depend
+from .literals import Atom, Expr, Scope, coded, quoted
 from .named_values import NamedValues
 from .names import ClassNames, Context, OpenQuestion, encoder_name, interface_name, meaning_limits
 from .reports import FrameReports
@@ -45,17 +46,6 @@ class Attribute:
     type: str
     meaning: str
     default: str = ""
-
-
-@dataclass(frozen=True)
-class LimitsFunction:
-    """Function that returns the limits of a register. ``when`` names one of several meanings."""
-
-    name: str
-    when: str
-    low: Expr
-    high: Expr
-    takes_variant: bool
 
 
 class Coder:
@@ -440,34 +430,6 @@ def _in_words(value: Expression | int | str | None) -> str:
     if isinstance(value, Expression):
         return value.render()
     return repr(value) if isinstance(value, str) else coded(value or 0)
-
-
-def limit_expressions(scope: Scope, limits: Limits) -> tuple[Expr, Expr]:
-    """Return the lowest and the highest value. A missing limit follows from the width."""
-    low, high = _limits_of_width(scope, limits)
-    if limits.low is not None:
-        low = scope.of(limits.low)
-    if limits.high is not None:
-        high = scope.of(limits.high)
-    return low, high
-
-
-def _limits_of_width(scope: Scope, limits: Limits) -> tuple[Expr, Expr]:
-    """Return the lowest and the highest value that the width allows."""
-    if limits.signed:
-        half_of_range = scope.power(limits.width - Expression(1))
-        return Negative(half_of_range), Operation(half_of_range, "-", number(1))
-    if limits.stands_for:
-        return number(1), number(limits.stands_for)
-    return number(0), Operation(scope.power(limits.width), "-", number(1))
-
-
-def limits_depend(limits: Limits) -> bool:
-    """Return whether limits depend on the order code."""
-    bounds = [bound for bound in (limits.low, limits.high) if bound is not None]
-    if len(bounds) < 2:
-        bounds.append(limits.width)
-    return not all(bound.is_constant for bound in bounds)
 
 
 def _with_defaults(attributes: Sequence[Attribute]) -> list[Attribute]:

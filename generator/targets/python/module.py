@@ -16,6 +16,7 @@ from . import docstrings, facts
 from .bits import from_pieces
 from .codec import Coder
 from .docstrings import Block, Lines, docstring
+from .frame_kinds import FrameKind
 from .literals import Call, Expr
 from .names import (
     LOCAL_NAMES,
@@ -32,7 +33,7 @@ from .procedures import Steps
 from .readme import Readme, ReadmeExample
 from .records import record_of, records_of
 from .shapes import Shape
-from .variants import FrameKind, Variants
+from .variants import Variants
 
 
 @dataclass(frozen=True)

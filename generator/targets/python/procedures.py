@@ -25,9 +25,10 @@ from ...plan.steps import (
 )
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from . import docstrings
-from .codec import Coder, limit_expressions, limits_depend
+from .codec import Coder
 from .decode import digits
 from .docstrings import Block
+from .limits import limit_expressions, limits_depend
 from .literals import Atom, Expr, moved
 from .names import PROCEDURE_NAMES, Context, attribute, encoder_name, interface_name, meaning_limits
 

@@ -29,10 +29,10 @@ from ...plan.values import (
 )
 from ...say.report import alarm_of, meaning
 from .codec import Coder
+from .frame_kinds import FrameKind
 from .literals import grouped
 from .names import Context, OpenQuestion
 from .procedures import Steps
-from .variants import FrameKind
 
 #: Number of registers and number of procedures that are shown.
 _REGISTERS, _PROCEDURES = 2, 2
