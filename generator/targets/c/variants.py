@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence, Set
 from copy import copy
+from itertools import chain
 
 from ...language.problems import listed
 from ...model import Biss, Device, Interface, Layout, Parameter, Variant, assert_never, first_of
@@ -244,12 +245,12 @@ class LengthCode:
         received_frames = list(received(context.device, interface))
         #: Names of the frames whose lengths these are.
         self.layouts = tuple(dict.fromkeys(frame.layout.name for frame in received_frames))
+        answers = chain.from_iterable(frame.answers for frame in received_frames)
         #: Names of the answers on which a length depends.
-        self.answers = tuple(dict.fromkeys(answer.name for frame in received_frames for answer in frame.answers))
+        self.answers = tuple(dict.fromkeys(answer.name for answer in answers))
+        layouts_in_bytes = [frame.layout for frame in received_frames if frame.layout.in_bytes]
         #: Macro of the bytes in a frame that is carried as bytes, empty for words.
-        self.length = next(
-            (context.length_macro(frame.layout) for frame in received_frames if frame.layout.in_bytes), ""
-        )
+        self.length = context.length_macro(layouts_in_bytes[0]) if layouts_in_bytes else ""
         headers = {"receive_frame.h" if frame.layout.in_bytes else "receive.h" for frame in received_frames}
         #: Names of the headers that receive words, bytes, or both.
         self.receivers = " and ".join(sorted(headers))
@@ -260,8 +261,9 @@ class LengthCode:
         self.register_access = "".join(_register_access(context.device, interface, received_frames))
         self._codes = {id(row.variant): row.code for row in rows}
         self._prefix = f"{context.PREFIX}_"
-        self._shown = next((frame for frame in received_frames if frame.variant is sample_row.variant), None)
-        self.macros = [macro for frame in received_frames for macro in self.macros_of(frame)]
+        #: Frames of the order code in all samples.
+        self._sample_frames = [frame for frame in received_frames if frame.variant is sample_row.variant]
+        self.macros = list(chain.from_iterable(map(self.macros_of, received_frames)))
 
     @property
     def receive(self) -> str:
@@ -271,7 +273,7 @@ class LengthCode:
     @property
     def named(self) -> str:
         """Explain how the macro names an order code."""
-        code = self.code_of(self._shown) if self._shown is not None else ""
+        code = self.code_of(self._sample_frames[0]) if self._sample_frames else ""
         return f"For example, code can be {code}, as in {self._prefix}{code}_BITS."
 
     def for_layout(self, layout: Layout) -> LengthCode:

@@ -42,15 +42,15 @@ class ErrataLines:
 
     def __call__(self, *paths: str, exactly: Collection[str] = ()) -> str:
         """Return, as a list, the errata about these paths in the spec or about anything inside them."""
-        manual_errata, differences = _by_origin(self._device, *paths, exactly=exactly)
+        manual_errata, edition_errata = _by_origin(self._device, *paths, exactly=exactly)
         lines = [self._line(erratum) for erratum in manual_errata if erratum.severity != "wording"]
         wording_errata = [erratum for erratum in manual_errata if erratum.severity == "wording"]
         if wording_errata:
             mistakes = "mistake" if len(wording_errata) == 1 else "mistakes"
             links = link_list(self._link(erratum, text(erratum.title)) for erratum in wording_errata)
             lines.append(f"- Wording {mistakes} in the manual: {links}")
-        if differences:
-            edition_links = (self._link(difference, text(_edition_phrase(difference))) for difference in differences)
+        if edition_errata:
+            edition_links = [self._link(erratum, text(_edition_phrase(erratum))) for erratum in edition_errata]
             lines.append(f"- Other editions differ: {', '.join(dict.fromkeys(edition_links))}")
         return "\n".join(lines)
 
@@ -150,7 +150,8 @@ def _by_origin(device: Device, *paths: str, exactly: Collection[str]) -> tuple[l
     """Return the errata of the manual about these paths, and the differences in other editions."""
     affecting_errata = errata(device, *paths, exactly=exactly, wording=True)
     edition_errata = [erratum for erratum in affecting_errata if erratum.edition and not device.edition]
-    return [erratum for erratum in affecting_errata if erratum not in edition_errata], edition_errata
+    manual_errata = [erratum for erratum in affecting_errata if erratum not in edition_errata]
+    return manual_errata, edition_errata
 
 
 def _edition_phrase(difference: Erratum) -> str:

@@ -43,11 +43,13 @@ def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
     """Yield rows of part, meaning, value, meaning of the value, source."""
     parameters = {parameter.name: parameter for parameter in device.parameters}
     for part in device.order_code.parts:
-        for index, value in enumerate(part.values):
-            name_and_meaning = (code(part.name), text(part.meaning)) if index == 0 else ("", "")
+        name_cell, meaning_cell = code(part.name), text(part.meaning)
+        for value in part.values:
             assignments = [_assignment(parameters[name], number) for name, number in value.sets.items()]
-            about = joined([text(value.meaning), ", ".join(assignments), _only_with(value.only_with)])
-            yield *name_and_meaning, code(value.text), about, cited(value.source or part.source)
+            about_value = joined([text(value.meaning), ", ".join(assignments), _only_with(value.only_with)])
+            yield name_cell, meaning_cell, code(value.text), about_value, cited(value.source or part.source)
+            # Only the first row of a part names it.
+            name_cell, meaning_cell = "", ""
         for open_value in open_values(part):
             meaning = joined([STYLE.sentence(open_value), _only_with(part.open_only_with)])
             yield "", "", "", meaning, cited(part.source)
@@ -61,10 +63,15 @@ def _assignment(parameter: Parameter, number: int) -> str:
 def spelling_rows(device: Device) -> Iterator[tuple[str, ...]]:
     """Yield rows of pattern on the label, where it is used, its texts for the listed values, source."""
     for spelling in device.order_code.also_written:
-        values = [value for value in spelling.values if value.text != value.value]
-        texts = "; ".join(f"{code(value.text)} is {code(value.value)}" for value in values)
-        ending = f"{code(spelling.then)} may follow and has no meaning here" if spelling.then else ""
-        yield code(spelling.pattern), text(spelling.where), joined([texts, ending]), cited(spelling.source)
+        differing_values = [value for value in spelling.values if value.text != value.value]
+        texts_of_values = "; ".join(f"{code(value.text)} is {code(value.value)}" for value in differing_values)
+        about_ending = f"{code(spelling.then)} may follow and has no meaning here" if spelling.then else ""
+        yield (
+            code(spelling.pattern),
+            text(spelling.where),
+            joined([texts_of_values, about_ending]),
+            cited(spelling.source),
+        )
 
 
 def _only_with(texts_by_part: Mapping[str, Sequence[str]]) -> str:

@@ -336,9 +336,14 @@ class Coder:
         """Conditions under which the position of a frame is not usable."""
         if self.reports is None:
             return []
-        reporting = self.context.reportings.get(self.layout.name)
-        by_index = FrameReports(reporting, self.plan, self.names, self.context.parameters, self.by_index)
-        return by_index.not_usable
+        reports_with_indices = FrameReports(
+            reporting=self.context.reportings.get(self.layout.name),
+            codec=self.plan,
+            names=self.names,
+            parameters=self.context.parameters,
+            attribute_of=self.by_index,
+        )
+        return reports_with_indices.not_usable
 
     def by_index(self, name: str) -> str:
         """Return an expression that reads an attribute by its index, or by its name if it has none."""

@@ -267,20 +267,28 @@ class Context:
     def __init__(self, device: Device) -> None:
         self.device = device
         self.module = attribute(device.name, (*SHARED, *FOLDERS, BISS))
+        #: Attributes of the variant, by parameter.
         self.parameters = {parameter.name: attribute(parameter.name, VARIANT_NAMES) for parameter in device.parameters}
         names = Names([*MODULE_NAMES, *IMPORTED])
-        self.crcs = {crc.name: names.take(f"crc_{crc.name}", "_") for crc in device.crcs}
-        self.frames = {layout.name: names.take(camel(layout.name), "Frame") for _, layout in device.layouts()}
-        self.registers = {register.name: names.take(camel(register.name), "Register") for register in device.registers}
-        procedures = [procedure.name for procedure in device.procedures]
-        self.procedures = {name: names.take(attribute(name), "_steps") for name in procedures}
+        #: Names of functions and classes, by the name of the part of the spec.
+        self.crcs = {crc.name: names.take(f"crc_{crc.name}", suffix="_") for crc in device.crcs}
+        self.frames: dict[str, str] = {}
+        for _, layout in device.layouts():
+            self.frames[layout.name] = names.take(camel(layout.name), suffix="Frame")
+        self.registers: dict[str, str] = {}
+        for register in device.registers:
+            self.registers[register.name] = names.take(camel(register.name), suffix="Register")
+        self.procedures: dict[str, str] = {}
+        for procedure in device.procedures:
+            self.procedures[procedure.name] = names.take(attribute(procedure.name), suffix="_steps")
         self.questions = {question.name: self._open_question(question, names) for question in device.alternatives}
         code_of_parameter = dict(self.scope_of("variant").names)
         for question in self.questions.values():
             if not question.alternative.default:
                 code_of_parameter |= {name: f"{question.name}.{member}" for name, member in question.members}
+        #: Expressions for parameters: attributes of the variant, or of an answer that the caller must give.
         self.scope = Scope(code_of_parameter)
-        self._enums = {values: names.take(camel(field.name), "Value") for values, field in self.choices.items()}
+        self._enums = {values: names.take(camel(field.name), suffix="Value") for values, field in self.choices.items()}
 
     def scope_of(self, owner: str) -> Scope:
         """Return the parameters as attributes of ``owner``."""
@@ -295,7 +303,7 @@ class Context:
         parameters = alternative.answers[0].sets
         return OpenQuestion(
             alternative=alternative,
-            kind=names.take(camel(alternative.name), "Alternative"),
+            kind=names.take(camel(alternative.name), suffix="Alternative"),
             name=attribute(alternative.name, (*names_in_frames, *CLASS_NAMES, *LOCAL_NAMES, "frame")),
             members=tuple((parameter, attribute(parameter, ("name", "value"))) for parameter in parameters),
         )
