@@ -14,6 +14,7 @@ import stat
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from types import MappingProxyType
 
@@ -171,7 +172,10 @@ def _written(
     guard: Callable[[Mapping[str, Sequence[Change]]], None],
     families: Mapping[str, Sequence[str]],
 ) -> list[Change]:
-    """Write the targets to the folder. This process must hold its lock."""
+    """Write the targets to the folder, and return all changes. This process must hold its lock.
+
+    ``guard`` and ``gate`` are called before anything changes, as in ``write``.
+    """
     _remove_left_stages(folder)
     changes_by_target = {target: changes(folder, target, files) for target, files in targets.items()}
     guard(changes_by_target)
@@ -183,7 +187,7 @@ def _written(
             del targets_to_write[target]
     _refuse_what_is_in_the_way(folder, targets_to_write, changes_by_target, force)
     _exchange_folders(folder, targets_to_write, changes_by_target, families)
-    return [change for target_changes in changes_by_target.values() for change in target_changes]
+    return list(chain.from_iterable(changes_by_target.values()))
 
 
 def _exchange_folders(

@@ -180,7 +180,7 @@ def _report_data(device: Device, tells: Tells, cause: ReportCause) -> Data:
 
 def _alarm_report_data(field: Field, alarm: Alarm) -> Data:
     """Return the report of an alarm in a register with its texts."""
-    data: Data = plain_data(Tells("", Name(field.name), 0, explained(field)))
+    data: Data = plain_data(Tells(report="", flag=Name(field.name), only=explained(field)))
     return data | _report_texts(field, alarm)
 
 

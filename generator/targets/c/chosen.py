@@ -63,8 +63,8 @@ def _is_over_interface(device: Device, interface: Interface, example: Example) -
             register = device.register(example.register)
             return register.interface == interface.name and register.readable
         case FrameExample():
-            plain = not example.refused and example.sender == "encoder" and bool(example.layout)
-            return plain and not device.alternatives_of(device.layout(example.layout))
+            is_valid_reply = not example.refused and example.sender == "encoder" and bool(example.layout)
+            return is_valid_reply and not device.alternatives_of(device.layout(example.layout))
         case ProcedureExample() | MeasureExample():
             return True
         case CrcExample():
@@ -156,7 +156,7 @@ class Chosen:
             frame_examples = (example for example in self.device.examples if isinstance(example, FrameExample))
             if any(example.layout == layout.name for example in frame_examples):
                 about += " for this order code"
-        return Frame(layout, sample.frame, about, sample.values)
+        return Frame(layout=layout, wire=sample.frame, about=about, values=sample.values)
 
     def has_position(self, layout: Layout) -> bool:
         """Return True if a layout has the field or join that contains the position."""

@@ -34,7 +34,9 @@ class Context:
         argument_by_parameter: dict[str, str] = {}
         for alternative in self.alternatives:
             argument_by_parameter |= dict.fromkeys(alternative.item.answers[0].sets, alternative.argument)
-        self.scope = Scope(self.prefix, _largest_values(device), argument_by_parameter, passing)
+        self.scope = Scope(
+            prefix=self.prefix, largest=_largest_values(device), answers=argument_by_parameter, passing=passing
+        )
         self.enumerations = Enumerations(device, self.prefix)
         self.choices = self.enumerations.choices
         self.reports = Reports(device, self.prefix, self.choices, self.scope)

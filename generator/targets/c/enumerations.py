@@ -357,7 +357,9 @@ class Reports:
     def of(self, layout: Layout, name: str, type_: str) -> FrameReports | None:
         """Return the functions of a frame, if it has any."""
         reporting = self._by_frame.get(layout.name)
-        return FrameReports(self, reporting, name, type_, self._choices) if reporting is not None else None
+        if reporting is None:
+            return None
+        return FrameReports(family=self, reporting=reporting, frame=name, type_=type_, choices=self._choices)
 
     def constant(self, report: Report) -> Expr:
         """Return the bit of a report."""

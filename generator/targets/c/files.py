@@ -257,11 +257,11 @@ def problems(library: Library) -> Iterator[TargetProblem]:
             headers += [(device, view.names) for view in views_of(device)]
         except TargetError as error:
             problem = f"{error}; use 'generate --target' to write the other outputs"
-            yield TargetProblem(device, "c-target", error.place or ("device",), problem)
+            yield TargetProblem(device, rule="c-target", place=error.place or ("device",), message=problem)
     for device, clash in clashes(headers):
         other_place = () if clash.other[:1] == ("device",) else clash.other
         message = clash.message(" on line {line}" if other_place else "")
-        yield TargetProblem(device, "c-name", clash.path, message, other_place)
+        yield TargetProblem(device, rule="c-name", place=clash.path, message=message, other=other_place)
 
 
 def _headers(library: Library, view: DeviceView) -> Iterator[tuple[str, Callable[[], str]]]:

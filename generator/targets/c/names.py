@@ -364,17 +364,20 @@ class Scope:
         No intermediate result is negative unless the result is.
         """
         match expression:
-            case Expression(-1, (Term(1, (Factor(name, True),)),)):
-                return Call("cw_mask", (self.atom(name),))
-        plus = [self._term(term) for term in expression.terms if term.multiple > 0]
-        minus = [self._term(term) for term in expression.terms if term.multiple < 0]
-        if expression.constant > 0 or not plus:
-            plus.insert(0, Number(max(expression.constant, 0)))
-        elif isinstance(plus[0], Name) and (len(expression.terms) > 1 or expression.constant < 0):
-            plus[0] = Cast("uint32_t", plus[0])
+            case Expression(-1, (Term(1, (Factor(exponent, True),)),)):
+                # 2 to the power of the parameter, minus 1.
+                return Call("cw_mask", (self.atom(exponent),))
+        added = [self._term(term) for term in expression.terms if term.multiple > 0]
+        subtracted = [self._term(term) for term in expression.terms if term.multiple < 0]
+        is_single_operand = len(expression.terms) == 1 and expression.constant >= 0
+        if expression.constant > 0 or not added:
+            added.insert(0, Number(max(expression.constant, 0)))
+        elif isinstance(added[0], Name) and not is_single_operand:
+            # The member can have 8 bits, which would be promoted to a signed type.
+            added[0] = Cast("uint32_t", added[0])
         if expression.constant < 0:
-            minus.append(Number(-expression.constant))
-        return joined("-", (joined("+", tuple(plus)), *minus))
+            subtracted.append(Number(-expression.constant))
+        return joined("-", (joined("+", tuple(added)), *subtracted))
 
     def signed(self, expression: Expression) -> Expr:
         """Return the expression in 64 bits with a sign.

@@ -326,7 +326,8 @@ class RegisterCode:
     def _limit_function(self, name: str, about: str, limit: Expression, *, is_signed: bool) -> Function:
         """Return the function for a limit that depends on the order code."""
         if is_signed:
-            return Function(name, "int64_t", self.scope.signed(limit), about, uses_variant=True)
+            value = self.scope.signed(limit)
+            return Function(name, type="int64_t", value=value, about=about, uses_variant=True)
         limits_of_encoders = [0]
         for variant in self.device.variants_over(self.register.interface):
             for parameters in parameters_at_run_time(self.device, variant):

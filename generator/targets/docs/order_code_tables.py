@@ -276,14 +276,16 @@ _EXPONENT = re.compile(r"\^([0-9]*)")
 def position_frame(family: Device, interface: Interface) -> Layout | None:
     """Return the frame that says most about the position: its parts, then its flags. With a tie, the shortest."""
     family_layouts = family.interface(interface.name).layouts
-    names = {layout.name for layout in family_layouts if family.tells_position(interface.name, layout)}
-    position_names = family.position_names(interface.name)
+    position_frames = {layout.name for layout in family_layouts if family.tells_position(interface.name, layout)}
+    candidates = [layout for layout in interface.layouts if layout.name in position_frames]
+    parts_of_position = family.position_names(interface.name)
 
     def information(layout: Layout) -> tuple[int, int, int]:
-        flags = sum(isinstance(meaning_of(field), Active) for field in layout.fields)
-        return len(position_names & {field.name for field in layout.fields}), flags, -layout.widest
+        number_of_parts = len(parts_of_position & {field.name for field in layout.fields})
+        number_of_flags = sum(isinstance(meaning_of(field), Active) for field in layout.fields)
+        return number_of_parts, number_of_flags, -layout.widest
 
-    return max((layout for layout in interface.layouts if layout.name in names), key=information, default=None)
+    return max(candidates, key=information, default=None)
 
 
 def open_questions(device: Device, layout: Layout) -> Iterator[str]:

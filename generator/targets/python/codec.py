@@ -157,8 +157,10 @@ class Coder:
     @property
     def _unused(self) -> list[Attribute]:
         if self.plan.keeps_others:
-            return [Attribute("unused", "int", docstrings.OF_OTHERS, "0")]
-        return [Attribute("unused", "int", docstrings.OF_UNUSED, "0")] if self.plan.reserved else []
+            return [Attribute("unused", type="int", meaning=docstrings.OF_OTHERS, default="0")]
+        if self.plan.reserved:
+            return [Attribute("unused", type="int", meaning=docstrings.OF_UNUSED, default="0")]
+        return []
 
     def others(self, whole: Whole) -> list[Attribute]:
         """Return the attributes that are not part of a joined number."""

@@ -280,7 +280,13 @@ class Module:
         # Frames sent by the master come first.
         dispatchers.sort(key=lambda dispatcher: dispatcher.plan.sender == "encoder")
         notes = docstrings.notes(self.device, interface)
-        return Section(interface, facts.interface(interface), notes, coders, tuple(dispatchers))
+        return Section(
+            interface=interface,
+            facts=facts.interface(interface),
+            notes=notes,
+            coders=coders,
+            dispatchers=tuple(dispatchers),
+        )
 
     def _dispatcher(self, interface: Interface, plan: Dispatch, coders: Sequence[Coder]) -> Dispatcher:
         """Return the function that decodes all frames of a sender, such as ``decode_reply``."""
@@ -308,7 +314,8 @@ class Module:
             return Coder(self.context, register.interface, register.layout, register)
         summary, blocks = docstrings.of_register(self.device, register)
         name = self.context.registers[register.name]
-        return Enumeration(name, docstring(summary, *blocks, indent=4), register.values, register)
+        doc = docstring(summary, *blocks, indent=4)
+        return Enumeration(name, doc=doc, values=register.values, register=register)
 
     def _frame_kinds(self) -> Iterator[FrameKind]:
         """Yield the frames that the encoder sends over each interface."""

@@ -262,9 +262,10 @@ class Variants:
         def lowest_of(position_range: PositionRange) -> Expr | None:
             if position_range.signed_field is None:
                 return None
-            # Without a highest position in the spec, every number that fits in the field is valid.
-            is_whole = position_range.measurement.highest is None
-            return Atom("-self.highest - 1" if is_whole else "self.highest - self.modulus + 1")
+            if position_range.measurement.highest is None:
+                # Every number that fits in the field is valid.
+                return Atom("-self.highest - 1")
+            return Atom("self.highest - self.modulus + 1")
 
         return self._ends(lowest_of, number(0))
 
