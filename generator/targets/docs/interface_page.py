@@ -236,14 +236,16 @@ def _register_section(device: Device, register: Register) -> Section:
     """Return a register with its facts, fields and named values."""
     fields = register.layout.fields
     rows = list(layout_tables.field_rows(device, register.layout))
-    is_plain = len(fields) == 1 and rows[0][3:] == ("", "") and fields[0].name == register.name
+    _, _, _, meaning_cell, source_cell = rows[0]
+    is_single_number = len(fields) == 1 and fields[0].name == register.name
+    repeats_register = is_single_number and not meaning_cell and not source_cell
     return {
         "register": register,
         "title": title(register),
         "access": say_register.access(register),
         "head": say_register.head(device, register, Code(register.name)),
         "facts": say_register.facts(device, register),
-        "rows": [] if is_plain else rows,
+        "rows": [] if repeats_register else rows,
         "value_tables": [_value_table(field, len(fields) == 1) for field in fields if has_value_table(field)],
         "joins": say_layout.joins(register.layout),
         "placements": layout_tables.placement_table(device, register.layout, register.interface),
