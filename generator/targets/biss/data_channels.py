@@ -180,7 +180,7 @@ def master_settings(
 
 
 def _length_line(length: DataLength) -> str:
-    """Return a length, such as ``AMM36: position 24 = 24 bits, with status bits 26, with CRC 32``."""
+    """Return a length, such as ``X-24: position 24 = 24 bits, with status bits 26, with CRC 32``."""
     widths = " + ".join(f"{name} {width}" for name, width in length.parts.items())
     return (
         f"{_encoders_of(length)}: {widths} = {length.data_bits} bits, "

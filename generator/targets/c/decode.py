@@ -270,7 +270,7 @@ class Decoder:
                 yield name, Cast(type_, Conditional(is_zero, Number(number), bits))
             case Active(low):
                 bit = self.reader.flag(part.bits) if is_plain_flag(part) else bits
-                is_active = self._is_active(part, bit, active_low=low)
+                is_active = self._is_active(part, bit, low_is_active=low)
                 yield name, Name(is_active.operand)
             case DigitRuns(runs):
                 yield name, self._bits_as(type_, part)
@@ -284,11 +284,11 @@ class Decoder:
             case never:
                 assert_never(never)
 
-    def _is_active(self, part: Part, bit: Expr, *, active_low: bool) -> Expr:
+    def _is_active(self, part: Part, bit: Expr, *, low_is_active: bool) -> Expr:
         """Return the condition that a flag is active. A flag that the order code does not have is inactive."""
-        if active_low and not part.field.width.is_constant:
+        if low_is_active and not part.field.width.is_constant:
             return Operation("!=", (bit, self.struct.scope.of(part.field.width)))
-        return Operation("==" if active_low else "!=", (bit, Number(0)))
+        return Operation("==" if low_is_active else "!=", (bit, Number(0)))
 
     def _bits_as(self, type_: str, part: Part) -> Expr:
         """Return the bits of a part, with a cast if the member has another type."""

@@ -169,7 +169,7 @@ class Encoder:
         member = self.member_of(field)
         match meaning_of(field):
             case Active(low):
-                return self._bit_of_flag(field, active_low=low)
+                return self._bit_of_flag(field, low_is_active=low)
             case TwosComplement():
                 return Operation("&", (Cast("uint64_t", member), self.struct.scope.mask(field.width)))
             case ZeroMeans(number):
@@ -180,10 +180,10 @@ class Encoder:
             case meaning:
                 assert_never(meaning)
 
-    def _bit_of_flag(self, field: Field, *, active_low: bool) -> Expr:
+    def _bit_of_flag(self, field: Field, *, low_is_active: bool) -> Expr:
         """Return the bit of a flag, such as ``in->error ? 1U : 0U``."""
         flag = self.member_of(field)
-        if not active_low:
+        if not low_is_active:
             return Conditional(flag, Number(1), Number(0))
         if field.width.is_constant:
             return Conditional(flag, Number(0), Number(1))
@@ -256,7 +256,7 @@ class Encoder:
                     yield byte, Cast("uint8_t", Name(f"{member}[{index}]"))
             case Active(low):
                 for piece in field.pieces:
-                    yield piece.byte, _flag_in_byte(member, piece, active_low=low)
+                    yield piece.byte, _flag_in_byte(member, piece, low_is_active=low)
             case TwosComplement():
                 # Copies of the sign must not reach the zeros above the field.
                 bits = self._value(term) if field.name in self._padded_names else Cast("uint64_t", member)
@@ -281,11 +281,11 @@ class Encoder:
         return Cast("uint32_t", bits_of_piece) if is_wide_member else bits_of_piece
 
 
-def _flag_in_byte(flag: Expr, piece: Piece, *, active_low: bool) -> Expr:
+def _flag_in_byte(flag: Expr, piece: Piece, *, low_is_active: bool) -> Expr:
     """Return the bit of a flag at its place in its byte, such as ``in->error ? 0x80U : 0x00U``."""
     bit = Number(piece.mask << piece.right, hexadecimal=True)
     zero = Number(0, hexadecimal=True)
-    return Conditional(flag, zero, bit) if active_low else Conditional(flag, bit, zero)
+    return Conditional(flag, zero, bit) if low_is_active else Conditional(flag, bit, zero)
 
 
 def _as_byte(value: Expr) -> Expr:

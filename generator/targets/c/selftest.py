@@ -252,7 +252,7 @@ class SelfTest:
         return f"{codec.name}_bits({', '.join(filter(None, ('variant', answers)))})"
 
     def _answers(self, questions: Sequence[AlternativeCode], example: FrameExample) -> str:
-        """Return the answers for the example as arguments, such as ``TV62_CODE_GRAY, ``. The default is the first."""
+        """Return the answers for the example as arguments, such as ``CODE_GRAY, ``. The default is the first."""
         answers = ""
         for question in questions:
             answer_names = [answer.name for answer in question.item.answers]

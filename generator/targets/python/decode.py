@@ -211,7 +211,7 @@ class Decoder:
             case ZeroMeans(stands_for):
                 return [_or_if_zero(bits, stands_for)]
             case Active(low):
-                return [self._is_active(part, active_low=low)]
+                return [self._is_active(part, low_is_active=low)]
             case Named() if self.selects(field):
                 return [call(self.enum(field), bits)]
             case Named():
@@ -230,13 +230,13 @@ class Decoder:
             return Atom(f'{adjacent_bytes}.decode("latin-1")')
         return _text_of_number(part.field, self.bits(part))
 
-    def _is_active(self, part: Part, *, active_low: bool) -> Expr:
+    def _is_active(self, part: Part, *, low_is_active: bool) -> Expr:
         """Return the condition that a flag is active. A flag that the order code does not have is inactive."""
         width = part.field.width
         if not width.is_constant:
-            inactive = self.number(width) if active_low else number(0)
+            inactive = self.number(width) if low_is_active else number(0)
             return Atom(f"{self.bits(part).operand} != {inactive.operand}")
-        return _is_flag_active(self.read.bit(part.bits, self._shorter_number(part)), active_low=active_low)
+        return _is_flag_active(self.read.bit(part.bits, self._shorter_number(part)), low_is_active=low_is_active)
 
     def _shorter_number(self, part: Part) -> str:
         """Return the variable with the lowest bits of a word, if a CRC table needs it and it has the flag."""
@@ -294,7 +294,7 @@ def assigned(scope: Scope, names: ClassNames, enum: str, field: Field, bits: Exp
         case ZeroMeans(stands_for):
             yield attribute, _or_if_zero(bits, stands_for)
         case Active(low):
-            yield attribute, _is_flag_active(bits, active_low=low)
+            yield attribute, _is_flag_active(bits, low_is_active=low)
         case Named():
             yield attribute, call("choice", enum, f'"{field.name}"', bits)
         case DigitRuns(runs):
@@ -321,8 +321,8 @@ def _or_if_zero(bits: Expr, stands_for: int) -> Expr:
     return Atom(f"{bits.operand} or {grouped(stands_for)}")
 
 
-def _is_flag_active(bit: Expr, *, active_low: bool) -> Expr:
-    return Atom(f"not {bit}" if active_low else f"{bit.operand} != 0")
+def _is_flag_active(bit: Expr, *, low_is_active: bool) -> Expr:
+    return Atom(f"not {bit}" if low_is_active else f"{bit.operand} != 0")
 
 
 def _text_of_number(field: Field, bits: Expr) -> Expr:

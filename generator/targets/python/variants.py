@@ -59,7 +59,7 @@ class Variants:
         self.rows = [self._row(variant) for variant in self.device.variants]
 
     def _row(self, variant: Variant) -> Call:
-        """Return the object of an order code, such as ``SsiEncoder("AM36-13", ("AM36", "13"), bits=13)``."""
+        """Return the object of an order code, such as ``SsiEncoder("X-13", ("X", "13"), bits=13)``."""
         texts_of_parts = tuple(variant.parts[part.name] for part in self.device.order_code.parts)
         arguments: list[tuple[str, Literal]] = [("", variant.code), ("", texts_of_parts)]
         for parameter in self.device.set_parameters:
