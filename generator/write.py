@@ -14,6 +14,7 @@ import stat
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from types import MappingProxyType
 
@@ -86,6 +87,7 @@ def digest_on_disk(folder: Path, targets: Iterable[str]) -> str:
 
 
 def _digest(files: Iterable[tuple[str, bytes]]) -> str:
+    """Return a hash of the paths and contents."""
     digest = hashlib.sha256()
     for path, content in files:
         digest.update(f"{path}\0{len(content)}\0".encode())
@@ -170,7 +172,10 @@ def _written(
     guard: Callable[[Mapping[str, Sequence[Change]]], None],
     families: Mapping[str, Sequence[str]],
 ) -> list[Change]:
-    """Write the targets to the folder. This process must hold its lock."""
+    """Write the targets to the folder, and return all changes. This process must hold its lock.
+
+    ``guard`` and ``gate`` are called before anything changes, as in ``write``.
+    """
     _remove_left_stages(folder)
     changes_by_target = {target: changes(folder, target, files) for target, files in targets.items()}
     guard(changes_by_target)
@@ -182,7 +187,7 @@ def _written(
             del targets_to_write[target]
     _refuse_what_is_in_the_way(folder, targets_to_write, changes_by_target, force)
     _exchange_folders(folder, targets_to_write, changes_by_target, families)
-    return [change for target_changes in changes_by_target.values() for change in target_changes]
+    return list(chain.from_iterable(changes_by_target.values()))
 
 
 def _exchange_folders(
@@ -200,18 +205,20 @@ def _exchange_folders(
     exchanged: list[Stage] = []
     try:
         for target, files in targets.items():
-            stages.append(Stage.create(folder / target))
-            unchanged = {change.path for change in changes_by_target[target] if change.what == "unchanged"}
-            stages[-1].fill(files, families.get(target, ()), unchanged)
+            stage = Stage.create(folder / target)
+            stages.append(stage)
+            unchanged_paths = {change.path for change in changes_by_target[target] if change.what == "unchanged"}
+            stage.fill(files, families.get(target, ()), unchanged_paths)
         for stage in stages:
             stage.exchange()
             exchanged.append(stage)
     except BaseException as error:
-        written = [stage.target_folder.name for stage in exchanged if not stage.take_back()]
+        unrestored_targets = [stage.target_folder.name for stage in exchanged if not stage.take_back()]
         if not isinstance(error, OSError):
             raise
         path = _path_in_output(error, stages, folder)
-        raise WriteError(f"cannot write {path}: {error.strerror or error}; {_state(written)}") from None
+        problem = f"cannot write {path}: {error.strerror or error}"
+        raise WriteError(f"{problem}; {_state_of_output(unrestored_targets)}") from None
     finally:
         for stage in stages:
             stage.remove()
@@ -224,6 +231,7 @@ def _has_changes(target_changes: Iterable[Change]) -> bool:
 def _needs_writing(
     folder: Path, target: str, files: Mapping[str, str], target_changes: Iterable[Change], families: Sequence[str]
 ) -> bool:
+    """Return whether files, the list of them, or the families in this list differ from those in the folder."""
     if _has_changes(target_changes) or _listed_paths(folder, target) != sorted(files):
         return True
     return bool(families) and families_in(folder / target) != list(families)
@@ -239,8 +247,10 @@ def _path_in_output(error: OSError, stages: Iterable[Stage], folder: Path) -> st
     return path
 
 
-def _state(written: list[str]) -> str:
-    return f"written before that: {', '.join(written)}; the rest is as it was" if written else "nothing has changed"
+def _state_of_output(unrestored_targets: Sequence[str]) -> str:
+    if not unrestored_targets:
+        return "nothing has changed"
+    return f"written before that: {', '.join(unrestored_targets)}; the rest is as it was"
 
 
 def _remove_left_stages(folder: Path) -> None:
@@ -289,11 +299,8 @@ def _refuse_what_is_in_the_way(
 def _in_the_way(folder: Path, target: str, files: Mapping[str, str], differing: set[str]) -> Iterator[tuple[str, str]]:
     """Yield files and folders that codewheel did not write where ``files`` or their folders go, each with a note."""
     listed_paths = set(_listed_paths(folder, target))
-    folders: set[str] = set()
-    for parent in set(map(os.path.dirname, files)):
-        folders |= {folder_path.as_posix() for folder_path in (Path(parent), *Path(parent).parents)}
-    folders -= {".", target}
-    for path in sorted(folders - listed_paths):
+    folders_inside = _folders_of(files) - {".", target}
+    for path in sorted(folders_inside - listed_paths):
         if _kind_of(folder / path) in ("file", "link"):
             yield path, ", in place of a folder"
     for path in sorted(differing):
@@ -302,11 +309,20 @@ def _in_the_way(folder: Path, target: str, files: Mapping[str, str], differing: 
             yield path, _A_FOLDER
         elif kind and path not in listed_paths:
             yield path, ""
-    path = f"{target}/{LIST}"
-    if _kind_of(folder / path) == "folder":
-        yield path, _A_FOLDER
-    elif _kind_of(folder / path) and not (read_file(folder / path) or b"").startswith(LIST_SIGN):
-        yield path, ""
+    list_path = f"{target}/{LIST}"
+    kind_of_list = _kind_of(folder / list_path)
+    if kind_of_list == "folder":
+        yield list_path, _A_FOLDER
+    elif kind_of_list and not (read_file(folder / list_path) or b"").startswith(LIST_SIGN):
+        yield list_path, ""
+
+
+def _folders_of(paths: Iterable[str]) -> set[str]:
+    """Return all folders on the way to these paths, such as ``.``, ``c`` and ``c/include`` for ``c/include/x.h``."""
+    folders: set[str] = set()
+    for path in paths:
+        folders.update(folder.as_posix() for folder in Path(path).parents)
+    return folders
 
 
 def _kind_of(path: Path) -> str:

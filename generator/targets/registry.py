@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 import traceback
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import replace
 from importlib import import_module, resources
-from itertools import chain, count
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
@@ -147,6 +147,7 @@ def _load_checked(name: str, load: Callable[[], object]) -> Target:
 
 
 def _run_target(name: str, work: Callable[[], _Result]) -> _Result:
+    """Return the result of ``work``. An unexpected error from it names the target."""
     try:
         return work()
     except (TargetError, TemplateFault):
@@ -172,15 +173,24 @@ def names_of_codes(order_codes: Iterable[str], reserved_names: Iterable[str] = (
 
     Characters that are not allowed become hyphens. Duplicates are numbered. ``reserved_names`` are in lowercase.
     """
-    used_names, names = set(reserved_names), list[str]()
+    used_names = set(reserved_names)
+    file_names: list[str] = []
     for order_code in order_codes:
-        allowed_text = _NOT_ALLOWED.sub("-", order_code).lstrip(".")
-        suffixes = chain([""], (f"-{number}" for number in count(2)))
-        candidates = (f"{allowed_text[: _LONGEST - len(suffix)]}{suffix}" for suffix in suffixes)
-        name = next(candidate for candidate in candidates if candidate and candidate.casefold() not in used_names)
-        names.append(name)
-        used_names.add(name.casefold())
-    return names
+        file_name = _unused_file_name(_NOT_ALLOWED.sub("-", order_code).lstrip("."), used_names)
+        file_names.append(file_name)
+        used_names.add(file_name.casefold())
+    return file_names
+
+
+def _unused_file_name(stem: str, used_names: Collection[str]) -> str:
+    """Return ``stem``, with a number at its end if it is empty or used already."""
+    file_name = stem[:_LONGEST]
+    for number in count(2):
+        if file_name and file_name.casefold() not in used_names:
+            break
+        suffix = f"-{number}"
+        file_name = f"{stem[: _LONGEST - len(suffix)]}{suffix}"
+    return file_name
 
 
 _TEXT = """\

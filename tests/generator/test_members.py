@@ -24,7 +24,7 @@ from codewheel.readings import stated
 from codewheel.readings.compare import compare
 from codewheel.readings.reading import Reading, Sort
 from codewheel.readings.second_readings import facts_of
-from codewheel.targets.python import facts
+from codewheel.targets.python import records
 from codewheel.targets.python.facts import register_rows
 
 SPEC = Path(__file__).parents[2] / "specs/lika/amm5.yaml"
@@ -72,7 +72,7 @@ def test_the_table_names_rules_and_classes_of_facts_that_exist() -> None:
 
 def parts_of_records() -> Iterator[tuple[str, Part]]:
     parts_by_name = {part.name: part for part in PARTS}
-    for record in facts.records().members:
+    for record in records.runtime_records().members:
         name = RECORDS.get(record) or re.sub(r"(?<=[a-z])(?=[A-Z])", "_", record).lower()
         if name in parts_by_name and name != "interface":
             yield record, parts_by_name[name]
@@ -83,7 +83,9 @@ def parts_of_records() -> Iterator[tuple[str, Part]]:
 )
 def test_records_of_python_have_the_members(record: str, part: Part) -> None:
     """A member of the data that the class of a record lacks would be missing from the Python package."""
-    names = {member.name for member in facts.records().members[record]} | set(ELSEWHERE.get(record, "").split())
+    names = {member.name for member in records.runtime_records().members[record]} | set(
+        ELSEWHERE.get(record, "").split()
+    )
     assert {member.name for member in part.members if member.shape and member.attribute not in names} - names == set()
 
 
@@ -103,10 +105,10 @@ def property_(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     for module in (plain, changes, stated):
         monkeypatch.setattr(module, "PARTS_BY_CLASS", by_class)
     monkeypatch.setattr(schema, "PARTS", tuple(part if candidate is old else candidate for candidate in PARTS))
-    original_records = facts.records()
-    members = (*original_records.members["Register"], facts.RecordMember("needs_restart", frozenset(), False))
+    original_records = records.runtime_records()
+    members = (*original_records.members["Register"], records.RecordMember("needs_restart", frozenset(), default=False))
     extended_records = replace(original_records, members={**original_records.members, "Register": members})
-    monkeypatch.setattr(facts, "records", lambda: extended_records)
+    monkeypatch.setattr(records, "runtime_records", lambda: extended_records)
     schema.show_schema.cache_clear()
     schema_text.cache_clear()
     yield

@@ -1650,7 +1650,7 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
                     padding = position >> position_bits
                     if padding:
                         raise ConstantError("position_padding", padding, 0)
-                    encoder_id_1 = b5
+                    encoder_id_1 = b5  # Encoder ID, first byte, 51h for the absolute linear encoder
                     if encoder_id_1 != 0x51:
                         raise ConstantError("encoder_id_1", encoder_id_1, 0x51)
                     encoder_id_2 = b6  # Encoder ID, second byte, fixed

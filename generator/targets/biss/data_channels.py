@@ -3,10 +3,6 @@
 Only the beginning of one idbiss file is public. Our file uses only the elements and attributes found there. Comments
 mark every further interpretation as inferred. Facts with no publicly known place in the format are in the full
 description, for which we have our own schema.
-
-Only the beginning of one idbiss file is public. Our file uses only the elements and attributes found there. Comments
-mark every further interpretation as inferred. Facts with no publicly known place in the format are in the full
-description, for which we have our own schema.
 """
 
 from __future__ import annotations
@@ -18,7 +14,7 @@ from functools import lru_cache
 from markupsafe import Markup, escape
 
 from ...dump.xml import clean
-from ...model import Biss, Crc, Device, Field, Layout, assert_never
+from ...model import Biss, Crc, Device, Field, Layout, Variant, assert_never
 from ...model.record import dataclass
 from ...order_codes.parameters import run_time_widths
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
@@ -31,14 +27,14 @@ from ...say.plain_text import counted, in_ascii, plain
 from ...say.text import BY_NAME
 from .identity import DataLength, IdBits, profile_ids
 
-_WIDTH = 132
-#: Signs that comments spell in their own way.
-_OWN = {"±": "+/-", "→": "to", "°": " deg", "\N{OHM SIGN}": "Ohm"}
+_MAX_LINE = 132
+#: Spelling of signs in comments.
+_SPELLED_SIGNS = {"±": "+/-", "→": "to", "°": " deg", "\N{OHM SIGN}": "Ohm"}
 
 
 def ascii_only(text: object) -> str:
     """Return ``text`` in ASCII for comments, where XML allows no character references."""
-    return in_ascii(plain(text), _OWN)
+    return in_ascii(plain(text), _SPELLED_SIGNS)
 
 
 def comment_text(text: object) -> Markup:
@@ -51,19 +47,30 @@ def comment_text(text: object) -> Markup:
 
 def comment(text: object, indent: str) -> Markup:
     """Return a complete comment, wrapped if necessary. Line breaks in the text are preserved."""
-    lines = str(text).split("\n")
-    if len(lines) == 1 and len(indent) + len(whole := comment_text(lines[0])) + 9 <= _WIDTH:
-        return Markup(f"{indent}<!-- {whole} -->")
-    wrapped = [piece for line in lines for piece in _wrapped(line, _WIDTH - len(indent) - 5)]
-    return Markup("\n".join([f"{indent}<!--", *(f"{indent}     {line}" for line in wrapped), f"{indent}-->"]))
+    paragraphs = str(text).split("\n")
+    if len(paragraphs) == 1:
+        on_one_line = f"{indent}<!-- {comment_text(paragraphs[0])} -->"
+        if len(on_one_line) <= _MAX_LINE:
+            return Markup(on_one_line)
+    text_indent = f"{indent}     "
+    lines = [f"{indent}<!--"]
+    for paragraph in paragraphs:
+        lines += [text_indent + line for line in _wrapped_lines(paragraph, _MAX_LINE - len(text_indent))]
+    lines.append(f"{indent}-->")
+    return Markup("\n".join(lines))
 
 
 # The files for the order codes of a family have most lines in common.
 @lru_cache(maxsize=1024)
-def _wrapped(line: str, width: int) -> Sequence[str]:
+def _wrapped_lines(paragraph: str, width: int) -> Sequence[str]:
     """Return the lines of a comment for one line of its text. An indented one is an item of a list."""
-    first, indent = ("  ", "    ") if line.startswith("  ") else ("", "")
-    return textwrap.wrap(str(comment_text(line)), width, initial_indent=first, subsequent_indent=indent)
+    is_list_item = paragraph.startswith("  ")
+    return textwrap.wrap(
+        str(comment_text(paragraph)),
+        width,
+        initial_indent="  " if is_list_item else "",
+        subsequent_indent="    " if is_list_item else "",
+    )
 
 
 def ascii_text(text: object) -> Markup:
@@ -73,7 +80,11 @@ def ascii_text(text: object) -> Markup:
 
 @dataclass(frozen=True)
 class Node:
-    """``Device`` element: its identity, its name, and the known facts about the data of the device."""
+    """``Device`` element: its identity, its name, and the known facts about the data of the device.
+
+    ``notes`` and ``notes_of_data`` are comments before the name and before the data channel. ``length`` is 0 and
+    ``crc_polynomial`` is empty if the element does not have them.
+    """
 
     ids: tuple[IdBits, ...]
     label: str = ""
@@ -90,44 +101,47 @@ def channels_by_length(
     device: Device, layout: Layout, ids: tuple[IdBits, ...], lengths: Sequence[DataLength]
 ) -> tuple[Node, ...]:
     """Return the element with the data length if the device ID implies a single length."""
-    if len({length.data_bits for length in lengths}) != 1:
+    if _number_of_lengths(lengths) != 1:
         return ()
-    notes = ("The same identity again, because the public example does not have CrcPoly and Length in one SCDS.",)
-    return (
-        Node(
-            ids,
-            notes=notes,
-            notes_of_data=(_LENGTH_NOTE + _at_factory_defaults(device, layout),),
-            length=lengths[0].data_bits,
-            data_label=_data_label(device, layout),
-        ),
+    channel = Node(
+        ids=ids,
+        notes=("The same identity again, because the public example does not have CrcPoly and Length in one SCDS.",),
+        notes_of_data=(_LENGTH_NOTE + _note_on_changing_length(device, layout),),
+        length=lengths[0].data_bits,
+        data_label=_data_label(device, layout),
     )
+    return (channel,)
 
 
-def _at_factory_defaults(device: Device, layout: Layout) -> str:
+def _number_of_lengths(lengths: Sequence[DataLength]) -> int:
+    """Return how many different numbers of data bits there are."""
+    return len({length.data_bits for length in lengths})
+
+
+def _note_on_changing_length(device: Device, layout: Layout) -> str:
+    """Return a note if registers change the length of the data. Otherwise it is empty."""
     register_fields = [field_at(device, path) for path in run_time_widths(device, layout)]
-    return (
-        f"\nInferred: Length is that of the {initial(device)} of {' and '.join(register_fields)}. It changes with them."
-        if register_fields
-        else ""
-    )
+    if not register_fields:
+        return ""
+    fields = " and ".join(register_fields)
+    return f"\nInferred: Length is that of the {initial(device)} of {fields}. It changes with them."
 
 
 def _length_by_profile(device: Device, lengths: Sequence[DataLength]) -> dict[int, int]:
-    """Return the data length for each profile ID, if the profile ID distinguishes the models."""
+    """Return the data length for each profile ID, if the profile ID distinguishes the models. Otherwise it is empty."""
     length_by_profile: dict[int, int] = {}
-    for number, codes in profile_ids(device).items():
-        bit_counts = {length.data_bits for length in lengths if not set(codes).isdisjoint(length.codes)}
-        if len(bit_counts) != 1:
+    for profile_id, order_codes in profile_ids(device).items():
+        lengths_of_profile = [length for length in lengths if not set(order_codes).isdisjoint(length.codes)]
+        if _number_of_lengths(lengths_of_profile) != 1:
             return {}
-        (length_by_profile[number],) = bit_counts
+        length_by_profile[profile_id] = lengths_of_profile[0].data_bits
     return length_by_profile if len(length_by_profile) > 1 else {}
 
 
 def _data_label(device: Device, layout: Layout) -> str:
     """Return a description of the data channel, without the comma with which the labels of devices start."""
     measurement = device.measurement_of(Biss.name)
-    return f"{measurement.of if measurement is not None else plain(layout.name.replace('_', ' '))}"
+    return measurement.of if measurement is not None else plain(layout.name.replace("_", " "))
 
 
 _LENGTH_NOTE = (
@@ -150,42 +164,58 @@ def master_settings(
     one_encoder: bool,
 ) -> str:
     """Return the other master settings as the lines of a comment. ``crc`` is None if order codes differ."""
-    about = "Further settings of the master:" if one_encoder else _about_length(device, layout, lengths)
-    lines = [about, *_lengths_by_profile(device, lengths)]
+    heading = "Further settings of the master:" if one_encoder else _heading(device, layout, lengths)
+    lines = [heading, *_lengths_by_profile(device, lengths)]
     for length in lengths:
-        parts = " + ".join(f"{name} {width}" for name, width in length.parts.items())
-        lines.append(
-            f"  {', '.join(length.codes)}{_answers_text(length)}: {parts} = {length.data_bits} bits, "
-            f"with status bits {length.with_status}, with CRC {length.total}"
-            f"{_own_crc(device, length) if crc is None else ''}"
-        )
-    lines.append(f"  sent in this order, most significant bit first: {_order(layout)}")
-    lines.append(f"  code: {_code(device, layout)}")
+        own_crc_text = _own_crc_text(device, length) if crc is None else ""
+        lines.append(f"  {_length_line(length)}{own_crc_text}")
+    lines.append(f"  sent in this order, most significant bit first: {_sent_fields(layout)}")
+    lines.append(f"  code: {_number_code(device, layout)}")
     if crc is not None:
-        lines.append(f"  CRC: {_crc_words(device, crc)}. CrcPoly is the polynomial with its top bit")
+        lines.append(f"  CRC: {_crc_text(device, crc)}. CrcPoly is the polynomial with its top bit")
     lines += _other_channels(device, layout)
-    facts = say_order_code.settings(device, device.interface("biss"))
-    lines += [f"  {BY_NAME.sentence(setting)}" for setting in facts]
+    settings = say_order_code.settings(device, device.interface(Biss.name))
+    lines += [f"  {BY_NAME.sentence(setting)}" for setting in settings]
     lines += _one_profile(device, lengths)
-    paths = [f"interfaces.biss.{layout.name}", *dict.fromkeys(f"registers.{id_bits.register}" for id_bits in ids)]
-    for listed_erratum in errata(device, *paths):
-        head, *below = BY_NAME.lines(erratum(listed_erratum))
-        lines += [f"  {head}", *(f"    {line}" for line in below)]
+    lines += _errata_lines(device, layout, ids)
     lines.append(f"  registers, procedures and everything else: {device.manufacturer.name}-{device.name}.xml")
     return "\n".join(lines)
 
 
-def _answers_text(length: DataLength) -> str:
-    """Return the answers on which a length depends."""
-    return f" with {' and '.join(length.answers)}" if length.answers else ""
+def _length_line(length: DataLength) -> str:
+    """Return a length, such as ``X-24: position 24 = 24 bits, with status bits 26, with CRC 32``."""
+    widths = " + ".join(f"{name} {width}" for name, width in length.parts.items())
+    return (
+        f"{_encoders_of(length)}: {widths} = {length.data_bits} bits, "
+        f"with status bits {length.with_status}, with CRC {length.total}"
+    )
 
 
-def _own_crc(device: Device, length: DataLength) -> str:
+def _own_crc_text(device: Device, length: DataLength) -> str:
     """Return the CRC of a length, which others do not have."""
-    return f", CRC of {_crc_words(device, length.crc)}" if length.crc is not None else ", without a CRC"
+    return f", CRC of {_crc_text(device, length.crc)}" if length.crc is not None else ", without a CRC"
+
+
+def _encoders_of(length: DataLength) -> str:
+    """Return the order codes with a length, and the answers on which it depends."""
+    order_codes = ", ".join(length.codes)
+    return f"{order_codes} with {' and '.join(length.answers)}" if length.answers else order_codes
+
+
+def _errata_lines(device: Device, layout: Layout, ids: Sequence[IdBits]) -> list[str]:
+    """Return the errata about the frame and about the registers with the identity."""
+    register_paths = [f"registers.{id_bits.register}" for id_bits in ids]
+    paths = (f"interfaces.biss.{layout.name}", *dict.fromkeys(register_paths))
+    indented_lines = []
+    for frame_erratum in errata(device, *paths):
+        first_line, *further_lines = BY_NAME.lines(erratum(frame_erratum))
+        indented_lines.append(f"  {first_line}")
+        indented_lines += [f"    {line}" for line in further_lines]
+    return indented_lines
 
 
 def _active_level(status: Field) -> str:
+    """Return the level at which a status bit is active, or that it is a constant."""
     match meaning_of(status):
         case Active(low):
             return "active low" if low else "active high"
@@ -196,12 +226,14 @@ def _active_level(status: Field) -> str:
 
 
 def _lengths_by_profile(device: Device, lengths: Sequence[DataLength]) -> list[str]:
-    length_by_profile, profiles = _length_by_profile(device, lengths), profile_ids(device)
+    """Return a line for each profile ID and a note, or no lines if the profile ID does not distinguish the models."""
     lines = []
-    for number, length in length_by_profile.items():
-        codes = ", ".join(profiles[number])
-        lines.append(f"  profile ID {number:04X}h, registers 42h and 43h ({codes}): {length} bits")
-    return [*lines, f"  {_PROFILE_NOTE}"] if lines else []
+    for profile_id, data_bits in _length_by_profile(device, lengths).items():
+        order_codes = ", ".join(profile_ids(device)[profile_id])
+        lines.append(f"  profile ID {profile_id:04X}h, registers 42h and 43h ({order_codes}): {data_bits} bits")
+    if lines:
+        lines.append(f"  {_PROFILE_NOTE}")
+    return lines
 
 
 def _one_profile(device: Device, lengths: Sequence[DataLength]) -> list[str]:
@@ -209,19 +241,20 @@ def _one_profile(device: Device, lengths: Sequence[DataLength]) -> list[str]:
     profiles = profile_ids(device)
     if len(profiles) != 1:
         return []
-    number = min(profiles)
-    if number == 0:
+    (profile_id,) = profiles
+    if profile_id == 0:
         return ["  profile ID, registers 42h and 43h: 0000h, which means no profile"]
-    line = f"  profile ID, registers 42h and 43h: {number:04X}h"
-    if len({length.data_bits for length in lengths}) > 1:
-        equal_lengths = (length for length in lengths if length.data_bits == number & 0xFF)
-        codes = [f"{', '.join(length.codes)}{_answers_text(length)}" for length in equal_lengths]
-        only = f". Its low byte, {number & 0xFF}, is the data length of {', '.join(codes)} only" if codes else ""
-        line += f", for all lengths{only}"
+    line = f"  profile ID, registers 42h and 43h: {profile_id:04X}h"
+    if _number_of_lengths(lengths) > 1:
+        low_byte = profile_id & 0xFF
+        matching_encoders = [_encoders_of(length) for length in lengths if length.data_bits == low_byte]
+        line += ", for all lengths"
+        if matching_encoders:
+            line += f". Its low byte, {low_byte}, is the data length of {', '.join(matching_encoders)} only"
     return [line]
 
 
-def _crc_words(device: Device, crc: Crc) -> str:
+def _crc_text(device: Device, crc: Crc) -> str:
     return f"{counted(crc.width, 'bit')}, {crc_parameters(device, crc)}"
 
 
@@ -232,54 +265,70 @@ def _other_channels(device: Device, layout: Layout) -> list[str]:
         crcs = device.crcs_of(channel_layout)
         if channel_layout is layout or channel_layout.channel is None or not crcs:
             continue
-        fields = (field for field in channel_layout.fields if field not in channel_layout.crc_fields)
-        parts = ", ".join(f"{field.name} {field.width.render()}" for field in fields)
+        data_fields = (field for field in channel_layout.fields if field not in channel_layout.crc_fields)
+        widths = ", ".join(f"{field.name} {field.width.render()}" for field in data_fields)
         channel = f"  other data channel {channel_layout.channel}, {channel_layout.name}"
-        crc_words = " or ".join(_crc_words(device, crc) for crc in crcs)
-        lines.append(f"{channel}: {parts} bits, CRC of {crc_words}")
+        crc_texts = " or ".join(_crc_text(device, crc) for crc in crcs)
+        lines.append(f"{channel}: {widths} bits, CRC of {crc_texts}")
     return lines
 
 
-def _order(layout: Layout) -> str:
-    """Return the names of the fields in the order of transmission, with the level of each status bit."""
+def _sent_fields(layout: Layout) -> str:
+    """Return the fields in the order of transmission, such as ``position, error (active low), CRC``."""
     names = []
     for field in layout.fields:
         if field in layout.status_fields:
             names.append(f"{field.name} ({_active_level(field)})")
         elif field not in layout.crc_fields:
             names.append(field.name)
-    status = "" if layout.status_fields else ", no status bits"
-    return f"{', '.join(names)}, CRC{status}"
+    names.append("CRC")
+    without_status = "" if layout.status_fields else ", no status bits"
+    return ", ".join(names) + without_status
 
 
-def _about_length(device: Device, layout: Layout, lengths: Sequence[DataLength]) -> str:
-    sizes = {length.data_bits for length in lengths}
+def _heading(device: Device, layout: Layout, lengths: Sequence[DataLength]) -> str:
+    """Return the first line of the settings, with the reason if the file gives no length."""
     register_fields = [field_at(device, path) for path in run_time_widths(device, layout)]
     if register_fields:
-        now = f"it depends on the current content of {' and '.join(register_fields)}"
-        return f"No Length: {now}. Set it in the master. {initial(device).capitalize()}:"
-    if len(sizes) == 1:
+        fields = " and ".join(register_fields)
+        dependence = f"it depends on the current content of {fields}. Set it in the master."
+        return f"No Length: {dependence} {initial(device).capitalize()}:"
+    number_of_lengths = _number_of_lengths(lengths)
+    if number_of_lengths == 1:
         return "Further settings of the master, by order code:"
-    distinction = ". The profile ID distinguishes them" if _length_by_profile(device, lengths) else ""
+    sentences = [f"No Length: one device ID covers {number_of_lengths} data lengths"]
+    if _length_by_profile(device, lengths):
+        sentences.append("The profile ID distinguishes them")
     for alternative in device.alternatives_of(layout):
-        distinction += f". You choose {alternative.name} ({alternative.meaning})"
-    several = f"one device ID covers {len(sizes)} data lengths{distinction}"
-    return f"No Length: {several}. Set the length of the order code in the master:"
+        sentences.append(f"You choose {alternative.name} ({alternative.meaning})")
+    sentences.append("Set the length of the order code in the master:")
+    return ". ".join(sentences)
 
 
-def _code(device: Device, layout: Layout) -> str:
+def _number_code(device: Device, layout: Layout) -> str:
+    """Return the code of the numbers in a frame, such as ``binary`` or ``position in Gray code``."""
     if not layout.gray_of:
         return "binary"
-    if not layout.gray_when:
-        excess = f" with an excess of {layout.gray_excess.render()}" if layout.gray_excess is not None else ""
-        return f"{layout.gray_of} in Gray code{excess}"
-    needed = device.needed_parameters([layout.gray_when])
-    deciding = (parameter for parameter in device.run_time_parameters if parameter.name in needed)
-    register_fields = [field_at(device, parameter.read_from) for parameter in deciding]
-    delivered = {bool(variant.parameters[layout.gray_when]) for variant in device.variants_over(Biss.name)}
-    word = {frozenset({True}): "Gray", frozenset({False}): "binary"}.get(frozenset(delivered), "by order code")
-    return (
-        f"{layout.gray_of} in Gray code or binary, selected by {', '.join(register_fields)}, factory default {word}"
-        if register_fields
-        else f"{layout.gray_of} {word}"
-    )
+    if layout.gray_when:
+        return _selected_code(device, layout)
+    excess = f" with an excess of {layout.gray_excess.render()}" if layout.gray_excess is not None else ""
+    return f"{layout.gray_of} in Gray code{excess}"
+
+
+def _selected_code(device: Device, layout: Layout) -> str:
+    """Return the code of a number that the order code or registers select."""
+    codes = {_factory_code(variant, layout) for variant in device.variants_over(Biss.name)}
+    factory_code = codes.pop() if len(codes) == 1 else "by order code"
+    deciding_parameters = device.needed_parameters([layout.gray_when])
+    register_fields = []
+    for parameter in device.run_time_parameters:
+        if parameter.name in deciding_parameters:
+            register_fields.append(field_at(device, parameter.read_from))
+    if not register_fields:
+        return f"{layout.gray_of} {factory_code}"
+    fields = ", ".join(register_fields)
+    return f"{layout.gray_of} in Gray code or binary, selected by {fields}, factory default {factory_code}"
+
+
+def _factory_code(variant: Variant, layout: Layout) -> str:
+    return "Gray" if variant.parameters[layout.gray_when] else "binary"

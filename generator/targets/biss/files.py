@@ -100,11 +100,19 @@ def _identified_nodes(devices: Sequence[Device]) -> tuple[list[Node], str]:
     """Return the elements of the encoders that a master can identify, and a sentence about the others."""
     # A master cannot distinguish a special model or another edition from its family.
     families = [device for device in devices if device.find_interface(Biss) is not None and not device.base]
-    listed = [(device, device_bits(device)) for device in families]
-    nodes = [node for device, ids in listed if ids for node in [_device(device, ids)] if node is not None]
-    missing = [device.title for device, ids in listed if not ids]
-    left_out = f"Not listed, because the spec has no device ID: {', '.join(missing)}" if missing else ""
-    return nodes, left_out
+    nodes: list[Node] = []
+    titles_without_id: list[str] = []
+    for device in families:
+        ids = device_bits(device)
+        if not ids:
+            titles_without_id.append(device.title)
+            continue
+        node = _device(device, ids)
+        if node is not None:
+            nodes.append(node)
+    if not titles_without_id:
+        return nodes, ""
+    return nodes, f"Not listed, because the spec has no device ID: {', '.join(titles_without_id)}"
 
 
 def _of_encoders(biss_id: int, device: Device, library: Library) -> Iterator[tuple[str, Callable[[], str]]]:
@@ -113,13 +121,15 @@ def _of_encoders(biss_id: int, device: Device, library: Library) -> Iterator[tup
     if not ids or layout is None:
         return
     open_questions = device.alternatives_of(layout)
-    variants = device.variants_over(Biss.name)
-    encoders = [(variant, answers) for variant in variants for answers, _ in choices(open_questions)]
+    question_names = [question.name for question in open_questions]
+    encoders: list[tuple[Variant, tuple[Answer, ...]]] = []
+    for variant in device.variants_over(Biss.name):
+        encoders += [(variant, answers) for answers, _ in choices(open_questions)]
     names = names_of_codes(_encoder_name(variant, answers) for variant, answers in encoders)
     for name, (variant, answers) in zip(names, encoders, strict=True):
-        decided = dict(zip((question.name for question in open_questions), answers, strict=True))
-        text = partial(_encoder_xml, biss_id, device, variant, decided, library)
-        yield f"biss/{maker.name}-{device.name}/idbiss-{name}.xml", text
+        answers_by_question = dict(zip(question_names, answers, strict=True))
+        text_function = partial(_encoder_xml, biss_id, device, variant, answers_by_question, library)
+        yield f"biss/{maker.name}-{device.name}/idbiss-{name}.xml", text_function
 
 
 def _encoder_xml(
@@ -205,24 +215,22 @@ _ONE_ENCODER_NOTE = (
 
 
 def _device(device: Device, ids: tuple[IdBits, ...], one_encoder: bool = False) -> Node | None:
+    """Return the element of a family, or of one encoder, or None without single cycle data."""
     layout = single_cycle_data(device)
     if layout is None:
         return None
     lengths = data_lengths(device, layout)
-    manual = device.manual
-    notes = (f"{device.title}; manual {manual.title}, revision {manual.revision}.",)
     crc = only_crc(device, layout, lengths)
-    polynomial = f"0x{crc.poly_with_top_bit:02X}" if crc is not None else ""
-    changing = not one_encoder and bool(run_time_widths(device, layout))
-    inner = () if changing else channels_by_length(device, layout, ids, lengths)
+    manual = device.manual
+    is_length_changing = not one_encoder and bool(run_time_widths(device, layout))
     return Node(
-        ids,
-        f", {device.title}",
-        1,
-        notes,
-        (master_settings(device, layout, crc, lengths, ids, one_encoder),),
-        polynomial,
-        devices=inner,
+        ids=ids,
+        label=f", {device.title}",
+        label_position=1,
+        notes=(f"{device.title}; manual {manual.title}, revision {manual.revision}.",),
+        notes_of_data=(master_settings(device, layout, crc, lengths, ids, one_encoder),),
+        crc_polynomial=f"0x{crc.poly_with_top_bit:02X}" if crc is not None else "",
+        devices=() if is_length_changing else channels_by_length(device, layout, ids, lengths),
     )
 
 

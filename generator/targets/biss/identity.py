@@ -69,6 +69,7 @@ class DataLength:
 
 
 def manufacturer_bits(biss_id: int) -> IdBits:
+    """Return the manufacturer ID, which is often two ASCII characters."""
     text = biss_id.to_bytes(2, "big").decode("ascii", "replace")
     return IdBits(
         high=_MANUFACTURER_BITS - 1,
@@ -93,15 +94,18 @@ def _holds_identity(register: Register) -> bool:
 
 
 def _register_bits(register: Register) -> Iterator[IdBits]:
-    below = 8 * (LAST - register.last_address)
+    """Yield the fixed bits of a register, at their places in the 64-bit identity."""
+    bits_below = 8 * (LAST - register.last_address)
     for field in register.layout.fields:
         number = _fixed_value(register.layout, field)
         if number is None or not field.low.is_constant or not field.width.is_constant:
             continue
-        low = below + field.low.constant
+        low = bits_below + field.low.constant
         high = low + field.width.constant - 1
-        first, last = FIRST + (_IDENTITY_BITS - 1 - high) // 8, FIRST + (_IDENTITY_BITS - 1 - low) // 8
-        place = f"register {first:02X}h" if first == last else f"registers {first:02X}h to {last:02X}h"
+        first_address, last_address = _address_of_bit(high), _address_of_bit(low)
+        place = f"register {first_address:02X}h"
+        if first_address != last_address:
+            place = f"registers {first_address:02X}h to {last_address:02X}h"
         yield IdBits(
             high=high,
             low=low,
@@ -110,6 +114,11 @@ def _register_bits(register: Register) -> Iterator[IdBits]:
             text=field.equals if isinstance(field.equals, str) else "",
             register=register.name,
         )
+
+
+def _address_of_bit(bit: int) -> int:
+    """Return the register with a bit of the 64-bit identity."""
+    return FIRST + (_IDENTITY_BITS - 1 - bit) // 8
 
 
 def _fixed_value(layout: Layout, field: Field) -> int | None:
@@ -127,7 +136,8 @@ def _fixed_value(layout: Layout, field: Field) -> int | None:
 def single_cycle_data(device: Device) -> Layout | None:
     """Return the frame that a BiSS master receives in every cycle."""
     for interface, layout in device.layouts():
-        if isinstance(interface, Biss) and layout.sender == "encoder" and not layout.in_bytes and layout.crc_fields:
+        is_word_of_encoder = layout.sender == "encoder" and not layout.in_bytes
+        if isinstance(interface, Biss) and is_word_of_encoder and layout.crc_fields:
             return layout
     return None
 
@@ -146,15 +156,17 @@ def data_lengths(device: Device, layout: Layout) -> tuple[DataLength, ...]:
     Each length is listed once, or once for each choice that the manual leaves open.
     """
     lengths: list[DataLength] = []
-    for answers, sets in choices(device.alternatives_of(layout)):
-        placed: dict[tuple[tuple[str, int], ...], tuple[PlacedLayout, list[str]]] = {}
+    for answers, parameters_of_answers in choices(device.alternatives_of(layout)):
+        codes_by_widths: dict[tuple[tuple[str, int], ...], list[str]] = {}
+        layout_by_widths: dict[tuple[tuple[str, int], ...], PlacedLayout] = {}
         for variant in device.variants_over(Biss.name):
-            placed_layout = layout.place({**variant.parameters, **sets})
-            shape = tuple((field.name, field.width) for field in placed_layout.fields)
-            placed.setdefault(shape, (placed_layout, []))[1].append(variant.code)
-        names = tuple(answer.name for answer in answers)
-        for placed_layout, codes in placed.values():
-            lengths.append(_data_length(device, placed_layout, tuple(codes), names))
+            placed_layout = layout.place({**variant.parameters, **parameters_of_answers})
+            widths = tuple((field.name, field.width) for field in placed_layout.fields)
+            codes_by_widths.setdefault(widths, []).append(variant.code)
+            layout_by_widths.setdefault(widths, placed_layout)
+        answer_names = tuple(answer.name for answer in answers)
+        for widths, order_codes in codes_by_widths.items():
+            lengths.append(_data_length(device, layout_by_widths[widths], tuple(order_codes), answer_names))
     return tuple(sorted(lengths, key=lambda length: (length.data_bits, length.codes)))
 
 
@@ -185,6 +197,7 @@ def _is_stated(layout: Layout, field: Field) -> bool:
 
 
 def _stated_value(layout: Layout, field: Field, variant: Variant) -> int:
+    """Return the value that the spec gives for a field and this order code, or 0."""
     if isinstance(field.equals, Expression):
         return field.equals.value(variant.parameters)
     if isinstance(field.equals, int):
@@ -193,6 +206,7 @@ def _stated_value(layout: Layout, field: Field, variant: Variant) -> int:
 
 
 def _data_length(device: Device, placed: PlacedLayout, codes: tuple[str, ...], answers: tuple[str, ...]) -> DataLength:
+    """Return the data and status bits of a frame with these widths, and its CRC."""
     status_names = [field.name for field in placed.layout.status_fields]
     data_fields = [field for field in placed.fields if field != placed.crc_field and field.name not in status_names]
     data_widths = {field.name: field.width for field in data_fields}

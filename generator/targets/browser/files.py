@@ -74,6 +74,7 @@ def _part_data(part: CodePart) -> Data:
 
 
 def _spelling_data(device: Device, spelling: Spelling) -> Data:
+    """Return a spelling of labels: its regular expression, where it is used, and its own texts for values."""
     values: dict[str, dict[str, str]] = {}
     for value in spelling.values:
         values.setdefault(value.part, {})[value.text.upper()] = value.value
@@ -139,6 +140,7 @@ def _held_parameter_data(device: Device, register_parameter: HeldParameter) -> D
 
 
 def _alternative_data(alternative: Alternative) -> Data:
+    """Return a question that the manual leaves open, with its answers."""
     return without_empty(
         name=alternative.name,
         meaning=alternative.meaning,
@@ -168,6 +170,7 @@ def _similar_crcs(crc: Crc, similar_crcs: Iterable[OtherCrc]) -> list[list[Any]]
 
 
 def _crc_parameters(crc: Crc) -> Data:
+    """Return the parameters of a CRC in the notation of catalogues of CRCs."""
     return without_empty(
         width=crc.width,
         poly=json_number(crc.poly),
@@ -179,6 +182,7 @@ def _crc_parameters(crc: Crc) -> Data:
 
 
 def _interface_data(device: Device, interface: Interface, shared: SharedParts) -> Data:
+    """Return an interface with its frames and registers, whose equal parts are in ``shared``."""
     reportings_by_name = {reporting.codec.layout.name: reporting for reporting in reportings(device)}
     frames = [frame_data(device, layout, reportings_by_name.get(layout.name)) for layout in interface.layouts]
     registers = [register_data(device, register) for register in device.registers_over(interface.name)]

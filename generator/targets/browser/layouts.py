@@ -8,7 +8,7 @@ from dataclasses import fields
 from enum import Enum
 from typing import Any
 
-from ...model import Alarm, Device, Digits, Field, Layout, Register, RegisterMeaning, Scale, cite
+from ...model import Alarm, Device, Digits, Field, Layout, Register, RegisterMeaning, Scale, Value, cite
 from ...model.expressions import Expression, Factor, Term
 from ...model.lookup import assert_never
 from ...order_codes.labels import edition_before, tests_of
@@ -43,7 +43,7 @@ _ESCAPES = {ord(mark): f"\\u{ord(mark):04x}" for mark in "<>&\u2028\u2029"}
 
 
 def without_empty(**members: Any) -> Data:
-    """Return those members that are not 0, empty or False."""
+    """Return those members that are not 0, empty or False. A name such as ``is_`` loses its underscore."""
     return {name.rstrip("_"): value for name, value in members.items() if value not in (None, 0, "", (), [], {})}
 
 
@@ -180,7 +180,7 @@ def _report_data(device: Device, tells: Tells, cause: ReportCause) -> Data:
 
 def _alarm_report_data(field: Field, alarm: Alarm) -> Data:
     """Return the report of an alarm in a register with its texts."""
-    data: Data = plain_data(Tells("", Name(field.name), 0, explained(field)))
+    data: Data = plain_data(Tells(report="", flag=Name(field.name), only=explained(field)))
     return data | _report_texts(field, alarm)
 
 
@@ -208,25 +208,30 @@ def _layout_data(device: Device, codec: Codec, description: Description) -> Data
 
 def _parameters_in_registers(device: Device, layout: Layout, codec: Codec) -> list[str]:
     """Return those parameters of the layout that registers hold."""
-    places = (place for field in layout.fields for place in (field.low, field.width))
-    excess = (layout.gray_excess,) if layout.gray_excess is not None else ()
-    names = {name for expression in (layout.bits, *places, *excess) for name in expression.parameters}
-    names |= {codec.gray.when} if codec.gray is not None and codec.gray.when else set()
-    needed = device.needed_parameters(names)
-    return [parameter.name for parameter in device.run_time_parameters if parameter.name in needed]
+    names_in_layout = set(layout.bits.parameters)
+    for field in layout.fields:
+        names_in_layout.update(field.low.parameters, field.width.parameters)
+    if layout.gray_excess is not None:
+        names_in_layout.update(layout.gray_excess.parameters)
+    if codec.gray is not None and codec.gray.when:
+        names_in_layout.add(codec.gray.when)
+    needed_names = device.needed_parameters(names_in_layout)
+    return [parameter.name for parameter in device.run_time_parameters if parameter.name in needed_names]
 
 
 def _field_data(codec: Codec, description: Description) -> Iterator[Data]:
+    """Yield the data of each field: its bits, the texts about it, and how it is encoded if users do not provide it."""
     terms = {term.field.name: term.value for term in codec.terms}
     for column, field in zip(description.columns, codec.layout.fields, strict=True):
-        (on, off), only = states(field), explained(field)
+        when_active, when_inactive = states(field)
+        only = explained(field)
         texts = without_empty(
             printed=field.printed_name,
             meaning=field.meaning,
-            on=on,
-            off=off,
+            on=when_active,
+            off=when_inactive,
             only=only.parameter if only is not None else "",
-            values=[_without_empty_end(json_number(value.value), value.name, value.meaning) for value in field.values],
+            values=[_value_data(value) for value in field.values],
             runs=[_digits_data(run) for run in field.runs],
             unit=field.unit,
             equals=_documented_value(field),
@@ -235,7 +240,13 @@ def _field_data(codec: Codec, description: Description) -> Iterator[Data]:
         yield plain_data(column) | texts | _encoding_data(terms.get(field.name))
 
 
+def _value_data(value: Value) -> list[Any]:
+    """Return a named value: its number, its name, and its meaning if it has one."""
+    return _without_empty_end(json_number(value.value), value.name, value.meaning)
+
+
 def _digits_data(run: Digits) -> list[Any]:
+    """Return a run of digits: its name, its divisor, its modulus, and its meaning if it has one."""
     return _without_empty_end(run.name, json_number(run.divisor), json_number(run.modulus), run.meaning)
 
 
@@ -255,12 +266,11 @@ def _documented_value(field: Field) -> Any:
 def _encoding_data(value: object) -> Data:
     """Return the data for encoding a field that users do not provide. For a CRC, there is none."""
     match value:
-        case Fixed(fixed):
-            return {"fixed": json_number(fixed)}
+        case Fixed(constant):
+            return {"fixed": json_number(constant)}
         case ParityOf(covered_fields, odd, mask):
-            return {"parity": [field.name for field in covered_fields], "odd": int(odd)} | without_empty(
-                mask=json_number(mask)
-            )
+            parity: Data = {"parity": [field.name for field in covered_fields], "odd": int(odd)}
+            return parity | without_empty(mask=json_number(mask))
         case ReservedBits(documented, place):
             return {"unused": json_number(documented), "place": place}
         case None:
@@ -300,11 +310,15 @@ def _report_texts(field: Field, alarm: Alarm | None) -> Data:
 
 
 def _limits_data(register_meaning: RegisterMeaning | None, limits: Limits) -> Data:
-    name, text = (register_meaning.name, register_meaning.meaning) if register_meaning is not None else ("", "")
-    return without_empty(name=name, meaning=text, of=limits.member) | {
-        "low": optional_expression_data(limits.low),
-        "high": optional_expression_data(limits.high),
-    }
+    """Return the limits of a register, or of one of its meanings."""
+    data = without_empty(
+        name=register_meaning.name if register_meaning is not None else "",
+        meaning=register_meaning.meaning if register_meaning is not None else "",
+        of=limits.member,
+    )
+    data["low"] = optional_expression_data(limits.low)
+    data["high"] = optional_expression_data(limits.high)
+    return data
 
 
 def _edition_tests(device: Device, register: Register) -> Iterator[list[Any]]:

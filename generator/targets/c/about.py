@@ -57,14 +57,19 @@ def _with_heading(name: str, items: Iterable[Statement]) -> list[Paragraph]:
 
 
 def about_order_codes(device: Device) -> list[Paragraph]:
-    unknown = unknown_parts(device)
-    parts = [part for part in device.order_code.parts if part.name in unknown]
-    unknown_values = [statement for part in parts for statement in say_order_code.open_values(part)]
-    statements = say_order_code.order_code(device)
-    about: list[Paragraph] = [S.sentence(statement) for statement in statements if statement not in unknown_values]
-    if unknown:
-        about.append(f"Only the listed values are known here for: {', '.join(unknown)}.")
-    return about
+    """Return the comment on the order codes, with the parts of which only the listed values are known."""
+    names_of_unknown_parts = unknown_parts(device)
+    statements_on_unknown_parts: list[Statement] = []
+    for part in device.order_code.parts:
+        if part.name in names_of_unknown_parts:
+            statements_on_unknown_parts += say_order_code.open_values(part)
+    paragraphs: list[Paragraph] = []
+    for order_code_statement in say_order_code.order_code(device):
+        if order_code_statement not in statements_on_unknown_parts:
+            paragraphs.append(S.sentence(order_code_statement))
+    if names_of_unknown_parts:
+        paragraphs.append(f"Only the listed values are known here for: {', '.join(names_of_unknown_parts)}.")
+    return paragraphs
 
 
 def about_parameter(device: Device, prefix: str, parameter: Parameter) -> str:
@@ -80,11 +85,13 @@ def about_alarm(device: Device, alarm: Alarm) -> list[Paragraph]:
 
 def about_crc(device: Device, function: CrcFunction) -> list[Paragraph]:
     """Return the comment on the function of a CRC."""
-    about = list(map(S.sentence, say_crc.crc(device, function.crc)))
-    if function.carrier is Carrier.BYTES:
-        by_xor = "With this polynomial, the CRC of whole bytes is their XOR." if function.form is Form.XOR else ""
-        return ["Return the CRC of bytes in the order sent.", *about, by_xor]
-    return ["Return the CRC of bits. Bit 0 is the last one sent.", *about]
+    facts = list(map(S.sentence, say_crc.crc(device, function.crc)))
+    if function.carrier is Carrier.BITS:
+        return ["Return the CRC of bits. Bit 0 is the last one sent.", *facts]
+    paragraphs: list[Paragraph] = ["Return the CRC of bytes in the order sent.", *facts]
+    if function.form is Form.XOR:
+        paragraphs.append("With this polynomial, the CRC of whole bytes is their XOR.")
+    return paragraphs
 
 
 def about_word_crc(device: Device, crc: Crc, folds: bool) -> list[Paragraph]:
@@ -128,12 +135,14 @@ def _power(exponent: int) -> str:
 def about_layout(device: Device, interface: Interface, struct: Struct) -> list[Paragraph]:
     """Return the purpose of the frame, the positions of its bits, and finally its errata, which few readers need."""
     frame_layout = struct.layout
-    elsewhere = list(say_layout.joins(frame_layout))  # Their members say it.
+    statements_on_joins = list(say_layout.joins(frame_layout))  # The comments on their members have them.
     errata = list(say_layout.errata_of(device, interface, frame_layout))
-    statements = say_layout.layout(device, interface, frame_layout)
-    about = [statement for statement in statements if statement not in (*elsewhere, *errata)]
     head = say_layout.head(interface, frame_layout, Code(frame_layout.name), device.alternatives)
-    return [*map(S.sentence, (head, *about)), *table(struct), *map(S.sentence, errata)]
+    paragraphs: list[Paragraph] = [S.sentence(head)]
+    for layout_statement in say_layout.layout(device, interface, frame_layout):
+        if layout_statement not in statements_on_joins and layout_statement not in errata:
+            paragraphs.append(S.sentence(layout_statement))
+    return [*paragraphs, *table(struct), *map(S.sentence, errata)]
 
 
 def about_member(struct: Struct, member: Field) -> str:
@@ -230,6 +239,7 @@ def about_argument(device: Device, argument: Argument) -> str:
 
 
 def about_run(device: Device, run: Run, read_state: str) -> Iterator[Paragraph]:
+    """Yield the purpose of the function that carries out a procedure, and the accesses that it needs."""
     *calls, last = (CALLS[call] for call in run.calls)
     needed = f"{', '.join(calls)} and {last}" if calls else last
     interface = device.interface(run.procedure.interface)

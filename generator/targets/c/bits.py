@@ -33,20 +33,26 @@ def of_bytes(pieces: tuple[Piece, ...]) -> tuple[str, Expr]:
     """Return the type and the bits in these pieces of ``bytes``, or 0 if no order code has such bits."""
     if not pieces:
         return unsigned(1), Number(0)
-    bits = sum(piece.mask.bit_length() for piece in pieces)
-    kind, work = unsigned(bits), "uint64_t" if bits > 32 else "uint32_t"
+    width = sum(piece.mask.bit_length() for piece in pieces)
+    type_ = unsigned(width)
     if len(pieces) == 1:
-        part = _bits_of_piece(pieces[0])
-        return kind, part if isinstance(part, Name) else Cast("uint8_t", part)
-    parts = joined("|", tuple(shifted_left(Cast(work, _bits_of_piece(piece)), piece.left) for piece in pieces))
-    return kind, parts if kind == work else Cast(kind, parts)
+        bits = _bits_of_piece(pieces[0])
+        is_whole_byte = isinstance(bits, Name)
+        return type_, bits if is_whole_byte else Cast("uint8_t", bits)
+    # Bytes are shifted in a type that is not promoted to a signed one.
+    shifted_type = "uint64_t" if width > 32 else "uint32_t"
+    shifted_pieces: list[Expr] = []
+    for piece in pieces:
+        shifted_pieces.append(shifted_left(Cast(shifted_type, _bits_of_piece(piece)), piece.left))
+    number = joined("|", tuple(shifted_pieces))
+    return type_, number if type_ == shifted_type else Cast(type_, number)
 
 
 def _bits_of_piece(piece: Piece) -> Expr:
-    """Return the bits of a byte that belong to a field, shifted to bit 0."""
-    part = shifted_right(Name(f"bytes[{piece.byte}]"), piece.right)
+    """Return the bits of a byte that belong to a field, shifted to bit 0, such as ``(bytes[2] >> 3) & 0x07U``."""
+    shifted_byte = shifted_right(Name(f"bytes[{piece.byte}]"), piece.right)
     reaches_top = piece.right + piece.mask.bit_length() == 8
-    return part if reaches_top else masked(part, piece.mask)
+    return shifted_byte if reaches_top else masked(shifted_byte, piece.mask)
 
 
 @dataclass(frozen=True)
@@ -66,11 +72,12 @@ class Reader:
         """Return the type and the bits of a field, with its padding if that is read as well."""
         if not self.plan.by_word:
             return of_bytes(bits.pieces)
-        kind = unsigned(bits.widest)
+        type_ = unsigned(bits.widest)
         if bits.are_fixed and bits.width.constant == 64:
-            return kind, self.word
+            return type_, self.word
         number = self.in_word(bits)
-        return kind, number if bits.widest > 32 and not bits.are_fixed else Cast(kind, number)
+        has_64_bits = bits.widest > 32 and not bits.are_fixed
+        return type_, number if has_64_bits else Cast(type_, number)
 
     def in_word(self, bits: Bits) -> Expr:
         """Return bits of the word. If their place is fixed and in the lower half, the expression has 32 bits."""
@@ -87,7 +94,8 @@ class Reader:
     def flag(self, bits: Bits) -> Expr:
         """Return the bit of a flag at its position: in the word, or in the byte ``flags``."""
         if not self.plan.by_word:
-            return masked(Name("flags"), bits.pieces[0].mask << bits.pieces[0].right)
+            (piece,) = bits.pieces
+            return masked(Name("flags"), piece.mask << piece.right)
         if not bits.are_fixed:
             return self.in_word(bits)
         return masked(self.lower(bits.low.constant + 1), 1 << bits.low.constant)
@@ -105,45 +113,54 @@ class Reader:
 
     def joined(self, whole: Whole, name_of: Callable[[Field], Expr]) -> Expr:
         """Return the fields of a join as one number of the join's type."""
-        first, *lower_fields = whole.fields
-        kind = unsigned(whole.widest)
+        highest_field, *lower_fields = whole.fields
+        type_ = unsigned(whole.widest)
+        is_short = size_of(whole.widest) < 32
         # Several operands below 32 bits would make the result signed.
-        is_promoted = len(lower_fields) > 1 and size_of(whole.widest) < 32
-        number: Expr = Cast("uint32_t" if is_promoted else kind, name_of(first))
+        is_promoted = is_short and len(lower_fields) > 1
+        number: Expr = Cast("uint32_t" if is_promoted else type_, name_of(highest_field))
         for field in lower_fields:
-            number = Operation("|", (shifted_left(number, self.scope.of(field.width)), name_of(field)))
-        return Cast(kind, number) if lower_fields and size_of(whole.widest) < 32 else number
+            shifted_number = shifted_left(number, self.scope.of(field.width))
+            number = Operation("|", (shifted_number, name_of(field)))
+        return Cast(type_, number) if is_short and lower_fields else number
 
     def sent(self, field: Field) -> Expr:
         """Return the bits of a field before any Gray code in the word is converted."""
-        return replace(self, as_sent=True).value(self.plan.bits_of(field.name))[1]
+        reader_of_sent_bits = replace(self, as_sent=True)
+        _, bits = reader_of_sent_bits.value(self.plan.bits_of(field.name))
+        return bits
 
     def parity_as_sent(self, fields: Sequence[Field], mask: int) -> Expr:
         """Return the parity of fields before any Gray code in the word is converted."""
         return self.parity([(self.sent(field), field.widest) for field in fields], mask)
 
-    def parity(self, parts: Sequence[tuple[Expr, int]], mask: int) -> Expr:
+    def parity(self, numbers_and_widths: Sequence[tuple[Expr, int]], mask: int) -> Expr:
         """Return the common parity of these numbers, 1 for an odd number of ones. Each comes with its largest width.
 
         ``mask`` is the mask of the bits that count, or 0 if all of them count.
         """
-        widest = max(width for _, width in parts)
-        kind = unsigned(max(widest, 32))
-        (number, _), *further = parts
-        if further:
-            number = Operation("^", tuple(Cast(kind, part) for part, _ in parts))
+        numbers = [number for number, _ in numbers_and_widths]
+        widest = max(width for _, width in numbers_and_widths)
+        combined = numbers[0]
+        if len(numbers) > 1:
+            type_ = unsigned(max(widest, 32))
+            combined = Operation("^", tuple(Cast(type_, number) for number in numbers))
         if mask:
-            number = masked(number, mask)
+            combined = masked(combined, mask)
         if widest > 32:
-            number = Operation("^", (Cast("uint32_t", number), Cast("uint32_t", shifted_right(number, 32))))
-        return Call("cw_parity", (number,))
+            lower_half = Cast("uint32_t", combined)
+            upper_half = Cast("uint32_t", shifted_right(combined, 32))
+            combined = Operation("^", (lower_half, upper_half))
+        return Call("cw_parity", (combined,))
 
 
 def digits(number: object, field: Field, run: Digits) -> Expr:
-    """Return a run of decimal digits extracted from a number."""
-    name = Name(str(number))
-    above = Operation("/", (name, Number(run.divisor))) if run.divisor > 1 else name
-    return above if run is field.runs[0] else Operation("%", (above, Number(run.modulus)))
+    """Return a run of decimal digits extracted from a number, such as ``(number / 100U) % 10U``."""
+    value: Expr = Name(str(number))
+    if run.divisor > 1:
+        value = Operation("/", (value, Number(run.divisor)))
+    is_highest_run = run is field.runs[0]
+    return value if is_highest_run else Operation("%", (value, Number(run.modulus)))
 
 
 _MEMBER = Name("in->unused")
@@ -155,10 +172,11 @@ class Unused:
     def __init__(self, reader: Reader) -> None:
         self.reader, self.plan = reader, reader.plan
         self.width = self.plan.layout.unused_width
-        #: If one of them depends on the order code, each is extracted alone.
-        are_fixed = all(op.bits.are_fixed for op in self.plan.reserved)
+        are_fixed = all(reserved.bits.are_fixed for reserved in self.plan.reserved)
+        #: Unused fields that are extracted one by one: all of them if the place of one depends on the order code.
         self.single = () if are_fixed else self.plan.reserved
-        self.moved = () if self.single else moved_bits(self.plan)
+        #: Otherwise all unused bits, grouped by the distance from their places in the frame to those in the member.
+        self.moved = moved_bits(self.plan) if are_fixed else ()
 
     def __bool__(self) -> bool:
         return bool(self.plan.reserved)
@@ -177,9 +195,9 @@ class Unused:
     @property
     def member(self) -> Expr:
         """The member, from the word, or from bytes if the fields are extracted one by one."""
-        parts = (*map(self._moved_bits, self.moved), *map(self._single_bits, self.single))
-        documented = sum(bits.value for bits in self.moved)
-        return Cast(self.type, _with_inverted(joined("|", parts), _documented(documented)))
+        all_bits = (*map(self._moved_bits, self.moved), *map(self._single_bits, self.single))
+        documented = _documented(sum(moved.value for moved in self.moved))
+        return Cast(self.type, _with_inverted(joined("|", all_bits), documented))
 
     def at_place(self, moved: ShiftedBits, byte: Expr) -> Expr:
         """Return a byte shifted to the place of its bits in the member."""
@@ -188,9 +206,9 @@ class Unused:
     def member_from(self, bits: Expr) -> Expr:
         """Return the member from bytes that are at their positions."""
         mask = sum(moved.mask for moved in self.moved)
-        value = sum(moved.value for moved in self.moved)
-        inverted = _with_inverted(masked(bits, mask), _documented(value))
-        return inverted if self.type == self.work else Cast(self.type, inverted)
+        documented = _documented(sum(moved.value for moved in self.moved))
+        differing_bits = _with_inverted(masked(bits, mask), documented)
+        return differing_bits if self.type == self.work else Cast(self.type, differing_bits)
 
     @property
     def work(self) -> str:
@@ -198,77 +216,95 @@ class Unused:
         return unsigned(max(self.width, 32))
 
     def _moved_bits(self, moved: ShiftedBits) -> Expr:
+        """Return bits of the word, shifted to their places in the member."""
         word = self.reader.lower(moved.mask.bit_length() + moved.shift)
         if moved.shift >= 0:
             return masked(shifted_right(word, moved.shift), moved.mask)
         return shifted_left(masked(word, moved.mask >> -moved.shift), -moved.shift)
 
-    def _single_bits(self, op: Reserved) -> Expr:
-        bits, documented = self.reader.value(op.bits)[1], self._documented(op)
-        if not op.place:
+    def _single_bits(self, reserved: Reserved) -> Expr:
+        """Return the differing bits of one unused field, shifted to their place in the member."""
+        _, bits = self.reader.value(reserved.bits)
+        documented = self._documented(reserved)
+        if not reserved.place:
             return _with_inverted(bits, documented)
-        turned = _with_inverted(Cast(self.work, bits), documented)
-        # The mask of a variable width has 64 bits.
-        return shifted_left(turned if op.bits.width.is_constant else Cast(self.work, turned), op.place)
+        differing_bits = _with_inverted(Cast(self.work, bits), documented)
+        if not reserved.bits.width.is_constant:
+            # The mask of a variable width has 64 bits.
+            differing_bits = Cast(self.work, differing_bits)
+        return shifted_left(differing_bits, reserved.place)
 
     # -- encoding
 
     @property
     def refused(self) -> Expr | None:
         """The condition that the member has a bit other than the unused ones, or None if its type has no such bit."""
-        varying = [op for op in self.single if not op.bits.width.is_constant]
-        fixed = sum(op.mask for op in self.plan.reserved if op.bits.width.is_constant)
-        if not varying:
-            other_bits = fixed ^ ((1 << size_of(self.width)) - 1)
-            return Operation("!=", (masked(_MEMBER, other_bits), Number(0))) if fixed and other_bits else None
-        masks = [shifted_left(self.reader.scope.mask(op.bits.width), op.place) for op in varying]
-        masks += [Number(fixed, hexadecimal=True)] if fixed else []
-        return Operation("!=", (Operation("&", (_MEMBER, joined("|", tuple(masks)))), _MEMBER))
+        fixed_mask = sum(reserved.mask for reserved in self.plan.reserved if reserved.bits.width.is_constant)
+        varying_fields = [reserved for reserved in self.single if not reserved.bits.width.is_constant]
+        if not varying_fields:
+            all_bits_of_type = (1 << size_of(self.width)) - 1
+            other_bits = fixed_mask ^ all_bits_of_type
+            return Operation("!=", (masked(_MEMBER, other_bits), Number(0))) if fixed_mask and other_bits else None
+        masks: list[Expr] = []
+        for reserved in varying_fields:
+            masks.append(shifted_left(self.reader.scope.mask(reserved.bits.width), reserved.place))
+        if fixed_mask:
+            masks.append(Number(fixed_mask, hexadecimal=True))
+        unused_bits_of_member = Operation("&", (_MEMBER, joined("|", tuple(masks))))
+        return Operation("!=", (unused_bits_of_member, _MEMBER))
 
     @property
     def in_word(self) -> Iterator[Expr]:
         """The terms of a word that come from it."""
         is_all = len(self.moved) + len(self.single) == 1
         for moved in self.moved:
-            bits = _with_inverted(_MEMBER if is_all else masked(_MEMBER, moved.mask), _documented(moved.value))
+            differing_bits = _MEMBER if is_all else masked(_MEMBER, moved.mask)
+            bits = _with_inverted(differing_bits, _documented(moved.value))
             yield _shifted(Cast("uint64_t", bits), -moved.shift)
-        for op in self.single:
-            bits = _with_inverted(_MEMBER, self._documented(op)) if is_all else self._given(op)
-            low = op.bits.low
-            yield shifted_left(Cast("uint64_t", bits), low.constant if low.is_constant else self.reader.scope.of(low))
+        for reserved in self.single:
+            bits = _with_inverted(_MEMBER, self._documented(reserved)) if is_all else self._bits_to_send(reserved)
+            low = reserved.bits.low
+            distance = low.constant if low.is_constant else self.reader.scope.of(low)
+            yield shifted_left(Cast("uint64_t", bits), distance)
 
     @property
     def in_bytes(self) -> Iterator[tuple[int, Expr]]:
-        """The terms of bytes that come from it."""
+        """The bytes with bits that come from it, each with these bits at their places."""
         for moved in self.moved:
             assert moved.byte is not None
-            mask, value = moved.mask >> -moved.shift, moved.value >> -moved.shift
-            bits = _masked_byte(shifted_right(_MEMBER, -moved.shift), mask)
-            is_wider = bits is _MEMBER and self.width > 8
-            yield moved.byte, _with_inverted(Cast("uint8_t", bits) if is_wider else bits, _documented(value))
-        for op in self.single:
-            for piece in op.bits.pieces:
-                yield (
-                    piece.byte,
-                    _shifted(_masked_byte(shifted_right(self._given(op), piece.left), piece.mask), -piece.right),
-                )
+            yield moved.byte, self._moved_bits_to_send(moved)
+        for reserved in self.single:
+            for piece in reserved.bits.pieces:
+                bits = shifted_right(self._bits_to_send(reserved), piece.left)
+                yield piece.byte, _shifted(_masked_byte(bits, piece.mask), -piece.right)
+
+    def _moved_bits_to_send(self, moved: ShiftedBits) -> Expr:
+        """Return bits of the member, shifted to their places in the frame and combined with the documented ones."""
+        bits = _masked_byte(shifted_right(_MEMBER, -moved.shift), moved.mask >> -moved.shift)
+        is_wider_than_byte = bits is _MEMBER and self.width > 8
+        if is_wider_than_byte:
+            bits = Cast("uint8_t", bits)
+        return _with_inverted(bits, _documented(moved.value >> -moved.shift))
 
     def bits_of(self, field: Field) -> Expr:
         """Return the bits of one field."""
-        operations = (op for op in self.plan.reserved if op.field is field)
-        return self._given(first_of(operations, f"unused field '{field.name}'"))
+        reserved_fields = (reserved for reserved in self.plan.reserved if reserved.field is field)
+        return self._bits_to_send(first_of(reserved_fields, f"unused field '{field.name}'"))
 
-    def _given(self, op: Reserved) -> Expr:
-        return _with_inverted(shifted_right(masked(_MEMBER, op.mask), op.place), self._documented(op))
+    def _bits_to_send(self, reserved: Reserved) -> Expr:
+        """Return the documented bits of an unused field, with those inverted that are 1 in the member."""
+        differing_bits = shifted_right(masked(_MEMBER, reserved.mask), reserved.place)
+        return _with_inverted(differing_bits, self._documented(reserved))
 
     # -- both
 
-    def _documented(self, op: Reserved) -> Expr | None:
+    def _documented(self, reserved: Reserved) -> Expr | None:
         """Return the value in the manual of a field that may be narrower with this order code."""
-        value = _documented(op.value)
-        if value is None or op.bits.width.is_constant:
+        value = _documented(reserved.value)
+        width = reserved.bits.width
+        if value is None or width.is_constant:
             return value
-        return Operation("&", (value, self.reader.scope.mask(op.bits.width)))
+        return Operation("&", (value, self.reader.scope.mask(width)))
 
 
 def _masked_byte(bits: Expr, mask: int) -> Expr:
@@ -281,11 +317,11 @@ def _documented(value: int) -> Expr | None:
     return Number(value, hexadecimal=True) if value else None
 
 
-def _with_inverted(bits: Expr, by: Expr | None) -> Expr:
-    """Return the bits, with the ones in ``by`` inverted."""
-    return Operation("^", (bits, by)) if by is not None else bits
+def _with_inverted(bits: Expr, inverted: Expr | None) -> Expr:
+    """Return the bits, with those inverted that are 1 in ``inverted``."""
+    return Operation("^", (bits, inverted)) if inverted is not None else bits
 
 
-def _shifted(bits: Expr, by: int) -> Expr:
-    """Return ``bits`` shifted to the right, or to the left if ``by`` is negative."""
-    return shifted_left(bits, -by) if by < 0 else shifted_right(bits, by)
+def _shifted(bits: Expr, distance: int) -> Expr:
+    """Return ``bits`` shifted to the right, or to the left if ``distance`` is negative."""
+    return shifted_left(bits, -distance) if distance < 0 else shifted_right(bits, distance)

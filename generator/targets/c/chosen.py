@@ -63,8 +63,8 @@ def _is_over_interface(device: Device, interface: Interface, example: Example) -
             register = device.register(example.register)
             return register.interface == interface.name and register.readable
         case FrameExample():
-            plain = not example.refused and example.sender == "encoder" and bool(example.layout)
-            return plain and not device.alternatives_of(device.layout(example.layout))
+            is_valid_reply = not example.refused and example.sender == "encoder" and bool(example.layout)
+            return is_valid_reply and not device.alternatives_of(device.layout(example.layout))
         case ProcedureExample() | MeasureExample():
             return True
         case CrcExample():
@@ -101,15 +101,20 @@ class Chosen:
     def procedure(self) -> tuple[Procedure, ProcedureExample | None] | None:
         """Worked procedure with the most writes, or else the first one that clears an alarm by a request."""
         examples = (example for example in self.examples if isinstance(example, ProcedureExample))
-        worked = [(self.device.procedure(example.procedure), example) for example in examples]
-        # The simulated encoder is never done, so that a poll would not end.
-        ending = [(procedure, example) for procedure, example in worked if not _polls(procedure)]
-        if ending:
-            return max(ending, key=lambda candidate: len(candidate[1].writes))
-        clearing = next(self._clearing_procedures(), None)
-        return (clearing, None) if clearing is not None else None
+        procedures_and_examples: list[tuple[Procedure, ProcedureExample]] = []
+        for example in examples:
+            procedure = self.device.procedure(example.procedure)
+            # The simulated encoder is never done, so that a poll would not end.
+            if not _polls(procedure):
+                procedures_and_examples.append((procedure, example))
+        if procedures_and_examples:
+            return max(procedures_and_examples, key=_number_of_writes)
+        for procedure in self._clearing_procedures():
+            return procedure, None
+        return None
 
     def _clearing_procedures(self) -> Iterator[Procedure]:
+        """Yield the procedures that clear an alarm by a request over this interface."""
         for alarm in self.device.alarms:
             for procedure in map(self.device.procedure, alarm.cleared_by):
                 sends = any(isinstance(step, SendStep) for step in procedure.steps)
@@ -123,15 +128,20 @@ class Chosen:
 
         A frame used as printed is preferred, and then a frame from the manual to one from another source.
         """
-        worked = [example for example in self.examples if isinstance(example, FrameExample)]
-        if not worked:
+        worked_frames = [example for example in self.examples if isinstance(example, FrameExample)]
+        if not worked_frames:
             return self._made_up_frame()
-        first = min(worked, key=_unreliability)
-        layout = self.device.layout(first.layout)
-        wire = int(first.bits, 2) if first.bits else number_from_bytes(layout, first.bytes)
-        return Frame(layout, wire, f"a worked example [{cite(first.source)}]", first.values)
+        example = min(worked_frames, key=_unreliability)
+        layout = self.device.layout(example.layout)
+        return Frame(
+            layout=layout,
+            wire=int(example.bits, 2) if example.bits else number_from_bytes(layout, example.bytes),
+            about=f"a worked example [{cite(example.source)}]",
+            values=example.values,
+        )
 
     def _made_up_frame(self) -> Frame:
+        """Return a made-up frame, if possible one with the position."""
         layouts = [layout for layout in self.interface.layouts if layout.sender == "encoder"]
         # Prefer one that needs no choice by the user. Order codes have the first answer of each alternative.
         layouts.sort(key=lambda layout: (not self.has_position(layout), bool(self.device.alternatives_of(layout))))
@@ -146,7 +156,7 @@ class Chosen:
             frame_examples = (example for example in self.device.examples if isinstance(example, FrameExample))
             if any(example.layout == layout.name for example in frame_examples):
                 about += " for this order code"
-        return Frame(layout, sample.frame, about, sample.values)
+        return Frame(layout=layout, wire=sample.frame, about=about, values=sample.values)
 
     def has_position(self, layout: Layout) -> bool:
         """Return True if a layout has the field or join that contains the position."""
@@ -156,6 +166,11 @@ class Chosen:
 def _unreliability(example: FrameExample) -> tuple[bool, bool]:
     """Return a key that is lower for examples used as printed, and then for those from the manual."""
     return bool(example.erratum), any(source.document for source in example.source)
+
+
+def _number_of_writes(procedure_and_example: tuple[Procedure, ProcedureExample]) -> int:
+    _, example = procedure_and_example
+    return len(example.writes)
 
 
 def _polls(procedure: Procedure) -> bool:

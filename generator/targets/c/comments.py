@@ -56,9 +56,10 @@ def comment(paragraphs: Sequence[Paragraph] | str, indent: int = 0) -> str:
             lines.append(_separate_comment_marks(lead.rstrip()))
             lead = "        "
         width = COLUMNS - indent - 3 - len(lead)
-        wrapped = textwrap.wrap(in_comment(text), width, break_long_words=False, break_on_hyphens=False) or [""]
-        lines.append(_separate_comment_marks(lead + wrapped[0]))
-        lines += (_separate_comment_marks(" " * len(lead) + line) for line in wrapped[1:])
+        wrapped = textwrap.wrap(in_comment(text), width, break_long_words=False, break_on_hyphens=False)
+        first_line, *further_lines = wrapped or [""]
+        lines.append(_separate_comment_marks(lead + first_line))
+        lines += [_separate_comment_marks(" " * len(lead) + line) for line in further_lines]
     if len(lines) == 1 and len(lines[0]) + indent + 6 <= COLUMNS:
         return f"{margin}/* {lines[0]} */"
     body = "\n".join(f"{margin} * {line}".rstrip() for line in lines)
@@ -71,8 +72,11 @@ def _lead_and_text(paragraph: Paragraph) -> tuple[str, str]:
 
 def comment_lines(paragraphs: Sequence[Paragraph] | str) -> str:
     """Format paragraphs as lines inside a comment that the template opens and closes."""
-    inner = comment(paragraphs).splitlines()
-    return f" * {inner[0][3:-3]}" if len(inner) == 1 else "\n".join(inner[1:-1])
+    comment_with_marks = comment(paragraphs)
+    first_line, *further_lines = comment_with_marks.splitlines()
+    if not further_lines:
+        return f" * {first_line.removeprefix('/* ').removesuffix(' */')}"
+    return "\n".join(further_lines[:-1])
 
 
 def in_comment_lead(text: str) -> str:
@@ -100,10 +104,10 @@ _CONDITIONS = re.compile(r"(?<= &&) |(?<= \|\|) ")
 _ANYWHERE = re.compile(r"(?<= &&) |(?<= \|\|) |(?<= \|) |(?<= \+) |(?<= -) |(?<=,) (?=[A-Za-z&(])")
 _STRING = re.compile(r'"(?:\\.|[^"\\])*"')
 #: A comment that begins a line, except titles of sections, or that follows a declaration or a macro.
-_OPENS = re.compile(r"\s*/\*(?: (?!-- )|$)")
-_BEHIND = re.compile(r"^(\s*[A-Za-z#](?:(?!/\*).)*) /\* (?=[^*]*\*/$)")
+_OPENING = re.compile(r"\s*/\*(?: (?!-- )|$)")
+_AT_END = re.compile(r"^(\s*[A-Za-z#](?:(?!/\*).)*) /\* (?=[^*]*\*/$)")
 #: The end of a line that the next one continues.
-_OPEN = ("(", " =", " |")
+_CONTINUED = ("(", " =", " |")
 
 
 def end_comment(note: object) -> str:
@@ -114,15 +118,21 @@ def end_comment(note: object) -> str:
 
 def in_lines(parts: Sequence[str], indent: int) -> str:
     """Return a call with its arguments on one line, or each on its own line if that is too long."""
-    margin, whole = " " * indent, " ".join(parts)
-    return margin + whole if indent + len(whole) <= COLUMNS else f"\n{margin}    ".join((margin + parts[0], *parts[1:]))
+    margin = " " * indent
+    on_one_line = margin + " ".join(parts)
+    if len(on_one_line) <= COLUMNS:
+        return on_one_line
+    start_of_call, *arguments = parts
+    return f"\n{margin}    ".join((margin + start_of_call, *arguments))
 
 
 def literals(text: object, indent: int) -> str:
     """Return text as a string literal, or as several literals on separate lines if it is too long."""
     lines = textwrap.wrap(ascii_text(text), COLUMNS - indent - 4, break_long_words=False, break_on_hyphens=False)
-    parts = [*(string(f"{line} ") for line in lines[:-1]), *map(string, lines[-1:] or [""])]
-    return f"\n{' ' * indent}".join(parts)
+    *other_lines, last_line = lines or [""]
+    literals_of_lines = [string(f"{line} ") for line in other_lines]
+    literals_of_lines.append(string(last_line))
+    return f"\n{' ' * indent}".join(literals_of_lines)
 
 
 def documented(text: str) -> str:
@@ -144,10 +154,11 @@ def documented(text: str) -> str:
 
 
 def _documented(line: str) -> Iterator[str]:
-    if _OPENS.match(line):
+    """Yield a line with the mark of Doxygen in its comment, if it has one."""
+    if _OPENING.match(line):
         yield from _one_or_more(line.replace("/*", "/**", 1))
         return
-    marked = _BEHIND.sub(r"\1 /**< ", line)
+    marked = _AT_END.sub(r"\1 /**< ", line)
     if marked == line or len(marked) <= COLUMNS:
         yield marked
         return
@@ -177,52 +188,64 @@ def break_lines(text: str) -> str:
         if in_comment or len(line) <= COLUMNS or line.endswith(("};", "\\")):
             lines.append(line)
         else:
-            lines += _lines(line, goes_on=bool(lines) and lines[-1].endswith(_OPEN))
+            continues_previous = bool(lines) and lines[-1].endswith(_CONTINUED)
+            lines += _broken_lines(line, continues_previous=continues_previous)
         in_comment = in_comment and not line.endswith("*/")
     return "".join(f"{line}\n" for line in lines)
 
 
-def _lines(line: str, goes_on: bool) -> Iterator[str]:
-    """Yield a long line as several. ``goes_on`` is True if it continues the previous line."""
-    code, opened, note = line.rpartition(" /*") if line.endswith("*/") else (line, "", "")
+def _broken_lines(line: str, *, continues_previous: bool) -> Iterator[str]:
+    """Yield a long line as several, with the comment at its end above them."""
+    code, mark, note = line.rpartition(" /*") if line.endswith("*/") else (line, "", "")
     margin = " " * (len(code) - len(code.lstrip()))
-    if opened:
+    if mark:
         yield comment(note.removesuffix("*/"), len(margin))
     if len(code) <= COLUMNS or code.startswith("#"):
         yield code.rstrip()
     elif not margin and code.endswith(")"):
-        head, _, arguments = code.partition("(")
-        yield f"{head}("
-        yield from _lines(f"    {arguments}", goes_on=True)
+        function, _, parameters = code.partition("(")
+        yield f"{function}("
+        yield from _broken_lines(f"    {parameters}", continues_previous=True)
     else:
-        yield from _broken_line(code.lstrip(), margin, margin + " " * (0 if goes_on else 4))
+        further_margin = margin if continues_previous else f"{margin}    "
+        yield from _broken_code(code.lstrip(), margin, further_margin)
 
 
-def _broken_line(line: str, margin: str, hang: str) -> Sequence[str]:
-    """Break a line after an assignment or a question mark if that is enough, else between conditions or anywhere."""
-    without_strings = _STRING.sub(lambda text: "x" * len(text[0]), line)
-    first, mark, _ = without_strings.partition(" ? ")
-    if not mark or first.count("(") > first.count(")") + 1:
-        first, mark, _ = without_strings.partition(" = ")
-    at = len(first) + len(mark)
-    twice = [margin + line[: at - 1], hang + line[at:]]
-    if mark and " | " not in without_strings and _all_fit(twice):
-        return twice
-    lines = _split(line, without_strings, margin, hang, _CONDITIONS)
-    return lines if _all_fit(lines) else _split(line, without_strings, margin, hang, _ANYWHERE)
+def _broken_code(code: str, margin: str, further_margin: str) -> Sequence[str]:
+    """Break code after an assignment or a question mark if that is enough, else between conditions or anywhere.
+
+    ``further_margin`` begins all lines but the first.
+    """
+    without_strings = _STRING.sub(lambda string: "x" * len(string[0]), code)
+    left_side, mark, _ = without_strings.partition(" ? ")
+    is_inside_brackets = left_side.count("(") > left_side.count(")") + 1
+    if not mark or is_inside_brackets:
+        left_side, mark, _ = without_strings.partition(" = ")
+    end = len(left_side) + len(mark)
+    two_lines = [margin + code[: end - 1], further_margin + code[end:]]
+    if mark and " | " not in without_strings and _all_fit(two_lines):
+        return two_lines
+    lines = _split(code, without_strings, margin, further_margin, _CONDITIONS)
+    return lines if _all_fit(lines) else _split(code, without_strings, margin, further_margin, _ANYWHERE)
 
 
 def _all_fit(lines: Sequence[str]) -> bool:
     return max(map(len, lines)) <= COLUMNS
 
 
-def _split(line: str, without_strings: str, margin: str, hang: str, places: re.Pattern[str]) -> list[str]:
-    """Break the line as late as possible at the places found in ``without_strings``."""
-    lines, current, start = [], margin, 0
-    for end in (*(place.start() for place in places.finditer(without_strings)), len(line)):
-        piece = line[start:end]
-        if start and len(current) + len(piece) > COLUMNS:
-            lines.append(current)
-            current, piece = hang, piece[1:]
-        current, start = current + piece, end
-    return [*lines, current]
+def _split(code: str, without_strings: str, margin: str, further_margin: str, breaks: re.Pattern[str]) -> list[str]:
+    """Break code as late as possible at the spaces that ``breaks`` finds in ``without_strings``."""
+    break_indices = [space.start() for space in breaks.finditer(without_strings)]
+    lines: list[str] = []
+    current_line = margin
+    start = 0
+    for end in (*break_indices, len(code)):
+        segment = code[start:end]
+        if start and len(current_line) + len(segment) > COLUMNS:
+            lines.append(current_line)
+            # The space at the break is left out.
+            current_line = further_margin + segment[1:]
+        else:
+            current_line += segment
+        start = end
+    return [*lines, current_line]

@@ -31,22 +31,21 @@ class Context:
         self.PREFIX = self.prefix.upper()
         open_questions = (alternative for alternative in device.alternatives if not alternative.default)
         self.alternatives = tuple(AlternativeCode(device, self.prefix, question) for question in open_questions)
-        largest = {parameter.name: parameter.largest for parameter in device.set_parameters}
-        for group in held_parameters(device):
-            for held_parameter in group.parameters:
-                name = held_parameter.parameter.name
-                if name in largest:
-                    largest[name] = max(largest[name], held_parameter.highest_value)
-        answers = {name: code.argument for code in self.alternatives for name in code.item.answers[0].sets}
-        self.scope = Scope(self.prefix, largest, answers, passing)
+        argument_by_parameter: dict[str, str] = {}
+        for alternative in self.alternatives:
+            argument_by_parameter |= dict.fromkeys(alternative.item.answers[0].sets, alternative.argument)
+        self.scope = Scope(
+            prefix=self.prefix, largest=_largest_values(device), answers=argument_by_parameter, passing=passing
+        )
         self.enumerations = Enumerations(device, self.prefix)
         self.choices = self.enumerations.choices
         self.reports = Reports(device, self.prefix, self.choices, self.scope)
 
     def crc_name(self, crc: Crc, carried_as: str) -> str:
         """Return the name of the function of a CRC over bits or bytes. A CRC needed for both has two functions."""
-        also = carried_as == "bits" and len(carriers(self.device, crc)) > 1
-        return f"{self.prefix}_crc_{crc.name}" + ("_bits" if also else "")
+        is_second_function = carried_as == "bits" and len(carriers(self.device, crc)) > 1
+        ending = "_bits" if is_second_function else ""
+        return f"{self.prefix}_crc_{crc.name}{ending}"
 
     def length_macro(self, layout: Layout) -> str:
         return f"{self.PREFIX}_{layout.name}_LENGTH".upper()
@@ -60,12 +59,24 @@ class Context:
         variant: str = "variant",
     ) -> str:
         """Return a limit of a register, or of one of its meanings: a macro if it is the same for all order codes."""
-        name = f"{self.prefix}_reg_{register.name}" + (f"_{meaning.name}" if meaning is not None else "") + f"_{side}"
+        stem = f"{self.prefix}_reg_{register.name}"
+        name = f"{stem}_{side}" if meaning is None else f"{stem}_{meaning.name}_{side}"
         return name.upper() if limit.is_constant else f"{name}({variant})"
 
     def member_type(self, parameter: Parameter) -> str:
         """Return the type of a parameter in the variant."""
         return unsigned(self.scope.largest[parameter.name].bit_length())
+
+
+def _largest_values(device: Device) -> dict[str, int]:
+    """Return the highest value of each parameter that an order code sets, also while a register holds it."""
+    largest = {parameter.name: parameter.largest for parameter in device.set_parameters}
+    for group in held_parameters(device):
+        for held_parameter in group.parameters:
+            name = held_parameter.parameter.name
+            if name in largest:
+                largest[name] = max(largest[name], held_parameter.highest_value)
+    return largest
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,17 +95,21 @@ def number_of(scope: Scope, name: str, expression: Expression, largest: int, abo
     # A product is computed before anything is subtracted from it.
     has_product = any(term.is_product for term in expression.terms)
     subtracted = min(expression.constant, 0) if has_product else 0
-    bits, value = max((largest - subtracted).bit_length(), 32), scope.of(expression)
+    largest_intermediate = largest - subtracted
+    bits = max(largest_intermediate.bit_length(), 32)
+    value = scope.of(expression)
     if bits == 32 and any(term.is_power for term in expression.terms):
         value = Cast("uint32_t", value)
-    return Function(name, unsigned(bits), value, about, not expression.is_constant)
+    return Function(name, type=unsigned(bits), value=value, about=about, uses_variant=not expression.is_constant)
 
 
 def wide_number_of(scope: Scope, name: str, expression: Expression, about: str) -> Function:
     """Build a function for numbers of 64 bits."""
     value = scope.of(expression)
-    is_wide = bool(expression.terms) and expression.terms[0].is_power
-    return Function(name, "uint64_t", value if is_wide else Cast("uint64_t", value), about, not expression.is_constant)
+    has_64_bits = bool(expression.terms) and expression.terms[0].is_power
+    if not has_64_bits:
+        value = Cast("uint64_t", value)
+    return Function(name, type="uint64_t", value=value, about=about, uses_variant=not expression.is_constant)
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 from collections.abc import Collection, Iterable, Iterator, Sequence, Set
 from itertools import chain
@@ -84,24 +85,24 @@ def declarations_in(header: str) -> list[Declaration]:
 
 
 def _declarations(lines: Sequence[str]) -> Iterator[Declaration]:
+    """Yield the declarations in these lines, each with the comment directly above it."""
     comment = ""
     index = 0
     while index < len(lines):
         line = lines[index]
-        end = _end_of_comment(lines, index) if line.startswith("/*") else index
-        if line.startswith("/*"):
-            if comment:
-                yield Declaration(comment, "")
-            comment = "".join(lines[index:end])
-        elif line.strip():
-            end = _end_of_code(lines, index)
-            yield Declaration(comment, "".join(lines[index:end]))
+        is_code = not line.startswith("/*") and bool(line.strip())
+        if comment and not is_code:
+            yield Declaration(comment, code="")
             comment = ""
+        if is_code:
+            end = _end_of_code(lines, index)
+            yield Declaration(comment, code="".join(lines[index:end]))
+            comment = ""
+        elif line.startswith("/*"):
+            end = _end_of_comment(lines, index)
+            comment = "".join(lines[index:end])
         else:
             end = index + 1
-            if comment:
-                yield Declaration(comment, "")
-            comment = ""
         index = end
 
 
@@ -136,6 +137,7 @@ def _end_of_macro(lines: Sequence[str], start: int) -> int:
 
 
 def _end_of_condition(lines: Sequence[str], start: int) -> int:
+    """Return the index after the ``#endif`` of a condition that begins at ``start``."""
     end = start
     depth = 0
     while True:
@@ -145,36 +147,49 @@ def _end_of_condition(lines: Sequence[str], start: int) -> int:
             return end
 
 
+@dataclasses.dataclass(slots=True)
+class _OpenCondition:
+    """A condition of the preprocessor that has not ended: whether a setting decides it, and whether its lines stay."""
+
+    is_on_setting: bool
+    keeps_lines: bool
+
+
 def without_settings(text: str, settings: Collection[str]) -> str:
     """Return a text in which no macro of ``settings`` is defined, so that its conditions on them are gone."""
     lines: list[str] = []
-    #: For each open condition: True if it is one on a setting, and True if its lines are kept.
-    conditions: list[tuple[bool, bool]] = []
+    conditions: list[_OpenCondition] = []
     for line in text.splitlines(keepends=True):
-        word, _, name = line.rstrip().partition(" ")
-        if word.startswith("#if"):
-            is_setting = name in settings
-            conditions.append((is_setting, not is_setting or word == "#ifndef"))
-        elif word == "#else" and conditions[-1][0]:
-            conditions[-1] = (True, not conditions[-1][1])
-        on_setting = bool(conditions) and conditions[-1][0] and word in {"#ifdef", "#ifndef", "#else", "#endif"}
-        if not on_setting and all(is_kept for _, is_kept in conditions):
+        directive, _, macro = line.rstrip().partition(" ")
+        if directive.startswith("#if"):
+            is_on_setting = macro in settings
+            keeps_lines = not is_on_setting or directive == "#ifndef"
+            conditions.append(_OpenCondition(is_on_setting=is_on_setting, keeps_lines=keeps_lines))
+        innermost = conditions[-1] if conditions else None
+        is_on_setting = innermost is not None and innermost.is_on_setting
+        if innermost is not None and is_on_setting and directive == "#else":
+            innermost.keeps_lines = not innermost.keeps_lines
+        is_directive_on_setting = is_on_setting and directive in {"#ifdef", "#ifndef", "#else", "#endif"}
+        if not is_directive_on_setting and all(condition.keeps_lines for condition in conditions):
             lines.append(line)
-        if word == "#endif":
+        if directive == "#endif":
             conditions.pop()
     return "".join(lines)
 
 
 def needed_by(roots: Iterable[str], declarations: Sequence[Declaration]) -> list[Declaration]:
     """Return the declarations that ``roots`` name, those that they need, and the titles above them, in their order."""
-    owners = {name: declaration for declaration in declarations for name in declaration.names}
-    waiting = [name for name in roots if name in owners]
+    declaration_by_name: dict[str, Declaration] = {}
+    for declaration in declarations:
+        declaration_by_name |= dict.fromkeys(declaration.names, declaration)
+    unvisited = [name for name in roots if name in declaration_by_name]
     needed_names: set[str] = set()
-    while waiting:
-        name = waiting.pop()
+    while unvisited:
+        name = unvisited.pop()
         if name not in needed_names:
-            needed_names |= set(owners[name].names)
-            waiting += (used for used in owners[name].used_names if used in owners)
+            declaration = declaration_by_name[name]
+            needed_names.update(declaration.names)
+            unvisited += [used_name for used_name in declaration.used_names if used_name in declaration_by_name]
     return list(_titled(declarations, needed_names))
 
 

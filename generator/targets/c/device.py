@@ -25,9 +25,9 @@ from .chosen import chosen_variant
 from .codec import StructCodec
 from .comments import Paragraph, S
 from .context import Context, timing_macros
-from .decode import RangeFunctions, positions
 from .interfaces import InterfaceCode, ReplyRequest
 from .names import BY_VALUE, Declared, Names, Passing, c_name, errata_page_name, runtime_version, unsigned
+from .positions import RangeFunctions, positions
 from .procedures import ProcedureCode
 from .reading import ReadCode
 from .registers import AlarmCode, RegisterCode, identity_codes, state_registers
@@ -89,18 +89,34 @@ class CrcCode:
 
 
 def crc_code(context: Context, function: CrcFunction, codecs: Sequence[StructCodec]) -> CrcCode:
+    """Return the function of a CRC, with a table only if a codec uses the CRC."""
+    users = [codec for codec in codecs if _uses(codec, function)]
+    return CrcCode(
+        name=context.crc_name(function.crc, function.carrier.value),
+        function=function,
+        about=tuple(about_crc(context.device, function)),
+        table=_table_of(function) if users else (),
+        is_called=any(codec.word_crc is None for codec in users),
+    )
+
+
+def _uses(codec: StructCodec, function: CrcFunction) -> bool:
+    """Return whether a codec computes a CRC by this function, or by its table."""
+    has_crc = any(frame_crc.crc == function.crc for frame_crc in codec.plan.crcs)
+    if not has_crc or codec.bits_crcs:
+        return False
+    return carrier_of(codec.struct.layout) is function.carrier
+
+
+def _table_of(function: CrcFunction) -> tuple[int, ...]:
+    """Return the entries of the table of a CRC, none if it is computed otherwise."""
     crc = function.crc
-    users = [codec for codec in codecs if any(frame_crc.crc == crc for frame_crc in codec.plan.crcs)]
-    users = [codec for codec in users if carrier_of(codec.struct.layout) is function.carrier and not codec.bits_crcs]
-    is_called = any(codec.word_crc is None for codec in users)
-    name = context.crc_name(crc, function.carrier.value)
-    values: tuple[int, ...] = ()
     if function.form is Form.TABLE:
-        values = table(crc.width, crc.poly, function.carrier is Carrier.BYTES and crc.refin)
-    elif function.form is Form.FOLD and function.in_words:
-        values = word_table(crc.width, crc.poly)
-    values = values if users else ()
-    return CrcCode(name, function, tuple(about_crc(context.device, function)), values, is_called)
+        is_reflected = function.carrier is Carrier.BYTES and crc.refin
+        return table(crc.width, crc.poly, is_reflected)
+    if function.form is Form.FOLD and function.in_words:
+        return word_table(crc.width, crc.poly)
+    return ()
 
 
 _Built = TypeVar("_Built")
@@ -156,14 +172,8 @@ class DeviceView:
         self.row = self.variants.rows[device.variants.index(chosen_variant(device, context.interface))]
         self.lengths = LengthCode(context, context.interface, self.variants.rows, self.row)
         self.positions = positions(context)
-        # A register that selects banks comes first: the functions of the registers in its banks use its address.
-        selecting = {device.bank_selector(register) for register in device.registers}
-        registers = sorted(device.registers, key=lambda register: register.name not in selecting)
-        self.registers = [self._register(register) for register in registers]
-        register_codecs = (register.codec for register in self.registers if register.codec is not None)
-        codecs = [*self.interface.codecs, *register_codecs]
-        crcs = (crc_code(context, function, codecs) for function in crc_functions(device))
-        self.crcs = [crc for crc in crcs if crc.is_called or crc.table]
+        self.registers = [self._register(register) for register in _bank_selectors_first(device)]
+        self.crcs = list(self._crc_codes())
         codes = {code.register.name: code for code in self.registers}
         self.takers = [Taker(context, group, codes[group.register.name].access) for group in held_parameters(device)]
         usage = self.usage
@@ -174,7 +184,16 @@ class DeviceView:
         self.identities = list(identity_codes(context, codes))
         self.procedures = [self._procedure(procedure, codes) for procedure in device.procedures]
         self.alarms = [AlarmCode(context, alarm) for alarm in device.alarms]
-        self.timings = [macro for timing in device.timings for macro in timing_macros(timing, self.PREFIX)]
+        self.timings = list(chain.from_iterable(timing_macros(timing, self.PREFIX) for timing in device.timings))
+
+    def _crc_codes(self) -> Iterator[CrcCode]:
+        """Yield the CRCs whose function is called or whose table is used."""
+        codecs = list(self.interface.codecs)
+        codecs += [register.codec for register in self.registers if register.codec is not None]
+        for function in crc_functions(self.device):
+            crc = crc_code(self.context, function, codecs)
+            if crc.is_called or crc.table:
+                yield crc
 
     @property
     def variant(self) -> str:
@@ -235,12 +254,15 @@ class DeviceView:
         return Names(self._declared())
 
     def _declared(self) -> Iterator[Declared]:
-        yield from ((f"{self.PREFIX}_{ending}", ()) for ending in ("H", "HPP"))
-        yield from ((f"{self.PREFIX}_{part.name}_H".upper(), ()) for part in self.parts)
+        """Yield all names in the headers, each with the part of the spec that it comes from."""
+        yield f"{self.PREFIX}_H", ()
+        yield f"{self.PREFIX}_HPP", ()
+        for part in self.parts:
+            yield f"{self.PREFIX}_{part.name}_H".upper(), ()
         yield f"{self.PREFIX}_VERSION", ()
         if self.read_state:
             yield self.read_state, ()
-        parts: Iterator[_Declaring] = chain(
+        declaring_parts: Iterator[_Declaring] = chain(
             [self.variants],
             self.context.enumerations.all,
             self.crcs,
@@ -254,10 +276,11 @@ class DeviceView:
             self.procedures,
             self.alarms,
         )
-        for part in parts:
-            yield from part.declared()
+        for declaring_part in declaring_parts:
+            yield from declaring_part.declared()
         for timing in self.device.timings:
-            yield from ((macro.name, ("timings", timing.name)) for macro in timing_macros(timing, self.PREFIX))
+            for macro in timing_macros(timing, self.PREFIX):
+                yield macro.name, ("timings", timing.name)
 
     @property
     def measured(self) -> str:
@@ -356,6 +379,12 @@ class DeviceView:
         return [S.sentence(erratum(correction)) for correction in errata(self.device, *paths)]
 
 
+def _bank_selectors_first(device: Device) -> list[Register]:
+    """Return the registers. Functions of registers in a bank use the address of the register that selects it."""
+    selector_names = {device.bank_selector(register) for register in device.registers}
+    return sorted(device.registers, key=lambda register: register.name not in selector_names)
+
+
 def _cites(text: str, key: str) -> bool:
     # The first test is much faster, and few documents pass it.
     return f"{key}:" in text and re.search(rf"\b{key}:", text) is not None
@@ -397,6 +426,7 @@ _LATEST: deque[tuple[Device, Passing, Sequence[DeviceView]]] = deque(maxlen=8)
 
 
 def _views_of(device: Device, passing: Passing) -> Iterator[DeviceView]:
+    """Yield each interface with its own order codes, registers and parameters only."""
     for interface in device.interfaces:
         codes = {variant.code for variant in device.variants_over(interface.name)}
         narrowed_device = for_codes(device, codes)

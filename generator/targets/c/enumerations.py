@@ -26,6 +26,8 @@ from .names import Cast, Conditional, Declared, Expr, Name, Number, Operation, S
 
 @dataclass(frozen=True, slots=True)
 class Entry:
+    """A constant of an enumeration, with its comment."""
+
     name: str
     value: int
     note: str
@@ -55,7 +57,8 @@ class Enumeration:
 
     def declared(self) -> Iterator[Declared]:
         yield self.type, self.path
-        yield from ((constant.name, self.path) for constant in self.entries)
+        for constant in self.entries:
+            yield constant.name, self.path
 
 
 class Enumerations:
@@ -85,28 +88,42 @@ class Enumerations:
         return [enumeration for enumeration in self.all if enumeration.path[: len(path)] == path]
 
     def _add(self, owner: str, field: Field, path: Path, sole: str = "") -> None:
-        shared = self._shared.get(field.name)
-        if shared is not None and shared[0] == field.values and not sole:
-            self.choices[owner, field.name] = shared[1]
-            return
+        """Add the enumeration of a field. ``sole`` is the title of a register whose only field it is."""
         if sole:
-            name = f"{self.prefix}_{path[-1]}"
-        else:
-            name = f"{self.prefix}_{field.name}" if shared is None else f"{self.prefix}_{path[-1]}_{field.name}"
-        entries = (Entry(f"{name}_{value.name}".upper(), value.value, _note(value)) for value in field.values)
-        about = () if sole else tuple(meaning(field, field.meaning))
-        text = S.paragraph(about) or f"Values of {sole or title(field)}."
-        enumeration = Enumeration(name, text, about, tuple(entries), (field.widest + 3) // 4, path)
-        if shared is None and not sole:
+            self._add_new(owner, field, path, f"{self.prefix}_{path[-1]}", sole)
+            return
+        if field.name not in self._shared:
+            enumeration = self._add_new(owner, field, path, f"{self.prefix}_{field.name}")
             self._shared[field.name] = (field.values, enumeration)
+            return
+        shared_values, shared_enumeration = self._shared[field.name]
+        if shared_values == field.values:
+            self.choices[owner, field.name] = shared_enumeration
+        else:
+            self._add_new(owner, field, path, f"{self.prefix}_{path[-1]}_{field.name}")
+
+    def _add_new(self, owner: str, field: Field, path: Path, type_: str, sole: str = "") -> Enumeration:
+        """Add and return a new enumeration with the values of a field."""
+        statements = () if sole else tuple(meaning(field, field.meaning))
+        enumeration = Enumeration(
+            type=type_,
+            about=S.paragraph(statements) or f"Values of {sole or title(field)}.",
+            statements=statements,
+            entries=tuple(Entry(f"{type_}_{value.name}".upper(), value.value, _note(value)) for value in field.values),
+            digits=(field.widest + 3) // 4,
+            path=path,
+        )
         self.choices[owner, field.name] = enumeration
         self.all.append(enumeration)
+        return enumeration
 
 
 def _note(value: Value) -> str:
+    """Return the comment on a constant: the meaning of the value with its source, or else its name in words."""
     # Omit a printed name of one word that the constant already has. Keep longer ones, for readers who search for them.
-    about = spec_text(value.meaning) if printed(value).lower() == value.name else meaning(value, value.meaning)
-    return S.paragraph(replace(statement, source=value.source) for statement in about) or words(value.name)
+    has_printed_name = printed(value).lower() == value.name
+    statements = spec_text(value.meaning) if has_printed_name else meaning(value, value.meaning)
+    return S.paragraph(replace(statement, source=value.source) for statement in statements) or words(value.name)
 
 
 #: Names of the other arguments and locals in the functions of a frame.
@@ -133,17 +150,24 @@ class AlternativeCode:
         self.argument = c_name(alternative.name, _TAKEN)
         #: Name of the chosen answer in the programs.
         self.constant = f"my_{alternative.name}"
-        entries = tuple(self._entry(index, answer) for index, answer in enumerate(alternative.answers))
         about = [
             S.sentence(statement(alternative.meaning, source=alternative.source)),
             "Choose the answer for your encoder. No known source settles it, and there is no default.",
-            *(S.sentence(erratum(correction)) for correction in errata(device, f"alternatives.{alternative.name}")),
         ]
-        self.enumeration = Enumeration(self.type, about, (), entries, 1, ("alternatives", alternative.name))
+        for correction in errata(device, f"alternatives.{alternative.name}"):
+            about.append(S.sentence(erratum(correction)))
+        self.enumeration = Enumeration(
+            type=self.type,
+            about=about,
+            statements=(),
+            entries=tuple(self._constant(index, answer) for index, answer in enumerate(alternative.answers)),
+            digits=1,
+            path=("alternatives", alternative.name),
+        )
         dependent = (parameter for parameter in device.parameters if parameter.alternative == alternative.name)
         self.functions = tuple(self._function(prefix, parameter) for parameter in dependent)
 
-    def _entry(self, index: int, answer: Answer) -> Entry:
+    def _constant(self, index: int, answer: Answer) -> Entry:
         note = S.sentence(statement(answer.meaning, source=answer.source))
         return Entry(f"{self.type}_{answer.name}".upper(), index, note)
 
@@ -157,11 +181,16 @@ class AlternativeCode:
         yield from ((function.name, self.enumeration.path) for function in self.functions)
 
     def _value(self, parameter: str) -> Expr:
-        """Return the parameter as a function of the answer. The last answer is the default branch."""
-        *other_values, last_value = (Number(answer.sets[parameter]) for answer in self.item.answers)
-        expression: Expr = last_value
-        for constant, value in reversed(list(zip(self.enumeration.entries, other_values, strict=False))):
-            expression = Conditional(Operation("==", (Name(self.argument), Name(constant.name))), value, expression)
+        """Return the parameter as a function of the answer, such as ``code == CODE_GRAY ? 1U : 0U``.
+
+        The last answer is the default branch.
+        """
+        *other_answers, last_answer = self.item.answers
+        *other_constants, _ = self.enumeration.entries
+        expression: Expr = Number(last_answer.sets[parameter])
+        for constant, answer in reversed(list(zip(other_constants, other_answers, strict=True))):
+            is_answer = Operation("==", (Name(self.argument), Name(constant.name)))
+            expression = Conditional(is_answer, Number(answer.sets[parameter]), expression)
         return expression
 
 
@@ -194,7 +223,7 @@ class FrameReports:
         self.judgement = reporting.judgement
         self.verdict = f"{frame}_verdict" if reporting.judgement is not None else ""
         self.reports = f"{frame}_reports" if reporting.causes else ""
-        self._every_unused = sum(op.mask for op in reporting.codec.reserved)
+        self._mask_of_all_unused = sum(reserved.mask for reserved in reporting.codec.reserved)
 
     def names(self) -> Iterator[str]:
         """Return the names that it declares at file scope."""
@@ -204,15 +233,16 @@ class FrameReports:
     def mask_terms(self) -> Iterator[Expr]:
         """The terms of the mask of its reports."""
         for report_cause in self.reporting.causes:
-            says = joined("&&", (*map(self._holds, report_cause.conditions), self._says(report_cause.by)))
-            yield Conditional(says, self.family.constant(report_cause.report), Number(0))
+            is_for_encoder = [self._holds(only) for only in report_cause.conditions]
+            condition = joined("&&", (*is_for_encoder, self._is_active(report_cause.by)))
+            yield Conditional(condition, self.family.constant(report_cause.report), Number(0))
 
     @property
     def verdict_depends(self) -> bool:
         """True if the verdict depends on the order code or on an answer of the user."""
         if self.may_be_unknown:
             return True
-        return any(cause.conditions for _, speaking in self._levels for cause in speaking)
+        return any(cause.conditions for _, causes in self._causes_by_verdict for cause in causes)
 
     @property
     def may_be_unknown(self) -> bool:
@@ -225,24 +255,28 @@ class FrameReports:
         return any(report_cause.only for report_cause in self.reporting.causes)
 
     @property
-    def _levels(self) -> tuple[tuple[Verdict, tuple[VerdictCause, ...]], ...]:
+    def _causes_by_verdict(self) -> tuple[tuple[Verdict, tuple[VerdictCause, ...]], ...]:
+        """Verdicts with their causes, worst first."""
         return self.judgement.worst_first if self.judgement is not None else ()
 
-    def _says(self, by: Cause) -> Expr:
-        return self._differ([by]) if isinstance(by, Reserved) else joined("&&", tuple(self._active(by)))
+    def _is_active(self, cause: Cause) -> Expr:
+        """Return the condition that a cause is active."""
+        if isinstance(cause, Reserved):
+            return self._differs_in([cause])
+        return joined("&&", tuple(self._conditions_of(cause)))
 
-    def _active(self, by: Part | Match) -> Iterator[Expr]:
+    def _conditions_of(self, flag_or_match: Part | Match) -> Iterator[Expr]:
         """Yield the conditions that a flag is active, or that fields have their values."""
-        if isinstance(by, Part):
-            yield Name(_flag(by))
+        if isinstance(flag_or_match, Part):
+            yield Name(_member_of(flag_or_match))
             return
-        for part, value in by.conditions:
-            name = _flag(part)
+        for part, value in flag_or_match.conditions:
+            member = _member_of(part)
             if isinstance(part.meaning, Active):
-                yield Name(name if value else f"!{name}")
+                yield Name(member if value else f"!{member}")
             else:
-                constant = self._choices[self.reporting.codec.layout.name, part.field.name].names[value]
-                yield Operation("==", (Name(name), Name(constant)))
+                enumeration = self._choices[self.reporting.codec.layout.name, part.field.name]
+                yield Operation("==", (Name(member), Name(enumeration.names[value])))
 
     @property
     def worse(self) -> Iterator[tuple[Expr, Verdict]]:
@@ -253,29 +287,34 @@ class FrameReports:
         """
         if self.judgement is None:
             return
-        levels = dict(self._levels)
+        causes_by_verdict = dict(self._causes_by_verdict)
         for verdict in Verdict:
             if verdict is Verdict.UNKNOWN and self.judgement.may_be_unknown:
-                yield Operation("==", (self.family.scope.of(self.judgement.judging_bits), Number(0))), verdict
+                judging_bits = self.family.scope.of(self.judgement.judging_bits)
+                yield Operation("==", (judging_bits, Number(0))), verdict
             else:
-                yield from ((condition, verdict) for condition in self._conditions(levels.get(verdict, ())))
+                for condition in self._conditions_of_causes(causes_by_verdict.get(verdict, ())):
+                    yield condition, verdict
 
-    def _conditions(self, causes: Sequence[VerdictCause]) -> Iterator[Expr]:
+    def _conditions_of_causes(self, causes: Sequence[VerdictCause]) -> Iterator[Expr]:
         """Yield the condition that each of these is active. Unused bits are checked together."""
-        unused = []
+        reserved_causes = []
         for cause in causes:
             if isinstance(cause.by, Reserved):
-                unused.append(cause.by)
-                continue
-            terms = (*map(self._holds, cause.conditions), *self._active(cause.by), *map(_inactive, cause.unless))
-            yield joined("&&", terms)
-        if unused:
-            yield self._differ(unused)
+                reserved_causes.append(cause.by)
+            else:
+                is_for_encoder = [self._holds(only) for only in cause.conditions]
+                combining_flags_are_inactive = [Name(f"!{_member_of(flag)}") for flag in cause.unless]
+                conditions = (*is_for_encoder, *self._conditions_of(cause.by), *combining_flags_are_inactive)
+                yield joined("&&", conditions)
+        if reserved_causes:
+            yield self._differs_in(reserved_causes)
 
-    def _differ(self, unused: Sequence[Reserved]) -> Expr:
+    def _differs_in(self, reserved: Sequence[Reserved]) -> Expr:
         """Return the condition that some of these bits differ from the manual."""
-        mask = sum(op.mask for op in unused)
-        return Operation("!=", (_UNUSED if mask == self._every_unused else masked(_UNUSED, mask), Number(0)))
+        mask = sum(bits.mask for bits in reserved)
+        differing_bits = _UNUSED if mask == self._mask_of_all_unused else masked(_UNUSED, mask)
+        return Operation("!=", (differing_bits, Number(0)))
 
 
 class Reports:
@@ -290,13 +329,20 @@ class Reports:
             raise TargetError(f"{problem}; the C target supports at most 64", ("interfaces",))
         self.mask = unsigned(max(len(self.all), 32))
         self.text = f"{prefix}_report_text"
-        self.texts = tuple(_texts(device, report) for report in self.all)
-        stem = f"{prefix}_report".upper()
-        names = {report.name: f"{stem}_{report.name.upper()}" for report in self.all}
-        entries = (Entry(names[report.name], 1 << report.number, _report_note(device, report)) for report in self.all)
-        about = "Reports of the encoder. The _reports() functions of the frames return a mask of these bits."
-        digits = (len(self.all) + 3) // 4
-        self.enumeration = Enumeration(f"{prefix}_report", about, (), tuple(entries), digits, ())
+        self.texts = tuple(_members_of_text(device, report) for report in self.all)
+        type_ = f"{prefix}_report"
+        constants = []
+        for report in self.all:
+            name = f"{type_}_{report.name}".upper()
+            constants.append(Entry(name=name, value=1 << report.number, note=_report_note(device, report)))
+        self.enumeration = Enumeration(
+            type=type_,
+            about="Reports of the encoder. The _reports() functions of the frames return a mask of these bits.",
+            statements=(),
+            entries=tuple(constants),
+            digits=(len(self.all) + 3) // 4,
+            path=(),
+        )
         self._by_frame = {reporting.codec.layout.name: reporting for reporting in reportings(device)}
 
     def declared(self) -> Iterator[Declared]:
@@ -311,7 +357,9 @@ class Reports:
     def of(self, layout: Layout, name: str, type_: str) -> FrameReports | None:
         """Return the functions of a frame, if it has any."""
         reporting = self._by_frame.get(layout.name)
-        return FrameReports(self, reporting, name, type_, self._choices) if reporting is not None else None
+        if reporting is None:
+            return None
+        return FrameReports(family=self, reporting=reporting, frame=name, type_=type_, choices=self._choices)
 
     def constant(self, report: Report) -> Expr:
         """Return the bit of a report."""
@@ -321,16 +369,16 @@ class Reports:
     def _path(self, report: Report) -> Path:
         """Return the path of the first frame with this report."""
         frames = (reporting for reporting in self._by_frame.values() if _has_report(reporting, report))
-        first = first_of(frames, f"frame with the report '{report.name}'")
-        return ("interfaces", first.interface.name, "layouts", first.codec.layout.name)
+        first_frame = first_of(frames, f"frame with the report '{report.name}'")
+        return ("interfaces", first_frame.interface.name, "layouts", first_frame.codec.layout.name)
 
 
 def _has_report(reporting: Reporting, report: Report) -> bool:
     return any(report_cause.report.number == report.number for report_cause in reporting.causes)
 
 
-def _texts(device: Device, report: Report) -> tuple[str, ...]:
-    """Return the members of its text."""
+def _members_of_text(device: Device, report: Report) -> tuple[str, ...]:
+    """Return the members of the text of a report: name, printed name, meaning, remedy and source."""
     field = report.field
     alarm = alarm_of(device, field)
     return (
@@ -350,13 +398,10 @@ def _report_note(device: Device, report: Report) -> str:
 
 
 def _holds(scope: Scope, only: Only) -> Expr:
-    """Return the condition on a parameter of the order code."""
+    """Return the condition on a parameter of the order code, such as ``variant.has_warning != 0U``."""
     return Operation("!=" if only.holds else "==", (scope.member(only.parameter), Number(0)))
 
 
-def _inactive(part: Part) -> Expr:
-    return Name(f"!{_flag(part)}")
-
-
-def _flag(part: Part) -> str:
+def _member_of(part: Part) -> str:
+    """Return the member of a flag or field in the struct of a frame."""
     return f"frame->{c_name(part.field.name)}"

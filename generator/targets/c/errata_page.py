@@ -50,6 +50,7 @@ def errata_files(
 
 
 def _family_errata(device: Device) -> FamilyErrata:
+    """Return the errata of a family, with the changes by editions and overlays apart from those of its manual."""
     of_manual = [erratum for erratum in device.errata if not (erratum.overlay or erratum.edition)]
     changes: dict[str, list[Rows]] = {}
     for erratum in device.errata:
@@ -65,6 +66,7 @@ def _family_errata(device: Device) -> FamilyErrata:
 
 
 def _erratum_text(erratum: Erratum) -> ErratumText:
+    """Return the text of an erratum, without the rows that have no content."""
     severity = erratum.severity.replace("_", " ")
     labelled = (
         ("Affects", ", ".join(map(paths_in_words, erratum.affects))),

@@ -33,11 +33,11 @@ from ...say.text import WORTH
 from .chosen import Chosen, Frame, NoFrame
 from .codec import StructCodec
 from .comments import ascii_text
-from .decode import Positions
 from .device import DeviceView
 from .enumerations import AlternativeCode, FrameReports
 from .interfaces import ReplyRequest
 from .names import c_name
+from .positions import Positions
 from .procedures import ProcedureCode, Row
 from .registers import Access
 from .structs import Struct
@@ -161,10 +161,10 @@ class ExampleCode:
     @property
     def received(self) -> list[FrameSize]:
         """The lengths of the frame as received, by order code."""
-        answers = [question.item.answers[0] for question in self.alternatives]
+        first_answers = [question.item.answers[0] for question in self.alternatives]
         received_frames = received(self.view.device, self.interface)
-        of_layout = (frame for frame in received_frames if frame.layout is self.frame.layout)
-        return [frame for frame in of_layout if _has_only_answers(frame, answers)]
+        frames_of_layout = [frame for frame in received_frames if frame.layout is self.frame.layout]
+        return [frame for frame in frames_of_layout if _has_only_answers(frame, first_answers)]
 
     @property
     def has_crc(self) -> bool:
@@ -203,53 +203,67 @@ class ExampleCode:
     @property
     def raw(self) -> ReceivedBytes | None:
         """The data line of SSI: high until the first clock has stored the position, the word, and the 0 after it."""
-        received_frame = next(
-            (candidate for candidate in self.received if candidate.variant is self._chosen.variant), None
-        )
-        if received_frame is None or not isinstance(self.interface, Ssi):
+        frames = [frame for frame in self.received if frame.variant is self._chosen.variant]
+        if not frames or not isinstance(self.interface, Ssi):
             return None
-        bits, size = (macro.name for macro in self.view.lengths.macros_of(received_frame))
-        around = (1 << received_frame.bits | self.frame.wire) << 1
-        unused_bits = 8 * received_frame.bytes - received_frame.bits - SSI_AROUND
-        return ReceivedBytes(bits, size, (around << unused_bits).to_bytes(received_frame.bytes, "big"))
+        frame = frames[0]
+        bits_macro, bytes_macro = self.view.lengths.macros_of(frame)
+        bits_on_line = (1 << frame.bits | self.frame.wire) << 1
+        unused_bits = 8 * frame.bytes - frame.bits - SSI_AROUND
+        return ReceivedBytes(
+            bits=bits_macro.name,
+            size=bytes_macro.name,
+            data=(bits_on_line << unused_bits).to_bytes(frame.bytes, "big"),
+        )
 
     @property
     def session(self) -> Session | None:
         """The request for the position that the frame answers over SPI, if there is one."""
-        interface = self.interface
-        spi_exchanges = interface.exchanges if isinstance(interface, Spi) else ()
-        position_exchanges = (exchange for exchange in spi_exchanges if exchange.purpose == "position")
-        answered = (exchange for exchange in position_exchanges if exchange.reply == self.frame.layout.name)
-        exchange = next(answered, None)
-        if exchange is None:
+        request_name = self._request_over_spi()
+        if not request_name:
             return None
         structs = (codec.struct for codec in self.view.interface.codecs)
-        requests = (struct for struct in structs if struct.layout.name == exchange.request)
-        request = first_of(requests, f"struct for '{exchange.request}'")
-        bits = self.frame.layout.place(self._chosen.variant.parameters).bits
-        data = self.frame.wire.to_bytes((bits + 7) // 8, "big")
-        macro = f"{self.view.PREFIX}_REQUEST_{exchange.request}".upper()
-        initial = request.initial(self._chosen.variant.parameters)
-        return Session(request, initial, macro, data, (request.layout.widest + 7) // 8)
+        requests = (struct for struct in structs if struct.layout.name == request_name)
+        request = first_of(requests, f"struct for '{request_name}'")
+        parameters = self._chosen.variant.parameters
+        reply_bits = self.frame.layout.place(parameters).bits
+        return Session(
+            request=request,
+            initial=request.initial(parameters),
+            macro=f"{self.view.PREFIX}_REQUEST_{request_name}".upper(),
+            data=self.frame.wire.to_bytes((reply_bits + 7) // 8, "big"),
+            size=(request.layout.widest + 7) // 8,
+        )
+
+    def _request_over_spi(self) -> str:
+        """Return the request for the position that the frame answers over SPI, or an empty text."""
+        exchanges = self.interface.exchanges if isinstance(self.interface, Spi) else ()
+        for exchange in exchanges:
+            if exchange.purpose == "position" and exchange.reply == self.frame.layout.name:
+                return exchange.request
+        return ""
 
     @property
     def asking(self) -> ReplyRequest | None:
         """The request frame over RS-485 that the frame answers, or None if the request has only a control field."""
-        placed = self.frame.layout.place(self._chosen.variant.parameters)
-        numbers = (field for field in placed.fields if isinstance(meaning_of(field.field), Raw))
-        values = {field.name: self.frame.wire >> field.low & field.mask for field in numbers}
+        parameters = self._chosen.variant.parameters
+        numbers: dict[str, int] = {}
+        for placed_field in self.frame.layout.place(parameters).fields:
+            if isinstance(meaning_of(placed_field.field), Raw):
+                numbers[placed_field.name] = self.frame.wire >> placed_field.low & placed_field.mask
         for whole in self.struct.plan.wholes:
-            if all(field.name in values for field in whole.fields):
-                values[whole.join.name] = whole.joined(values, self._chosen.variant.parameters)
-        return self.view.interface.asking(self.frame.layout, values)
+            if all(field.name in numbers for field in whole.fields):
+                numbers[whole.join.name] = whole.joined(numbers, parameters)
+        return self.view.interface.asking(self.frame.layout, numbers)
 
     @property
     def request(self) -> str:
         """Macro of the control field that asks for the frame, or an empty text."""
         data_ids = self.interface.data_ids if isinstance(self.interface, Rs485) else ()
-        names = (data_id.name for data_id in data_ids if self.data[:1] == bytes([data_id.control]))
-        name = next(names, "")
-        return f"{self.view.PREFIX}_CONTROL_{name}".upper() if name else ""
+        for data_id in data_ids:
+            if self.data.startswith(bytes([data_id.control])):
+                return f"{self.view.PREFIX}_CONTROL_{data_id.name}".upper()
+        return ""
 
     @property
     def longest_reply(self) -> int:
@@ -263,8 +277,9 @@ class ExampleCode:
         code = self.run.code if self.run is not None else None
         if code is None or code.arguments or code.reads or not self.request:
             return False
-        requests = [row.op for row in code.rows if isinstance(row, Row) and isinstance(row.op, Sends)]
-        return bool(requests) and all(send.reply is not None for send in requests)
+        operations = [row.op for row in code.rows if isinstance(row, Row)]
+        requests = [operation for operation in operations if isinstance(operation, Sends)]
+        return bool(requests) and all(request.reply is not None for request in requests)
 
     @property
     def position(self) -> Positions | None:
@@ -329,6 +344,7 @@ class ExampleCode:
         return self.run.code.run.procedure.steps if self.run is not None else ()
 
     def _shown_run(self) -> ShownRun | None:
+        """Return the procedure that the program carries out, if the manual has a suitable one."""
         if self._chosen.procedure is None:
             return None
         procedure, example = self._chosen.procedure
@@ -337,27 +353,37 @@ class ExampleCode:
         values: dict[str, int] = {}
         if example is not None:
             values = {argument.name: example.arguments[argument.name] for argument in procedure.arguments}
-        named = ", ".join(f"{name} {value}" for name, value in values.items())
-        about = f"{procedure.title} [{cite(procedure.source)}]. It changes the contents of the encoder."
-        heading = ascii_text(procedure.title) + (f": {named}" if named else "")
-        return ShownRun(heading, about, code, tuple(values.values()))
+        heading = ascii_text(procedure.title)
+        if values:
+            heading += ": " + ", ".join(f"{name} {value}" for name, value in values.items())
+        return ShownRun(
+            title=heading,
+            about=f"{procedure.title} [{cite(procedure.source)}]. It changes the contents of the encoder.",
+            code=code,
+            values=tuple(values.values()),
+        )
 
     def _read(self, register: Register) -> ShownRegister:
+        """Return a register that the program reads, with the source of its worked example."""
         _, example = self._chosen.registers[register.name]
         candidates = (code for code in self.view.registers if code.register is register)
         code = first_of(candidates, f"code for the register '{register.name}'")
-        heading = f"{ascii_text(title(register))} {register.address:02X}h"
-        about = f"a worked example [{cite(example.source)}]"
-        return ShownRegister(heading, c_name(register.name, _TAKEN), about, code.access, code.struct)
+        return ShownRegister(
+            title=f"{ascii_text(title(register))} {register.address:02X}h",
+            name=c_name(register.name, _TAKEN),
+            about=f"a worked example [{cite(example.source)}]",
+            access=code.access,
+            struct=code.struct,
+        )
 
     def _memory(self) -> Iterator[Memory]:
         """Yield the worked examples, and the factory defaults of the registers that the procedure writes."""
-        written = {step.register for step in self._steps if isinstance(step, (WriteStep, ModifyStep))}
-        registers = self._chosen.registers.values()
-        for register, example in sorted(registers, key=lambda pair: pair[0].address):
-            if register.name in written:
-                delivered = register.default_bytes() or bytes(register.length)
-                yield Memory(register.address, delivered, f"{title(register)}, factory default")
+        written_names = {step.register for step in self._steps if isinstance(step, (WriteStep, ModifyStep))}
+        registers_and_examples = sorted(self._chosen.registers.values(), key=_address_of_register)
+        for register, example in registers_and_examples:
+            if register.name in written_names:
+                factory_default = register.default_bytes() or bytes(register.length)
+                yield Memory(register.address, factory_default, f"{title(register)}, factory default")
             else:
                 yield Memory(register.address, example.bytes, title(register))
 
@@ -385,6 +411,11 @@ class ExampleCode:
     def number(name: str, variable: str) -> PrintedMember:
         """Return an unsigned member as ``printf`` shows it."""
         return PrintedMember(name, "%llu", f"(unsigned long long){variable}.{c_name(name)}")
+
+
+def _address_of_register(register_and_example: tuple[Register, object]) -> int:
+    register, _ = register_and_example
+    return register.address
 
 
 def _has_only_answers(frame: FrameSize, answers: Sequence[Answer]) -> bool:

@@ -11,7 +11,7 @@ standard headers.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Annotated, NoReturn, TypedDict
 
@@ -33,7 +33,7 @@ from .about import place
 from .bits import digits
 from .comments import break_lines, comment, comment_lines, documented, end_comment, in_comment, in_lines, literals
 from .crc_functions import FoldOperation
-from .decode import ByteIs, FlagsIn, Positions, UnusedAre, UnusedIn
+from .decode import ByteIs, FlagsIn, UnusedAre, UnusedIn
 from .device import DeviceView, Part, views_of
 from .errata_page import ERRATA_TEMPLATE, ErrataPage, errata_files
 from .examples import ExampleCode
@@ -64,6 +64,7 @@ from .package import (
     own_programs,
     package_files,
 )
+from .positions import Positions
 from .procedures import FilledRows
 from .runtime_files import needed_runtime
 from .selftest import AllTests, FamilyTest, SelfTest, Work, own_test, selftest_files
@@ -198,18 +199,27 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     if views:
         runtime = needed_runtime(views) if options.get(ONLY.name) else runtime_headers()
         files |= {f"c/include/{FOLDER}/{name}": text for name, text in runtime.items()} | licence_in("c")
-    if views and not passing.by_address:
+        if not passing.by_address:
+            shared_files = _shared_files(library, devices, views, runtime)
+            files |= {f"c/{path}": text for path, text in shared_files.items()}
+    return files
 
-        def rendered(template: str, values: Mapping[str, object]) -> str:
-            return _render(library, template, values)
 
-        tests = [test for test in map(SelfTest, views) if test.checks]
-        shared = selftest_files(views, tests, rendered)
-        shared |= package_files(views, runtime, [*shared, *(test.path for test in tests)], rendered)
-        chosen_makers = Library(tuple(devices)).by_manufacturer()
-        shared |= dict(assumptions_files(chosen_makers, rendered))
-        shared |= dict(errata_files(chosen_makers, rendered))
-        files |= {f"c/{path}": text for path, text in shared.items()}
+def _shared_files(
+    library: Library, devices: Sequence[Device], views: Sequence[DeviceView], runtime: Iterable[str]
+) -> dict[str, str]:
+    """Return the self-test, the package and the pages that all families share, by their path in the C folder."""
+
+    def render(template: str, values: Mapping[str, object]) -> str:
+        return _render(library, template, values)
+
+    tests = [test for test in map(SelfTest, views) if test.checks]
+    files = selftest_files(views, tests, render)
+    test_paths = [*files, *(test.path for test in tests)]
+    files |= package_files(views, runtime, test_paths, render)
+    makers = Library(tuple(devices)).by_manufacturer()
+    files |= dict(assumptions_files(makers, render))
+    files |= dict(errata_files(makers, render))
     return files
 
 
@@ -228,12 +238,15 @@ def _family(device: Device, library: Library, options: Options) -> Iterator[tupl
         yield from _single_headers(device, library, passing)
         return
     for view in views_of(device, passing):
-        yield from ((f"c/include/{path}", text) for path, text in _headers(library, view))
+        for path, text in _headers(library, view):
+            yield f"c/include/{path}", text
         if passing.by_address:
             continue
         yield f"c/include/{view.cpp_header}", later("device.hpp.jinja", _values(view))
-        yield from ((f"c/{path}", text) for path, text in own_test(view, later))
-        yield from ((f"c/{path}", text) for path, text in own_programs(view, later))
+        for path, text in own_test(view, later):
+            yield f"c/{path}", text
+        for path, text in own_programs(view, later):
+            yield f"c/{path}", text
 
 
 def problems(library: Library) -> Iterator[TargetProblem]:
@@ -244,11 +257,11 @@ def problems(library: Library) -> Iterator[TargetProblem]:
             headers += [(device, view.names) for view in views_of(device)]
         except TargetError as error:
             problem = f"{error}; use 'generate --target' to write the other outputs"
-            yield TargetProblem(device, "c-target", error.place or ("device",), problem)
+            yield TargetProblem(device, rule="c-target", place=error.place or ("device",), message=problem)
     for device, clash in clashes(headers):
         other_place = () if clash.other[:1] == ("device",) else clash.other
         message = clash.message(" on line {line}" if other_place else "")
-        yield TargetProblem(device, "c-name", clash.path, message, other_place)
+        yield TargetProblem(device, rule="c-name", place=clash.path, message=message, other=other_place)
 
 
 def _headers(library: Library, view: DeviceView) -> Iterator[tuple[str, Callable[[], str]]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from itertools import chain
 from types import MappingProxyType
 
 from ...model import Biss, CableLength, Clock, Interface, Layout, Port, Rs485, Spi, Timeout, WordFormat, cite, first_of
@@ -40,7 +41,8 @@ class FrameTeller:
     @property
     def value(self) -> Expr:
         """The selecting field, extracted from the bytes."""
-        return of_bytes(self.dispatch.bits.pieces)[1]
+        _, bits = of_bytes(self.dispatch.bits.pieces)
+        return bits
 
     def values(self, branch: Branch) -> list[str]:
         """Return the values that select a frame."""
@@ -82,11 +84,16 @@ class InterfaceCode:
 
     def declared(self) -> Iterator[Declared]:
         path = ("interfaces", self.interface.name)
-        yield from ((macro.name, path) for macro in (*self.macros, *self.controls))
-        yield from ((self.frame_name(layout), path) for layout in self.frames)
+        for macro in (*self.macros, *self.controls):
+            yield macro.name, path
+        for layout in self.frames:
+            yield self.frame_name(layout), path
         if self.frames:
-            yield from ((f"{self.prefix}_{name}", path) for name in ("frame", "frame_length"))
-        yield from ((name, path) for teller in self.tellers for name in (teller.by_bytes, teller.by_value))
+            yield f"{self.prefix}_frame", path
+            yield f"{self.prefix}_frame_length", path
+        for teller in self.tellers:
+            yield teller.by_bytes, path
+            yield teller.by_value, path
         if self.cable:
             yield f"{self.prefix}_clock_limit_hz", path
         if self.timeout_product:
@@ -97,12 +104,17 @@ class InterfaceCode:
     @property
     def cable_source(self) -> str:
         """The source of the clocks by cable length."""
-        return cite(tuple(dict.fromkeys(source for cable in self.cable for source in cable.source)))
+        sources = chain.from_iterable(cable.source for cable in self.cable)
+        return cite(tuple(dict.fromkeys(sources)))
 
     @property
     def frames(self) -> list[Layout]:
-        names = {branch.layout.name for teller in self.tellers for branch in teller.dispatch.branches}
-        names |= {teller.dispatch.fallback.name for teller in self.tellers if teller.dispatch.fallback is not None}
+        """The frames that a field distinguishes."""
+        names: set[str] = set()
+        for teller in self.tellers:
+            names.update(branch.layout.name for branch in teller.dispatch.branches)
+            if teller.dispatch.fallback is not None:
+                names.add(teller.dispatch.fallback.name)
         return [layout for layout in self.interface.layouts if layout.name in names]
 
     def request_of(self, reply: Layout) -> str:
@@ -117,38 +129,41 @@ class InterfaceCode:
 
     def asking(self, reply: Layout, values: Mapping[str, int] = MappingProxyType({})) -> ReplyRequest | None:
         """Return the request whose reply is a frame in bytes, with the given numbers in its fields, or None."""
-        matching = (exchanged for exchanged in exchanges(self.interface) if exchanged.reply is reply and reply.in_bytes)
-        exchanged = next(matching, None)
-        port = next((fact for fact in self.interface.facts() if isinstance(fact, Port)), None)
-        if exchanged is None or port is None:
+        exchanged = self._exchange_with_reply(reply)
+        ports = [fact for fact in self.interface.facts() if isinstance(fact, Port)]
+        if exchanged is None or not ports:
             return None
         candidates = (candidate for candidate in self.codecs if candidate.struct.layout is exchanged.request)
         codec = first_of(candidates, f"codec for '{exchanged.request.name}'")
-        bits = 1 + port.data_bits + (port.parity != "none") + port.stop_bits
-        size = (exchanged.request.widest + reply.widest) // 8
         variants = self.device.variants_over(self.interface.name)
         parameters = first_of(variants, f"order code with the interface '{self.interface.name}'").parameters
-        initial = codec.struct.initial(parameters, values)
-        answered = set(_member_names(reply))
-        names = [name for name in _member_names(exchanged.request) if name in answered]
-        # C does not compare texts by !=.
-        repeated = tuple(c_name(name) for name in names if codec.struct.member_type(name) != "char")
-        line_us = -(-1_000_000 * size * bits // port.baud)
+        reply_names = set(_member_names(reply))
+        common_names = [name for name in _member_names(exchanged.request) if name in reply_names]
+        bytes_on_line = (exchanged.request.widest + reply.widest) // 8
         return ReplyRequest(
             codec=codec,
-            initial=initial,
+            initial=codec.struct.initial(parameters, values),
             take=_take_function(exchanged),
-            late_us=ANSWER_US + line_us,
-            repeated=repeated,
+            late_us=ANSWER_US + _time_on_line_us(ports[0], bytes_on_line),
+            # C does not compare texts by !=.
+            repeated=tuple(c_name(name) for name in common_names if codec.struct.member_type(name) != "char"),
         )
+
+    def _exchange_with_reply(self, reply: Layout) -> Exchanged | None:
+        """Return the first exchange whose reply is this frame in bytes, or None."""
+        for exchanged in exchanges(self.interface):
+            if exchanged.reply is reply and reply.in_bytes:
+                return exchanged
+        return None
 
     def frame_name(self, layout: Layout) -> str:
         return f"{self.upper}_FRAME_{layout.name}".upper()
 
     def _codec(self, context: Context, layout: Layout) -> StructCodec:
+        """Return the struct, decoder and encoder of a frame."""
         # The functions of the only frame of an interface need no further name.
-        alone = len(self.interface.layouts) == 1 and not self.tellers
-        name = context.prefix if alone else f"{context.prefix}_{layout.name}"
+        is_only_frame = len(self.interface.layouts) == 1 and not self.tellers
+        name = context.prefix if is_only_frame else f"{context.prefix}_{layout.name}"
         struct = Struct(context, layout, name, context.length_macro(layout))
         return StructCodec(struct, about_layout(self.device, self.interface, struct))
 
@@ -156,29 +171,35 @@ class InterfaceCode:
         """Yield the comment on the interface, without the layouts, which have their own."""
         interface = self.interface
         statements = said_of(self.device, interface)
-        yield from (S.sentence(statement) for statement in statements if statement not in self._macro_statements)
+        for statement in statements:
+            if statement not in self._macro_statements:
+                yield S.sentence(statement)
         if any(layout.sender == "master" and layout.data_fields for layout in interface.layouts):
             yield "Set all members of a request, because those that an initial value leaves out are 0."
         yield from self._receiving()
         path = f"interfaces.{interface.name}"
-        layouts = [f"{path}.{layout.name}" for layout in interface.layouts]
-        fields = (field for layout in interface.layouts for field in layout.fields)
-        groups = {f"field_groups.{field.group}" for field in fields if field.group}
-        below = errata(self.device, *layouts)
-        corrections = errata(self.device, path, *groups, without=layouts)
-        yield from (S.sentence(erratum(correction)) for correction in corrections if correction not in below)
+        layout_paths = [f"{path}.{layout.name}" for layout in interface.layouts]
+        group_paths: set[str] = set()
+        for layout in interface.layouts:
+            group_paths.update(f"field_groups.{field.group}" for field in layout.fields if field.group)
+        errata_of_layouts = errata(self.device, *layout_paths)
+        for correction in errata(self.device, path, *group_paths, without=layout_paths):
+            if correction not in errata_of_layouts:
+                yield S.sentence(erratum(correction))
 
     def _receiving(self) -> Iterator[Paragraph]:
         """Yield how to send a request and receive its reply over a serial port."""
-        requests: dict[str, list[str]] = {}
+        requests_by_function: dict[str, list[str]] = {}
         for exchanged in exchanges(self.interface):
             if exchanged.reply is not None and exchanged.reply.in_bytes:
-                requests.setdefault(_take_function(exchanged), []).append(exchanged.request.name)
-        if requests:
-            takes = ", or ".join(f"{name} ({', '.join(names)})" for name, names in requests.items())
+                requests_by_function.setdefault(_take_function(exchanged), []).append(exchanged.request.name)
+        functions = []
+        for function, request_names in requests_by_function.items():
+            functions.append(f"{function} ({', '.join(request_names)})")
+        if functions:
             yield (
                 "Encode a request, call cw_rs485_ask in codewheel/receive.h with its first byte and the length of the"
-                f" reply, and send the request. Then pass each byte received to {takes}."
+                f" reply, and send the request. Then pass each byte received to {', or '.join(functions)}."
             )
 
     # -- constants
@@ -198,6 +219,7 @@ class InterfaceCode:
         return Macro(f"{self.upper}_{name}".upper(), number(value, hexadecimal), note)
 
     def _macros(self) -> Iterator[Macro]:
+        """Yield the constants of the interface: clock, time-out, port, words and times."""
         interface = self.interface
         for fact, about in zip(interface.facts(), settings(self.device, interface), strict=True):
             match fact:
@@ -225,14 +247,16 @@ class InterfaceCode:
 
     def _clock(self, clock: Clock, about: Statement) -> Iterator[Macro]:
         """Yield the limits, and the fastest clock in use. The first macro has the comment on all of them."""
-        numbers = (
+        names_clocks_and_notes = (
             ("MIN", clock.min_hz, "lowest clock in Hz"),
             ("MAX", clock.max_hz, "highest clock in Hz"),
             ("USED", max(clock.used_hz, default=None), "a clock in use in Hz, not a limit"),
         )
-        stated = [(name, hz, note) for name, hz, note in numbers if hz is not None]
-        for index, (name, hz, note) in enumerate(stated):
-            yield self._macro(f"CLOCK_{name}_HZ", hz, note if index else about)
+        has_first_macro = False
+        for name, clock_hz, note in names_clocks_and_notes:
+            if clock_hz is not None:
+                yield self._macro(f"CLOCK_{name}_HZ", clock_hz, note if has_first_macro else about)
+                has_first_macro = True
 
     def _port(self, port: Port, about: Statement) -> Iterator[Macro]:
         yield self._macro("BAUD", port.baud, about)
@@ -241,6 +265,7 @@ class InterfaceCode:
         yield self._macro("STOP_BITS", port.stop_bits, "number of stop bits")
 
     def _control_data(self, interface: Biss) -> Iterator[Macro]:
+        """Yield the widths and the named values of the fields in the control data."""
         for field in interface.control_data:
             yield self._macro(f"CONTROL_{field.name}_BITS", field.bits, control_field(field))
             for value in field.values:
@@ -248,24 +273,26 @@ class InterfaceCode:
                 yield self._macro(name, value.value, f"{title(field)}: {title(value)}", hexadecimal=True)
 
     def _timeout(self, timeout: Timeout, about: Statement) -> Iterator[Macro]:
-        numbers = [("TYPICAL", timeout.typical_ns), ("AT_MOST", timeout.at_most_ns)]
+        """Yield the typical and the longest time-out, or those at each clock. The first macro has the comment."""
+        names_and_times = [("TYPICAL", timeout.typical_ns), ("AT_MOST", timeout.at_most_ns)]
         if timeout.half_clock_periods is None:
-            numbers += [(f"AT_{printed.clock_hz}_HZ", printed.timeout_ns) for printed in timeout.printed]
-        for name, value in numbers:
-            if value is not None:
-                yield self._macro(
-                    f"TIMEOUT_{name}_NS", value, about if about not in self._macro_statements else "see above"
-                )
+            names_and_times += [(f"AT_{printed.clock_hz}_HZ", printed.timeout_ns) for printed in timeout.printed]
+        for name, time_ns in names_and_times:
+            if time_ns is not None:
+                is_above = about in self._macro_statements
+                yield self._macro(f"TIMEOUT_{name}_NS", time_ns, "see above" if is_above else about)
 
     @property
     def exchanged(self) -> str:
         """Macro of the request for the position over SPI, or an empty text."""
-        exchanges = self.interface.exchanges if isinstance(self.interface, Spi) else ()
-        requests = (exchange.request for exchange in exchanges if exchange.purpose == "position")
-        request = next(requests, None)
-        return f"{self.upper}_REQUEST_{request}".upper() if request is not None else ""
+        spi_exchanges = self.interface.exchanges if isinstance(self.interface, Spi) else ()
+        for spi_exchange in spi_exchanges:
+            if spi_exchange.purpose == "position":
+                return f"{self.upper}_REQUEST_{spi_exchange.request}".upper()
+        return ""
 
     def _controls(self) -> Iterator[Macro]:
+        """Yield the macros of requests: the control field over RS-485, or a number over SPI."""
         if isinstance(self.interface, Rs485):
             for rs485_id in self.interface.data_ids:
                 yield self._macro(f"CONTROL_{rs485_id.name}", rs485_id.control, data_id(rs485_id), hexadecimal=True)
@@ -279,6 +306,14 @@ class InterfaceCode:
         """Heading of the constants for requests."""
         first = "requests: the first byte of each one and of its reply"
         return first if isinstance(self.interface, Rs485) else "requests, for codewheel/spi.h"
+
+
+def _time_on_line_us(port: Port, number_of_bytes: int) -> int:
+    """Return the time that these bytes take on a serial line, in microseconds, rounded up."""
+    start_bit = 1
+    parity_bits = 0 if port.parity == "none" else 1
+    bits_per_byte = start_bit + port.data_bits + parity_bits + port.stop_bits
+    return -(-1_000_000 * number_of_bytes * bits_per_byte // port.baud)
 
 
 def _take_function(exchanged: Exchanged) -> str:

@@ -13,6 +13,7 @@ from ...model import Device, Layout
 from ...model.expressions import Expression, Factor, Term
 from ...model.record import dataclass
 from .. import TargetError
+from .reserved_words import RESERVED
 
 #: Folder of the headers, and the folder in which they are installed.
 FOLDER = "codewheel"
@@ -51,40 +52,6 @@ def _texts(folder: str) -> dict[str, str]:
     texts_folder = resources.files("codewheel.runtime") / "c" / folder
     paths = sorted(texts_folder.iterdir(), key=lambda path: path.name)
     return {path.name: path.read_text(encoding="utf-8") for path in paths}
-
-
-#: The keywords of C up to C23, of C++ up to C++26 and its technical specifications, and of common compilers,
-#: as far as they can be names in a spec.
-_KEYWORDS = """
-    alignas alignof and and_eq asm atomic_cancel atomic_commit atomic_noexcept auto bitand bitor bool break case
-    catch char char16_t char32_t char8_t class co_await co_return co_yield compl concept const const_cast consteval
-    constexpr constinit continue contract_assert decltype default delete do double dynamic_cast else enum explicit
-    export extern false final float for fortran friend goto if import inline int long module mutable namespace new
-    noexcept not not_eq nullptr operator or or_eq override private protected public reflexpr register
-    reinterpret_cast requires restrict return short signed sizeof static static_assert static_cast struct switch
-    synchronized template this thread_local throw true try typedef typeid typename typeof typeof_unqual union
-    unsigned using virtual void volatile wchar_t while xor xor_eq
-"""
-#: Types and macros of the three headers that the generated ones include.
-_SIZES = [f"{speed}{bits}" for speed in ("", "_least", "_fast") for bits in (8, 16, 32, 64)]
-_SIZED_TYPES = " ".join(f"{sign}int{size}_t" for sign in ("", "u") for size in _SIZES)
-_TYPES = (
-    "intmax_t intptr_t max_align_t nullptr_t offsetof ptrdiff_t size_t uintmax_t uintptr_t unreachable " + _SIZED_TYPES
-)
-#: Object-like macros of compilers, and of headers of C, Windows, Qt, POSIX and small processors.
-_MACROS = """
-    assert bool cdecl complex emit environ errno far foreach forever fortran hpux huge hyper i386 i860 i960
-    imaginary interface interrupt linux m68k math_errhandling max mc68000 min mips near noreturn pascal pdp11 pixel
-    powerpc quad sgi signals signgam slots small sparc stdcall stderr stdin stdout sun timezone tzname ultrix unix
-    vax vector vms
-"""
-#: Functions for double. avr-libc maps the names with an f at the end to them.
-_DOUBLE_FUNCTIONS = """
-    acos asin atan atan2 cbrt ceil copysign cos cosh exp fabs fdim floor fma fmax fmin fmod frexp hypot isfinite
-    isinf isnan ldexp log log10 lrint lround pow round signbit sin sinh sqrt square strtod tan tanh trunc
-"""
-_MATH = " ".join(f"{name}f" for name in _DOUBLE_FUNCTIONS.split())
-RESERVED = frozenset(f"{_KEYWORDS} {_TYPES} {_MACROS} {_MATH}".split())
 
 
 def c_name(name: str, taken_names: Iterable[str] = ()) -> str:
@@ -293,9 +260,10 @@ class Operation(Expr):
     def __str__(self) -> str:
         first, *following = self.operands
         # A sum continues without parentheses, from the left.
-        goes_on = isinstance(first, Operation) and {first.operator, self.operator} <= _SUMS
-        start = str(first) if goes_on else first.operand
-        return f" {self.operator} ".join([start, *(operand.operand for operand in following)])
+        continues_sum = isinstance(first, Operation) and {first.operator, self.operator} <= _SUMS
+        operand_texts = [str(first) if continues_sum else first.operand]
+        operand_texts += [operand.operand for operand in following]
+        return f" {self.operator} ".join(operand_texts)
 
     @property
     def operand(self) -> str:
@@ -373,6 +341,7 @@ class Scope:
     passing: Passing = BY_VALUE
 
     def atom(self, parameter: str) -> Expr:
+        """Return a parameter: a function of an answer, a member of the variant, or a function of the variant."""
         if parameter in self.answers:
             return Call(f"{self.prefix}_{parameter}", (Name(self.answers[parameter]),))
         if parameter in self.largest:
@@ -390,36 +359,52 @@ class Scope:
         return Call("cw_mask", (self.of(width),))
 
     def of(self, expression: Expression) -> Expr:
-        """Return the expression in C, unsigned. No intermediate result is negative unless the result is."""
+        """Return the expression in C, unsigned, such as ``8U + variant.position_bits - 1U``.
+
+        No intermediate result is negative unless the result is.
+        """
         match expression:
-            case Expression(-1, (Term(1, (Factor(name, True),)),)):
-                return Call("cw_mask", (self.atom(name),))
-        plus = [self._term(term) for term in expression.terms if term.multiple > 0]
-        minus = [self._term(term) for term in expression.terms if term.multiple < 0]
-        if expression.constant > 0 or not plus:
-            plus.insert(0, Number(max(expression.constant, 0)))
-        elif isinstance(plus[0], Name) and (len(expression.terms) > 1 or expression.constant < 0):
-            plus[0] = Cast("uint32_t", plus[0])
+            case Expression(-1, (Term(1, (Factor(exponent, True),)),)):
+                # 2 to the power of the parameter, minus 1.
+                return Call("cw_mask", (self.atom(exponent),))
+        added = [self._term(term) for term in expression.terms if term.multiple > 0]
+        subtracted = [self._term(term) for term in expression.terms if term.multiple < 0]
+        is_single_operand = len(expression.terms) == 1 and expression.constant >= 0
+        if expression.constant > 0 or not added:
+            added.insert(0, Number(max(expression.constant, 0)))
+        elif isinstance(added[0], Name) and not is_single_operand:
+            # The member can have 8 bits, which would be promoted to a signed type.
+            added[0] = Cast("uint32_t", added[0])
         if expression.constant < 0:
-            minus.append(Number(-expression.constant))
-        return joined("-", (joined("+", tuple(plus)), *minus))
+            subtracted.append(Number(-expression.constant))
+        return joined("-", (joined("+", tuple(added)), *subtracted))
 
     def signed(self, expression: Expression) -> Expr:
         """Return the expression in 64 bits with a sign.
 
         A power of two is written as its mask plus one, since the power itself may not fit.
         """
-        masks = [term for term in expression.terms if term.is_power and not term.is_product]
-        constant = expression.constant + sum(term.multiple for term in masks)
-        total: Expr | None = Number(constant, signed=True)
-        if constant == 0 and expression.terms and expression.terms[0].multiple > 0:
-            total = None
+        constant = expression.constant
+        signs_and_products: list[tuple[str, Expr]] = []
         for term in expression.terms:
-            product = Call("cw_mask", (self.atom(term.factors[0].parameter),)) if term in masks else self._term(term)
-            wide = Cast("int64_t", product)
             sign = "+" if term.multiple > 0 else "-"
-            total = Operation(sign, (total, wide)) if total is not None else wide
-        return total or Number(0, signed=True)
+            if term.is_power and not term.is_product:
+                # The power is one more than its mask.
+                constant += term.multiple
+                (exponent,) = term.factors
+                product: Expr = Call("cw_mask", (self.atom(exponent.parameter),))
+            else:
+                product = self._term(term)
+            signs_and_products.append((sign, Cast("int64_t", product)))
+        if not signs_and_products:
+            return Number(constant, signed=True)
+        (first_sign, first_product), *further = signs_and_products
+        total = first_product
+        if constant or first_sign == "-":
+            total = Operation(first_sign, (Number(constant, signed=True), first_product))
+        for sign, product in further:
+            total = Operation(sign, (total, product))
+        return total
 
     def _term(self, term: Term) -> Expr:
         """Return a product, in 64 bits if 32 may be too few. A single parameter keeps its own type."""

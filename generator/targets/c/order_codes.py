@@ -65,13 +65,13 @@ def written_out(expression: str) -> tuple[str, ...]:
     """Return the patterns of an open part, the longest first, or nothing if it cannot be expanded."""
     patterns: list[str] = []
     for alternative in expression.split("|"):
-        atoms, at = [], 0
-        while at < len(alternative):
-            match = _ATOM.match(alternative, at)
+        atoms, start = [], 0
+        while start < len(alternative):
+            match = _ATOM.match(alternative, start)
             if match is None:
                 return ()
-            atoms.append(_repetitions(match, match.end() == len(alternative)))
-            at = match.end()
+            atoms.append(_repetitions(match, is_last=match.end() == len(alternative)))
+            start = match.end()
         if not all(atoms):
             return ()
         patterns += map("".join, itertools.product(*atoms))
@@ -80,17 +80,29 @@ def written_out(expression: str) -> tuple[str, ...]:
     return tuple(sorted(patterns, key=len, reverse=True))
 
 
-def _repetitions(match: re.Match[str], is_last: bool) -> tuple[str, ...]:
-    """Return one unit with its repetitions, or an empty text if its kind has no mark."""
-    unit = match["unit"]
-    mark = _CLASSES.get(unit, unit[-1] if len(unit) == 1 or (unit[0] == "\\" and not unit[1].isalnum()) else "")
-    fewest = 0 if match["maybe"] else int(match["least"] or 1)
-    most_repetitions = 1 if match["maybe"] else int(match["most"] or fewest)
-    if not mark or most_repetitions > _MOST_PATTERNS:
+def _repetitions(match: re.Match[str], *, is_last: bool) -> tuple[str, ...]:
+    """Return one unit with its repetitions, the longest first, or nothing if its kind has no mark.
+
+    ``[0-9]{1,2}`` gives ``##`` and ``#``, or the single pattern ``#~`` at the end of an expression.
+    """
+    mark = _mark_of(match["unit"])
+    if match["maybe"]:
+        fewest, most = 0, 1
+    else:
+        fewest = int(match["least"] or 1)
+        most = int(match["most"] or fewest)
+    if not mark or most > _MOST_PATTERNS:
         return ()
     if mark == "#" and is_last:
-        return ("#" * fewest + "~" * (most_repetitions - fewest),)
-    return tuple(mark * count for count in range(most_repetitions, fewest - 1, -1))
+        return ("#" * fewest + "~" * (most - fewest),)
+    return tuple(mark * count for count in range(most, fewest - 1, -1))
+
+
+def _mark_of(unit: str) -> str:
+    """Return the mark for a class of characters, or the character itself. Empty for another class."""
+    is_escaped_sign = unit[0] == "\\" and not unit[1:].isalnum()
+    own_character = unit[-1] if len(unit) == 1 or is_escaped_sign else ""
+    return _CLASSES.get(unit, own_character)
 
 
 def unknown_parts(device: Device) -> tuple[str, ...]:
@@ -104,21 +116,36 @@ def open_codes(device: Device) -> tuple[OpenCode, ...]:
     A pattern with an open part also matches listed values. If their combination is not an order code, a refused
     pattern comes before it.
     """
-    code, codes = device.order_code, _Codes(device)
-    spellings = [(code.pattern, [_choices(part) for part in code.parts], True)]
-    for spelling in code.also_written:
-        own_parts = {value.part for value in spelling.values}
-        spelled_parts = {part.name: _spelled_choices(part, spelling) for part in code.parts if part.name in own_parts}
-        choices = [spelled_parts.get(part.name) or _choices(part) for part in code.parts]
-        thens = written_out(spelling.then) if spelling.then else ("",)
-        spellings += [(spelling.pattern + then, choices, False) for then in thens]
-    if sum(math.prod(map(len, choices)) for _, choices, _ in spellings) > _MOST_COMBINATIONS:
+    order_code = device.order_code
+    spellings = [_Spelling(order_code.pattern, [_choices(part) for part in order_code.parts], is_listed=True)]
+    for spelling in order_code.also_written:
+        choices = [_choices_in(part, spelling) for part in order_code.parts]
+        endings = written_out(spelling.then) if spelling.then else ("",)
+        spellings += [_Spelling(spelling.pattern + ending, choices, is_listed=False) for ending in endings]
+    if sum(spelling.number_of_combinations for spelling in spellings) > _MOST_COMBINATIONS:
         raise TargetError(
             f"open parts and other spellings combine to more than {_MOST_COMBINATIONS} patterns of labels, "
             "the maximum of the C target",
             ("order_code",),
         )
-    return tuple(row for spelling in spellings for row in _rows(codes, *spelling))
+    codes = _Codes(device)
+    return tuple(open_code for spelling in spellings for open_code in _open_codes_of(codes, spelling))
+
+
+@dataclass(frozen=True)
+class _Spelling:
+    """A spelling of labels: its pattern, such as ``{family}-{bits}``, and the choices for each part.
+
+    ``is_listed`` is True for the spelling of the order codes in the manual's list.
+    """
+
+    pattern: str
+    choices: Sequence[Sequence[_Choice]]
+    is_listed: bool
+
+    @property
+    def number_of_combinations(self) -> int:
+        return math.prod(map(len, self.choices))
 
 
 class _Codes:
@@ -132,34 +159,45 @@ class _Codes:
 
     def first(self, chosen: Mapping[str, _Choice]) -> int | None:
         """Return the first order code with the listed parts, if the other parts may be open there."""
-        names = tuple(name for name, choice in chosen.items() if not choice.is_open)
-        if names not in self._indices:
+        part_names = tuple(name for name, choice in chosen.items() if not choice.is_open)
+        listed_texts = tuple(chosen[name].text for name in part_names)
+        for index in self._indices_by_texts(part_names).get(listed_texts, ()):
+            variant = self._device.variants[index]
+            if all(_open_combinations(self._device.order_code.parts, chosen, variant)):
+                return index
+        return None
+
+    def _indices_by_texts(self, part_names: tuple[str, ...]) -> Mapping[tuple[str, ...], list[int]]:
+        """Return the indices of all order codes, by their texts of these parts."""
+        if part_names not in self._indices:
             indices_by_texts: dict[tuple[str, ...], list[int]] = defaultdict(list)
             for index, variant in enumerate(self._device.variants):
-                indices_by_texts[tuple(variant.parts[name] for name in names)].append(index)
-            self._indices[names] = indices_by_texts
-        indices = self._indices[names].get(tuple(chosen[name].text for name in names), ())
-        parts, variants = self._device.order_code.parts, self._device.variants
-        return next((index for index in indices if all(_open_combinations(parts, chosen, variants[index]))), None)
+                indices_by_texts[tuple(variant.parts[name] for name in part_names)].append(index)
+            self._indices[part_names] = indices_by_texts
+        return self._indices[part_names]
 
 
-def _rows(codes: _Codes, pattern: str, choices: Sequence[Sequence[_Choice]], is_listed: bool) -> list[OpenCode]:
-    """Return the rows of one spelling. For the listed spelling, codes without open parts need no row."""
-    combinations = [dict(zip(codes.names, values, strict=True)) for values in itertools.product(*choices)]
-    coded = [(chosen, codes.first(chosen)) for chosen in combinations]
-    allowed = {tuple(chosen.values()) for chosen, code in coded if code is not None and _open_parts(chosen)}
-    patterns = [_open_choices(part_choices) for part_choices in choices]
-    rows = []
-    for chosen, code in coded:
+def _open_codes_of(codes: _Codes, spelling: _Spelling) -> list[OpenCode]:
+    """Return the patterns of one spelling. Order codes without open parts need none in the listed spelling."""
+    combinations = [dict(zip(codes.names, choices, strict=True)) for choices in itertools.product(*spelling.choices)]
+    choices_and_indices = [(chosen, codes.first(chosen)) for chosen in combinations]
+    allowed: set[tuple[_Choice, ...]] = set()
+    for chosen, index in choices_and_indices:
+        if index is not None and _open_parts(chosen):
+            allowed.add(tuple(chosen.values()))
+    open_choices = [_open_choices(choices) for choices in spelling.choices]
+    open_codes_of_spelling = []
+    for chosen, index in choices_and_indices:
         unlisted = _open_parts(chosen)
-        if code is None:
-            needs_row = _is_covered(tuple(chosen.values()), patterns, allowed)
+        if index is None:
+            is_needed = _is_covered(tuple(chosen.values()), open_choices, allowed)
         else:
-            needs_row = bool(unlisted) or not is_listed
-        if needs_row:
-            label_texts = {name: choice.shown for name, choice in chosen.items()}
-            rows.append(OpenCode(filled(without_blanks(pattern), label_texts), code, unlisted))
-    return sorted(rows, key=lambda row: len(row.unlisted))
+            is_needed = bool(unlisted) or not spelling.is_listed
+        if is_needed:
+            texts = {name: choice.shown for name, choice in chosen.items()}
+            label_pattern = filled(without_blanks(spelling.pattern), texts)
+            open_codes_of_spelling.append(OpenCode(pattern=label_pattern, code=index, unlisted=unlisted))
+    return sorted(open_codes_of_spelling, key=lambda open_code: len(open_code.unlisted))
 
 
 def _open_parts(chosen: Mapping[str, _Choice]) -> tuple[str, ...]:
@@ -170,17 +208,25 @@ def _open_choices(choices: Sequence[_Choice]) -> list[_Choice]:
     return [choice for choice in choices if choice.is_open]
 
 
-def _spelled_choices(part: CodePart, spelling: Spelling) -> list[_Choice]:
-    return [_Choice(value, False, text) for text, value in spelled(part, spelling).items()]
+def _choices_in(part: CodePart, spelling: Spelling) -> list[_Choice]:
+    """Return the choices for a part in another spelling, which can have texts of its own."""
+    if any(value.part == part.name for value in spelling.values):
+        texts_on_label = spelled(part, spelling).items()
+        choices = [_Choice(value, is_open=False, label=text) for text, value in texts_on_label]
+        if choices:
+            return choices
+    return _choices(part)
 
 
 def _choices(part: CodePart) -> list[_Choice]:
-    listed = [_Choice(value.text, False) for value in part.values]
-    patterns = written_out(part.open) if part.open else ()
-    return [*listed, *(_Choice(pattern, True) for pattern in patterns)]
+    choices = [_Choice(value.text, is_open=False) for value in part.values]
+    if part.open:
+        choices += [_Choice(pattern, is_open=True) for pattern in written_out(part.open)]
+    return choices
 
 
 def _open_combinations(parts: Sequence[CodePart], chosen: Mapping[str, _Choice], variant: Variant) -> Iterator[bool]:
+    """Yield, for each condition of an open part on another part, whether an order code meets it."""
     for part in parts:
         if chosen[part.name].is_open:
             for other_part, allowed in part.open_only_with.items():

@@ -61,31 +61,34 @@ def assumptions_files(
 
 
 def _frames(devices: tuple[Device, ...]) -> Iterator[Frames]:
-    names_by_crc: dict[tuple[int, int, int], tuple[Crc, list[str]]] = {}
+    """Yield the frames with the same CRC and the same length, with the errors that this CRC does not detect."""
+    names_by_crc_and_bits: dict[tuple[int, int, int], dict[str, Crc]] = {}
     for device in devices:
         for interface, layout in device.layouts():
             name = _frame_name(device, interface.title, layout)
             for crc, bits in _crcs_and_lengths(device, interface.name, layout):
-                names = names_by_crc.setdefault((crc.width, crc.poly, bits), (crc, []))[1]
-                if name not in names:
-                    names.append(name)
-    for (_, _, bits), (crc, names) in sorted(names_by_crc.items(), key=lambda key_and_names: key_and_names[0]):
-        yield Frames(crc, tuple(names), residual(crc, bits))
+                key = (crc.width, crc.poly, bits)
+                names_by_crc_and_bits.setdefault(key, {}).setdefault(name, crc)
+    for (_, _, bits), crcs_by_name in sorted(names_by_crc_and_bits.items()):
+        first_crc = next(iter(crcs_by_name.values()))
+        yield Frames(first_crc, tuple(crcs_by_name), residual(first_crc, bits))
 
 
-def _crcs_and_lengths(device: Device, interface: str, layout: Layout) -> list[tuple[Crc, int]]:
-    """Return each CRC with the possible lengths of its frames: of each order code, and the longest for registers."""
-    crcs_and_lengths = dict.fromkeys((crc, layout.widest) for crc in device.crcs_of(layout) if layout.always_has_crc)
+def _crcs_and_lengths(device: Device, interface: str, layout: Layout) -> Iterator[tuple[Crc, int]]:
+    """Yield each CRC of a layout with each length of its frames: of each order code, and the longest for registers."""
+    if layout.always_has_crc:
+        for crc in device.crcs_of(layout):
+            yield crc, layout.widest
     for variant in device.variants_over(interface):
-        for _, sets in choices(device.alternatives):
-            placed = layout.place({**variant.parameters, **sets})
-            crc = device.crc_of(placed)
-            if crc is not None:
-                crcs_and_lengths[crc, placed.bits] = None
-    return sorted(crcs_and_lengths, key=lambda crc_and_length: crc_and_length[1])
+        for _, parameters_of_answers in choices(device.alternatives):
+            placed = layout.place({**variant.parameters, **parameters_of_answers})
+            placed_crc = device.crc_of(placed)
+            if placed_crc is not None:
+                yield placed_crc, placed.bits
 
 
 def _without_verdict(devices: tuple[Device, ...]) -> Iterator[str]:
+    """Yield the frames in which nothing says whether the position is usable."""
     for device in devices:
         for reporting in reportings(device):
             judgement = reporting.judgement
@@ -94,6 +97,7 @@ def _without_verdict(devices: tuple[Device, ...]) -> Iterator[str]:
 
 
 def _unprotected(devices: tuple[Device, ...]) -> Iterator[str]:
+    """Yield the frames over SSI with a position and no CRC."""
     for device in devices:
         for interface, layout in device.layouts():
             has_position = device.tells_position(interface.name, layout)
@@ -102,15 +106,16 @@ def _unprotected(devices: tuple[Device, ...]) -> Iterator[str]:
 
 
 def _with_parity(devices: tuple[Device, ...]) -> Iterator[str]:
+    """Yield the frames with a position that have a parity bit and no CRC."""
     for device in devices:
         for interface, layout in device.layouts():
-            is_alone = layout.has_parity and not layout.always_has_crc
-            if is_alone and device.tells_position(interface.name, layout):
+            has_only_parity = layout.has_parity and not layout.always_has_crc
+            if has_only_parity and device.tells_position(interface.name, layout):
                 yield _frame_name(device, interface.title, layout) + _of_some_codes(layout)
 
 
 def _of_some_codes(layout: Layout) -> str:
-    """Return the remark that only some order codes lack a CRC, or an empty string if all do."""
+    """Return the remark that only some order codes lack a CRC, or an empty text if all do."""
     return " (some order codes)" if layout.crc_fields else ""
 
 
@@ -143,15 +148,10 @@ class ReceiverCode:
 def receiver_codes(examples: Iterable[ExampleCode]) -> Iterator[ReceiverCode]:
     """Yield a program for each family whose BiSS frames have a verdict."""
     for example in examples:
-        has_verdict = example.reports is not None and example.reports.verdict
-        lengths = example.view.lengths
-        if (
-            isinstance(example.interface, Biss)
-            and has_verdict
-            and example.counts
-            and example.position
-            and len(lengths.layouts) == 1
-        ):
+        has_verdict = example.reports is not None and bool(example.reports.verdict)
+        has_position = bool(example.counts) and example.position is not None
+        has_one_frame = len(example.view.lengths.layouts) == 1
+        if isinstance(example.interface, Biss) and has_verdict and has_position and has_one_frame:
             yield ReceiverCode(example)
 
 
@@ -203,35 +203,52 @@ def package_files(
     views: Sequence[DeviceView], runtime: Iterable[str], tests: Iterable[str], render: Render
 ) -> dict[str, str]:
     """Return the files of the package that are not those of a family nor ``tests``, by their path in the C folder."""
-    programs = [example for view in views for example in example_codes(view)]
-    programs_of_views: list[ExampleCode | ReceiverCode] = [*programs, *receiver_codes(programs)]
+    examples = [example for view in views for example in example_codes(view)]
+    programs: list[ExampleCode | ReceiverCode] = [*examples, *receiver_codes(examples)]
     makers = manufacturers(view.device for view in views)
     main = main_manufacturer(makers)
     maker_names = [maker.name for maker in makers]
-    namespace = main.name if main else "-".join(maker_names)
-    names = [_package_names(maker.name, [maker]) for maker in makers]
-    procedures = [procedure for view in views for procedure in view.procedures if procedure.arguments]
-    family_headers = [header for view in views for header in (*view.headers, view.cpp_header)]
+    names_of_package = _package_names(main.name if main else "-".join(maker_names), makers)
     values: Package = {
-        **_package_names(namespace, makers),
+        **names_of_package,
         "makers": maker_names,
         "others": [maker.name for maker in makers if maker is not main],
-        "guide": guide(programs),
+        "guide": guide(examples),
         "families": list(dict.fromkeys(view.device.name for view in views)),
         "views": views,
-        "with_tables": _with_crcs(views, lambda crc: not crc.by_bits and bool(crc.table)),
-        "with_bitwise": _with_crcs(views, lambda crc: crc.by_bits),
-        "longest": max(procedures, key=lambda procedure: procedure.count, default=None),
-        "headers": [*family_headers, *(f"{FOLDER}/{name}" for name in runtime)],
+        "with_tables": _makers_with_crc(views, lambda crc: not crc.by_bits and bool(crc.table)),
+        "with_bitwise": _makers_with_crc(views, lambda crc: crc.by_bits),
+        "longest": _longest_procedure(views),
+        "headers": [*_headers_of_families(views), *(f"{FOLDER}/{name}" for name in runtime)],
         "runtime": list(runtime),
-        "examples": [program.name for program in programs_of_views],
+        "examples": [program.name for program in programs],
         "tests": sorted(path for path in tests if path.endswith(".c")),
     }
     files = {path: render(template, values) for path, template in FILES.items()}
-    for named in names if main else [*names, _package_names(namespace, makers)]:
+    # A build finds the headers under the name of each manufacturer, and under a common name.
+    names_to_find = [_package_names(maker.name, [maker]) for maker in makers]
+    if main is None:
+        names_to_find.append(names_of_package)
+    for package_names in names_to_find:
         for path, template in FOUND_BY_NAME.items():
-            files[path.format(package=named["package"])] = render(template, named)
+            files[path.format(package=package_names["package"])] = render(template, package_names)
     return files
+
+
+def _longest_procedure(views: Iterable[DeviceView]) -> ProcedureCode | None:
+    """Return the procedure with arguments that has the most steps, or None without any."""
+    procedures: list[ProcedureCode] = []
+    for view in views:
+        procedures += [procedure for procedure in view.procedures if procedure.arguments]
+    return max(procedures, key=lambda procedure: procedure.count, default=None)
+
+
+def _headers_of_families(views: Iterable[DeviceView]) -> list[str]:
+    """Return the include paths of the headers of all interfaces."""
+    headers: list[str] = []
+    for view in views:
+        headers += [*view.headers, view.cpp_header]
+    return headers
 
 
 def _package_names(namespace: str, makers: Sequence[Manufacturer]) -> Named:
@@ -250,13 +267,13 @@ def own_programs(
     view: DeviceView, later: Callable[[str, Mapping[str, object]], Callable[[], str]]
 ) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the path in the C folder of each example program of an interface, and a function for its text."""
-    maker, programs = view.maker, list(example_codes(view))
-    all_programs: list[ExampleCode | ReceiverCode] = [*programs, *receiver_codes(programs)]
-    for program in all_programs:
-        used = {"maker": maker, "PREFIX": maker.name.upper(), "d": view, "e": program}
-        yield f"examples/{program.name}.c", later(_program_template(program), used)
+    maker, examples = view.maker, list(example_codes(view))
+    programs: list[ExampleCode | ReceiverCode] = [*examples, *receiver_codes(examples)]
+    for program in programs:
+        values = {"maker": maker, "PREFIX": maker.name.upper(), "d": view, "e": program}
+        yield f"examples/{program.name}.c", later(_program_template(program), values)
         if isinstance(program, ReceiverCode):
-            yield f"examples/{program.sketch}/{program.sketch}.ino", later("sketch.ino.jinja", used)
+            yield f"examples/{program.sketch}/{program.sketch}.ino", later("sketch.ino.jinja", values)
 
 
 def _program_template(program: ExampleCode | ReceiverCode) -> str:
@@ -265,9 +282,9 @@ def _program_template(program: ExampleCode | ReceiverCode) -> str:
     return "poller.c.jinja" if program.polls else "example.c.jinja"
 
 
-def _with_crcs(views: Iterable[DeviceView], wanted: Callable[[CrcCode], bool]) -> list[str]:
+def _makers_with_crc(views: Iterable[DeviceView], is_wanted: Callable[[CrcCode], bool]) -> list[str]:
     """Return the uppercase names of the manufacturers that have a wanted CRC."""
-    return sorted({view.maker.name.upper() for view in views if any(map(wanted, view.crcs))})
+    return sorted({view.maker.name.upper() for view in views if any(map(is_wanted, view.crcs))})
 
 
 @dataclass(frozen=True)
@@ -297,10 +314,12 @@ class Guide:
     def number(self) -> str:
         """The position or else the first number of the frame, by its name in the spec."""
         plan = self.example.struct.plan
-        field_names = [whole.join.name for whole in plan.wholes]
-        field_names += [part.field.name for part in plan.parts]
-        positions = (name for name in field_names if c_name(name) == self.example.counts)
-        return next(positions, field_names[0] if field_names else "no_data")
+        number_names = [whole.join.name for whole in plan.wholes]
+        number_names += [part.field.name for part in plan.parts]
+        for name in number_names:
+            if c_name(name) == self.example.counts:
+                return name
+        return number_names[0] if number_names else "no_data"
 
     @property
     def member(self) -> str:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
+from itertools import count
 
 from ...model import Piece, Procedure, Register, assert_never
 from ...model.record import dataclass
@@ -133,7 +134,7 @@ class ProcedureCode:
         self._teaching = {step.register.name for step in run.operations if isinstance(step, Writes) and step.teaches}
         self.arguments = [self._argument(parameter) for parameter in run.arguments]
         self.rows = list(self._rows())
-        self.count = sum(map(_rows_of, run.operations))
+        self.count = sum(map(_number_of_rows, run.operations))
         self.reads = list(self._read_members())
         self.about = about_procedure(context.device, procedure)
         #: The comment on the function that carries it out.
@@ -171,21 +172,23 @@ class ProcedureCode:
 
     def is_late(self, refusal: ArgumentRefusal) -> bool:
         """Return True if it must be checked after the copy was updated."""
-        if not self._teaching or not isinstance(refusal, OutsideArgumentLimits):
-            return False
-        return any(not bound.is_constant for _, bound in refusal.limits.binding)
+        return bool(self._teaching) and _has_variable_limits(refusal)
 
     @property
     def needs_variant(self) -> bool:
-        refusals = [refusal for argument in self.arguments for refusal in argument.refusals]
-        limits = (refusal.limits for refusal in refusals if isinstance(refusal, OutsideArgumentLimits))
-        decoded = any(isinstance(refusal, Undecodable) for refusal in refusals)
-        varying = any(not bound.is_constant for limit in limits for _, bound in limit.binding)
-        return bool(self._filled) or decoded or varying or bool(self._teaching)
+        """True if the function needs the order code to fill registers or to check arguments."""
+        if self._filled or self._teaching:
+            return True
+        for argument in self.arguments:
+            for refusal in argument.refusals:
+                if isinstance(refusal, Undecodable) or _has_variable_limits(refusal):
+                    return True
+        return False
 
     def declared(self) -> Iterator[Declared]:
-        names = (self.steps, self.count_macro, self.function, self.read_type)
-        yield from ((name, ("procedures", self.run.procedure.name)) for name in names if name)
+        for name in (self.steps, self.count_macro, self.function, self.read_type):
+            if name:
+                yield name, ("procedures", self.run.procedure.name)
 
     def _parameters(self) -> Iterator[Paragraph]:
         """Yield the parameters of the function that carries it out, if it has any of its own."""
@@ -200,27 +203,31 @@ class ProcedureCode:
     # -- arguments
 
     def _argument(self, parameter: CheckedArgument) -> ArgumentCode:
-        refusals = list(parameter.refusals)
+        """Return an argument with the reasons to refuse it, each once."""
+        all_refusals = list(parameter.refusals)
         for write in parameter.written:
-            refusals += self._byte_refusals(write)
-        distinct = [refusal for index, refusal in enumerate(refusals) if refusal not in refusals[:index]]
+            all_refusals += self._byte_refusals(write)
+        refusals: list[ArgumentRefusal] = []
+        for refusal in all_refusals:
+            if refusal not in refusals and not _is_excluded_by_type(refusal):
+                refusals.append(refusal)
         return ArgumentCode(
             checked=parameter,
             type=self._argument_type(parameter.written[0]),
             name=self._names[parameter.argument.name],
             about=about_argument(self.context.device, parameter.argument),
-            refusals=tuple(refusal for refusal in distinct if not _is_excluded_by_type(refusal)),
+            refusals=tuple(refusals),
         )
 
     def _byte_refusals(self, write: Writes) -> Iterator[ArgumentRefusal]:
         """Yield the reasons to refuse an argument that is a whole register of one byte, which has no encoder."""
         match write.value:
             case AsMember(argument, member) if self.registers[write.register.name].is_plain:
-                yield from field_refusals(
-                    self.context.device, write.register, write.register.layout.field(member), argument
-                )
+                field = write.register.layout.field(member)
+                yield from field_refusals(self.context.device, write.register, field, argument)
 
     def _argument_type(self, write: Writes) -> str:
+        """Return the type of the argument that a step writes."""
         match write.value:
             case InField(field=field):
                 return unsigned(field.widest)
@@ -235,128 +242,162 @@ class ProcedureCode:
         """Yield the structs that take arguments, by argument and register."""
         for parameter in self.run.arguments:
             argument = parameter.argument.name
-            values = ((write.register.name, write.value) for write in parameter.written)
-            members = {name: value.member for name, value in values if isinstance(value, AsMember)}
-            coded = {name: member for name, member in members.items() if not self.registers[name].is_plain}
-            for index, (register, member) in enumerate(coded.items()):
+            member_by_register: dict[str, str] = {}
+            for write in parameter.written:
+                is_plain = self.registers[write.register.name].is_plain
+                if isinstance(write.value, AsMember) and not is_plain:
+                    member_by_register[write.register.name] = write.value.member
+            for index, (register, member) in enumerate(member_by_register.items()):
                 stem = argument if index == 0 else f"{argument}_{register}"
-                yield (
-                    (argument, register),
-                    FilledRegister(
-                        code=self.registers[register],
-                        argument=self._names[argument],
-                        member=member,
-                        local=c_name(f"{stem}_register", self._names),
-                        bytes=c_name(f"{stem}_bytes", self._names),
-                    ),
+                filled_register = FilledRegister(
+                    code=self.registers[register],
+                    argument=self._names[argument],
+                    member=member,
+                    local=c_name(f"{stem}_register", self._names),
+                    bytes=c_name(f"{stem}_bytes", self._names),
                 )
+                yield (argument, register), filled_register
 
     def _whole_numbers(self) -> Iterator[tuple[tuple[str, str], Whole]]:
         """Yield the registers whose whole number is an argument, if their decoder or a later limit checks it."""
         for parameter in self.run.arguments:
-            refusing = {refusal.register.name for refusal in parameter.refusals if isinstance(refusal, Undecodable)}
+            argument = parameter.argument.name
+            undecodable = [refusal for refusal in parameter.refusals if isinstance(refusal, Undecodable)]
+            checked_registers = {refusal.register.name for refusal in undecodable}
             for write in parameter.written:
-                name = write.register.name
-                if isinstance(write.value, AsNumber) and (name in refusing or write.teaches):
-                    stem = f"{parameter.argument.name}_{name}"
-                    yield (
-                        (parameter.argument.name, name),
-                        Whole(
-                            code=self.registers[name],
-                            local=c_name(f"{stem}_held", self._names),
-                            bytes=c_name(f"{stem}_sent", self._names),
-                            values=tuple(self._bits(write, piece) for piece in write.pieces),
-                        ),
+                register = write.register.name
+                is_checked = register in checked_registers or write.teaches
+                if isinstance(write.value, AsNumber) and is_checked:
+                    whole = Whole(
+                        code=self.registers[register],
+                        local=c_name(f"{argument}_{register}_held", self._names),
+                        bytes=c_name(f"{argument}_{register}_sent", self._names),
+                        values=tuple(self._byte_value(write, piece) for piece in write.pieces),
                     )
+                    yield (argument, register), whole
 
     # -- steps
 
     def _rows(self) -> Iterator[Row | FilledRows]:
-        at = 0
+        """Yield the steps with their index in the list. One on several bytes of a register takes several indices."""
+        index = 0
         for step in self.run.operations:
             note = note_of_step(self.context.device, step)
             if isinstance(step, (Waits, Sends)):
-                yield Row(at, step, note)
-                at += 1
-                continue
-            filled = self._filled_by(step)
-            if filled is not None and isinstance(step, Verifies):
-                yield from self._read_back(at, step, filled, note)
-            elif filled is not None:
-                yield FilledRows(at, "write", filled, note)
-            elif not step.pieces:
-                raise TargetError(
-                    f"the place of '{_place_text(step)}' depends on the order code; the C target cannot access it alone"
-                )
-            elif isinstance(step, Polls) and len(step.pieces) > 1 and not step.register.is_accessed_whole:
-                # The bytes could match one after the other, and never all at the same time.
-                raise TargetError(
-                    f"'{_place_text(step)}' is spread over {len(step.pieces)} bytes, which the C target would poll one "
-                    "after the other"
-                )
+                yield Row(at=index, op=step, note=note)
             else:
-                for index, piece in enumerate(step.pieces):
-                    yield self._row(at + index, step, "" if index else note, piece, self._bits(step, piece))
-            at += len(step.pieces)
+                yield from self._rows_of_register(index, step, note)
+            index += _number_of_rows(step)
+
+    def _rows_of_register(
+        self, first_index: int, step: Writes | Reads | Polls | Verifies, note: str
+    ) -> Iterator[Row | FilledRows]:
+        """Yield the steps on the bytes of a register. Only the first has a note."""
+        filled_register = self._filled_by(step)
+        if filled_register is not None:
+            if isinstance(step, Verifies):
+                yield from self._read_back(first_index, step, filled_register, note)
+            else:
+                yield FilledRows(first_index, "write", filled_register, note)
+            return
+        _refuse_unsupported(step)
+        for index, piece in enumerate(step.pieces):
+            value = self._byte_value(step, piece)
+            yield self._row(first_index + index, step, note if index == 0 else "", piece, value)
 
     @staticmethod
-    def _row(at: int, op: Writes | Reads | Polls | Verifies, note: str, piece: Piece, value: Expr) -> Row:
+    def _row(index: int, step: Writes | Reads | Polls | Verifies, note: str, piece: Piece, value: Expr) -> Row:
+        """Return the step on one byte of a register."""
         return Row(
-            at=at,
-            op=op,
+            at=index,
+            op=step,
             note=note,
-            address=op.register.address_of(piece.byte),
+            address=step.register.address_of(piece.byte),
             mask=piece.mask << piece.right,
             value=value,
-            more=op.register.is_accessed_whole and piece.byte > 0,
+            more=step.register.is_accessed_whole and piece.byte > 0,
         )
 
-    def _read_back(self, at: int, step: Verifies, filled: FilledRegister, note: str) -> Iterator[Row | FilledRows]:
+    def _read_back(
+        self, first_index: int, step: Verifies, filled_register: FilledRegister, note: str
+    ) -> Iterator[Row | FilledRows]:
         """Yield one row for all bytes if every bit of them counts, else one row per byte."""
         if step.pieces == step.write.pieces:
-            yield FilledRows(at, "verify", filled, note)
+            yield FilledRows(first_index, "verify", filled_register, note)
             return
         for index, piece in enumerate(step.pieces):
-            value = _ZERO if not piece.mask else masked(Name(f"{filled.bytes}[{piece.byte}]"), piece.mask)
-            yield self._row(at + index, step, "" if index else note, piece, value)
+            written_byte = Name(f"{filled_register.bytes}[{piece.byte}]")
+            expected = masked(written_byte, piece.mask) if piece.mask else _ZERO
+            yield self._row(first_index + index, step, note if index == 0 else "", piece, expected)
 
     def _filled_by(self, step: Writes | Reads | Polls | Verifies) -> FilledRegister | None:
+        """Return the register whose struct a step writes or reads back, or None if it has no struct."""
         write = step.write if isinstance(step, Verifies) else step
         if isinstance(write, Writes) and isinstance(write.value, AsMember):
             return self._filled.get((write.value.argument.name, write.register.name))
         return None
 
-    def _bits(self, step: Writes | Reads | Polls | Verifies, piece: Piece) -> Expr:
-        """Return the value that a step writes to a byte, waits for, or reads back."""
+    def _byte_value(self, step: Writes | Reads | Polls | Verifies, piece: Piece) -> Expr:
+        """Return the value that a step writes to a byte, waits for, or reads back. Nothing else in the byte is set."""
         if isinstance(step, Reads) or not piece.mask:
             return _ZERO
         write = step.write if isinstance(step, Verifies) else step
         value = FixedNumber(write.step.value) if isinstance(write, Polls) else write.value
         if isinstance(value, FixedNumber):
-            return Number((value.number >> piece.left & piece.mask) << piece.right, hexadecimal=True)
+            bits_of_piece = value.number >> piece.left & piece.mask
+            return Number(bits_of_piece << piece.right, hexadecimal=True)
         bits = shifted_right(Name(self._names[value.argument.name]), piece.left)
-        if isinstance(value, AsNumber) and len(step.pieces) == 1 and piece.mask == 0xFF:
-            return bits
-        return Cast("uint8_t", shifted_left(masked(bits, piece.mask), piece.right) if piece.mask != 0xFF else bits)
+        if piece.mask != 0xFF:
+            return Cast("uint8_t", shifted_left(masked(bits, piece.mask), piece.right))
+        is_whole_byte = isinstance(value, AsNumber) and len(step.pieces) == 1
+        return bits if is_whole_byte else Cast("uint8_t", bits)
 
     def _read_members(self) -> Iterator[ReadMember]:
-        names: list[str] = []
-        first = 0
+        """Yield a member for each register or field that is read. Repeated names are numbered."""
+        used_names: set[str] = set()
+        first_byte = 0
         for read in self.run.reads:
             length = len(read.pieces)
             stem = read.register.name
             if length != read.register.length and read.field is not None:
                 stem += f"_{read.field.name}"
-            base = name = c_name(stem)
-            for number in range(2, len(names) + 2):
-                if name in names:
-                    name = f"{base}_{number}"
-            names.append(name)
-            yield ReadMember(name, first, length, note_of_read(self.context.device, read))
-            first += length
+            member_name = _unused_name(c_name(stem), used_names)
+            used_names.add(member_name)
+            note = note_of_read(self.context.device, read)
+            yield ReadMember(name=member_name, first=first_byte, length=length, note=note)
+            first_byte += length
 
 
-def _rows_of(step: Operation) -> int:
+def _unused_name(name: str, used_names: Collection[str]) -> str:
+    """Return ``name``, with a number at its end if it is used already."""
+    numbered_name = name
+    for number in count(2):
+        if numbered_name not in used_names:
+            break
+        numbered_name = f"{name}_{number}"
+    return numbered_name
+
+
+def _refuse_unsupported(step: Writes | Reads | Polls | Verifies) -> None:
+    """Raise an error if the C target cannot access the bytes of a step."""
+    if not step.pieces:
+        raise TargetError(
+            f"the place of '{_place_text(step)}' depends on the order code; the C target cannot access it alone"
+        )
+    if isinstance(step, Polls) and len(step.pieces) > 1 and not step.register.is_accessed_whole:
+        # The bytes could match one after the other, and never all at the same time.
+        problem = f"'{_place_text(step)}' is spread over {len(step.pieces)} bytes"
+        raise TargetError(f"{problem}, which the C target would poll one after the other")
+
+
+def _has_variable_limits(refusal: ArgumentRefusal) -> bool:
+    """Return True if an argument is refused outside limits that depend on the order code."""
+    if not isinstance(refusal, OutsideArgumentLimits):
+        return False
+    return any(not bound.is_constant for _, bound in refusal.limits.binding)
+
+
+def _number_of_rows(step: Operation) -> int:
     """Return the number of elementary steps: one for each byte of a register."""
     return 1 if isinstance(step, (Waits, Sends)) else len(step.pieces)
 

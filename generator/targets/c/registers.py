@@ -41,30 +41,49 @@ class Access:
     Registers reserved for the manufacturer are only read. ``struct`` is empty if the register is one plain byte.
     """
 
-    def __init__(self, layout: Struct, has_struct: bool, outside: Sequence[OutsideLimits]) -> None:
+    def __init__(self, layout: Struct, *, has_struct: bool, outside: Sequence[OutsideLimits]) -> None:
         context, register = layout.context, layout.register
         assert register is not None
         self.register, self.outside = register, outside
         self.stem = layout.name.upper()
         self.struct = layout.name if has_struct else ""
         self._layout, self._field = layout, register.layout.fields[0]
-        self.values = next((op.values for op in layout.plan.checks if isinstance(op, IsOneOf)), ())
-        choice = layout.choice(self._field)
-        self.type = self.struct or (choice.type if choice is not None else "uint8_t")
+        #: The named values of the byte, empty if it can have any value.
+        self.values: tuple[int, ...] = ()
+        for check in layout.plan.checks:
+            if isinstance(check, IsOneOf):
+                self.values = check.values
+                break
+        self.type = self.struct or self._type_of_byte()
         is_written = register.writable and not register.reserved
         self.read = f"{context.prefix}_read_{register.name}" if register.readable else ""
         self.write = f"{context.prefix}_write_{register.name}" if is_written else ""
-        read_state = f"{context.prefix}_read_state" if register.name in state_registers(context.device) else ""
-        self.read_about: tuple[Paragraph, ...] = tuple(about_access(context.device, register, False, ""))
-        self.write_about: tuple[Paragraph, ...] = tuple(about_access(context.device, register, True, read_state))
+        self.read_about = self._about(writes=False)
+        self.write_about = self._about(writes=True)
+        #: The macro of the address that selects its bank, empty if it is in no bank, and the byte to write there.
         self.bank_address, self.bank = "", 0
-        selector = context.device.bank_selector(register)
-        if selector:
-            selecting = context.device.register(selector)
-            if selecting.length > 1:
-                raise TargetError(f"'{selector}' selects banks with {selecting.length} bytes; the C target writes one")
-            self.bank_address = f"{context.PREFIX}_REG_{selector}_ADDRESS".upper()
-            self.bank = number_to_bytes(selecting.layout, register.bank or 0, 8)[0]
+        selector_name = context.device.bank_selector(register)
+        if selector_name:
+            self._set_bank(context.device.register(selector_name))
+
+    def _type_of_byte(self) -> str:
+        choice = self._layout.choice(self._field)
+        return choice.type if choice is not None else "uint8_t"
+
+    def _about(self, *, writes: bool) -> tuple[Paragraph, ...]:
+        """Return the comment on the function that reads, or on the one that writes."""
+        context = self._layout.context
+        changes_variant = writes and self.register.name in state_registers(context.device)
+        read_state = f"{context.prefix}_read_state" if changes_variant else ""
+        return tuple(about_access(context.device, self.register, writes, read_state))
+
+    def _set_bank(self, selector: Register) -> None:
+        """Set the address and the byte that select the bank of the register."""
+        if selector.length > 1:
+            problem = f"'{selector.name}' selects banks with {selector.length} bytes"
+            raise TargetError(f"{problem}; the C target writes one")
+        self.bank_address = f"{self._layout.context.PREFIX}_REG_{selector.name}_ADDRESS".upper()
+        (self.bank,) = number_to_bytes(selector.layout, self.register.bank or 0, 8)
 
     def is_unknown(self, name: str, is_raw: bool) -> Expr:
         """Return the condition that a byte differs from all named values."""
@@ -83,30 +102,32 @@ def state_registers(device: Device) -> list[str]:
 
 
 class AlarmCode:
+    """The values that the templates print for an alarm."""
+
     def __init__(self, context: Context, alarm: Alarm) -> None:
         self.alarm = alarm
         self.about = about_alarm(context.device, alarm)
-        self.macros = tuple(_macros(context.device, alarm, f"{context.PREFIX}_ALARM_{alarm.name.upper()}"))
+        self.macros = tuple(_alarm_macros(context.device, alarm, f"{context.PREFIX}_ALARM_{alarm.name.upper()}"))
 
     def declared(self) -> Iterator[Declared]:
-        yield from ((macro.name, ("alarms", self.alarm.name)) for macro in self.macros)
+        for macro in self.macros:
+            yield macro.name, ("alarms", self.alarm.name)
 
 
-def _macros(device: Device, alarm: Alarm, stem: str) -> Iterator[Macro]:
-    bits, note = _mask(device, alarm)
+def _alarm_macros(device: Device, alarm: Alarm, stem: str) -> Iterator[Macro]:
+    """Yield the macros of an alarm: the mask of its bits, and the supply voltage below which it is raised."""
+    bits, note = _alarm_mask(device, alarm)
     if bits:
         yield Macro(f"{stem}_MASK", number(bits, hexadecimal=True), note)
     if alarm.below_mv is not None:
         yield Macro(f"{stem}_BELOW_MV", number(alarm.below_mv), "raised below this, in millivolts")
 
 
-def _mask(device: Device, alarm: Alarm) -> tuple[int, str]:
+def _alarm_mask(device: Device, alarm: Alarm) -> tuple[int, str]:
     """Return the bits of an alarm, or 0 if they have no place, and a note if they belong to one of several bytes."""
-    fields = (field for _, layout in device.layouts() for field in layout.fields if field.group == alarm.group)
-    candidates = (field for field in fields if field.name == alarm.field and field.pieces)
-    frame_field = next(candidates, None)
-    if alarm.group and frame_field is not None and len(frame_field.pieces) == 1:
-        piece = frame_field.pieces[0]
+    frame_field = _frame_field_of(device, alarm)
+    if frame_field is not None and len(frame_field.pieces) == 1:
+        (piece,) = frame_field.pieces
         group = member_named(device.field_groups, alarm.group, "field group")
         note = "in its byte" if group.bits > 8 else ""
         return piece.mask << piece.right, note
@@ -119,9 +140,20 @@ def _mask(device: Device, alarm: Alarm) -> tuple[int, str]:
     return mask, ""
 
 
+def _frame_field_of(device: Device, alarm: Alarm) -> Field | None:
+    """Return the first field of a frame that is the alarm, or None if the alarm is in no group of flags."""
+    if not alarm.group:
+        return None
+    for _, layout in device.layouts():
+        for field in layout.fields:
+            if field.group == alarm.group and field.name == alarm.field and field.pieces:
+                return field
+    return None
+
+
 @dataclass(frozen=True, slots=True)
 class Bounds:
-    """The limits that are the same for all order codes, as macros, and the others as functions."""
+    """The limits that are the same for all order codes, as macros with their values, and the others as functions."""
 
     macros: tuple[tuple[str, Expr], ...]
     functions: tuple[Function, ...]
@@ -149,39 +181,52 @@ class RegisterCode:
         self.stem = self.name.upper()
         self.struct = Struct(context, self.layout, self.name, f"{self.stem}_LENGTH", register)
         self.enumerations = context.enumerations.of("registers", register.name)
-        refused = outside(self.struct.plan, limits_of(self.device, register))
-        limits = (refused,) if refused is not None else ()
-        self.codec = None if self.is_plain else StructCodec(self.struct, (), limits)
-        self.access = Access(self.struct, self.codec is not None, limits)
+        outside_limits = outside(self.struct.plan, limits_of(self.device, register))
+        refused = (outside_limits,) if outside_limits is not None else ()
+        self.codec = None if self.is_plain else StructCodec(self.struct, outside=refused)
+        self.access = Access(self.struct, has_struct=self.codec is not None, outside=refused)
         #: Its own limits, and those of each of its meanings.
         self.limits = tuple(self._limits(meaning) for meaning in (None, *register.meanings))
         self.explained = tuple(self._explained())
 
     def declared(self) -> Iterator[Declared]:
-        yield from ((name, ("registers", self.register.name)) for name in self._names())
+        for name in self._names():
+            yield name, ("registers", self.register.name)
         if self.codec is not None:
             yield from self.codec.declared()
 
     def _names(self) -> Iterator[str]:
-        register = self.register
-        yield from (f"{self.stem}_{ending}" for ending in ("ADDRESS", "LENGTH", "ACCESS"))
-        if register.default is not None:
+        """Yield the names of its macros and functions, except those of its codec."""
+        yield f"{self.stem}_ADDRESS"
+        yield f"{self.stem}_LENGTH"
+        yield f"{self.stem}_ACCESS"
+        if self.register.default is not None:
             yield f"{self.stem}_DEFAULT"
         if self.expected is not None:
             yield f"{self.stem}_EXPECTED"
-        if register.wait_at_least_ms is not None:
+        if self.register.wait_at_least_ms is not None:
             yield f"{self.stem}_WAIT_AT_LEAST_MS"
-        for field in self.masked:
-            endings = ("SHIFT", "MASK") if self.has_shift(field) else ("MASK",)
-            yield from (f"{self.name}_{field.name}_{ending}".upper() for ending in endings)
-        for field in self.moving:
-            yield from (f"{self.name}_{field.name}_{ending}" for ending in ("shift", "mask"))
+        yield from self._names_of_places()
         yield from (explanation.name for explanation in self.explained)
-        yield from (scale.name for scale in self.struct.scales if self.codec is None)
+        if self.codec is None:
+            yield from (scale.name for scale in self.struct.scales)
         for bounds in self.limits:
             yield from (name for name, _ in bounds.macros)
             yield from (function.name for function in bounds.functions)
-        yield from filter(None, (self.access.read, self.access.write))
+        if self.access.read:
+            yield self.access.read
+        if self.access.write:
+            yield self.access.write
+
+    def _names_of_places(self) -> Iterator[str]:
+        """Yield the macros and the functions for the places of fields."""
+        for field in self.masked:
+            if self.has_shift(field):
+                yield f"{self.name}_{field.name}_SHIFT".upper()
+            yield f"{self.name}_{field.name}_MASK".upper()
+        for field in self.moving:
+            yield f"{self.name}_{field.name}_shift"
+            yield f"{self.name}_{field.name}_mask"
 
     @property
     def is_plain(self) -> bool:
@@ -201,23 +246,25 @@ class RegisterCode:
 
     @property
     def about(self) -> list[Paragraph]:
-        about = about_register(self.device, self.register)
+        """The comment, with the places of the fields if they have no macros."""
+        paragraphs = about_register(self.device, self.register)
         if self.is_plain:
-            return [*about, about_member(self.struct, self.layout.fields[0])]
-        return [*about, *table(self.struct)] if len(self.masked) < len(self.layout.fields) else about
+            paragraphs.append(about_member(self.struct, self.layout.fields[0]))
+        elif len(self.masked) < len(self.layout.fields):
+            paragraphs += table(self.struct)
+        return paragraphs
 
     # -- places of its fields
 
     @cached_property
     def _with_masks(self) -> tuple[Field, ...]:
         """The fields that have masks. A register's only field is the register itself."""
-        fields: Sequence[Field] = self.layout.fields
-        is_whole = len(fields) == 1 and not isinstance(meaning_of(fields[0]), Named)
-        if self.is_plain or self.register.length > 8 or is_whole:
+        fields = self.layout.fields
+        is_whole_register = len(fields) == 1 and not isinstance(meaning_of(fields[0]), Named)
+        if self.is_plain or self.register.length > 8 or is_whole_register:
             return ()
-        constants = self.struct.plan.constants
-        fields = [field for field in fields if field.name not in constants]
-        return tuple(field for field in fields if not isinstance(meaning_of(field), Characters))
+        variable_fields = [field for field in fields if field.name not in self.struct.plan.constants]
+        return tuple(field for field in variable_fields if not isinstance(meaning_of(field), Characters))
 
     @staticmethod
     def has_shift(field: Field) -> bool:
@@ -237,54 +284,65 @@ class RegisterCode:
 
     @property
     def moving(self) -> tuple[Field, ...]:
+        """The fields whose place depends on the order code."""
         return tuple(field for field in self._with_masks if field not in self.masked)
 
     def _explained(self) -> Iterator[ExplainingBits]:
+        """Yield the bits of other registers that give the reason why a field of this one is set."""
         for field in self.layout.fields:
-            bits: dict[str, int] = {}
-            for place in field.explained_by:
-                name, _, bit = place.partition(".")
-                explaining_field = self.device.register(name).layout.field(bit)
-                bits[name] = bits.get(name, 0) | explaining_field.mask_in_place
-            for name, mask in bits.items():
+            mask_by_register: dict[str, int] = {}
+            for register_and_field in field.explained_by:
+                register_name, _, field_name = register_and_field.partition(".")
+                explaining_field = self.device.register(register_name).layout.field(field_name)
+                earlier_mask = mask_by_register.get(register_name, 0)
+                mask_by_register[register_name] = earlier_mask | explaining_field.mask_in_place
+            for register_name, mask in mask_by_register.items():
                 yield ExplainingBits(
-                    f"{self.stem}_{field.name}_IN_{name}".upper(), mask, title(self.device.register(name))
+                    name=f"{self.stem}_{field.name}_IN_{register_name}".upper(),
+                    bits=mask,
+                    register=title(self.device.register(register_name)),
                 )
 
     # -- limits
 
     def _limits(self, meaning: RegisterMeaning | None) -> Bounds:
+        """Return the limits of the register, or of one of its meanings."""
         limits = limits_of(self.device, self.register, meaning)
         bounded = self.register.limits_of if meaning is None else words(meaning.name)
         stem = self.name if meaning is None else f"{self.name}_{meaning.name}"
         macros: list[tuple[str, Expr]] = []
         functions: list[Function] = []
-        for side, word, limit in (("min", "lowest", limits.low), ("max", "highest", limits.high)):
+        for ending, adjective, limit in (("min", "lowest", limits.low), ("max", "highest", limits.high)):
             if limit is None:
                 continue
+            name = f"{stem}_{ending}"
             if limit.is_constant:
-                macros.append((f"{stem}_{side}".upper(), NumberExpr(limit.constant, signed=limits.signed)))
+                macros.append((name.upper(), NumberExpr(limit.constant, signed=limits.signed)))
             else:
-                about = f"Return the {word} {bounded}: {limit.render()}."
-                functions.append(self._function(f"{stem}_{side}", about, limit, limits.signed))
+                about = f"Return the {adjective} {bounded}: {limit.render()}."
+                functions.append(self._limit_function(name, about, limit, is_signed=limits.signed))
         return Bounds(tuple(macros), tuple(functions))
 
-    def _function(self, name: str, about: str, limit: Expression, signed: bool) -> Function:
-        if signed:
-            return Function(name, "int64_t", self.scope.signed(limit), about, uses_variant=True)
-        variants = self.device.variants_over(self.register.interface)
-        states = (parameters for variant in variants for parameters in parameters_at_run_time(self.device, variant))
-        largest = max(map(limit.value, states), default=0)
-        return number_of(self.scope, name, limit, largest, about)
+    def _limit_function(self, name: str, about: str, limit: Expression, *, is_signed: bool) -> Function:
+        """Return the function for a limit that depends on the order code."""
+        if is_signed:
+            value = self.scope.signed(limit)
+            return Function(name, type="int64_t", value=value, about=about, uses_variant=True)
+        limits_of_encoders = [0]
+        for variant in self.device.variants_over(self.register.interface):
+            for parameters in parameters_at_run_time(self.device, variant):
+                limits_of_encoders.append(limit.value(parameters))
+        return number_of(self.scope, name, limit, largest=max(limits_of_encoders), about=about)
 
 
 def _is_byte(plan: Codec) -> bool:
     """Return True if the only field is the whole number in a byte."""
-    if not plan.parts or any(isinstance(op, NoPowerOfTwo) for op in refusals(plan)):
+    if not plan.parts or any(isinstance(refusal, NoPowerOfTwo) for refusal in refusals(plan)):
         return False
-    match plan.parts[0].meaning:
+    only_part = plan.parts[0]
+    match only_part.meaning:
         case Raw() | Named():
-            return plan.parts[0].field.width == Expression(8)
+            return only_part.field.width == Expression(8)
         case TwosComplement() | ZeroMeans() | Active() | DigitRuns() | Characters():
             return False
         case never:
@@ -301,13 +359,18 @@ class IdentityCode:
 
     @property
     def uses_variant(self) -> bool:
-        stated = (register.layout.fields[0].equals for register in self.compared if register.codec is None)
-        varies = any(isinstance(equals, Expression) and not equals.is_constant for equals in stated)
-        return varies or any(register.codec is not None for register in self.compared)
+        """True if a comparison decodes a register, or if the byte to compare with depends on the order code."""
+        for register in self.compared:
+            if register.codec is not None:
+                return True
+            expected_byte = register.layout.fields[0].equals
+            if isinstance(expected_byte, Expression) and not expected_byte.is_constant:
+                return True
+        return False
 
     def declared(self) -> Iterator[Declared]:
-        names = ("identity", "could_be", "next_candidate", "read_identity")
-        yield from ((f"{self.prefix}_{name}", ()) for name in names)
+        for ending in ("identity", "could_be", "next_candidate", "read_identity"):
+            yield f"{self.prefix}_{ending}", ()
 
 
 def identity_codes(context: Context, codes: Mapping[str, RegisterCode]) -> Iterator[IdentityCode]:

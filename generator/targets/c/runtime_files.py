@@ -16,16 +16,19 @@ _INCLUDE = re.compile(rf'^#include "(?:{FOLDER}/)?(\w+\.hp*)"', re.MULTILINE)
 
 def needed_runtime(views: Iterable[DeviceView]) -> dict[str, str]:
     """Return the texts of the headers of the runtime that these interfaces need, by their file names."""
-    texts = runtime_headers()
-    waiting = [*_FOR_ALL, *(name for view in views for name in _for_interface(view))]
-    waiting += [name for test in runtime_tests().values() for name in _INCLUDE.findall(test)]
-    needed: set[str] = set()
-    while waiting:
-        name = waiting.pop()
-        if name not in needed:
-            needed.add(name)
-            waiting += _INCLUDE.findall(texts[name])
-    return {name: text for name, text in texts.items() if name in needed}
+    texts_by_header = runtime_headers()
+    unvisited_headers = list(_FOR_ALL)
+    for view in views:
+        unvisited_headers += _for_interface(view)
+    for test_text in runtime_tests().values():
+        unvisited_headers += _INCLUDE.findall(test_text)
+    needed_headers: set[str] = set()
+    while unvisited_headers:
+        header = unvisited_headers.pop()
+        if header not in needed_headers:
+            needed_headers.add(header)
+            unvisited_headers += _INCLUDE.findall(texts_by_header[header])
+    return {header: text for header, text in texts_by_header.items() if header in needed_headers}
 
 
 def _for_interface(view: DeviceView) -> Iterator[str]:

@@ -30,10 +30,10 @@ from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComple
 from .. import manufacturers
 from .codec import StructCodec
 from .crc_functions import WordCrc
-from .decode import LengthPositions
 from .device import DeviceView
 from .enumerations import AlternativeCode
 from .names import c_name, number, runtime_tests, signed_number, string
+from .positions import LengthPositions
 from .procedures import ProcedureCode
 
 
@@ -132,25 +132,30 @@ class SelfTest:
         }
 
     def _example_checks(self) -> Iterator[tuple[str, Work]]:
+        """Yield a description and a check for each worked example of the manual."""
         for example in self.view.device.examples:
             about = f"{example.name.replace('_', ' ')} [{cite(example.source)}]"
-            yield from ((about, work) for work in self._checks_of_example(example))
+            for work in self._checks_of_example(example):
+                yield about, work
 
     def _vector_checks(self) -> Iterator[tuple[str, Work]]:
+        """Yield a description and a check for each test vector from a public source."""
         for codec in self.view.interface.codecs:
             crc = codec.word_crc
             if crc is None:
                 continue
             for vector in vectors_of(crc.crc):
-                about = f"{vector.title} [{vector.source}]"
-                yield from ((f"{crc.crc.name}: {about}", work) for work in _word_check(crc, vector.data, vector.crc))
+                for work in _word_check(crc, vector.data, vector.crc):
+                    yield f"{crc.crc.name}: {vector.title} [{vector.source}]", work
         interface = self.view.context.interface
-        for data_id in interface.data_ids if isinstance(interface, Rs485) else ():
+        data_ids = interface.data_ids if isinstance(interface, Rs485) else ()
+        for data_id in data_ids:
             if data_id.id in CONTROL_FIELDS:
                 macro = f"{self.view.PREFIX}_CONTROL_{data_id.name}".upper()
                 yield f"control field of data ID {data_id.id}", ConstantCheck(macro, _hex(CONTROL_FIELDS[data_id.id]))
 
     def _checks_of_example(self, example: Example) -> Iterator[Work]:
+        """Yield the checks for one worked example, none if the headers have no function for it."""
         match example:
             case FrameExample():
                 yield from self._frame_checks(example)
@@ -166,14 +171,18 @@ class SelfTest:
                 assert_never(example)
 
     def _procedure_check(self, example: ProcedureExample) -> ProcedureCheck:
+        """Return the check that a procedure writes the bytes of the example."""
         codes = {code.run.procedure.name: code for code in self.view.procedures}
         code = codes[example.procedure]
-        names = (argument.checked.argument.name for argument in code.arguments)
+        argument_names = [argument.checked.argument.name for argument in code.arguments]
+        written_bytes: list[tuple[str, str]] = []
+        for write in example.writes:
+            written_bytes += self._written_bytes(write)
         return ProcedureCheck(
             code=code,
             variant=self._variant(example.order_code),
-            arguments=tuple(number(example.arguments[name]) for name in names),
-            writes=tuple(byte for write in example.writes for byte in self._written_bytes(write)),
+            arguments=tuple(number(example.arguments[name]) for name in argument_names),
+            writes=tuple(written_bytes),
         )
 
     def _written_bytes(self, write: Write) -> Iterator[tuple[str, str]]:
@@ -181,10 +190,11 @@ class SelfTest:
         length = 1
         if self.writes_whole:
             interface = self.view.context.interface.name
-            registers = (register for register in self.view.device.registers_over(interface) if register.writable)
-            written = (register for register in registers if register.address == write.address)
-            length = first_of(written, f"writable register at {write.address:#x}").length
-        yield from ((_hex(write.address), _hex(byte)) for byte in write.value.to_bytes(length, "big"))
+            writable = [register for register in self.view.device.registers_over(interface) if register.writable]
+            registers = (register for register in writable if register.address == write.address)
+            length = first_of(registers, f"writable register at {write.address:#x}").length
+        for byte in write.value.to_bytes(length, "big"):
+            yield _hex(write.address), _hex(byte)
 
     @property
     def writes_whole(self) -> bool:
@@ -194,9 +204,9 @@ class SelfTest:
     def _variant(self, order_code: str) -> str:
         """Return the macro of an order code, or of the first one if it is not a listed code."""
         device = self.view.device
-        codes = [variant.code for variant in device.variants]
-        at = codes.index(order_code) if order_code in codes else 0
-        return self.view.variants.rows[at].macro
+        order_codes = [variant.code for variant in device.variants]
+        index = order_codes.index(order_code) if order_code in order_codes else 0
+        return self.view.variants.rows[index].macro
 
     def _codecs(self, example: FrameExample) -> Iterator[StructCodec]:
         for codec in self.view.interface.codecs:
@@ -205,13 +215,20 @@ class SelfTest:
                 yield codec
 
     def _frame_checks(self, example: FrameExample) -> Iterator[Work]:
+        """Yield a check for each frame that the example can be, in bytes or as a word."""
+        has_wrong_length = example.refused == "length"
+        if not example.layout and not has_wrong_length:
+            return
         for codec in self._codecs(example):
-            in_bytes = codec.plan.in_bytes
-            fits = bool(example.bytes) if in_bytes else bool(example.bits) or example.refused != "length"
-            if fits and (example.layout or example.refused == "length"):
+            if codec.plan.in_bytes:
+                is_in_form_of_codec = bool(example.bytes)
+            else:
+                is_in_form_of_codec = bool(example.bits) or not has_wrong_length
+            if is_in_form_of_codec:
                 yield self._frame_check(codec, example)
 
     def _frame_check(self, codec: StructCodec, example: FrameExample) -> FrameCheck:
+        """Return the check that a frame decodes to the values of the example, or is refused."""
         # A word can be given as its bytes, too.
         word = int(example.bits, 2) if example.bits else int.from_bytes(example.bytes, "big")
         fault = f"CW_FAULT_{example.refused.upper()}" if example.refused else ""
@@ -235,15 +252,17 @@ class SelfTest:
         return f"{codec.name}_bits({', '.join(filter(None, ('variant', answers)))})"
 
     def _answers(self, questions: Sequence[AlternativeCode], example: FrameExample) -> str:
-        """Return the answers for the example, or the first answer if it states none."""
+        """Return the answers for the example as arguments, such as ``CODE_GRAY, ``. The default is the first."""
         answers = ""
         for question in questions:
-            names = [answer.name for answer in question.item.answers]
-            at = names.index(example.alternatives.get(question.item.name, names[0]))
-            answers += f"{question.enumeration.entries[at].name}, "
+            answer_names = [answer.name for answer in question.item.answers]
+            chosen_name = example.alternatives.get(question.item.name, answer_names[0])
+            constant = question.enumeration.entries[answer_names.index(chosen_name)]
+            answers += f"{constant.name}, "
         return answers
 
     def _register_checks(self, example: RegisterExample) -> Iterator[Work]:
+        """Yield the check that a register decodes to the values of the example, if it has a decoder."""
         codes = (code for code in self.view.registers if code.register.name == example.register)
         code = first_of(codes, f"code for the register '{example.register}'")
         if code.codec is not None:
@@ -262,12 +281,11 @@ class SelfTest:
         self, codec: StructCodec, key: str, values: Mapping[str, int | str | bool]
     ) -> Iterator[Expected]:
         """Yield the members. Fields without one are constant. They are checked by decoding and encoding the frame."""
-        members = set(_member_names(codec))
+        member_names = set(_member_names(codec))
+        parts = {part.field.name: part for part in codec.plan.parts}
         for name, value in values.items():
-            if name not in members:
-                continue
-            part = next((part for part in codec.plan.parts if part.field.name == name), None)
-            yield self._expected_member(key, name, value, part)
+            if name in member_names:
+                yield self._expected_member(key, name, value, parts.get(name))
 
     def _expected_member(self, key: str, name: str, value: int | str | bool, part: Part | None) -> Expected:
         """Return the expected value of a field, or without ``part`` of a join or a run of digits."""
@@ -275,10 +293,10 @@ class SelfTest:
             case Characters():
                 return Expected(c_name(name), string(value), text=True)
             case Named(values) if isinstance(value, str):
-                named = member_named(values, value, f"value of '{name}'").value
+                named_value = member_named(values, value, f"value of '{name}'").value
                 choice = self.view.context.choices.get((key, name))
                 constants = choice.names if choice else {}
-                return Expected(c_name(name), constants.get(named, number(named)))
+                return Expected(c_name(name), constants.get(named_value, number(named_value)))
             case Active():
                 return Expected(c_name(name), "true" if value else "false")
             case TwosComplement() if int(value) < 0:
@@ -289,18 +307,24 @@ class SelfTest:
                 assert_never(never)
 
     def _crc_checks(self, example: CrcExample) -> Iterator[Work]:
+        """Yield the checks of a CRC over the bytes of the example, and over them as a word."""
         for function in self.view.crcs:
             if function.crc.name == example.crc and function.is_called and function.in_bytes:
-                yield CrcCheck(function.name, _bytes(example.bytes), "", _hex(example.check))
+                yield CrcCheck(function.name, data=_bytes(example.bytes), word="", crc=_hex(example.check))
         data = int.from_bytes(example.bytes, "big")
         for crc in (codec.word_crc for codec in self.view.interface.codecs):
             if crc is not None and crc.crc.name == example.crc:
                 yield from _word_check(crc, data, example.check)
 
     def _measure_checks(self, example: MeasureExample) -> Iterator[Work]:
+        """Yield the check of a position in counts as a length, for a linear encoder."""
         if isinstance(self.view.positions, LengthPositions):
-            function, macro = f"{self.view.prefix}_micrometres", self._variant(example.order_code)
-            yield MeasureCheck(function, macro, number(example.counts), number(example.micrometres))
+            yield MeasureCheck(
+                function=f"{self.view.prefix}_micrometres",
+                variant=self._variant(example.order_code),
+                counts=number(example.counts),
+                micrometres=number(example.micrometres),
+            )
 
 
 def _member_names(codec: StructCodec) -> Iterator[str]:
@@ -314,7 +338,7 @@ def _word_check(crc: WordCrc, data: int, check: int) -> Iterator[Work]:
     """Yield the check of a word that ends in its CRC, if a frame can be as long."""
     word = data << crc.crc.width | check
     if word.bit_length() <= crc.bits:
-        yield CrcCheck(crc.name, (), _hex(word, 64), _hex(0))
+        yield CrcCheck(crc.name, data=(), word=_hex(word, 64), crc=_hex(0))
 
 
 def _bytes(data: bytes) -> tuple[str, ...]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 import textwrap
+from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from itertools import chain
 from typing import Annotated, TypedDict
@@ -143,28 +144,41 @@ class SingleCode:
     # -- what is needed
 
     def _roots(self, known_names: Collection[str]) -> Iterator[str]:
+        """Yield the names of the tree that a program uses to read positions. Some may not exist."""
         view = self.view
-        times = chain.from_iterable(timing_macros(timing, view.PREFIX) for timing in view.context.interface.timings)
-        time_names = {macro.name for macro in times}
-        macros = (macro.name for macro in view.interface.macros if _FOR_REGISTERS not in macro.name)
-        yield from (name for name in macros if name not in time_names)
-        yield from (view.row.macro, f"{view.prefix}_counts_per_turn")
+        timings = view.context.interface.timings
+        macros_of_times = chain.from_iterable(timing_macros(timing, view.PREFIX) for timing in timings)
+        time_names = {macro.name for macro in macros_of_times}
+        for macro in view.interface.macros:
+            if _FOR_REGISTERS not in macro.name and macro.name not in time_names:
+                yield macro.name
+        yield view.row.macro
+        yield f"{view.prefix}_counts_per_turn"
         for codec in self._position_codecs():
             yield from (f"{codec.name}_{suffix}" for suffix in _READING)
-        if view.reading.frame is None:
-            yield from (f"{codec.name}_receive" for codec in self._position_codecs())
-        yield from (name for name in known_names if name.startswith(view.reading.macro))
-        yield from (name for name in known_names if name.startswith(f"{view.row.macro}_"))
-        if view.usage is not None and view.usage.request:
-            yield view.usage.request
-        yield view.interface.exchanged
-        if view.usage is not None and (view.usage.request or view.usage.asking is not None):
+            if view.reading.frame is None:
+                yield f"{codec.name}_receive"
+        starts = (view.reading.macro, f"{view.row.macro}_")
+        yield from (name for name in known_names if name.startswith(starts))
+        yield from self._roots_of_requests()
+
+    def _roots_of_requests(self) -> Iterator[str]:
+        """Yield the names that a program uses to request positions over RS-485 or SPI."""
+        usage, exchanged = self.view.usage, self.view.interface.exchanged
+        if usage is not None and usage.request:
+            yield usage.request
+        yield exchanged
+        if usage is not None and (usage.request or usage.asking is not None):
             yield from (f"cw_rs485_{action}" for action in _BYTE_BY_BYTE)
         if self.request is not None:
-            yield from (f"{self.request.name}_encode", f"{self.request.name}_bits")
-            yield from (f"cw_spi_{action}" for action in ("store", "load") if self.view.interface.exchanged)
+            yield f"{self.request.name}_encode"
+            yield f"{self.request.name}_bits"
+            if exchanged:
+                yield "cw_spi_store"
+                yield "cw_spi_load"
 
     def _position_codecs(self) -> Iterator[StructCodec]:
+        """Yield the frame that the macros read, or all frames with a position if there are no macros."""
         frame = self.view.reading.frame
         if frame is not None:
             yield frame
@@ -176,24 +190,28 @@ class SingleCode:
     # -- names
 
     def _new_names(self, kept_names: Iterable[str]) -> Mapping[str, str]:
-        renamed = {name: self._new_name(name) for name in kept_names}
-        twice = [name for name in renamed.values() if list(renamed.values()).count(name) > 1]
-        if twice:
-            raise TargetError(f"{self.order_code}: two parts of its header have the C name {twice[0]}")
-        return renamed
+        """Return the names in this header by those in the tree."""
+        new_names = {name: self._new_name(name) for name in kept_names}
+        for new_name, count in Counter(new_names.values()).items():
+            if count > 1:
+                raise TargetError(f"{self.order_code}: two parts of its header have the C name {new_name}")
+        return new_names
 
     def _new_name(self, name: str) -> str:
+        """Return a name of the tree with the prefix of this header."""
         if name in self._runtime_names:
             return re.sub("^cw_", f"{self.stem}_", re.sub("^CW_", f"{self.STEM}_", name))
         view = self.view
-        for old, new in ((view.row.macro, self.STEM), (view.PREFIX, self.STEM), (view.prefix, self.stem)):
-            if name == old or name.startswith(f"{old}_"):
-                return new + name.removeprefix(old)
+        new_prefixes = {view.row.macro: self.STEM, view.PREFIX: self.STEM, view.prefix: self.stem}
+        for old_prefix, new_prefix in new_prefixes.items():
+            if name == old_prefix or name.startswith(f"{old_prefix}_"):
+                return new_prefix + name.removeprefix(old_prefix)
         return name
 
     # -- texts
 
     def _text(self, declaration: Declaration) -> str:
+        """Return a declaration with its comment, with the names of this header and its lines broken anew."""
         comment, code = declaration.comment, declaration.code
         if self._is_helper(declaration):
             comment = _first_paragraph(comment)
@@ -239,6 +257,7 @@ class SingleCode:
         return _member_comment(self.named(" ".join(kept_sentences)), margin)
 
     def _paragraph(self, lines: list[str]) -> list[str]:
+        """Return the lines of a paragraph without sentences about what the header lacks, none if nothing is left."""
         text = " ".join(lines)
         if lines[0].startswith((" ", "@")) or not text:
             return [self.named(line) for line in lines]
@@ -389,6 +408,7 @@ def _paragraphs(lines: Iterable[str]) -> Iterator[list[str]]:
 
 
 def _as_comment(lines: list[str]) -> str:
+    """Return lines as a comment with the marks of Doxygen, or an empty text without lines."""
     text = "\n".join(lines).strip("\n")
     if not text:
         return ""

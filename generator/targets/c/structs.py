@@ -79,15 +79,17 @@ class Struct:
         """The path of the layout in the spec."""
         if self.register is not None:
             return ("registers", self.register.name)
-        (kind,) = (interface.name for interface, layout in self.device.layouts() if layout is self.layout)
-        return ("interfaces", kind, "layouts", self.layout.name)
+        (interface_name,) = (interface.name for interface, layout in self.device.layouts() if layout is self.layout)
+        return ("interfaces", interface_name, "layouts", self.layout.name)
 
     def crc_function(self, crc: FrameCrc) -> str:
+        """Return the name of the function that computes a CRC of the layout."""
         return self.context.crc_name(crc.crc, self.layout.carried_as)
 
     # -- members
 
     def choice(self, field: Field) -> Enumeration | None:
+        """Return the named values of a field, or None if its values have no names."""
         owner = self.layout.name if self.register is None else f"reg_{self.register.name}"
         return self.context.choices.get((owner, field.name))
 
@@ -124,62 +126,73 @@ class Struct:
         return unsigned(whole.widest) if whole is not None else self.type_of(self.layout.field(name))
 
     def initial(self, parameters: Mapping[str, int], values: Mapping[str, int] = MappingProxyType({})) -> str:
-        """Return the initial value with the numbers asked for and the defaults of the spec, and 0 for other fields.
+        """Return the initialiser of a struct without its braces, such as ``true, 0x1BU, 0U``.
 
+        ``values`` are numbers by the names of fields and joins. Other fields have the default of the spec, or 0.
         ``parameters`` are those of an order code. The bits of a member ``unused`` that is 0 are as documented.
         """
-        numbers = {part.field.name: values.get(part.field.name, _default_value(part.field)) for part in self.plan.parts}
+        numbers: dict[str, int] = {}
+        for part in self.plan.parts:
+            numbers[part.field.name] = values.get(part.field.name, _default_value(part.field))
         for whole in self.plan.wholes:
             if whole.join.name in values:
                 numbers.update(whole.parts(values[whole.join.name], parameters))
         if not any(numbers.values()):
             return "0U"
-        initials = [text for part in self.plan.parts for text in self._initial_of(part.field, numbers[part.field.name])]
-        initials += [number(whole.joined(numbers, parameters), hexadecimal=True) for whole in self.plan.wholes]
+        initial_values: list[str] = []
+        for part in self.plan.parts:
+            initial_values += self._initial_values(part.field, numbers[part.field.name])
+        for whole in self.plan.wholes:
+            initial_values.append(number(whole.joined(numbers, parameters), hexadecimal=True))
         if self.unused:
-            initials.append("0U")
-        return ", ".join(initials)
+            initial_values.append("0U")
+        return ", ".join(initial_values)
 
     @property
     def without_default(self) -> tuple[str, ...]:
         """The members of a request whose values the spec does not give."""
         return tuple(c_name(part.field.name) for part in self.plan.parts if part.field.default is None)
 
-    def _initial_of(self, field: Field, default: int) -> Iterator[str]:
+    def _initial_values(self, field: Field, initial_number: int) -> Iterator[str]:
         """Yield the initial values of the members of a field."""
         match meaning_of(field):
             case Active():
-                yield "true" if default else "false"
+                yield "true" if initial_number else "false"
             case Named():
                 choice = self.choice(field)
-                names = choice.names if choice is not None else {}
-                yield names.get(default, number(default, hexadecimal=True))
+                constants = choice.names if choice is not None else {}
+                yield constants.get(initial_number, number(initial_number, hexadecimal=True))
             case Raw() | ZeroMeans():
-                yield number(default, hexadecimal=True)
+                yield number(initial_number, hexadecimal=True)
             case TwosComplement():
-                yield signed_number(default)
+                yield signed_number(initial_number)
             case DigitRuns(runs):
-                yield from map(number, (default, *(default // run.divisor % run.modulus for run in runs)))
+                yield number(initial_number)
+                for run in runs:
+                    yield number(initial_number // run.divisor % run.modulus)
             case Characters():
                 yield '""'
             case never:
                 assert_never(never)
 
     def is_none_of(self, field: Field, name: Expr, values: Sequence[int], is_raw: bool = False) -> Expr:
-        """Return the condition that ``name`` has another value than these.
+        """Return the condition that ``name`` has none of these values, such as ``kind != 0x01U && kind != 0x02U``.
 
         ``is_raw`` is True if it holds the bits as read, which are a number rather than of the field's enumeration.
         """
         choice = self.choice(field)
-        kind = self.reader.value(self.plan.bits_of(field.name))[0] if is_raw and self.enumeration(field) else ""
-
-        def written(value: int) -> Expr:
-            if choice is None or value not in choice.names:
-                return Number(value, hexadecimal=True)
-            constant = Name(choice.names[value])
-            return Cast(kind, constant) if kind else constant
-
-        return joined("&&", tuple(Operation("!=", (name, written(value))) for value in values))
+        constants = choice.names if choice is not None else {}
+        type_of_bits = ""
+        if is_raw and self.enumeration(field) is not None:
+            type_of_bits, _ = self.reader.value(self.plan.bits_of(field.name))
+        conditions: list[Expr] = []
+        for value in values:
+            compared: Expr = Number(value, hexadecimal=True)
+            if value in constants:
+                constant = Name(constants[value])
+                compared = Cast(type_of_bits, constant) if type_of_bits else constant
+            conditions.append(Operation("!=", (name, compared)))
+        return joined("&&", tuple(conditions))
 
 
 def _default_value(field: Field) -> int:

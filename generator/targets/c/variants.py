@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence, Set
 from copy import copy
+from itertools import chain
 
 from ...language.problems import listed
 from ...model import Biss, Device, Interface, Layout, Parameter, Variant, assert_never, first_of
@@ -41,12 +42,8 @@ class HeldValue:
         self.is_coded = bool(parameter.by_code)
         #: Locals in the order of their declarations, the last one with the value: type, name and initial value.
         self.locals = tuple(self._locals())
-        self.type = self.locals[-1][0]
-
-    @property
-    def code(self) -> str:
-        """Local with the code of the value."""
-        return self.locals[-1][1]
+        #: Type of the value, and the local with its code.
+        self.type, self.code, _ = self.locals[-1]
 
     def for_code(self, code: int) -> str:
         """Return the value of the parameter for one of its codes."""
@@ -58,28 +55,35 @@ class HeldValue:
         type_, bits = of_bytes(self.held_parameter.bits.pieces)
         match self.held_parameter.meaning:
             case ZeroMeans(number):
-                raw = Name(f"{self.local}_raw")
-                yield type_, raw.text, bits
-                chosen = Conditional(Operation("==", (raw, Number(0))), Number(number), raw)
-                type_ = unsigned(widest_value(self.held_parameter.field))
-                yield type_, self.local, Cast(type_, chosen)
+                raw_local = Name(f"{self.local}_raw")
+                yield type_, raw_local.text, bits
+                is_zero = Operation("==", (raw_local, Number(0)))
+                type_of_value = unsigned(widest_value(self.held_parameter.field))
+                yield type_of_value, self.local, Cast(type_of_value, Conditional(is_zero, Number(number), raw_local))
             case Raw():
-                yield type_, f"{self.local}_code" if self.is_coded else self.local, bits
+                local = f"{self.local}_code" if self.is_coded else self.local
+                yield type_, local, bits
             case meaning:
                 assert_never(meaning)
 
     @property
     def is_outside(self) -> Expr | None:
         """Condition that the parameter cannot have the value, or None if it can have any value."""
-        name, low, high = Name(self.local), self.held_parameter.low, self.held_parameter.high
-        sides = (("<", low), (">", high))
-        comparisons = tuple(Operation(sign, (name, Number(limit))) for sign, limit in sides if limit is not None)
-        return joined("||", comparisons) if comparisons else None
+        lowest, highest = self.held_parameter.low, self.held_parameter.high
+        comparisons: list[Expr] = []
+        if lowest is not None:
+            comparisons.append(Operation("<", (Name(self.local), Number(lowest))))
+        if highest is not None:
+            comparisons.append(Operation(">", (Name(self.local), Number(highest))))
+        return joined("||", tuple(comparisons)) if comparisons else None
 
 
 @dataclass(frozen=True, slots=True)
 class CodeSwitch:
-    """The values for each code in a register field: the local with the code, and the assignments for each code."""
+    """The values for each code in a register field: the local with the code, and the assignments for each code.
+
+    A case is like ``("2U", (("position_bits", "24U"),))``.
+    """
 
     local: str
     cases: tuple[tuple[str, tuple[tuple[str, str], ...]], ...]
@@ -87,11 +91,11 @@ class CodeSwitch:
 
 def _switches(values: Sequence[HeldValue]) -> Iterator[CodeSwitch]:
     """Yield a switch for each field that holds a code. A code is valid if all parameters have it."""
-    fields: dict[str, list[HeldValue]] = {}
+    values_by_field: dict[str, list[HeldValue]] = {}
     for value in values:
         if value.is_coded:
-            fields.setdefault(value.held_parameter.parameter.read_from, []).append(value)
-    for field_values in fields.values():
+            values_by_field.setdefault(value.held_parameter.parameter.read_from, []).append(value)
+    for field_values in values_by_field.values():
         common_codes = set.intersection(*map(_codes_of, field_values))
         cases = tuple(_switch_case(code, field_values) for code in sorted(common_codes))
         yield CodeSwitch(field_values[0].code, cases)
@@ -116,15 +120,22 @@ class Taker:
         self.about = f"Update {names} in a variant from the content of the {title(register)} register."
         self.values = tuple(HeldValue(context, parameter) for parameter in register_parameters.parameters)
         self.switches = tuple(_switches(self.values))
-        code_locals = {value.code for value in self.values if value.is_coded}
-        unneeded = code_locals - {switch.local for switch in self.switches}
-        #: Locals that the bits are read into, without further locals for the same code.
-        self.locals = tuple(local for value in self.values for local in value.locals if local[1] not in unneeded)
+        #: Locals that the bits are read into: type, name and initial value.
+        self.locals = tuple(self._locals())
         self.bytes = c_name(register.name, _TAKEN)
         self.access = access
 
     def declared(self) -> Iterator[Declared]:
         yield self.name, ()
+
+    def _locals(self) -> Iterator[tuple[str, str, Expr]]:
+        """Yield the locals of all values. Values with the same code share the local of the switch."""
+        switch_locals = {switch.local for switch in self.switches}
+        for value in self.values:
+            for type_, local, initial_value in value.locals:
+                is_further_code = value.is_coded and local == value.code and local not in switch_locals
+                if not is_further_code:
+                    yield type_, local, initial_value
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,6 +149,8 @@ class CodeRow:
 
 
 class VariantCode:
+    """The order codes of a family over one interface, and the functions for parameters that follow from others."""
+
     def __init__(self, context: Context) -> None:
         self.context, self.device = context, context.device
         self.parameters = self.device.set_parameters
@@ -146,11 +159,8 @@ class VariantCode:
         self._named = [parameter for parameter in self._in_order_of_use() if parameter.name not in measured]
         self.derived: Sequence[Function] = [self._derived(parameter) for parameter in self._named]
         self.rows = [self._row(variant) for variant in self.device.variants]
-        unknown = set(unknown_parts(self.device))
-        left_open = [part for part in self.device.order_code.parts if part.open and part.name not in unknown]
-        masks = [number(1 << index, hexadecimal=True) for index, _ in enumerate(left_open)]
-        names = [part.name for part in left_open]
-        self.unlisted = [Macro(self._unlisted(name), mask, name) for name, mask in zip(names, masks, strict=True)]
+        #: A macro with one bit for each open part of the order code.
+        self.unlisted = list(self._unlisted_macros())
         self.patterns = open_codes(self.device)
         self.about = about_order_codes(self.device)
 
@@ -173,9 +183,18 @@ class VariantCode:
 
     def bits(self, pattern: OpenCode) -> str:
         """Return the parts that a pattern leaves open."""
-        return " | ".join(map(self._unlisted, pattern.unlisted)) or "0U"
+        return " | ".join(map(self._unlisted_macro, pattern.unlisted)) or "0U"
 
-    def _unlisted(self, part: str) -> str:
+    def _unlisted_macros(self) -> Iterator[Macro]:
+        """Yield a bit for each open part of the order code."""
+        unknown_names = unknown_parts(self.device)
+        bit = 1
+        for part in self.device.order_code.parts:
+            if part.open and part.name not in unknown_names:
+                yield Macro(self._unlisted_macro(part.name), number(bit, hexadecimal=True), part.name)
+                bit <<= 1
+
+    def _unlisted_macro(self, part: str) -> str:
         return f"{self.context.PREFIX}_UNLISTED_{part.upper()}"
 
     def _in_order_of_use(self) -> list[Parameter]:
@@ -194,15 +213,16 @@ class VariantCode:
         return number_of(self.context.scope, name, parameter.equals, parameter.largest, self.about_parameter(parameter))
 
     def _row(self, variant: Variant) -> CodeRow:
-        family, stem = self.device.name.upper(), variant.code.upper()
-        if all(variant.code.upper().startswith(family) for variant in self.device.variants):
-            stem = stem.removeprefix(family) or stem
-        code = re.sub("[^A-Z0-9]+", "_", stem).strip("_")
+        """Return an order code with its name in C, which does not repeat the name of the family."""
+        family, order_code = self.device.name.upper(), variant.code.upper()
+        if all(other.code.upper().startswith(family) for other in self.device.variants):
+            order_code = order_code.removeprefix(family) or order_code
+        name = re.sub("[^A-Z0-9]+", "_", order_code).strip("_")
         return CodeRow(
             variant=variant,
-            code=code,
-            macro=f"{self.context.PREFIX}_{code}",
-            values=tuple(_value(parameter, variant) for parameter in self.parameters),
+            code=name,
+            macro=f"{self.context.PREFIX}_{name}",
+            values=tuple(_parameter_value(parameter, variant) for parameter in self.parameters),
         )
 
 
@@ -211,11 +231,10 @@ def _needs_none_of(parameter: Parameter, names: Set[str]) -> bool:
     return parameter.equals is not None and names.isdisjoint(parameter.equals.parameters)
 
 
-def _value(parameter: Parameter, variant: Variant) -> str:
-    """Return a parameter of an order code. A code (no unit, above one byte) is in hexadecimal, as in the manuals."""
-    return number(
-        variant.parameters.get(parameter.name, 0), hexadecimal=not parameter.unit and parameter.largest > 0xFF, digits=4
-    )
+def _parameter_value(parameter: Parameter, variant: Variant) -> str:
+    """Return a parameter of an order code, such as ``24U``. Codes are in hexadecimal, as in the manuals."""
+    is_code = not parameter.unit and parameter.largest > 0xFF
+    return number(variant.parameters.get(parameter.name, 0), hexadecimal=is_code, digits=4)
 
 
 class LengthCode:
@@ -226,16 +245,15 @@ class LengthCode:
         received_frames = list(received(context.device, interface))
         #: Names of the frames whose lengths these are.
         self.layouts = tuple(dict.fromkeys(frame.layout.name for frame in received_frames))
+        answers = chain.from_iterable(frame.answers for frame in received_frames)
         #: Names of the answers on which a length depends.
-        self.answers = tuple(dict.fromkeys(answer.name for frame in received_frames for answer in frame.answers))
+        self.answers = tuple(dict.fromkeys(answer.name for answer in answers))
+        layouts_in_bytes = [frame.layout for frame in received_frames if frame.layout.in_bytes]
         #: Macro of the bytes in a frame that is carried as bytes, empty for words.
-        self.length = next(
-            (context.length_macro(frame.layout) for frame in received_frames if frame.layout.in_bytes), ""
-        )
+        self.length = context.length_macro(layouts_in_bytes[0]) if layouts_in_bytes else ""
+        headers = {"receive_frame.h" if frame.layout.in_bytes else "receive.h" for frame in received_frames}
         #: Names of the headers that receive words, bytes, or both.
-        names = {True: "receive_frame.h", False: "receive.h"}
-        kinds = sorted({frame.layout.in_bytes for frame in received_frames})
-        self.receivers = " and ".join(names[in_bytes] for in_bytes in kinds)
+        self.receivers = " and ".join(sorted(headers))
         self._context = context
         self.depends_on_registers = any(frame.depends_on_registers for frame in received_frames)
         #: Number of acknowledge bits that fit in a buffer, 0 if the interface has none.
@@ -243,8 +261,9 @@ class LengthCode:
         self.register_access = "".join(_register_access(context.device, interface, received_frames))
         self._codes = {id(row.variant): row.code for row in rows}
         self._prefix = f"{context.PREFIX}_"
-        self._shown = next((frame for frame in received_frames if frame.variant is sample_row.variant), None)
-        self.macros = [macro for frame in received_frames for macro in self.macros_of(frame)]
+        #: Frames of the order code in all samples.
+        self._sample_frames = [frame for frame in received_frames if frame.variant is sample_row.variant]
+        self.macros = list(chain.from_iterable(map(self.macros_of, received_frames)))
 
     @property
     def receive(self) -> str:
@@ -254,14 +273,14 @@ class LengthCode:
     @property
     def named(self) -> str:
         """Explain how the macro names an order code."""
-        code = self.code_of(self._shown) if self._shown is not None else ""
+        code = self.code_of(self._sample_frames[0]) if self._sample_frames else ""
         return f"For example, code can be {code}, as in {self._prefix}{code}_BITS."
 
     def for_layout(self, layout: Layout) -> LengthCode:
         """Return the same for one frame. Of an interface, some frames may be words, and others bytes."""
-        of_layout = copy(self)
-        of_layout.length = self._context.length_macro(layout) if layout.in_bytes else ""
-        return of_layout
+        length_code = copy(self)
+        length_code.length = self._context.length_macro(layout) if layout.in_bytes else ""
+        return length_code
 
     def holder(self, index: str = "") -> str:
         """Declare the variable that receives a frame, or an array of them."""
@@ -277,12 +296,18 @@ class LengthCode:
 
     def code_of(self, frame: FrameSize) -> str:
         """Return the name of an order code in names of lengths, with the answers on which these depend."""
-        names = [frame.layout.name] if len(self.layouts) > 1 else []
-        return "_".join((self._codes[id(frame.variant)], *names, *(answer.name for answer in frame.answers))).upper()
+        names = [self._codes[id(frame.variant)]]
+        if len(self.layouts) > 1:
+            names.append(frame.layout.name)
+        names += [answer.name for answer in frame.answers]
+        return "_".join(names).upper()
 
     def declared(self) -> Iterator[Declared]:
-        names = (*(macro.name for macro in self.macros), self.receive)
-        yield from ((name, ("interfaces", self.interface.name)) for name in names if name)
+        path = ("interfaces", self.interface.name)
+        for macro in self.macros:
+            yield macro.name, path
+        if self.receive:
+            yield self.receive, path
 
     def macros_of(self, frame: FrameSize) -> Iterator[Macro]:
         """Yield the macros of the number of bits and of the bytes of a buffer."""
@@ -295,16 +320,21 @@ def _register_access(device: Device, interface: Interface, frames: Sequence[Fram
     """Yield the deadlines for the control bit of a master, with the numbers of the family, if the interface is BiSS."""
     if not isinstance(interface, Biss) or not frames:
         return
-    bits, clock = min(frame.bits for frame in frames), interface.clock
-    after = f"{bits} clock periods after its CDS"
-    depends_on_registers = any(frame.depends_on_registers for frame in frames)
-    after = f"{after} with {initial(device)}" if depends_on_registers else f"at least {after}"
-    limits = [hz for hz in (clock.max_hz, clock.min_hz) if hz is not None]
-    clocks = limits or clock.used_hz[-1:]
-    times = " and ".join(f"{nanoseconds(bits * 1_000_000_000 // hz)} at {hertz(hz)}" for hz in clocks)
-    times_text = f": {times}" if times else ""
+    shortest_bits, clock = min(frame.bits for frame in frames), interface.clock
+    delay = f"{shortest_bits} clock periods after its CDS"
+    if any(frame.depends_on_registers for frame in frames):
+        delay += f" with {initial(device)}"
+    else:
+        delay = f"at least {delay}"
+    limits_hz = [limit_hz for limit_hz in (clock.max_hz, clock.min_hz) if limit_hz is not None]
+    delays = []
+    for clock_hz in limits_hz or clock.used_hz[-1:]:
+        delay_ns = shortest_bits * 1_000_000_000 // clock_hz
+        delays.append(f"{nanoseconds(delay_ns)} at {hertz(clock_hz)}")
+    if delays:
+        delay += f": {' and '.join(delays)}"
     yield "For register access with codewheel/biss.h: the bit of cw_biss_master_next must be on MA before the last "
-    yield f"clock of the same frame. It comes {after}{times_text}. The bit of "
+    yield f"clock of the same frame. It comes {delay}. The bit of "
     yield "cw_biss_master_next_late, for SPI and DMA, is needed before the next frame begins, since the SPI mode "
     yield "sends it. MA carries the inverse of the bit for the whole time-out"
     if interface.timeout is not None:

@@ -58,15 +58,18 @@ def sending_section(
     # In this order, because ``errata_at`` lists the errata in the order of its calls.
     requests = tuple(_request_rows(device, interface, errata_at))
     commands = tuple(_command_rows(device, variant, errata_at))
-    preset = next(_registers_with_known_zero(device, variant), None)
+    presets = list(_registers_with_known_zero(device, variant))
     possible_commands = commands_over(device, interface)
-    facts = list(_introduction(device, interface, possible_commands, bool(commands), preset is not None))
+    introduction = _introduction(
+        device, interface, possible_commands, has_rows=bool(commands), has_preset=bool(presets)
+    )
+    facts = list(introduction)
     inputs = [link(text(title(hardware_input)), f"#input-{hardware_input.name}") for hardware_input in device.inputs]
     if inputs:
         facts.append(f"Inputs: {', '.join(inputs)}.")
     other_value = ""
-    if preset is not None:
-        other_value = _how_to_write_other_positions(family.register(preset.name), variant)
+    if presets:
+        other_value = _how_to_write_other_positions(family.register(presets[0].name), variant)
     return SendingSection(
         facts=tuple(facts),
         requests=requests,
@@ -77,7 +80,7 @@ def sending_section(
 
 
 def _introduction(
-    device: Device, interface: Interface, possible_commands: Commands, has_rows: bool, has_preset: bool
+    device: Device, interface: Interface, possible_commands: Commands, *, has_rows: bool, has_preset: bool
 ) -> Iterator[str]:
     """Yield what the bytes mean. A sentence denies only what no possible command contradicts."""
     match interface:
@@ -86,7 +89,7 @@ def _introduction(
             yield f"SSI only reads the position.{denial}"
             yield from _sentences_on_writable_registers(possible_commands)
         case Biss():
-            yield from _introduction_for_biss(device, possible_commands, has_rows, has_preset)
+            yield from _introduction_for_biss(device, possible_commands, has_rows=has_rows, has_preset=has_preset)
         case Rs485() if not interface.exchanges:
             yield "Bytes are in hexadecimal."
             yield from _commands_missing_in_t_format(device, possible_commands)
@@ -98,8 +101,9 @@ def _introduction(
 
 
 def _introduction_for_biss(
-    device: Device, possible_commands: Commands, has_rows: bool, has_preset: bool
+    device: Device, possible_commands: Commands, *, has_rows: bool, has_preset: bool
 ) -> Iterator[str]:
+    """Yield what the rows show over BiSS, or that the manual describes no commands."""
     if has_preset:
         # The script of the site changes this sentence together with the bytes.
         zero = '<span id="preset-of-rows">The preset is 0 in these rows.</span>'
@@ -122,11 +126,14 @@ def _introduction_for_biss(
 def _sentences_on_writable_registers(possible_commands: Commands) -> Iterator[str]:
     """Yield the registers that hold commands, with the commands, and the other registers that can be written."""
     for register in possible_commands.registers:
-        names = ", ".join(code(title(value)) for field in register.layout.fields for value in field.values)
-        yield f"Write a command to {_register_link(register)}: {names}."
+        command_names: list[str] = []
+        for field in register.layout.fields:
+            command_names += [code(title(command)) for command in field.values]
+        yield f"Write a command to {_register_link(register)}: {', '.join(command_names)}."
     if possible_commands.settings:
-        settings = ", ".join(map(_register_link, possible_commands.settings))
-        yield f"{'Other registers' if possible_commands.registers else 'Registers'} that can be written: {settings}."
+        registers = "Other registers" if possible_commands.registers else "Registers"
+        links = ", ".join(map(_register_link, possible_commands.settings))
+        yield f"{registers} that can be written: {links}."
 
 
 def _register_link(register: Register) -> str:
@@ -146,7 +153,9 @@ def _commands_missing_in_t_format(device: Device, possible_commands: Commands) -
 def _preset_registers(device: Device) -> Iterator[Register]:
     """Yield the registers to which procedures write a position."""
     for procedure in device.procedures:
-        yield from (device.register(argument.of) for argument in procedure.arguments if argument.name == "position")
+        for argument in procedure.arguments:
+            if argument.name == "position":
+                yield device.register(argument.of)
 
 
 def _registers_with_known_zero(device: Device, variant: Variant) -> Iterator[Register]:
@@ -181,16 +190,20 @@ def _request_rows(device: Device, interface: Interface, errata_at: Callable[...,
 
 
 def _exchange_row(exchange: Exchanged) -> Row:
-    layouts = [layout for layout in (exchange.request, exchange.reply) if layout]
+    """Return a row of links to the request and its reply, purpose of the request."""
+    layouts = [layout for layout in (exchange.request, exchange.reply) if layout is not None]
     frame_links = [link(code(layout.name), f"#layout-{layout.name}") for layout in layouts]
+    first_sentence_of_note = exchange.request.note.partition(". ")[0].removesuffix(".")
+    description = PURPOSES[exchange.exchange.purpose] or text(first_sentence_of_note)
     word_bits = exchange.exchange.word_bits
-    purpose = PURPOSES[exchange.exchange.purpose] or text(exchange.request.note.partition(". ")[0].removesuffix("."))
-    word_size = f"in words of {word_lengths([word_bits])}" if word_bits is not None else ""
-    description = ", ".join(filter(None, (purpose, word_size)))
+    if word_bits is not None:
+        word_size = f"in words of {word_lengths([word_bits])}"
+        description = f"{description}, {word_size}" if description else word_size
     return " → ".join(frame_links), description[:1].upper() + description[1:]
 
 
 def _data_id_row(device: Device, interface: Rs485, data_id: DataId, errata_at: Callable[..., str]) -> Row:
+    """Return a row of the bytes of a request with its reply, meaning with its repetitions and errata."""
     request = _layout_with_data_id(interface, "master", data_id.id)
     reply = _layout_with_data_id(interface, "encoder", data_id.id)
     part_names = _names_after_control_field(request) if request is not None else []
@@ -209,8 +222,12 @@ def _data_id_row(device: Device, interface: Rs485, data_id: DataId, errata_at: C
 def _names_after_control_field(request: Layout) -> list[str]:
     """Return the names of the parts of a request after its control field. A group of fields is one part."""
     control_group = request.fields[0].group
-    fields = [field for field in request.fields if not field.group or field.group != control_group]
-    names = dict.fromkeys(field.group or field.name for field in fields)
+    names: dict[str, None] = {}
+    for field in request.fields:
+        is_in_control_field = bool(field.group) and field.group == control_group
+        if not is_in_control_field:
+            names[field.group or field.name] = None
+    # Of "preset of turns", only "preset" is shown.
     return [text(name_as_words(name).partition(" of ")[0]) for name in names]
 
 
@@ -270,6 +287,7 @@ def _command_errata(device: Device, errata_at: Callable[..., str]) -> str:
 
 
 def _step_in_bytes(device: Device, step: Step, variant: Variant) -> str:
+    """Return a step of a procedure in short, such as ``wait 1 ms`` or an address with the bytes to write."""
     match step:
         case WaitStep():
             return f"wait {microseconds(step.microseconds)}"

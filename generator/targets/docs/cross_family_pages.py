@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import chain
 from typing import Annotated, TypedDict
 
 from ...model import Alarm, Device, Field, Interface, Layout, Register, Ssi, Supply
@@ -49,22 +50,32 @@ class AlarmsPage(TypedDict):
 
 
 def identification_page_values(devices: Sequence[Device]) -> WhichPage:
+    """Return the values of the page that tells encoders of different families apart."""
     return {
         "label_rows": [_label_row(device) for device in devices],
-        "told_rows": [row for device in devices for row in _identity_rows(device)],
-        "resolution_rows": [row for device in devices for row in _resolution_rows(device)],
-        "byte_order_rows": [row for device in devices for row in _byte_order_rows(device)],
-        "compared_rows": _grouped_by_interface(row for device in devices for row in _interface_fact_rows(device)),
-        "frame_rows": _grouped_by_interface(row for device in devices for row in _position_frame_rows(device)),
+        "told_rows": _rows_of_all(devices, _identity_rows),
+        "resolution_rows": _rows_of_all(devices, _resolution_rows),
+        "byte_order_rows": _rows_of_all(devices, _byte_order_rows),
+        "compared_rows": _grouped_by_interface(_rows_of_all(devices, _interface_fact_rows)),
+        "frame_rows": _grouped_by_interface(_rows_of_all(devices, _position_frame_rows)),
     }
+
+
+def _rows_of_all(devices: Iterable[Device], rows_of: Callable[[Device], Iterable[Row]]) -> list[Row]:
+    """Return the rows of all families in one list."""
+    rows: list[Row] = []
+    for device in devices:
+        rows += rows_of(device)
+    return rows
 
 
 def _grouped_by_interface(rows: Iterable[Row]) -> list[Row]:
     """Group the rows by interface, in the order in which the interfaces first occur."""
-    rows_of_interface: dict[str, list[Row]] = {}
+    rows_by_interface: dict[str, list[Row]] = {}
     for row in rows:
-        rows_of_interface.setdefault(row[0], []).append(row)
-    return [row for interface_rows in rows_of_interface.values() for row in interface_rows]
+        interface_title = row[0]
+        rows_by_interface.setdefault(interface_title, []).append(row)
+    return list(chain.from_iterable(rows_by_interface.values()))
 
 
 def _family_link(device: Device) -> str:
@@ -72,10 +83,16 @@ def _family_link(device: Device) -> str:
 
 
 def _label_row(device: Device) -> Row:
-    titles = joined((interface.title for interface in device.interfaces), ", ")
-    supplies = dict.fromkeys(filter(None, map(device.supply_of, device.variants)))
-    labels = order_codes(device, [variant.code for variant in device.variants])
-    return _family_link(device), text(titled_in_lists(device)), labels, titles, joined(map(_supply_range, supplies))
+    """Return a row of family, title, patterns of its order codes, interfaces, supply."""
+    supplies_of_variants = [device.supply_of(variant) for variant in device.variants]
+    supplies = dict.fromkeys(supply for supply in supplies_of_variants if supply is not None)
+    return (
+        _family_link(device),
+        text(titled_in_lists(device)),
+        order_codes(device, [variant.code for variant in device.variants]),
+        joined((interface.title for interface in device.interfaces), ", "),
+        joined(map(_supply_range, supplies)),
+    )
 
 
 def _supply_range(supply: Supply) -> str:
@@ -85,11 +102,12 @@ def _supply_range(supply: Supply) -> str:
 def _identity_rows(device: Device) -> Iterator[Row]:
     """Yield rows of the registers whose content is the same for the whole family or is determined by the order code."""
     for register, field in device.identity:
-        where = link_to_register(device, register, addresses(register))
-        name = title(register) + (f", {words(field.name)}" if len(register.layout.fields) > 1 else "")
+        name = title(register)
+        if len(register.layout.fields) > 1:
+            name += f", {words(field.name)}"
         yield (
             _family_link(device),
-            where,
+            link_to_register(device, register, addresses(register)),
             text(name),
             _documented_content(field),
             cited(field.source or register.source),
@@ -97,6 +115,7 @@ def _identity_rows(device: Device) -> Iterator[Row]:
 
 
 def _documented_content(field: Field) -> str:
+    """Return the content of an identifying field, such as ```1Bh```, or an empty text if the manual gives none."""
     match field.equals:
         case int():
             return f"`{field.equals:0{(field.widest + 3) // 4}X}h`"
@@ -109,6 +128,7 @@ def _documented_content(field: Field) -> str:
 
 
 def _interface_fact_rows(device: Device) -> Iterator[Row]:
+    """Yield rows of interface, family, label, fact, source."""
     for interface in device.interfaces:
         for setting in settings(device, interface):
             if setting.label in _COMPARED_LABELS:
@@ -122,6 +142,7 @@ def _interface_fact_rows(device: Device) -> Iterator[Row]:
 
 
 def _position_frame_rows(device: Device) -> Iterator[Row]:
+    """Yield rows of interface, family, frame, bits, order, CRC."""
     for interface, layout in device.layouts():
         if device.tells_position(interface.name, layout):
             crcs = [f"{crc.polynomial}, {crc_sent(crc)}" for crc in device.crcs_of(layout)]
@@ -173,9 +194,12 @@ def _register_link(device: Device, register: Register) -> str:
 
 
 def registers_page_values(devices: Sequence[Device]) -> RegistersPage:
-    registers = [(register, device) for device in devices for register in device.registers]
-    registers.sort(key=_address_and_family)
-    return {"register_rows": [_register_row(register, device) for register, device in registers]}
+    """Return the values of the page with the registers of all families by address."""
+    registers_and_devices: list[tuple[Register, Device]] = []
+    for device in devices:
+        registers_and_devices += [(register, device) for register in device.registers]
+    registers_and_devices.sort(key=_address_and_family)
+    return {"register_rows": [_register_row(register, device) for register, device in registers_and_devices]}
 
 
 def _address_and_family(register_of_device: tuple[Register, Device]) -> tuple[int, int, str]:
@@ -185,29 +209,34 @@ def _address_and_family(register_of_device: tuple[Register, Device]) -> tuple[in
 
 
 def _register_row(register: Register, device: Device) -> Row:
-    data = register.default_bytes()
+    """Return a row of address, bank, register, family, access, default, meaning, source."""
+    factory_default = register.default_bytes()
     return (
         addresses(register),
         "" if register.bank is None else f"{register.bank}",
         link_to_register(device, register, code(register.name)),
         _family_link(device),
         say_register.access(register),
-        code(data.hex(" ").upper()) if data is not None else "",
+        code(factory_default.hex(" ").upper()) if factory_default is not None else "",
         text(register.meaning),
         cited(register.source),
     )
 
 
 def alarms_page_values(devices: Sequence[Device]) -> AlarmsPage:
-    explained_alarms = [explained_alarm for device in devices for explained_alarm in _alarms_with_interfaces(device)]
+    """Return the values of the page with the alarms and LEDs of all families."""
+    explained_alarms: list[tuple[Alarm, Device, Interface]] = []
+    for device in devices:
+        explained_alarms += _alarms_with_interfaces(device)
     explained_alarms.sort(key=_title_and_family)
     return {
-        "alarm_rows": [_alarm_row(*explained_alarm) for explained_alarm in explained_alarms],
-        "led_rows": [row for device in devices for row in _led_rows(device)],
+        "alarm_rows": [_alarm_row(alarm, device, interface) for alarm, device, interface in explained_alarms],
+        "led_rows": _rows_of_all(devices, _led_rows),
     }
 
 
 def _led_rows(device: Device) -> Iterator[Row]:
+    """Yield rows of LED, state, family, meaning, order codes that have it, source."""
     for led in device.leds:
         for state in led.states:
             yield (
@@ -235,10 +264,15 @@ def _title_and_family(explained_alarm: tuple[Alarm, Device, Interface]) -> tuple
 
 
 def _alarm_row(alarm: Alarm, device: Device, interface: Interface) -> Row:
-    name = link_to_alarm(device, interface, alarm, text(title(alarm)))
-    meaning = text(alarm.meaning) if alarm.implemented else "not implemented in this encoder"
-    remedy = joined([text(alarm.remedy), *links_to_steps(f"{device.name}/", alarm.by_hand)])
-    return name, _family_link(device), meaning, remedy, code(alarm.only), cited(alarm.source)
+    """Return a row of alarm, family, meaning, remedy, order codes that have it, source."""
+    return (
+        link_to_alarm(device, interface, alarm, text(title(alarm))),
+        _family_link(device),
+        text(alarm.meaning) if alarm.implemented else "not implemented in this encoder",
+        joined([text(alarm.remedy), *links_to_steps(f"{device.name}/", alarm.by_hand)]),
+        code(alarm.only),
+        cited(alarm.source),
+    )
 
 
 #: File name of the page, which no family can have.
@@ -259,10 +293,16 @@ class _InterfacePage:
 
 
 def page_values(devices: Sequence[Device]) -> GlossaryPage:
-    pages = [_interface_page(device, interface) for device in devices for interface in device.interfaces]
-    terms = sorted(TERMS, key=lambda term: term.name.casefold())
-    rows = [(text(term.name), text(term.meaning), _links(term, pages)) for term in terms]
-    return {"term_rows": [row for row in rows if row[2]]}
+    """Return the values of the glossary: the terms that a page of these families uses."""
+    pages: list[_InterfacePage] = []
+    for device in devices:
+        pages += [_interface_page(device, interface) for interface in device.interfaces]
+    term_rows: list[tuple[str, str, str]] = []
+    for term in sorted(TERMS, key=lambda term: term.name.casefold()):
+        links = _links(term, pages)
+        if links:
+            term_rows.append((text(term.name), text(term.meaning), links))
+    return {"term_rows": term_rows}
 
 
 def _interface_page(device: Device, interface: Interface) -> _InterfacePage:

@@ -174,6 +174,7 @@ def _values_fact(values: Mapping[str, int | str | bool], layouts: Iterable[Layou
 
 
 def _value_text(value: int | str | bool, scale: Scale | None) -> str:
+    """Return a value of a worked example as text, with the quantity that it stands for if it has a scale."""
     if isinstance(value, bool):
         return _yes_or_no(value)
     if not isinstance(value, int):

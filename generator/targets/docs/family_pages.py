@@ -49,6 +49,7 @@ def file_name(device: Device) -> str:
 
 
 def page_values(device: Device) -> ChangesPage:
+    """Return the values of the page with the changes between releases."""
     manual = device.manual
     return {
         "device": device,
@@ -60,6 +61,7 @@ def page_values(device: Device) -> ChangesPage:
 
 
 def _release_section(release: Release) -> dict[str, Any]:
+    """Return the changes of a release by their impact, and the changed names in code."""
     parts: list[dict[str, Any]] = []
     for impact, title in _TITLES_BY_IMPACT.items():
         impact_changes = [change for change in release.changes if change.impact == impact]
@@ -117,6 +119,7 @@ class ManualPage(TypedDict):
 
 
 def index_values(family: OrderCodes, has_masters: bool) -> FamilyPage:
+    """Return the values of the first page of a family."""
     device = family.device
     return {
         "device": device,
@@ -210,6 +213,7 @@ def _section_links(device: Device, section: str) -> Iterator[str]:
 
 
 def hardware_values(device: Device) -> HardwarePage:
+    """Return the values of the page about connectors, LEDs and inputs."""
     errata_at = inline_errata.ErrataLines(device)
     return {
         "device": device,
@@ -231,6 +235,7 @@ def _characteristic_rows(device: Device, errata_at: inline_errata.ErrataLines) -
 
 
 def manual_values(device: Device) -> ManualPage:
+    """Return the values of the page about the manual."""
     style = page_links.style_in_folder(device)
     tests = [edition_test(edition.revision, test) for edition in device.editions for test in edition.tests]
     return {
@@ -245,6 +250,7 @@ def manual_values(device: Device) -> ManualPage:
 
 
 def _history_row(revision: Revision) -> tuple[str, ...]:
+    """Return a row for one revision of the manual."""
     return (
         text(revision.revision),
         revision.date,
@@ -255,6 +261,7 @@ def _history_row(revision: Revision) -> tuple[str, ...]:
 
 
 def _manual_rows(device: Device) -> Iterator[tuple[str, str]]:
+    """Yield the facts about the manual, each with its label."""
     manual = device.manual
     yield "Manual", text(manual.title)
     yield "Revision", revision_and_date(manual)
@@ -276,15 +283,19 @@ def _second_reading_text(counts: TimesRead | None) -> str:
     """Return the text about facts confirmed by a second reading, or an empty string without one."""
     if counts is None:
         return ""
-    fact_count = counts.twice + counts.explained + counts.decided + counts.once
-    differ = "differs for a reason" if counts.explained == 1 else "differ for reasons"
-    explained = f", {counts.explained} {differ} given in the errata" if counts.explained else ""
-    are = "is" if counts.decided == 1 else "are"
-    were = "was" if counts.once == 1 else "were"
-    decided = f", {counts.decided} {are} not in the manual" if counts.decided else ""
-    once = f", and {counts.once} {were} read only once" if counts.once else ""
-    derived = f". {counts.derived} more follow from others" if counts.derived else ""
-    return f"Twice. Of {fact_count} facts, {counts.twice} agree in both readings{explained}{decided}{once}{derived}"
+    number_of_facts = counts.twice + counts.explained + counts.decided + counts.once
+    sentence_parts = [f"Of {number_of_facts} facts, {counts.twice} agree in both readings"]
+    if counts.explained:
+        differ = "differs for a reason" if counts.explained == 1 else "differ for reasons"
+        sentence_parts.append(f"{counts.explained} {differ} given in the errata")
+    if counts.decided:
+        are = "is" if counts.decided == 1 else "are"
+        sentence_parts.append(f"{counts.decided} {are} not in the manual")
+    if counts.once:
+        were = "was" if counts.once == 1 else "were"
+        sentence_parts.append(f"and {counts.once} {were} read only once")
+    about = f"Twice. {', '.join(sentence_parts)}"
+    return f"{about}. {counts.derived} more follow from others" if counts.derived else about
 
 
 def _edition_rows(device: Device) -> Iterator[tuple[str, ...]]:

@@ -132,6 +132,7 @@ def _pages(
 def _interface_values(
     codes: order_code_page.OrderCodes, kind: str, kinds_with_masters: Collection[str]
 ) -> interface_page.InterfacePage:
+    """Return the values of the page of an interface."""
     return interface_page.page_values(
         codes.device,
         kind,
@@ -189,6 +190,7 @@ def _order_code_sections(codes: order_code_page.OrderCodes) -> Iterator[Section]
 
 
 def _index(library: Library, order_codes: list[Section]) -> Index:
+    """Return the values of the index of all families."""
     rows = [_index_row(device) for device in library.devices]
     trademarks = list(
         dict.fromkeys(note for manufacturer, _ in library.by_manufacturer() for note in manufacturer.trademarks)

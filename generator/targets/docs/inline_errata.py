@@ -42,15 +42,15 @@ class ErrataLines:
 
     def __call__(self, *paths: str, exactly: Collection[str] = ()) -> str:
         """Return, as a list, the errata about these paths in the spec or about anything inside them."""
-        manual_errata, differences = _by_origin(self._device, *paths, exactly=exactly)
+        manual_errata, edition_errata = _by_origin(self._device, *paths, exactly=exactly)
         lines = [self._line(erratum) for erratum in manual_errata if erratum.severity != "wording"]
         wording_errata = [erratum for erratum in manual_errata if erratum.severity == "wording"]
         if wording_errata:
             mistakes = "mistake" if len(wording_errata) == 1 else "mistakes"
             links = link_list(self._link(erratum, text(erratum.title)) for erratum in wording_errata)
             lines.append(f"- Wording {mistakes} in the manual: {links}")
-        if differences:
-            edition_links = (self._link(difference, text(_edition_phrase(difference))) for difference in differences)
+        if edition_errata:
+            edition_links = [self._link(erratum, text(_edition_phrase(erratum))) for erratum in edition_errata]
             lines.append(f"- Other editions differ: {', '.join(dict.fromkeys(edition_links))}")
         return "\n".join(lines)
 
@@ -64,6 +64,7 @@ class ErrataLines:
         return link(label, f"{self._page}#erratum-{erratum.name}")
 
     def _line(self, erratum: Erratum) -> str:
+        """Return an erratum as an item of a list."""
         if erratum.name in self._names_on_page:
             first_mention = link(text(erratum.title), f"#erratum-{erratum.name}")
             return f"- {status_badge(erratum)} {first_mention}, see above"
@@ -95,6 +96,7 @@ class ErrataLinks:
         return self._links_by_status([erratum for erratum in manual_errata if erratum.severity == "wrong_data"])
 
     def _links_by_status(self, linked_errata: Sequence[Erratum]) -> str:
+        """Return links to errata in one cell, folded by status if there are several."""
         self._errata |= {erratum.name: erratum for erratum in linked_errata}
         if len(linked_errata) == 1:
             (erratum,) = linked_errata
@@ -148,7 +150,8 @@ def _by_origin(device: Device, *paths: str, exactly: Collection[str]) -> tuple[l
     """Return the errata of the manual about these paths, and the differences in other editions."""
     affecting_errata = errata(device, *paths, exactly=exactly, wording=True)
     edition_errata = [erratum for erratum in affecting_errata if erratum.edition and not device.edition]
-    return [erratum for erratum in affecting_errata if erratum not in edition_errata], edition_errata
+    manual_errata = [erratum for erratum in affecting_errata if erratum not in edition_errata]
+    return manual_errata, edition_errata
 
 
 def _edition_phrase(difference: Erratum) -> str:
@@ -190,6 +193,7 @@ def _errata_of_manual(device: Device) -> list[Erratum]:
 
 
 def page_values(device: Device) -> ErrataPage:
+    """Return the values of the page with the errata of a family."""
     manual_errata = _errata_of_manual(device)
     open_errata = [erratum for erratum in manual_errata if erratum.status == "open"]
     summary = _summary(len(manual_errata), len(open_errata))
@@ -202,6 +206,7 @@ def page_values(device: Device) -> ErrataPage:
 
 
 def _erratum_section(erratum: Erratum) -> dict[str, Any]:
+    """Return one erratum with its rows for the page of errata."""
     rows = [
         *fact_tables.printed_and_used_rows(erratum),
         ("Why", text(erratum.why)),
@@ -243,6 +248,7 @@ def _is_of(erratum: Erratum, status: str, severity: str) -> bool:
 
 
 def all_values(devices: Sequence[Device]) -> AllErrataPage:
+    """Return the values of the page with the errata of all families."""
     titles = {"open": "Open: only hardware or the manufacturer can decide", "settled": "Settled"}
     sections = []
     for status, title in titles.items():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from itertools import chain
 from typing import Annotated, Any, TypedDict
 
 from ...model import (
@@ -76,6 +77,7 @@ class Sections(TypedDict):
 
 
 def page_sections(device: Device) -> Sections:
+    """Return the sections that the page of an interface and that of an order code share."""
     return {
         "device": device,
         "document": document(device),
@@ -91,7 +93,7 @@ def page_sections(device: Device) -> Sections:
         "alarms": [_alarm_section(device, device_alarm) for device_alarm in device.alarms],
         "inputs": [_input_section(device, device_input) for device_input in device.inputs],
         "connectors": [_connector_section(connector) for connector in device.connectors],
-        "led_rows": [row for led in device.leds for row in _led_rows(led)],
+        "led_rows": list(chain.from_iterable(map(_led_rows, device.leds))),
         "examples": [_example_section(device, example) for example in device.examples],
     }
 
@@ -101,6 +103,7 @@ def _alarm_section(device: Device, device_alarm: Alarm) -> Section:
 
 
 def _input_section(device: Device, device_input: Input) -> Section:
+    """Return an input with its title and its facts."""
     return {
         "input": device_input,
         "title": title(device_input),
@@ -137,27 +140,31 @@ _KEYS_OF_FACTS = (
 
 
 def _interface_section(device: Device, interface: Interface) -> Section:
+    """Return an interface with its facts, frames, groups of fields, and the paths of its errata."""
     groups = {group.name: group for group in device.field_groups}
-    path = f"interfaces.{interface.name}"
-    interface_timings = [f"{path}.{timing.name}" for timing in interface.timings]
-    device_timings = [f"timings.{timing.name}" for timing in device.timings]
     used_groups = [groups[name] for name in layout_tables.used_groups(interface)]
+    path = f"interfaces.{interface.name}"
+    paths_of_interface_timings = [f"{path}.{timing.name}" for timing in interface.timings]
+    paths_of_device_timings = [f"timings.{timing.name}" for timing in device.timings]
+    data_ids = interface.data_ids if isinstance(interface, Rs485) else ()
+    memory_access = interface.memory_access if isinstance(interface, Rs485) else ()
     return {
         "interface": interface,
         "rows": list(fact_tables.interface_rows(device, interface)),
         "path": path,
         "paths": [f"{path}.{key}" for key in _KEYS_OF_FACTS],
-        "timing_paths": [*interface_timings, f"{path}.timings", *device_timings],
-        "data_id_rows": list(map(_data_id_row, interface.data_ids)) if isinstance(interface, Rs485) else [],
+        "timing_paths": [*paths_of_interface_timings, f"{path}.timings", *paths_of_device_timings],
+        "data_id_rows": [_data_id_row(data_id) for data_id in data_ids],
         "exchange_rows": _exchange_rows(interface),
         "layouts": [_layout_section(device, interface, layout) for layout in interface.layouts],
         "groups": [_group_section(device, interface, group) for group in used_groups],
-        "memory_rows": list(map(_memory_row, interface.memory_access)) if isinstance(interface, Rs485) else [],
+        "memory_rows": [_memory_row(access) for access in memory_access],
         "control_rows": list(fact_tables.control_rows(interface)) if isinstance(interface, Biss) else [],
     }
 
 
 def _group_section(device: Device, interface: Interface, group: FieldGroup) -> Section:
+    """Return a group of fields with its rows and the frames that contain it."""
     return {
         "group": group,
         "title": _group_title(group),
@@ -167,6 +174,7 @@ def _group_section(device: Device, interface: Interface, group: FieldGroup) -> S
 
 
 def _data_id_row(data_id: DataId) -> tuple[str, ...]:
+    """Return a row for one data ID of the T-format."""
     return (
         f"{data_id.id:X}",
         code(data_id.name),
@@ -195,6 +203,7 @@ def _layout_link(layout: Layout | None) -> str:
 
 
 def _memory_row(access: MemoryAccess) -> tuple[str, ...]:
+    """Return a row for one kind of access to memory."""
     return (
         text(access.access),
         f"{access.busy}",
@@ -211,6 +220,7 @@ def _group_title(group: FieldGroup) -> str:
 
 
 def _layout_section(device: Device, interface: Interface, layout: Layout) -> Section:
+    """Return a frame with the rows of its fields and its places by order code."""
     return {
         "layout": layout,
         "head": say_layout.head(interface, layout, Code(layout.name), device.alternatives),
@@ -223,16 +233,19 @@ def _layout_section(device: Device, interface: Interface, layout: Layout) -> Sec
 
 
 def _register_section(device: Device, register: Register) -> Section:
+    """Return a register with its facts, fields and named values."""
     fields = register.layout.fields
     rows = list(layout_tables.field_rows(device, register.layout))
-    is_plain = len(fields) == 1 and rows[0][3:] == ("", "") and fields[0].name == register.name
+    _, _, _, meaning_cell, source_cell = rows[0]
+    is_single_number = len(fields) == 1 and fields[0].name == register.name
+    repeats_register = is_single_number and not meaning_cell and not source_cell
     return {
         "register": register,
         "title": title(register),
         "access": say_register.access(register),
         "head": say_register.head(device, register, Code(register.name)),
         "facts": say_register.facts(device, register),
-        "rows": [] if is_plain else rows,
+        "rows": [] if repeats_register else rows,
         "value_tables": [_value_table(field, len(fields) == 1) for field in fields if has_value_table(field)],
         "joins": say_layout.joins(register.layout),
         "placements": layout_tables.placement_table(device, register.layout, register.interface),
@@ -244,6 +257,7 @@ def _value_table(field: Field, is_only_field: bool) -> Section:
 
 
 def _procedure_section(device: Device, procedure: Procedure) -> Section:
+    """Return a procedure with the rows of its steps and its arguments."""
     return {
         "procedure": procedure,
         "about": list(say_commands.about_procedure(procedure)),
@@ -253,6 +267,7 @@ def _procedure_section(device: Device, procedure: Procedure) -> Section:
 
 
 def _connector_section(connector: Connector) -> Section:
+    """Return a connector with the head and the rows of its contacts."""
     return {
         "connector": connector,
         "head": "Wire" if connector.kind == "cable" else "Pin",
@@ -261,6 +276,7 @@ def _connector_section(connector: Connector) -> Section:
 
 
 def _register_row(register: Register) -> tuple[str, ...]:
+    """Return a row for one register in the overview."""
     data = register.default_bytes()
     return (
         "" if register.bank is None else f"{register.bank}",
@@ -385,6 +401,7 @@ def _overview_rows(device: Device, interface: Interface, variants: Sequence[Vari
 
 
 def _codes_by_supply(device: Device, variants: Iterable[Variant]) -> dict[Supply, list[str]]:
+    """Return the order codes with each supply."""
     codes_by_supply: dict[Supply, list[str]] = {}
     for variant in variants:
         supply = device.supply_of(variant)

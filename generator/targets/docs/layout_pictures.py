@@ -36,6 +36,7 @@ _CLASS_COLOURS = (
 
 
 def _style_element() -> str:
+    """Return the style sheet of a picture, with the colours for light and dark screens."""
     colours = palette()
     light = "".join(f".{name}{{{key}:{colours.light[colour]}}}" for name, key, colour in _CLASS_COLOURS)
     dark = "".join(f".{name}{{{key}:{colours.on_dark(colour)}}}" for name, key, colour in _CLASS_COLOURS)
@@ -238,6 +239,7 @@ _MOST_DESCRIBED = 4
 
 
 def _stack_text(stack: Stack) -> str:
+    """Return the text alternative of one stack, with its caption."""
     if not stack.caption:
         return stack.text
     # The caption of a frame ends with its number of bits, and so its text need not begin with it.
@@ -280,24 +282,32 @@ def _runs_with_groups_merged(placed_layout: PlacedLayout) -> list[_BitRun]:
     """Return the runs, with a group of fields, or a field with its padding, as one run."""
     field_names = {placed_field.name for placed_field in placed_layout.fields}
     group_names = {placed_field.field.group for placed_field in placed_layout.fields} - {""}
-    fields_by_owner: dict[str, list[PlacedField]] = {}
+    fields_by_group_or_field: dict[str, list[PlacedField]] = {}
     for placed_field in placed_layout.fields:
-        padded = placed_field.field.padding_of if placed_field.field.padding_of in field_names else ""
-        owner = placed_field.field.group or padded or placed_field.name
-        fields_by_owner.setdefault(owner, []).append(placed_field)
+        field = placed_field.field
+        padded_field = field.padding_of if field.padding_of in field_names else ""
+        group_or_field = field.group or padded_field or field.name
+        fields_by_group_or_field.setdefault(group_or_field, []).append(placed_field)
     runs = []
-    for owner, fields in fields_by_owner.items():
-        low = min(field.low for field in fields)
-        high = max(field.high for field in fields)
-        if owner in group_names:
-            runs.append(_BitRun(high, low, name_as_words(owner), _GROUP))
+    for name, merged_fields in fields_by_group_or_field.items():
+        low = min(placed_field.low for placed_field in merged_fields)
+        high = max(placed_field.high for placed_field in merged_fields)
+        if name in group_names:
+            runs.append(_BitRun(high=high, low=low, name=name_as_words(name), fill=_GROUP))
         else:
-            runs.append(_run_of_field(placed_layout.layout.field(owner), high, low))
+            runs.append(_run_of_field(placed_layout.layout.field(name), high, low))
     return sorted(runs, key=lambda run: -run.high)
 
 
 def _run_of_field(field: Field, high: int, low: int) -> _BitRun:
-    return _BitRun(high, low, box_label(field), box_colour(field), meaning_of(field) == Active(low=True))
+    """Return the bits of a field, with its label and colour."""
+    return _BitRun(
+        high=high,
+        low=low,
+        name=box_label(field),
+        fill=box_colour(field),
+        active_low=meaning_of(field) == Active(low=True),
+    )
 
 
 def _gaps(placed_layout: PlacedLayout) -> list[tuple[int, int]]:
@@ -339,17 +349,21 @@ def stacks_picture(title: str, stacks: Sequence[Stack]) -> str:
 
 
 def _row_elements(row: ByteRow, top: float) -> Iterator[str]:
+    """Yield the name of a byte, and its boxes with their names and bit numbers."""
     if row.label:
         yield text(_MARGIN, top + _BOX / 2 + 4, row.label, _SMALL, "start", faint=True)
     for box in row.boxes:
-        left, width = _MARGIN + _LABELS + (7 - box.high) * _BIT, _width(box)
-        yield rect(left, top, width, _BOX, box.fill)
-        lines = [(line, False) for line in _lines_inside(box)]
+        left, box_width = _MARGIN + _LABELS + (7 - box.high) * _BIT, _width(box)
+        yield rect(left, top, box_width, _BOX, box.fill)
+        name_lines = _lines_inside(box)
+        number_of_lines = len(name_lines) + bool(box.place)
+        center = left + box_width / 2
+        baseline = top + _BOX / 2 + 4.5 - 7 * (number_of_lines - 1)
+        for line in name_lines:
+            yield text(center, baseline, line, _SMALL, "middle")
+            baseline += 14
         if box.place:
-            lines.append((box.place, True))
-        first_baseline = top + _BOX / 2 + 4.5 - 7 * (len(lines) - 1)
-        for index, (line, faint) in enumerate(lines):
-            yield text(left + width / 2, first_baseline + 14 * index, line, _SMALL, "middle", faint=faint)
+            yield text(center, baseline, box.place, _SMALL, "middle", faint=True)
 
 
 def _width(box: Box) -> float:

@@ -18,6 +18,7 @@ from ...model import (
     PlacedLayout,
     Register,
     choices,
+    first_of,
 )
 from ...model.expressions import Expression
 from ...model.record import dataclass
@@ -60,8 +61,9 @@ def placements(
         shape = _shape(placed_layout)
         layouts_by_shape.setdefault(shape, placed_layout)
         codes_by_shape.setdefault(shape, []).append(variant.code)
-    shapes = layouts_by_shape.keys()
-    different_placements = [Placement(tuple(codes_by_shape[shape]), layouts_by_shape[shape]) for shape in shapes]
+    different_placements = []
+    for shape, placed_layout in layouts_by_shape.items():
+        different_placements.append(Placement(codes=tuple(codes_by_shape[shape]), placed_layout=placed_layout))
     return tuple(sorted(different_placements, key=lambda placement: placement.placed_layout.bits))
 
 
@@ -86,13 +88,16 @@ def field_cell(device: Device, field: Field, in_register: bool = False) -> str:
 
 
 def _value_statements(field: Field, in_register: bool) -> Iterator[Statement]:
+    """Yield a statement for each named value, or one statement if there are many."""
     if not has_value_table(field):
-        yield from (value(replace(named_value, source=()), field.widest) for named_value in field.values)
+        for named_value in field.values:
+            yield value(replace(named_value, source=()), field.widest)
     elif in_register:
         yield statement("See the table of values below")
     else:
-        names = (value(replace(named_value, meaning=""), field.widest).parts for named_value in field.values)
-        yield statement(*parted(names, ", "), label="Values")
+        values_without_meaning = [replace(named_value, meaning="") for named_value in field.values]
+        numbers_and_names = (value(named_value, field.widest).parts for named_value in values_without_meaning)
+        yield statement(*parted(numbers_and_names, ", "), label="Values")
 
 
 def has_value_table(field: Field) -> bool:
@@ -124,6 +129,7 @@ def _group_row(device: Device, layout: Layout, group: FieldGroup) -> tuple[str, 
 
 
 def _field_row(device: Device, layout: Layout, field: Field) -> tuple[str, ...]:
+    """Return a row of field, place, width, meaning, source."""
     return (
         name_cell(field),
         field_place_cell(layout, field, device.alternatives_of(layout)),
@@ -166,7 +172,8 @@ def _first_bit(fields: Iterable[Field], parameters: Mapping[str, int]) -> int:
 
 def group_shapes(device: Device, name: str) -> list[tuple[tuple[Answer, ...], GroupFields]]:
     """Return the fields of a group, once for each choice that moves them."""
-    layout = next(layout for _, layout in device.layouts() if _has_group(layout, name))
+    layouts = (layout for _, layout in device.layouts() if _has_group(layout, name))
+    layout = first_of(layouts, f"frame with the field group '{name}'")
     fields = [field for field in layout.fields if field.group == name]
     alternatives = device.alternatives_of(layout)
     deciding_alternatives = [alternative for alternative in alternatives if _decides_place_of_any(fields, alternative)]
@@ -207,11 +214,12 @@ def group_places(
 ) -> Iterator[tuple[Field, str]]:
     """Yield the fields of a group, each with its place, or with the place for each of the answers that move it."""
     shapes = group_shapes(device, name)
-    first_fields = [field for field, _, _ in shapes[0][1]]
-    for field in first_fields:
+    _, fields_of_first_shape = shapes[0]
+    for field, _, _ in fields_of_first_shape:
         answers_by_place: dict[str, str] = {}
         for answers, group_fields in shapes:
-            place = next(bits(high, low) for moved_field, high, low in group_fields if moved_field is field)
+            places = (bits(high, low) for moved_field, high, low in group_fields if moved_field is field)
+            place = first_of(places, f"place of '{field.name}'")
             answers_by_place.setdefault(place, answers_text(answers))
         if len(answers_by_place) == 1:
             yield field, joined(answers_by_place)
@@ -226,7 +234,11 @@ def links_to_frames_with(interface: Interface, group: str) -> list[str]:
 
 
 def used_groups(interface: Interface) -> list[str]:
-    return list(dict.fromkeys(field.group for layout in interface.layouts for field in layout.fields if field.group))
+    """Return the names of the field groups in the frames, in the order of their first use."""
+    names: dict[str, None] = {}
+    for layout in interface.layouts:
+        names |= dict.fromkeys(field.group for field in layout.fields if field.group)
+    return list(names)
 
 
 def placement_table(device: Device, layout: Layout, interface_name: str) -> str:
@@ -235,36 +247,51 @@ def placement_table(device: Device, layout: Layout, interface_name: str) -> str:
     Only choices that change the length are included. The row of a field shows its places for all other choices.
     """
     questions = [question for question in device.alternatives_of(layout) if _decides_length(layout, question)]
-    shapes: list[tuple[tuple[Answer, ...], Placement]] = []
+    answers_and_placements: list[tuple[tuple[Answer, ...], Placement]] = []
     for answers, parameters in choices(questions):
-        shapes += ((answers, shape) for shape in placements(device, layout, interface_name, parameters))
-    if len(shapes) < 2:
+        for placement in placements(device, layout, interface_name, parameters):
+            answers_and_placements.append((answers, placement))
+    if len(answers_and_placements) < 2:
         return ""
-    set_by_answers = {name for alternative in device.alternatives for name in alternative.answers[0].sets}
-    fields_with_content = [field for field in layout.fields if not field.padding_of]
-    fields = [field for field in fields_with_content if _depends_on_order_code(field, set_by_answers)]
-    container_fields = [field for field in fields if field.container and layout.sender]
-    containers = {field.name: field_place_cell(layout, field) for field in container_fields}
+    fields = _fields_moved_by_order_code(device, layout)
+    containers = _containers(layout, fields)
     rows = []
-    for answers, shape in shapes:
-        length = "" if layout.bits.is_constant else f"{shape.placed_layout.bits}"
-        answer_cells = [code(answer.name) for answer in answers]
-        bit_cells = []
+    for answers, placement in answers_and_placements:
+        placed_layout = placement.placed_layout
+        length_cell = "" if layout.bits.is_constant else f"{placed_layout.bits}"
+        bits_cells = []
         for field in fields:
-            placed_field = shape.placed_layout.find_field(field.name)
-            bit_cells.append(_bits_cell(placed_field, field.name in containers))
-        rows.append([order_codes(device, shape.codes), *answer_cells, length, *bit_cells])
-    question_links = [link(code(question.name), f"#alternative-{question.name}") for question in questions]
+            placed_field = placed_layout.find_field(field.name)
+            bits_cells.append(_bits_cell(placed_field, from_own_low=field.name in containers))
+        answer_cells = [code(answer.name) for answer in answers]
+        rows.append([order_codes(device, placement.codes), *answer_cells, length_cell, *bits_cells])
+    question_heads = [link(code(question.name), f"#alternative-{question.name}") for question in questions]
     field_heads = [_field_head(field, containers) for field in fields]
-    return table(["Order codes", *question_links, "Bits", *field_heads], rows)
+    return table(["Order codes", *question_heads, "Bits", *field_heads], rows)
 
 
-def _bits_cell(placed_field: PlacedField | None, from_own_low: bool) -> str:
+def _fields_moved_by_order_code(device: Device, layout: Layout) -> list[Field]:
+    """Return the fields, except padding, whose place or width depends on the order code."""
+    set_by_answers: set[str] = set()
+    for alternative in device.alternatives:
+        set_by_answers.update(alternative.answers[0].sets)
+    fields_with_content = [field for field in layout.fields if not field.padding_of]
+    return [field for field in fields_with_content if _depends_on_order_code(field, set_by_answers)]
+
+
+def _containers(layout: Layout, fields: Sequence[Field]) -> dict[str, str]:
+    """Return the places of the containers that fields of a frame fill partly, by the name of the field."""
+    if not layout.sender:
+        return {}
+    return {field.name: field_place_cell(layout, field) for field in fields if field.container}
+
+
+def _bits_cell(placed_field: PlacedField | None, *, from_own_low: bool) -> str:
     """Return the bits of a field, or a dash if the order code lacks it. ``from_own_low`` counts from its lowest bit."""
     if placed_field is None:
         return "–"
-    first = placed_field.low if from_own_low else 0
-    return bit_range(placed_field.high - first, placed_field.low - first)
+    bit_0 = placed_field.low if from_own_low else 0
+    return bit_range(placed_field.high - bit_0, placed_field.low - bit_0)
 
 
 def _field_head(field: Field, containers: Mapping[str, str]) -> str:
@@ -342,6 +369,7 @@ def has_picture(register: Register) -> bool:
 
 
 def register_stacks(device: Device, register: Register) -> list[Stack]:
+    """Return the bytes of each shape of a register."""
     low_byte_first = register.byte_order == "low_byte_first"
     shapes = placements(device, register.layout, register.interface)
     stacks = []

@@ -52,6 +52,7 @@ class MastersPage(TypedDict):
 
 
 def page_values(device: Device, masters: Sequence[Master]) -> MastersPage:
+    """Return the values of the page with the settings of all masters for a family."""
     interface_sheets = sheets_of(device, masters)
     sheets: list[Sheet] = []
     for group_sheets in interface_sheets:
@@ -66,6 +67,7 @@ def page_values(device: Device, masters: Sequence[Master]) -> MastersPage:
 
 
 def _interface_section(device: Device, group_sheets: GroupSheets) -> dict[str, Any]:
+    """Return the facts that masters need over an interface, and the settings of each master."""
     interface, groups = group_sheets.interface, group_sheets.groups
     common_rows, tables = _common_rows_and_tables([(group, _fact_rows(group)) for group in groups])
     order_code_rows = [] if tables else [("Order codes", _codes_label(groups))]
@@ -103,19 +105,22 @@ def _common_rows_and_tables(columns: Columns) -> tuple[list[Row], list[Table]]:
 
     Each column is a group with its rows by key. The first cell of a row is its name, the second its value.
     """
-    keys = dict.fromkeys(key for _, rows in columns for key in rows)
+    keys: dict[Any, None] = {}
+    for _, rows in columns:
+        keys |= dict.fromkeys(rows)
     common_rows: list[Row] = []
-    differing_keys, supply_keys = [], []
+    differing_keys: list[Any] = []
+    supply_keys: list[Any] = []
     for key in keys:
-        different_rows = {rows.get(key) for _, rows in columns}
-        row = different_rows.pop()
-        if row is not None and not different_rows:
-            common_rows.append(row)
+        first_row, *other_rows = [rows.get(key) for _, rows in columns]
+        is_common = all(row == first_row for row in other_rows)
+        if first_row is not None and is_common:
+            common_rows.append(first_row)
         elif _follows_supply(key, columns):
             supply_keys.append(key)
         else:
             differing_keys.append(key)
-    tables = [_table_of_differences(keys, columns) for keys in (differing_keys, supply_keys) if keys]
+    tables = [_table_of_differences(table_keys, columns) for table_keys in (differing_keys, supply_keys) if table_keys]
     return common_rows, tables
 
 
@@ -169,6 +174,7 @@ def _codes_label(groups: Sequence[Group]) -> str:
 
 
 def _master_section(master: Master, sheets: GroupSettings) -> dict[str, Any]:
+    """Return the settings of one master for all groups of order codes."""
     accepted_sheets = [(group, sheet) for group, sheet in sheets if not sheet.refusals]
     refused = list(_refusal_lines(sheets))
     notes = [*_setting_notes(accepted_sheets), *_further_notes(accepted_sheets)]

@@ -318,6 +318,7 @@ def lead_sentences(note: str) -> str:
 
 
 def _frame_section(group: CodeGroup, layout: Layout, pictures: Pictures) -> Section:
+    """Return the frame with the position: its picture, fields, facts and verdicts."""
     crc = group.family.crc_of(layout.place(group.variants[0].parameters))
     choices = [alternative.name for alternative in group.device.alternatives]
     # The layout of the page has other notes. Verdicts are known for that of the family.
@@ -371,6 +372,7 @@ def _quantity_rows(group: CodeGroup) -> Iterator[Row]:
 
 
 def _quantity_row(group: CodeGroup, parameter: Parameter, is_set_by_registers: bool) -> Row:
+    """Return a row for a quantity that the order code or a register sets."""
     quantity = parameter_value(parameter, group.variants[0].parameters[parameter.name])
     meaning = text(sentence(meaning_without_range(group.family, parameter)))
     origin = _origin_of_quantity(group.family, parameter, is_set_by_registers)

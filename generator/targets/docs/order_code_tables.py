@@ -43,11 +43,13 @@ def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
     """Yield rows of part, meaning, value, meaning of the value, source."""
     parameters = {parameter.name: parameter for parameter in device.parameters}
     for part in device.order_code.parts:
-        for index, value in enumerate(part.values):
-            name_and_meaning = (code(part.name), text(part.meaning)) if index == 0 else ("", "")
+        name_cell, meaning_cell = code(part.name), text(part.meaning)
+        for value in part.values:
             assignments = [_assignment(parameters[name], number) for name, number in value.sets.items()]
-            about = joined([text(value.meaning), ", ".join(assignments), _only_with(value.only_with)])
-            yield *name_and_meaning, code(value.text), about, cited(value.source or part.source)
+            about_value = joined([text(value.meaning), ", ".join(assignments), _only_with(value.only_with)])
+            yield name_cell, meaning_cell, code(value.text), about_value, cited(value.source or part.source)
+            # Only the first row of a part names it.
+            name_cell, meaning_cell = "", ""
         for open_value in open_values(part):
             meaning = joined([STYLE.sentence(open_value), _only_with(part.open_only_with)])
             yield "", "", "", meaning, cited(part.source)
@@ -61,10 +63,15 @@ def _assignment(parameter: Parameter, number: int) -> str:
 def spelling_rows(device: Device) -> Iterator[tuple[str, ...]]:
     """Yield rows of pattern on the label, where it is used, its texts for the listed values, source."""
     for spelling in device.order_code.also_written:
-        values = [value for value in spelling.values if value.text != value.value]
-        texts = "; ".join(f"{code(value.text)} is {code(value.value)}" for value in values)
-        ending = f"{code(spelling.then)} may follow and has no meaning here" if spelling.then else ""
-        yield code(spelling.pattern), text(spelling.where), joined([texts, ending]), cited(spelling.source)
+        differing_values = [value for value in spelling.values if value.text != value.value]
+        texts_of_values = "; ".join(f"{code(value.text)} is {code(value.value)}" for value in differing_values)
+        about_ending = f"{code(spelling.then)} may follow and has no meaning here" if spelling.then else ""
+        yield (
+            code(spelling.pattern),
+            text(spelling.where),
+            joined([texts_of_values, about_ending]),
+            cited(spelling.source),
+        )
 
 
 def _only_with(texts_by_part: Mapping[str, Sequence[str]]) -> str:
@@ -129,9 +136,10 @@ def code_table(device: Device, interface: Interface, links: Mapping[str, str]) -
     parameters = _parameters_of_order_codes(device, interface.name)
     rows = []
     for variant in device.variants_over(interface.name):
-        values = [parameter_value(parameter, variant.parameters[parameter.name]) for parameter in parameters]
-        rows.append((links[variant.code], *values))
-    return {"head": ["Order code", *(code(parameter.name) for parameter in parameters)], "rows": rows}
+        quantities = [parameter_value(parameter, variant.parameters[parameter.name]) for parameter in parameters]
+        rows.append((links[variant.code], *quantities))
+    parameter_names = [code(parameter.name) for parameter in parameters]
+    return {"head": ["Order code", *parameter_names], "rows": rows}
 
 
 def alternative_sections(device: Device) -> list[dict[str, Any]]:
@@ -140,6 +148,7 @@ def alternative_sections(device: Device) -> list[dict[str, Any]]:
 
 
 def _alternative_section(device: Device, alternative: Alternative) -> dict[str, Any]:
+    """Return a question that the manual leaves open, with its answers and the frames that need one."""
     frames = []
     for _, layout in device.layouts():
         if alternative in (*device.alternatives_of(layout), *device.verdict_alternatives(layout)):
@@ -200,8 +209,9 @@ def patterns(device: Device, codes: Collection[str]) -> list[str]:
     """Return patterns that together match exactly these order codes, such as `A-x/y` with x = 1 or 2, y = B or C."""
     part_names = [part.name for part in device.order_code.parts]
     variants = [variant for variant in device.variants if variant.code in codes]
-    rows = [_texts_of_parts(variant, part_names) for variant in variants]
-    return [_pattern(device.order_code, part_names, texts_of_parts) for texts_of_parts in _products(rows)]
+    texts_by_variant = [_texts_of_parts(variant, part_names) for variant in variants]
+    products = _products(texts_by_variant)
+    return [_pattern(device.order_code, part_names, texts_by_part) for texts_by_part in products]
 
 
 def _texts_of_parts(variant: Variant, part_names: Sequence[str]) -> PartTexts:
@@ -231,25 +241,31 @@ def _letters_without(fixed_letters: Collection[str]) -> Iterator[str]:
     yield from (f"x{number}" for number in count(1))
 
 
-def _products(rows: Sequence[PartTexts]) -> Iterator[list[list[str]]]:
-    """Yield the rows as products of the texts of each part. Rows are split if a part combines with only some others."""
-    divisions = [_divided_by_part(rows, index) for index in range(len(rows[0]))]
-    splitting_divisions = [groups for groups in divisions if len(groups) > 1]
-    if not splitting_divisions:
-        yield [list(dict.fromkeys(texts)) for texts in zip(*rows, strict=True)]
+def _products(combinations: Sequence[PartTexts]) -> Iterator[list[list[str]]]:
+    """Yield the combinations of texts as products, such as the texts ``["A"], ["1", "2"]`` for A-1 and A-2.
+
+    They are split if a part combines with only some others.
+    """
+    number_of_parts = len(combinations[0])
+    groups_by_part = [_divided_by_part(combinations, index) for index in range(number_of_parts)]
+    splitting_groups = [groups for groups in groups_by_part if len(groups) > 1]
+    if not splitting_groups:
+        texts_by_part = zip(*combinations, strict=True)
+        yield [list(dict.fromkeys(texts)) for texts in texts_by_part]
         return
-    for group in min(splitting_divisions, key=len):
+    for group in min(splitting_groups, key=len):
         yield from _products(group)
 
 
-def _divided_by_part(rows: Sequence[PartTexts], index: int) -> list[list[PartTexts]]:
-    """Group the rows by one part, and merge texts of it that combine with the same other parts."""
-    other_parts_of_text: dict[str, set[PartTexts]] = {}
-    for row in rows:
-        other_parts_of_text.setdefault(row[index], set()).add(row[:index] + row[index + 1 :])
+def _divided_by_part(combinations: Sequence[PartTexts], index: int) -> list[list[PartTexts]]:
+    """Group the combinations by one part, and merge texts of it that combine with the same other parts."""
+    other_parts_by_text: dict[str, set[PartTexts]] = {}
+    for texts in combinations:
+        other_parts = texts[:index] + texts[index + 1 :]
+        other_parts_by_text.setdefault(texts[index], set()).add(other_parts)
     groups: dict[frozenset[PartTexts], list[PartTexts]] = {}
-    for row in rows:
-        groups.setdefault(frozenset(other_parts_of_text[row[index]]), []).append(row)
+    for texts in combinations:
+        groups.setdefault(frozenset(other_parts_by_text[texts[index]]), []).append(texts)
     return list(groups.values())
 
 
@@ -260,14 +276,16 @@ _EXPONENT = re.compile(r"\^([0-9]*)")
 def position_frame(family: Device, interface: Interface) -> Layout | None:
     """Return the frame that says most about the position: its parts, then its flags. With a tie, the shortest."""
     family_layouts = family.interface(interface.name).layouts
-    names = {layout.name for layout in family_layouts if family.tells_position(interface.name, layout)}
-    position_names = family.position_names(interface.name)
+    position_frames = {layout.name for layout in family_layouts if family.tells_position(interface.name, layout)}
+    candidates = [layout for layout in interface.layouts if layout.name in position_frames]
+    parts_of_position = family.position_names(interface.name)
 
     def information(layout: Layout) -> tuple[int, int, int]:
-        flags = sum(isinstance(meaning_of(field), Active) for field in layout.fields)
-        return len(position_names & {field.name for field in layout.fields}), flags, -layout.widest
+        number_of_parts = len(parts_of_position & {field.name for field in layout.fields})
+        number_of_flags = sum(isinstance(meaning_of(field), Active) for field in layout.fields)
+        return number_of_parts, number_of_flags, -layout.widest
 
-    return max((layout for layout in interface.layouts if layout.name in names), key=information, default=None)
+    return max(candidates, key=information, default=None)
 
 
 def open_questions(device: Device, layout: Layout) -> Iterator[str]:
@@ -404,6 +422,7 @@ def _cause_texts(causes: Sequence[VerdictCause]) -> Iterator[str]:
 
 
 def _cause_text(cause: VerdictCause) -> str:
+    """Return a flag, with the flags that must be inactive if it combines them."""
     name = code(cause.by.field.name)
     if not cause.unless:
         return name

@@ -93,6 +93,7 @@ Pictures = dict[str, Picture]
 
 
 def pictures_of_family(device: Device) -> Pictures:
+    """Return the pictures of the frames, registers, groups of fields and connectors of a family."""
     pictures: Pictures = {}
     for interface, layout in device.layouts():
         stacks = layout_tables.layout_stacks(device, interface, layout)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Annotated, TypedDict
 
-from ...model import Alarm, Alternative, Device, Field, Interface, Layout, Sign, Verdict
+from ...model import Alarm, Alternative, Device, Field, Interface, Layout, Sign, Verdict, first_of
 from ...model.record import dataclass
 from ...plan.values import Active, meaning_of
 from ...plan.verdicts import Judgement, Only, Reporting, reportings, reports_of, sums_up, verdict_of
@@ -28,6 +28,7 @@ class UsablePage(TypedDict):
 
 
 def page_values(devices: Sequence[Device]) -> UsablePage:
+    """Return the values of the page about verdicts, with the rows of all families."""
     values: UsablePage = {"decides_rows": [], "frame_rows": [], "report_rows": []}
     for device in devices:
         reporting_frames = list(reportings(device))
@@ -55,10 +56,11 @@ def _deciding_rows(device: Device, reporting_frames: Sequence[Reporting]) -> Ite
             layout, judgement = reporting.codec.layout, reporting.judgement
             rows = tuple(_rows_of_frame(device, reporting.interface, layout, judgement))
             layouts_by_rows.setdefault((reporting.interface.title, rows), []).append(layout)
-    for (title, rows), layouts in layouts_by_rows.items():
+    for (interface_title, rows), layouts in layouts_by_rows.items():
         first_row, *further_rows = rows
-        yield title, _layout_links(device, layouts), *first_row
-        yield from (("", "", *row) for row in further_rows)
+        yield interface_title, _layout_links(device, layouts), *first_row
+        for row in further_rows:
+            yield "", "", *row
     if not layouts_by_rows:
         titles = ", ".join(interface.title for interface in device.interfaces)
         yield titles, "no frame with a position", "", "", "", "", ""
@@ -90,17 +92,21 @@ class _Decider:
 def _deciders(layout: Layout, judgement: Judgement) -> list[_Decider]:
     """Return the fields that decide the verdict on a frame, worst verdict first."""
     fields = (*layout.fields, *(sign.flag for sign in layout.signs))
-    names = [field.name for field in fields]
     deciders: list[_Decider] = []
     for verdict, causes in judgement.worst_first:
-        deciders += (_Decider(verdict, cause.by.field, cause.conditions) for cause in causes)
+        deciders += [_Decider(verdict, cause.by.field, cause.conditions) for cause in causes]
     if judgement.otherwise is Verdict.UNKNOWN:
         # A warning does not improve on an unknown position.
         not_better = (Verdict.USABLE_WITH_WARNING, Verdict.UNKNOWN)
         warning_fields = [field for field in layout.fields if verdict_of(field) in not_better]
-        deciders += (_Decider(judgement.otherwise, field) for field in warning_fields)
-    verdicts = [*Verdict]
-    deciders.sort(key=lambda decider: (verdicts.index(decider.verdict), names.index(decider.field.name)))
+        deciders += [_Decider(judgement.otherwise, field) for field in warning_fields]
+    worst_first = list(Verdict)
+    field_names = [field.name for field in fields]
+
+    def verdict_and_place(decider: _Decider) -> tuple[int, int]:
+        return worst_first.index(decider.verdict), field_names.index(decider.field.name)
+
+    deciders.sort(key=verdict_and_place)
     usable_fields = [field for field in fields if verdict_of(field) is Verdict.USABLE]
     return [*deciders, *(_Decider(Verdict.USABLE, field) for field in usable_fields)]
 
@@ -118,7 +124,8 @@ def _decider_row(device: Device, interface: Interface, layout: Layout, decider: 
 
 def _active_value(device: Device, field: Field, conditions_on_codes: Sequence[Only]) -> str:
     """Return the value of a field that decides the verdict, with the order codes and the answer that it needs."""
-    return " ".join((deciding(field), *(_condition_text(device, only) for only in conditions_on_codes)))
+    texts_of_conditions = [_condition_text(device, only) for only in conditions_on_codes]
+    return " ".join([deciding(field), *texts_of_conditions])
 
 
 def _condition_text(device: Device, only: Only) -> str:
@@ -135,7 +142,8 @@ def _answer_text(device: Device, question: Alternative, only: Only) -> str:
     names = " or ".join(code(answer.name) for answer in answers)
     frames = device.layouts()
     interfaces = (interface for interface, layout in frames if question in device.verdict_alternatives(layout))
-    page = f"{device.name}/{next(interfaces).name}.md#alternative-{question.name}"
+    interface = first_of(interfaces, f"frame whose verdict '{question.name}' decides")
+    page = f"{device.name}/{interface.name}.md#alternative-{question.name}"
     default = "" if only.holds else ", the default"
     return f"and {link('your choice', page)} is {names}{default}"
 
@@ -149,7 +157,9 @@ def _condition_on_lower_flags(field: Field, layout: Layout) -> str:
     """Return the flags of the frame that must be inactive if a flag that combines them is to decide."""
     names_in_layout = {field.name for field in layout.fields}
     lower_flags = [Code(name) for name in sums_up(field) if name in names_in_layout]
-    return f", with {STYLE.phrase(statement(*listed(lower_flags)))} inactive" if lower_flags else ""
+    if not lower_flags:
+        return ""
+    return f", with {STYLE.phrase(statement(*listed(lower_flags)))} inactive"
 
 
 def _frame_rows(device: Device, reporting_frames: Sequence[Reporting]) -> Iterator[Row]:

@@ -46,8 +46,8 @@ def verdict_table(family: Device, device: Device, layout: Layout, variant: Varia
     if judgement is not None and causes_by_verdict:
         with_crc = "" if placed.crc_field is None else ", and the CRC is correct"
         rows.append(("", f"none of these{with_crc}", "", EFFECTS[judgement.otherwise], ""))
-    used_columns = [index for index in range(len(_HEAD)) if any(row[index] for row in rows)]
-    return _columns(_HEAD, used_columns), [_columns(row, used_columns) for row in rows]
+    columns_with_content = _indices_with_content(rows)
+    return _columns(_HEAD, columns_with_content), [_columns(row, columns_with_content) for row in rows]
 
 
 def _columns(row: Row, indexes: Iterable[int]) -> Row:
@@ -68,6 +68,14 @@ def _cause_rows(
                 yield _row(device, placed, field, level, EFFECTS[verdict])
 
 
+def _indices_with_content(rows: Iterable[Row]) -> list[int]:
+    """Return the indices of the columns in which a row has content."""
+    indices: set[int] = set()
+    for row in rows:
+        indices.update(index for index, cell in enumerate(row) if cell)
+    return sorted(indices)
+
+
 def _rows_of_other_flags(
     device: Device,
     placed: PlacedLayout,
@@ -75,20 +83,32 @@ def _rows_of_other_flags(
     judgement: Judgement | None,
 ) -> Iterator[Row]:
     """Yield a row for each flag that leads to no verdict for this order code."""
-    names = {cause.by.field.name for causes in causes_by_verdict.values() for cause in causes}
+    names_of_causes: set[str] = set()
+    for causes in causes_by_verdict.values():
+        names_of_causes.update(cause.by.field.name for cause in causes)
     effect = "unchanged" if judgement is not None else ""
-    for field in (placed_field.field for placed_field in placed.fields):
-        if isinstance(meaning_of(field), Active) and field.name not in names:
+    for placed_field in placed.fields:
+        field = placed_field.field
+        if isinstance(meaning_of(field), Active) and field.name not in names_of_causes:
             yield _row(device, placed, field, deciding(field), effect)
 
 
 def _row(device: Device, placed: PlacedLayout, field: Field, level: str, effect: str) -> Row:
+    """Return a row of place, name, active level, effect on the position, remedy."""
+    return _place(placed, field.name), _name(field), level, effect, _remedy_cell(device, field)
+
+
+def _remedy_cell(device: Device, field: Field) -> str:
+    """Return the remedy of a flag, with links to the steps that a person carries out by hand."""
     alarm = alarm_of(device, field)
-    remedy = sentence(remedy_text(field, alarm)) if remedy_text(field, alarm) else ""
-    described = {characteristic.name for characteristic in device.characteristics}
-    names = [name for name in by_hand(field, alarm) if name in described]
-    steps = [link("Step by step", f"hardware.md#by-hand-{name}") + "." for name in names]
-    return _place(placed, field.name), _name(field), level, effect, joined([text(remedy), *steps], " ")
+    remedy = remedy_text(field, alarm)
+    sentences = [text(sentence(remedy) if remedy else "")]
+    described_names = {characteristic.name for characteristic in device.characteristics}
+    for name in by_hand(field, alarm):
+        if name in described_names:
+            steps_link = link("Step by step", f"hardware.md#by-hand-{name}")
+            sentences.append(f"{steps_link}.")
+    return joined(sentences, " ")
 
 
 def _name(field: Field) -> str:
@@ -128,9 +148,9 @@ def applicable_causes(judgement: Judgement, variant: Variant) -> dict[Verdict, l
     """Return the causes of each verdict that apply to an order code, the worst verdict first."""
     causes_by_verdict: dict[Verdict, list[VerdictCause]] = {}
     for verdict, causes in judgement.worst_first:
-        applicable_causes = [cause for cause in causes if _applies(cause, variant)]
-        if applicable_causes:
-            causes_by_verdict[verdict] = applicable_causes
+        causes_for_variant = [cause for cause in causes if _applies(cause, variant)]
+        if causes_for_variant:
+            causes_by_verdict[verdict] = causes_for_variant
     return causes_by_verdict
 
 

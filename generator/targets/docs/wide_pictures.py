@@ -44,11 +44,11 @@ class _Cell:
 def wide_picture(title: str, shapes: Sequence[tuple[str, PlacedLayout]]) -> str:
     """Return the picture of a frame, with its first bit or byte on the left, once for each shape with its caption."""
     body: list[str] = []
-    stacks, top = [], _MARGIN
+    stacks: list[Stack] = []
+    top = _MARGIN
     for caption, placed_layout in shapes:
-        stack = (
-            byte_stack(caption, placed_layout) if placed_layout.layout.in_bytes else bit_stack(caption, placed_layout)
-        )
+        make_stack = byte_stack if placed_layout.layout.in_bytes else bit_stack
+        stack = make_stack(caption, placed_layout)
         stacks.append(stack)
         if caption:
             body.append(text(_MARGIN, top + 13, caption, _SIZE, "start", bold=True))
@@ -164,9 +164,11 @@ def _names_below(cells: Sequence[_Cell], top: float) -> Iterator[tuple[float, st
     left = _MARGIN
     for cell in cells:
         if not cell.lines:
-            entry_width = 16 + width(cell.about, _SIZE) + 16
-            if left + entry_width > WIDE - _MARGIN and left > _MARGIN:
+            width_with_box = 16 + width(cell.about, _SIZE) + 16
+            is_line_full = left + width_with_box > WIDE - _MARGIN
+            if is_line_full and left > _MARGIN:
                 left, top = _MARGIN, top + _LINE
-            yield top + _LINE, rect(left, top + 4, 10, 10, cell.fill)
-            yield top + _LINE, text(left + 16, top + 13, cell.about, _SIZE, "start")
-            left += entry_width
+            bottom = top + _LINE
+            yield bottom, rect(left, top + 4, 10, 10, cell.fill)
+            yield bottom, text(left + 16, top + 13, cell.about, _SIZE, "start")
+            left += width_with_box

@@ -85,10 +85,16 @@ def _row(columns: Sequence[Sequence[Connector]], signal: str, order_codes: Seque
 
 def _common_sentences(connectors: Sequence[Connector]) -> list[str]:
     """Return the sentences that the notes of all connectors have."""
-    notes = [connector.note.rstrip(".").split(". ") for connector in connectors]
-    first_note = notes[0] if notes else []
-    common = set(first_note).intersection(*notes)
-    return [text(sentence(note_sentence)) for note_sentence in first_note if note_sentence and note_sentence in common]
+    notes_in_sentences = [connector.note.rstrip(".").split(". ") for connector in connectors]
+    if not notes_in_sentences:
+        return []
+    first_note, *other_notes = notes_in_sentences
+    common_sentences = []
+    for note_sentence in first_note:
+        is_common = all(note_sentence in other_note for other_note in other_notes)
+        if note_sentence and is_common:
+            common_sentences.append(text(sentence(note_sentence)))
+    return common_sentences
 
 
 def _columns(connectors: Sequence[Connector], order_codes: Sequence[str]) -> list[list[Connector]]:
@@ -106,9 +112,11 @@ def _columns(connectors: Sequence[Connector], order_codes: Sequence[str]) -> lis
 
 def _have_similar_contacts(connector: Connector, other: Connector, order_codes: Sequence[str]) -> bool:
     """Return whether connectors of one kind have the same contacts for most signals of the one with fewer."""
-    contacts, other_contacts = _contacts_by_signal(connector, order_codes), _contacts_by_signal(other, order_codes)
-    matches = sum(contacts.get(signal) == other_contacts[signal] for signal in other_contacts)
-    return connector.kind == other.kind and 2 * matches > min(len(contacts), len(other_contacts))
+    contacts = _contacts_by_signal(connector, order_codes)
+    other_contacts = _contacts_by_signal(other, order_codes)
+    equal_signals = [signal for signal in other_contacts if contacts.get(signal) == other_contacts[signal]]
+    fewest_signals = min(len(contacts), len(other_contacts))
+    return connector.kind == other.kind and 2 * len(equal_signals) > fewest_signals
 
 
 def _contacts_by_signal(connector: Connector, order_codes: Sequence[str]) -> dict[str, list[str]]:
@@ -131,24 +139,31 @@ def _signal_cell(contact: Contact, order_codes: Sequence[str]) -> str:
 
 def _contacts_cell(column: Sequence[Connector], signal: str, order_codes: Sequence[str]) -> str:
     """Return the contacts of a signal, marked with the name of their connector if they differ."""
-    contacts_of_connectors = []
+    contact_lists = []
     for connector in column:
         contacts = _contacts_by_signal(connector, order_codes).get(signal, [])
-        contacts_of_connectors.append(_contact_list(contacts))
-    names = _short_names([connector.title for connector in column])
-    marked = [f"{contacts} ({name})" for contacts, name in zip(contacts_of_connectors, names, strict=True) if contacts]
-    are_alike = len(set(contacts_of_connectors)) == 1
-    return text(contacts_of_connectors[0] if are_alike else ", ".join(marked))
+        contact_lists.append(_contact_list(contacts))
+    if len(set(contact_lists)) == 1:
+        return text(contact_lists[0])
+    connector_names = _short_names([connector.title for connector in column])
+    lists_with_names = []
+    for contact_list, connector_name in zip(contact_lists, connector_names, strict=True):
+        if contact_list:
+            lists_with_names.append(f"{contact_list} ({connector_name})")
+    return text(", ".join(lists_with_names))
 
 
 def _short_names(titles: Sequence[str]) -> list[str]:
     """Return the first words by which titles differ, such as M12 and M23, or 8 pins and 12 pins."""
-    titles_in_pieces = [title.split(", ") for title in titles]
-    for pieces in zip(*titles_in_pieces, strict=False):
-        words_of_pieces = [piece.split() for piece in pieces]
-        for count in range(1, max(map(len, words_of_pieces)) + 1):
-            names = [" ".join(words[:count]) for words in words_of_pieces]
-            if len(set(names)) == len(names) and not any(name.isdecimal() for name in names):
+    titles_in_phrases = [title.split(", ") for title in titles]
+    # First compare the first phrases of all titles, then the second ones.
+    for phrases in zip(*titles_in_phrases, strict=False):
+        phrases_in_words = [phrase.split() for phrase in phrases]
+        longest = max(map(len, phrases_in_words))
+        for number_of_words in range(1, longest + 1):
+            names = [" ".join(phrase_words[:number_of_words]) for phrase_words in phrases_in_words]
+            are_unique = len(set(names)) == len(names)
+            if are_unique and not any(name.isdecimal() for name in names):
                 return names
     return [f"connector {index}" for index, _ in enumerate(titles, 1)]
 
@@ -237,6 +252,7 @@ class SpeedSection:
 
 
 def speed_section(family: Device, device: Device, interface: Interface, layout: Layout | None) -> SpeedSection:
+    """Return the section about the clock or the baud rate of an interface."""
     match interface:
         case Ssi() | Biss():
             return _clock_section(family, device, interface, layout)
@@ -250,30 +266,37 @@ def speed_section(family: Device, device: Device, interface: Interface, layout: 
 
 
 def _clock_section(family: Device, device: Device, interface: Ssi | Biss, layout: Layout | None) -> SpeedSection:
+    """Return the limits of the clock, the duration of a frame, and the clock for each cable length."""
     clock = interface.clock
+    facts = [f"Clock: {clock_words(clock)} ({cited(clock.source)})."]
     lengths = _frame_lengths(device, layout) if layout is not None else []
     start_bits = _BISS_START_BITS if isinstance(interface, Biss) else 0
     clocked_lengths = [bits + start_bits for bits in lengths]
-    lowest_hz = clock.min_hz or 0
-    highest_hz = clock.fastest_hz or _COMMON_HZ
-    example_hz = min(max(_COMMON_HZ, lowest_hz), highest_hz)
-    facts = [f"Clock: {clock_words(clock)} ({cited(clock.source)})."]
     if lengths:
+        example_hz = _example_clock(clock)
         durations = _durations(clocked_lengths, example_hz)
         with_start_bits = ", with the start bit and the CDS bit" if start_bits else ""
         facts.append(f"{_joined_by_or(map(str, lengths))} bits at {hertz(example_hz)}: {durations}{with_start_bits}.")
     facts += _pauses(family, interface)
     table = cable_table(device, interface)
     rows: list[Row] = []
-    for row in table.rows:
-        if clock.fastest_hz is not None and row.hz >= lowest_hz:
-            hz = min(row.hz, highest_hz)
-            rows.append((f"{row.metres} m", hertz(hz), _durations(clocked_lengths, hz)))
+    for cable in table.rows:
+        if clock.fastest_hz is not None and cable.hz >= (clock.min_hz or 0):
+            clock_hz = min(cable.hz, clock.fastest_hz)
+            rows.append((f"{cable.metres} m", hertz(clock_hz), _durations(clocked_lengths, clock_hz)))
     if rows:
         facts.append(f"Clock for each cable length: from {text(table.origin)}{_limit_of_used_clocks(clock)}.")
-    is_below = any(row.is_below for row in table.rows)
-    head = ("Cable below", "Clock below", "Frame above") if is_below else ("Cable up to", "Clock up to", "Frame")
-    return SpeedSection("Clock and cable", tuple(facts), head, tuple(rows))
+    if any(cable.is_below for cable in table.rows):
+        head = ("Cable below", "Clock below", "Frame above")
+    else:
+        head = ("Cable up to", "Clock up to", "Frame")
+    return SpeedSection(title="Clock and cable", facts=tuple(facts), head=head, rows=tuple(rows))
+
+
+def _example_clock(clock: Clock) -> int:
+    """Return a common clock in Hz, or the one next to it that the encoder supports."""
+    at_least_lowest = max(_COMMON_HZ, clock.min_hz or 0)
+    return min(at_least_lowest, clock.fastest_hz or _COMMON_HZ)
 
 
 def _limit_of_used_clocks(clock: Clock) -> str:
@@ -297,14 +320,19 @@ def _pauses(family: Device, interface: Ssi | Biss) -> Iterator[str]:
 
 
 def _baud_section(family: Device, device: Device, interface: Rs485) -> SpeedSection:
+    """Return the baud rate, and the durations of one byte and of the replies."""
     port = interface.port
-    bits_per_byte = 1 + port.data_bits + (port.parity != "none") + port.stop_bits
-    sizes = sorted({layout.widest // 8 for layout in interface.layouts if layout.sender == "encoder"})
-    times = ", ".join(f"{counted(size, 'byte')} {_duration(size * bits_per_byte, port.baud)}" for size in (1, *sizes))
+    start_bit = 1
+    parity_bits = 0 if port.parity == "none" else 1
+    bits_per_byte = start_bit + port.data_bits + parity_bits + port.stop_bits
+    reply_sizes = sorted({layout.widest // 8 for layout in interface.layouts if layout.sender == "encoder"})
+    durations = []
+    for size in (1, *reply_sizes):
+        durations.append(f"{counted(size, 'byte')} {_duration(size * bits_per_byte, port.baud)}")
     baud_rate = STYLE.phrase(next(iter(settings(device, interface))))
     facts = (
         f"{baud_rate} ({cited(port.source)}).",
-        f"Duration ({bits_per_byte} bits per byte): {times}.",
+        f"Duration ({bits_per_byte} bits per byte): {', '.join(durations)}.",
         *unstated_facts(family, interface, {"reply time": Subject.REPLY_TIME, "cable length": Subject.CABLE}),
     )
     return SpeedSection("Baud rate and times", facts)

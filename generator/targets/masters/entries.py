@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from itertools import groupby
 from typing import Any
 
 from ...language.master_items import FILE_FORMATS, PLACE_KINDS, FileFormat
 from ...masters.places import Place, Write, write_order
 from ...masters.sheet import Setting, Sheet
 from ...masters.text import condition_text
+from ...model.lookup import first_of
 from ...model.record import dataclass
 
 Raw = Mapping[str, Any]
@@ -73,16 +73,23 @@ class Channel:
     @property
     def registers(self) -> list[tuple[str, list[FileValue]]]:
         """The values of each register, in the order of their first bits."""
-        ordered = sorted(self.entries, key=lambda file_value: (file_value.register, file_value.place.low_bit or 0))
-        groups = groupby(ordered, key=lambda file_value: file_value.register)
-        return [(register, list(file_values)) for register, file_values in groups]
+        values_by_register: dict[str, list[FileValue]] = {}
+        for file_value in sorted(self.entries, key=_first_bit):
+            values_by_register.setdefault(file_value.register, []).append(file_value)
+        return sorted(values_by_register.items())
 
     @property
     def structures(self) -> list[tuple[str, list[FileValue]]]:
         """The values of each structure."""
-        ordered = sorted(self.entries, key=lambda file_value: file_value.symbol[0])
-        groups = groupby(ordered, key=lambda file_value: file_value.symbol[0])
-        return [(structure, list(file_values)) for structure, file_values in groups]
+        values_by_structure: dict[str, list[FileValue]] = {}
+        for file_value in self.entries:
+            structure, _ = file_value.symbol
+            values_by_structure.setdefault(structure, []).append(file_value)
+        return sorted(values_by_structure.items())
+
+
+def _first_bit(file_value: FileValue) -> int:
+    return file_value.place.low_bit or 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,16 +128,19 @@ def content(sheet: Sheet, rule: Raw, device: str) -> Content:
 
 def _settings_in_write_order(sheet: Sheet) -> Iterator[tuple[Setting, list[Write], list[Write]]]:
     """Yield the settings in the order of writing, each with the values to write before and after it."""
-    order = write_order([setting.name for setting in sheet.settings], sheet.writing)
-    settings = sorted(sheet.settings, key=lambda setting: order.index(setting.name))
-    names = [setting.name for setting in settings]
-    for number, setting in enumerate(settings):
+    names_in_order = write_order([setting.name for setting in sheet.settings], sheet.writing)
+    settings = sorted(sheet.settings, key=lambda setting: names_in_order.index(setting.name))
+    setting_names = [setting.name for setting in settings]
+    for setting in settings:
         writes_before: list[Write] = []
         writes_after: list[Write] = []
         for rule in sheet.writing:
-            concerned = [index for index, name in enumerate(names) if name in (rule.of or names)]
-            writes_before += rule.needs if concerned[0] == number else ()
-            writes_after += rule.then if concerned[-1] == number else ()
+            # Without names, a rule applies to all settings.
+            names_of_rule = [name for name in setting_names if name in (rule.of or setting_names)]
+            if setting.name == names_of_rule[0]:
+                writes_before += rule.needs
+            if setting.name == names_of_rule[-1]:
+                writes_after += rule.then
         yield setting, writes_before, writes_after
 
 
@@ -163,14 +173,28 @@ def _reason_for_misfit(setting_or_write: Setting | Write, rule: Raw, format_: Fi
 
 def _file_values(setting_or_write: Setting | Write, rule: Raw, device: str) -> list[FileValue]:
     """Return a value with each of its locations on a device."""
-    name, value = _name(setting_or_write), _value(setting_or_write)
-    number_or_text = int(value) if isinstance(value, bool) else value
-    words = rule.get("words", {}).get(name, {})
     marks = _marks(setting_or_write) if isinstance(setting_or_write, Setting) else []
-    word = str(words.get(str(value), number_or_text))
-    key, mark = _key(setting_or_write, rule), ", ".join(marks)
-    places = [place for place in setting_or_write.places if place.device == device]
-    return [FileValue(name=name, key=key, value=value, word=word, mark=mark, place=place) for place in places]
+    file_values = []
+    for place in setting_or_write.places:
+        if place.device == device:
+            file_value = FileValue(
+                name=_name(setting_or_write),
+                key=_key(setting_or_write, rule),
+                value=_value(setting_or_write),
+                word=_word(setting_or_write, rule),
+                mark=", ".join(marks),
+                place=place,
+            )
+            file_values.append(file_value)
+    return file_values
+
+
+def _word(setting_or_write: Setting | Write, rule: Raw) -> str:
+    """Return a value in the notation of the file: a word that the rule gives for it, or else a number or text."""
+    value = _value(setting_or_write)
+    words_by_value = rule.get("words", {}).get(_name(setting_or_write), {})
+    number_or_text = int(value) if isinstance(value, bool) else value
+    return str(words_by_value.get(str(value), number_or_text))
 
 
 def _marks(setting: Setting) -> list[str]:
@@ -212,12 +236,14 @@ def _channels(sheet: Sheet, device: str, file_values: Sequence[FileValue]) -> tu
     """Return the channels of a device with their values, or one channel if all of them are shared."""
     if not file_values:
         return ()
-    names = next(master_device.channels for master_device in sheet.master.devices if master_device.name == device)
+    devices = (master_device for master_device in sheet.master.devices if master_device.name == device)
+    first_name, *further_names = first_of(devices, f"device '{device}' of the master").channels
     if not any(file_value.place.channel for file_value in file_values):
-        return (Channel(names[0] if len(names) == 1 else "", tuple(file_values)),)
+        return (Channel("" if further_names else first_name, tuple(file_values)),)
     # The first channel also has the shared values.
-    first_channel = Channel(names[0], _values_of_channels(file_values, (names[0], "")))
-    return (first_channel, *(Channel(name, _values_of_channels(file_values, (name,))) for name in names[1:]))
+    channels = [Channel(first_name, _values_of_channels(file_values, (first_name, "")))]
+    channels += [Channel(name, _values_of_channels(file_values, (name,))) for name in further_names]
+    return tuple(channels)
 
 
 def _values_of_channels(file_values: Sequence[FileValue], names: Collection[str]) -> tuple[FileValue, ...]:

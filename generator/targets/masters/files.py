@@ -90,31 +90,37 @@ def file_text(
 def _first_paragraphs(
     device: Device, codes: Sequence[str], sheet: Sheet, rule: Raw, master_device: str
 ) -> Iterator[str]:
+    """Yield what the file is for, and where its values come from."""
     format_ = FILE_FORMATS[rule["format"]]
     yield f"{master_device} with {', '.join(codes)}. For {format_.title}."
     yield from _paragraphs_on_origin(device, sheet, rule, master_device)
 
 
 def _paragraphs_on_origin(device: Device, sheet: Sheet, rule: Raw, master_device: str) -> Iterator[str]:
+    """Yield the manual and the documents that the values come from, and whether the file has been tested."""
     format_, manual = FILE_FORMATS[rule["format"]], device.manual
     yield f"From the spec of {device.title}, manual {manual.title}, revision {manual.revision}."
-    sources = [place.source for place in _places_on_device(sheet, master_device)]
-    cited_keys = {key for source in sources for key in re.split(r"[;:]\s*", source)}
+    cited_keys: set[str] = set()
+    for place in _places_on_device(sheet, master_device):
+        # A source is like "manual: 3.2; data sheet: page 4".
+        cited_keys.update(re.split(r"[;:]\s*", place.source))
     documents = [document for document in sheet.master.documents if document.key in cited_keys]
     cited_documents = "; ".join(f"{document.key}: {document.title}" for document in documents)
     yield f"From the documents of the master: {cited_documents}."
-    reader = (
-        f"Read by {format_.reader}, see docs/master/master-files.md." if format_.reader else "Not yet read by its tool."
-    )
+    reader = "Not yet read by its tool."
+    if format_.reader:
+        reader = f"Read by {format_.reader}, see docs/master/master-files.md."
     yield f"Not yet tested on hardware. {reader} Form of the file: {cited(rule['source'])}."
 
 
 def _places_on_device(sheet: Sheet, master_device: str) -> Iterator[Place]:
     """Yield the locations of all settings on a device."""
-    yield from (place for setting in sheet.settings for place in setting.places if place.device == master_device)
+    for setting in sheet.settings:
+        yield from (place for place in setting.places if place.device == master_device)
 
 
 def _paragraphs_on_content(file_content: Content, is_short: bool) -> Iterator[str]:
+    """Yield which values are derived or left out, and the conditions on writing them."""
     derived = _names_with_mark(file_content, "derived")
     if derived:
         yield f"Derived, not stated in a document: {listed(derived)}."
@@ -170,18 +176,28 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
 def _family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the path of each file of a family, and a function for its text."""
     is_one_file_each = options.get(_ORDER_CODES_OPTION.name, _ORDER_CODES_OPTION.default) == _ONE_FILE_EACH
-    write = _file_of_each_order_code if is_one_file_each else _bulk_file
+    files_of_device = _file_of_each_order_code if is_one_file_each else _bulk_file
     masters = shipped_masters()
     interface_sheets = sheets_of(device, masters)
-    for number, master in enumerate(masters):
-        usable = list(_usable_sheets(interface_sheets, number))
+    for index, master in enumerate(masters):
+        usable_sheets = list(_usable_sheets(interface_sheets, index))
         for rule in master.files:
-            names = dict.fromkeys(name for sheet, _, _ in usable for name in sheet.devices_with(rule))
-            for master_device in names:
-                device_prefix = "" if len(master.devices) == 1 else f"{names_of_codes([master_device])[0]}-"
-                start = f"masters/{master.name}/{rule['format']}/{device_prefix}"
-                sheets = [codes_sheet for codes_sheet in usable if master_device not in codes_sheet[0].unusable_devices]
-                yield from write(start, device, sheets, rule, master_device, library)
+            master_devices: dict[str, None] = {}
+            for sheet, _, _ in usable_sheets:
+                master_devices |= dict.fromkeys(sheet.devices_with(rule))
+            for master_device in master_devices:
+                start = _start_of_path(master, rule, master_device)
+                sheets = [usable for usable in usable_sheets if master_device not in usable[0].unusable_devices]
+                yield from files_of_device(start, device, sheets, rule, master_device, library)
+
+
+def _start_of_path(master: Master, rule: Raw, master_device: str) -> str:
+    """Return the folder and the beginning of a file name, such as ``masters/acme/c_struct/m100-``."""
+    folder = f"masters/{master.name}/{rule['format']}/"
+    if len(master.devices) == 1:
+        return folder
+    (device_name,) = names_of_codes([master_device])
+    return f"{folder}{device_name}-"
 
 
 def _usable_sheets(interface_sheets: Sequence[GroupSheets], number: int) -> Iterator[SheetOfCodes]:
@@ -194,8 +210,11 @@ def _usable_sheets(interface_sheets: Sequence[GroupSheets], number: int) -> Iter
 
 
 def _index(library: Library, files: Iterable[str]) -> str:
+    """Return the page about the formats of masters that have any of these files."""
     folders = {path.rpartition("/")[0].removeprefix("masters/") for path in files}
-    rows = [_index_row(master, rule["format"]) for master in shipped_masters() for rule in master.files]
+    rows: list[dict[str, str]] = []
+    for master in shipped_masters():
+        rows += [_index_row(master, rule["format"]) for rule in master.files]
     values: Index = {
         "families": [markdown(device.title) for device in library.devices],
         "rows": [row for row in rows if row["folder"] in folders],
@@ -204,6 +223,7 @@ def _index(library: Library, files: Iterable[str]) -> str:
 
 
 def _index_row(master: Master, format_name: str) -> dict[str, str]:
+    """Return a format of a master, with its folder and the program that reads it."""
     format_ = FILE_FORMATS[format_name]
     return {
         "master": master.title,
@@ -221,14 +241,16 @@ SheetOfCodes = tuple[Sheet, Record, Sequence[str]]
 def _file_of_each_order_code(
     start: str, device: Device, sheets: Sequence[SheetOfCodes], rule: Raw, master_device: str, library: Library
 ) -> Iterator[tuple[str, Callable[[], str]]]:
+    """Yield the path of a file for each order code, and a function for its text."""
     suffix = FILE_FORMATS[rule["format"]].suffix
     labels: list[str] = []
-    texts: list[Callable[[], str]] = []
-    for sheet, record, codes in sheets:
-        labels += (_code_and_answers(code, record) for code in codes)
-        texts += (partial(file_text, device, [code], sheet, rule, master_device, library) for code in codes)
-    for name, text in zip(names_of_codes(labels), texts, strict=True):
-        yield f"{start}{name}{suffix}", text
+    text_functions: list[Callable[[], str]] = []
+    for sheet, record, order_codes in sheets:
+        for order_code in order_codes:
+            labels.append(_code_and_answers(order_code, record))
+            text_functions.append(partial(file_text, device, [order_code], sheet, rule, master_device, library))
+    for name, text_function in zip(names_of_codes(labels), text_functions, strict=True):
+        yield f"{start}{name}{suffix}", text_function
 
 
 def _code_and_answers(code: str, record: Record) -> str:

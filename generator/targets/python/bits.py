@@ -13,7 +13,7 @@ from ...plan.operations import Bits, Reserved, Whole
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from ...say.plain_text import plain
 from .literals import Atom, Expr, Not, Operation, Scope, call, joined, mask, moved, number, times
-from .names import ClassNames
+from .names import ClassNames, byte_order
 
 
 class Maker:
@@ -64,19 +64,25 @@ class Maker:
 
     def parts(self, whole: Whole) -> list[tuple[Field, Expr]]:
         """Return the fields of a joined number, most significant first, with expressions for their bits."""
-        name, field_bits = Atom(self.names.attribute(whole.join.name)), []
+        joined_number = Atom(self.names.attribute(whole.join.name))
+        highest_field = whole.fields[0]
+        fields_and_bits: list[tuple[Field, Expr]] = []
         for field, low in whole.from_low:
-            shifted = moved(name, ">>", self.scope.of(low))
-            top = field is whole.fields[0]
-            field_bits.append((field, shifted if top else Operation(shifted, "&", self.scope.ones(field.width))))
-        return field_bits[::-1]
+            bits = moved(joined_number, ">>", self.scope.of(low))
+            if field is not highest_field:
+                bits = Operation(bits, "&", self.scope.ones(field.width))
+            fields_and_bits.insert(0, (field, bits))
+        return fields_and_bits
 
     @staticmethod
     def parameters_of_whole(whole: Whole) -> frozenset[str]:
         """Return the parameters on which the expression of a joined number depends."""
-        checked_fields = (field for field in whole.fields if _has_width_check(field))
-        expressions = [low for _, low in whole.from_low] + [field.width for field in checked_fields]
-        return frozenset(name for expression in expressions for name in expression.parameters)
+        parameters: set[str] = set()
+        for field, low in whole.from_low:
+            parameters.update(low.parameters)
+            if _has_width_check(field):
+                parameters.update(field.width.parameters)
+        return frozenset(parameters)
 
     def _index(self, name: str) -> Expr:
         return call("index", f"self.{self.names.attribute(name)}")
@@ -109,6 +115,7 @@ class Reader:
         return reader
 
     def bits(self, bits: Bits) -> Expr:
+        """Return the bits as a number, such as ``word >> 8 & 0x3FF``."""
         if not self.codec.by_word:
             return self.of_bytes(bits.pieces)
         shifted = moved(Atom(self.source), ">>", self.scope.of(bits.low))
@@ -134,53 +141,65 @@ class Reader:
 
     def bit(self, bits: Bits, word: str = "") -> Expr:
         """Return an expression that is not 0 if the bit is set. ``word`` is the number to read it from, if given."""
-        place: Expr = Atom(word or self.source)
-        if not self.codec.by_word:
-            place, low = self._atom(bits.pieces[0].byte), Expression(bits.pieces[0].right)
+        if self.codec.by_word:
+            source, low = Atom(word or self.source), bits.low
         else:
-            low = bits.low
+            piece = bits.pieces[0]
+            source, low = self._byte_variable(piece.byte), Expression(piece.right)
         if low.is_constant:
-            return Operation(place, "&", Atom(f"0x{1 << low.constant:02X}"))
-        return Operation(moved(place, ">>", self.scope.of(low)), "&", number(1))
+            return Operation(source, "&", Atom(f"0x{1 << low.constant:02X}"))
+        return Operation(moved(source, ">>", self.scope.of(low)), "&", number(1))
 
-    def _atom(self, byte: int) -> Atom:
+    def _byte_variable(self, byte: int) -> Atom:
         return Atom(self._byte.format(byte))
 
     def unused(self) -> Expr:
         """Return the unused bits that differ from the manual, each at its position in one number."""
-        fixed = sorted(moved_bits(self.codec), key=lambda bits: (bits.byte or 0, bits.shift))
-        moving = (reserved for reserved in self.codec.reserved if not reserved.bits.are_fixed)
-        return joined("|", [*map(self._unused_at_fixed_place, fixed), *map(self._unused_at_moving_place, moving)])
+        fixed_bits = sorted(moved_bits(self.codec), key=lambda bits: (bits.byte or 0, bits.shift))
+        differing_bits = [self._unused_at_fixed_place(bits) for bits in fixed_bits]
+        for reserved in self.codec.reserved:
+            if not reserved.bits.are_fixed:
+                differing_bits.append(self._unused_at_moving_place(reserved))
+        return joined("|", differing_bits)
 
     def others(self) -> Expr:
         """Return the bits without a field, at their positions in the number that the bytes form."""
-        codec, order = self.codec, "little" if self.codec.layout.byte_order == "low_byte_first" else "big"
-        number_of_bytes = self.source if codec.by_word else f'int.from_bytes(data, "{order}")'
-        number_of_data = number_of_bytes if codec.by_word or codec.length > 1 else "data[0]"
-        return Operation(Atom(number_of_data), "&", others(self.scope, codec))
+        if self.codec.by_word:
+            all_bits = self.source
+        elif self.codec.length > 1:
+            all_bits = f'int.from_bytes(data, "{byte_order(self.codec.layout)}")'
+        else:
+            all_bits = "data[0]"
+        return Operation(Atom(all_bits), "&", others(self.scope, self.codec))
 
     def _unused_at_fixed_place(self, bits: ShiftedBits) -> Expr:
-        source = Atom(self.source) if bits.byte is None else self._atom(bits.byte)
-        down, up = max(bits.shift, 0), max(-bits.shift, 0)
-        expression = moved(source, ">>", number(down))
-        if bits.byte is None or bits.mask >> up != 0xFF:
-            expression = Operation(expression, "&", mask(bits.mask >> up))
+        """Return the differing bits among those of the word, or of a byte, that are shifted by the same distance."""
+        source = Atom(self.source) if bits.byte is None else self._byte_variable(bits.byte)
+        right_shift, left_shift = max(bits.shift, 0), max(-bits.shift, 0)
+        # The mask and the value are those after the shift.
+        mask_in_source, value_in_source = bits.mask >> left_shift, bits.value >> left_shift
+        expression = moved(source, ">>", number(right_shift))
+        is_whole_byte = bits.byte is not None and mask_in_source == 0xFF
+        if not is_whole_byte:
+            expression = Operation(expression, "&", mask(mask_in_source))
         if bits.value:
-            expression = Operation(expression, "^", mask(bits.value >> up))
-        return moved(expression, "<<", number(up))
+            expression = Operation(expression, "^", mask(value_in_source))
+        return moved(expression, "<<", number(left_shift))
 
     def _unused_at_moving_place(self, reserved: Reserved) -> Expr:
         """Return the differing bits among those whose position depends on the order code."""
-        expression = moved(Atom(self.source), ">>", self.scope.of(reserved.bits.low))
-        expression = Operation(expression, "^", mask(reserved.value)) if reserved.value else expression
-        return moved(Operation(expression, "&", self.scope.ones(reserved.bits.width)), "<<", number(reserved.place))
+        bits = moved(Atom(self.source), ">>", self.scope.of(reserved.bits.low))
+        if reserved.value:
+            bits = Operation(bits, "^", mask(reserved.value))
+        differing_bits = Operation(bits, "&", self.scope.ones(reserved.bits.width))
+        return moved(differing_bits, "<<", number(reserved.place))
 
     def characters(self, bits: Bits) -> str:
         """Return the slice of ``data`` that contains the bytes of a string. Empty if they are not adjacent."""
-        places = [piece.byte for piece in reversed(bits.pieces) if not piece.right and piece.mask == 0xFF]
-        if self.codec.by_word or len(places) < len(bits.pieces) or not _are_ascending(places):
+        whole_bytes = [piece.byte for piece in reversed(bits.pieces) if _is_whole_byte(piece)]
+        if self.codec.by_word or len(whole_bytes) < len(bits.pieces) or not _are_ascending(whole_bytes):
             return ""
-        return f"data[{places[0]}:{places[-1] + 1}]"
+        return f"data[{whole_bytes[0]}:{whole_bytes[-1] + 1}]"
 
 
 def mask_in_place(bits: Bits) -> int:
@@ -211,20 +230,27 @@ def bit_numbers(low: int, width: int) -> str:
 
 
 def others(scope: Scope, codec: Codec) -> Expr:
-    """Return a mask of the bits without a field."""
-    fields = codec.layout.fields
-    fixed = sum(field.mask_in_place for field in fields if field.is_fixed)
-    moving_fields = (field for field in fields if not field.is_fixed)
-    moving = [moved(scope.ones(field.width), "<<", scope.of(field.low)) for field in moving_fields]
-    ones = (1 << codec.layout.bits.constant) - 1 & ~fixed
-    if not moving:
-        return mask(ones)
-    return Operation(mask(ones), "&", Atom(f"~({joined('|', moving)})"))
+    """Return a mask of the bits without a field, such as ``0xF0 & ~(variant.mask << 4)``."""
+    bits_without_fixed_field = (1 << codec.layout.bits.constant) - 1
+    masks_of_moving_fields: list[Expr] = []
+    for field in codec.layout.fields:
+        if field.is_fixed:
+            bits_without_fixed_field &= ~field.mask_in_place
+        else:
+            masks_of_moving_fields.append(moved(scope.ones(field.width), "<<", scope.of(field.low)))
+    if not masks_of_moving_fields:
+        return mask(bits_without_fixed_field)
+    moving_bits = joined("|", masks_of_moving_fields)
+    return Operation(mask(bits_without_fixed_field), "&", Atom(f"~({moving_bits})"))
 
 
-def _are_ascending(places: Sequence[int]) -> bool:
+def _is_whole_byte(piece: Piece) -> bool:
+    return not piece.right and piece.mask == 0xFF
+
+
+def _are_ascending(byte_indices: Sequence[int]) -> bool:
     """Return whether the bytes are adjacent and ascending."""
-    return all(after - before == 1 for before, after in pairwise(places))
+    return all(next_index - index == 1 for index, next_index in pairwise(byte_indices))
 
 
 def from_pieces(pieces: Sequence[Piece], length: int = 0, byte: str = "data[{}]") -> Expr:
@@ -234,23 +260,23 @@ def from_pieces(pieces: Sequence[Piece], length: int = 0, byte: str = "data[{}]"
     """
     if not pieces:
         return number(0)
-    places = [piece.byte for piece in pieces]
-    low_first = places[0] <= places[-1]
-    ascending = places if low_first else places[::-1]
-    if (
-        len(pieces) > 3
-        and _are_ascending(ascending)
-        and all(not piece.right and piece.mask == 0xFF for piece in pieces)
-    ):
-        first, end = ascending[0], ascending[-1] + 1
-        part = "data" if (first, end) == (0, length) else f"data[{first}:{end}]"
-        return call("int.from_bytes", part, '"little"' if low_first else '"big"')
-    from_low = pieces if low_first else reversed(pieces)
-    return joined("|", (_from_piece(piece, byte) for piece in from_low))
+    low_byte_first = pieces[0].byte <= pieces[-1].byte
+    ascending = pieces if low_byte_first else pieces[::-1]
+    if len(pieces) > 3 and _are_adjacent_whole_bytes(ascending):
+        start, end = ascending[0].byte, ascending[-1].byte + 1
+        slice_of_data = "data" if (start, end) == (0, length) else f"data[{start}:{end}]"
+        return call("int.from_bytes", slice_of_data, '"little"' if low_byte_first else '"big"')
+    return joined("|", (_from_piece(piece, byte) for piece in ascending))
+
+
+def _are_adjacent_whole_bytes(ascending: Sequence[Piece]) -> bool:
+    return all(map(_is_whole_byte, ascending)) and _are_ascending([piece.byte for piece in ascending])
 
 
 def _from_piece(piece: Piece, byte: str) -> Expr:
-    expression = moved(Atom(byte.format(piece.byte)), ">>", number(piece.right))
-    if piece.mask << piece.right & 0xFF != 0xFF >> piece.right << piece.right:
-        expression = Operation(expression, "&", mask(piece.mask))
-    return moved(expression, "<<", number(piece.left))
+    """Return the bits of one piece at their place in the number, such as ``(b1 & 0x3F) << 8``."""
+    bits = moved(Atom(byte.format(piece.byte)), ">>", number(piece.right))
+    reaches_top_of_byte = piece.mask == 0xFF >> piece.right
+    if not reaches_top_of_byte:
+        bits = Operation(bits, "&", mask(piece.mask))
+    return moved(bits, "<<", number(piece.left))

@@ -31,9 +31,12 @@ from ...say.names_and_places import words
 from ...say.text import sentence
 from . import docstrings
 from .bits import Maker
-from .decode import Decoder, FrameReports, NamedValues, assigned
-from .literals import Atom, Expr, Negative, Operation, Scope, coded, number, quoted
+from .decode import Decoder, assigned
+from .limits import LimitsFunction, limit_expressions, limits_depend
+from .literals import Atom, Expr, Scope, coded, quoted
+from .named_values import NamedValues
 from .names import ClassNames, Context, OpenQuestion, encoder_name, interface_name, meaning_limits
+from .reports import FrameReports
 
 
 @dataclass(frozen=True)
@@ -44,17 +47,6 @@ class Attribute:
     type: str
     meaning: str
     default: str = ""
-
-
-@dataclass(frozen=True)
-class LimitsFunction:
-    """Function that returns the limits of a register. ``when`` names one of several meanings."""
-
-    name: str
-    when: str
-    low: Expr
-    high: Expr
-    takes_variant: bool
 
 
 class Coder:
@@ -81,15 +73,14 @@ class Coder:
     @cached_property
     def takes_variant(self) -> bool:
         """True if anything depends on the order code."""
-        stated_expressions = [field.equals for field in self.expected if isinstance(field.equals, Expression)]
-        limited = self.limits is not None and limits_depend(self.limits)
-        reported = self.reports is not None and self.reports.depends
-        return (
-            self.plan.depends
-            or limited
-            or reported
-            or not all(self.answered.issuperset(expression.parameters) for expression in stated_expressions)
-        )
+        if self.plan.depends:
+            return True
+        if self.limits is not None and limits_depend(self.limits):
+            return True
+        if self.reports is not None and self.reports.depends:
+            return True
+        stated_values = [field.equals for field in self.expected if isinstance(field.equals, Expression)]
+        return not all(self.answered.issuperset(value.parameters) for value in stated_values)
 
     @cached_property
     def questions(self) -> list[OpenQuestion]:
@@ -99,22 +90,26 @@ class Coder:
     @cached_property
     def answered(self) -> frozenset[str]:
         """Parameters that the answers set."""
-        return frozenset(parameter for question in self.questions for parameter, _ in question.members)
+        parameters: set[str] = set()
+        for question in self.questions:
+            parameters.update(parameter for parameter, _ in question.members)
+        return frozenset(parameters)
 
     @property
     def encoder_and_answers(self) -> list[tuple[str, str]]:
         """Attributes other than fields: the encoder and answers, with their types."""
-        return [
-            *([("variant", self.encoder)] if self.takes_variant else []),
-            *((question.name, question.kind) for question in self.questions),
-        ]
+        names_and_types = [("variant", self.encoder)] if self.takes_variant else []
+        names_and_types += [(question.name, question.kind) for question in self.questions]
+        return names_and_types
 
     @property
     def about_encoder_and_answers(self) -> list[tuple[str, str]]:
         """The arguments in ``given``, each with its description."""
-        answer = "Answer to a question that the manual leaves open, as a member of ``%s``."
-        about = {question.name: answer % question.kind for question in self.questions}
-        return [(name, about.get(name, "The encoder.")) for name, _ in self.encoder_and_answers]
+        names_and_descriptions = [("variant", "The encoder.")] if self.takes_variant else []
+        for question in self.questions:
+            answer = f"Answer to a question that the manual leaves open, as a member of ``{question.kind}``."
+            names_and_descriptions.append((question.name, answer))
+        return names_and_descriptions
 
     @property
     def finds_constants(self) -> bool:
@@ -140,16 +135,19 @@ class Coder:
 
     @property
     def bases(self) -> str:
-        """Bases of the class, except the NamedTuple of its fields."""
-        mixin = "Sent, " if self.reports is not None else ""
+        """Bases of the class, except the NamedTuple of its fields, such as ``Sent, BitsOf["SsiEncoder"]``."""
+        bases = ["Sent"] if self.reports is not None else []
         if self.questions:
-            dependence = "ForEncoder, " if self.takes_variant else ""
-            return f"{mixin}{dependence}{'InBytes' if self.plan.in_bytes else 'InBits'}"
-        kind = "Bytes" if self.plan.in_bytes else "Bits"
+            if self.takes_variant:
+                bases.append("ForEncoder")
+            bases.append("InBytes" if self.plan.in_bytes else "InBits")
+            return ", ".join(bases)
         if self.register is not None:
             kind = "LimitedRegister" if self.keeps_bytes else "Register"
-            return f'{kind}Of["{self.encoder}"]' if self.takes_variant else f"Fixed{kind}"
-        return f'{mixin}{kind}Of["{self.encoder}"]' if self.takes_variant else f"{mixin}Fixed{kind}"
+        else:
+            kind = "Bytes" if self.plan.in_bytes else "Bits"
+        bases.append(f'{kind}Of["{self.encoder}"]' if self.takes_variant else f"Fixed{kind}")
+        return ", ".join(bases)
 
     # -- attributes
 
@@ -160,8 +158,10 @@ class Coder:
     @property
     def _unused(self) -> list[Attribute]:
         if self.plan.keeps_others:
-            return [Attribute("unused", "int", docstrings.OF_OTHERS, "0")]
-        return [Attribute("unused", "int", docstrings.OF_UNUSED, "0")] if self.plan.reserved else []
+            return [Attribute("unused", type="int", meaning=docstrings.OF_OTHERS, default="0")]
+        if self.plan.reserved:
+            return [Attribute("unused", type="int", meaning=docstrings.OF_UNUSED, default="0")]
+        return []
 
     def others(self, whole: Whole) -> list[Attribute]:
         """Return the attributes that are not part of a joined number."""
@@ -169,28 +169,36 @@ class Coder:
 
     def _attributes_of(self, fields: Iterable[Field]) -> list[Attribute]:
         """Return the attributes of these fields and of the unused bits."""
-        attributes = [attribute for field in fields for attribute in self._field_attributes(field)]
+        attributes: list[Attribute] = []
+        for field in fields:
+            attributes += self._field_attributes(field)
         return _with_defaults(attributes + self._unused)
 
     def _field_attributes(self, field: Field) -> Iterator[Attribute]:
+        """Yield the attribute of a field, or one for each run of digits."""
         match meaning_of(field):
             case Raw():
-                # The value that the manual gives for a number in a frame.
-                stated = field.equals if self.register is None and not self.selects(field) else None
-                yield self._number(field, stated if isinstance(stated, int) else self._default(field))
+                stated = self._stated_number(field)
+                yield self._number(field, stated if stated is not None else self._default(field))
             case TwosComplement() | ZeroMeans():
                 yield self._number(field, self._default(field))
             case Active():
-                yield self._attribute(field, "bool", str(bool(self._default(field))))
+                yield self._attribute(field, "bool", default=str(bool(self._default(field))))
             case Named():
                 yield self._attribute(field, self.enum(field))
             case DigitRuns(runs):
-                name = self.names.attribute
-                yield from (Attribute(name(run.name), "int", self._of_run(field, run)) for run in runs)
+                for run in runs:
+                    yield Attribute(self.names.attribute(run.name), type="int", meaning=self._of_run(field, run))
             case Characters():
                 yield self._attribute(field, "str")
             case meaning:
                 assert_never(meaning)
+
+    def _stated_number(self, field: Field) -> int | None:
+        """Return the value that the manual gives for a number in a frame, or None."""
+        if self.register is not None or self.selects(field):
+            return None
+        return field.equals if isinstance(field.equals, int) else None
 
     def _default(self, field: Field) -> int | None:
         """Return the default of a number or flag in a request, if it has one."""
@@ -201,9 +209,15 @@ class Coder:
         return self._attribute(field, "int", coded(default) if default is not None else "")
 
     def _attribute(self, field: Field, type_: str, default: str = "") -> Attribute:
+        """Return the attribute of a field, whose description says if some order codes lack it."""
         variants = () if field.width.is_constant else self.context.device.variants
-        missing = any(field.width.value(variant.parameters) == 0 for variant in variants)
-        return Attribute(self.names.attribute(field.name), type_, self.about(field, missing), default)
+        may_be_missing = any(field.width.value(variant.parameters) == 0 for variant in variants)
+        return Attribute(
+            name=self.names.attribute(field.name),
+            type=type_,
+            meaning=self.about(field, may_be_missing),
+            default=default,
+        )
 
     def _of_run(self, field: Field, run: Digits) -> str:
         """Return the description of a run of digits: that of the field if the run has its name."""
@@ -247,8 +261,12 @@ class Coder:
 
     def whole_questions(self, whole: Whole) -> list[OpenQuestion]:
         """Return the questions whose answers the expression of a joined number needs."""
-        parameters = self.make.parameters_of_whole(whole)
-        return [question for question in self.questions if any(name in parameters for name, _ in question.members)]
+        needed_parameters = self.make.parameters_of_whole(whole)
+        needed_questions = []
+        for question in self.questions:
+            if any(parameter in needed_parameters for parameter, _ in question.members):
+                needed_questions.append(question)
+        return needed_questions
 
     def whole_width(self, whole: Whole) -> Expr:
         return self.number(sum((field.width for field in reversed(whole.fields)), Expression(0)))
@@ -271,10 +289,14 @@ class Coder:
 
     @property
     def expected_in_words(self) -> str:
-        stated = [f"{field.name} = {_in_words(field.equals)}" for field in self.expected]
-        return ", ".join([*stated, *(["no unused bit differs"] if self.is_strict else [])])
+        """The values for which a frame is as documented, such as ``status = 0x1B, no unused bit differs``."""
+        conditions = [f"{field.name} = {_in_words(field.equals)}" for field in self.expected]
+        if self.is_strict:
+            conditions.append("no unused bit differs")
+        return ", ".join(conditions)
 
     def stated(self, field: Field) -> Expr:
+        """Return the value that the manual gives for a field."""
         match field.equals:
             case Expression() as value:
                 return self._scope_of_attributes(lambda name: f"self.{name}").of(value)
@@ -295,36 +317,41 @@ class Coder:
     @property
     def usable(self) -> str:
         """Expression for the position of a frame, without the checks of its property if they are not needed."""
-        position = next(
-            (whole for whole in self.plan.wholes if self.names.attribute(whole.join.name) == self.measured), None
-        )
-        plain = position is not None and all(isinstance(meaning_of(field), Raw) for field in position.fields)
-        if position is None or not plain:
-            return self.by_index(self.measured)
-        return str(self.make.whole_of_numbers(position, self._scope_of_attributes(self.by_index), self.by_index))
+        scope = self._scope_of_attributes(self.by_index)
+        for whole in self.plan.wholes:
+            is_position = self.names.attribute(whole.join.name) == self.measured
+            if is_position and all(isinstance(meaning_of(field), Raw) for field in whole.fields):
+                return str(self.make.whole_of_numbers(whole, scope, self.by_index))
+        return self.by_index(self.measured)
 
     def _scope_of_attributes(self, read: Callable[[str], str]) -> Scope:
         """Return the scope in which ``read`` is the expression for the encoder or an answer of a frame."""
-        names = dict(self.context.scope_of(read("variant")).names)
+        code_of_parameter = dict(self.context.scope_of(read("variant")).names)
         for question in self.questions:
-            names.update({parameter: f"{read(question.name)}.{member}" for parameter, member in question.members})
-        return Scope(names)
+            for parameter, member in question.members:
+                code_of_parameter[parameter] = f"{read(question.name)}.{member}"
+        return Scope(code_of_parameter)
 
     @property
     def not_usable(self) -> list[str]:
         """Conditions under which the position of a frame is not usable."""
         if self.reports is None:
             return []
-        reporting = self.context.reportings.get(self.layout.name)
-        by_index = FrameReports(reporting, self.plan, self.names, self.context.parameters, self.by_index)
-        return by_index.not_usable
+        reports_with_indices = FrameReports(
+            reporting=self.context.reportings.get(self.layout.name),
+            codec=self.plan,
+            names=self.names,
+            parameters=self.context.parameters,
+            attribute_of=self.by_index,
+        )
+        return reports_with_indices.not_usable
 
     @property
     def index_names(self) -> str:
-        """Names of the attributes that ``usable_position`` reads by index, for a comment."""
+        """Names of the attributes that ``usable_position`` reads by index, for a comment: ``0 is position``."""
         expressions = " ".join([*self.not_usable, self.usable])
-        indices = sorted(set(map(int, re.findall(r"self\[(\d+)\]", expressions))))
-        return ", ".join(f"{index} is {self._names_by_index[index]}" for index in indices)
+        indices = {int(index) for index in re.findall(r"self\[(\d+)\]", expressions)}
+        return ", ".join(f"{index} is {self._names_by_index[index]}" for index in sorted(indices))
 
     def by_index(self, name: str) -> str:
         """Return an expression that reads an attribute by its index, or by its name if it has none."""
@@ -361,19 +388,29 @@ class Coder:
 
     @property
     def limits_functions(self) -> Iterator[LimitsFunction]:
+        """The function for the limits of the register, and one for each of its meanings that has limits."""
         if self.limits is not None:
-            yield LimitsFunction("limits", "", *limit_expressions(self.context.scope, self.limits), self.takes_variant)
-        for meaning in self.register.meanings if self.register is not None else ():
-            if self.register is not None and (meaning.min is not None or meaning.max is not None):
+            low, high = limit_expressions(self.context.scope, self.limits)
+            yield LimitsFunction("limits", when="", low=low, high=high, takes_variant=self.takes_variant)
+        if self.register is None:
+            return
+        for meaning in self.register.meanings:
+            if meaning.min is not None or meaning.max is not None:
                 limits = limits_of(self.context.device, self.register, meaning)
-                when = words(meaning.name)
                 low, high = limit_expressions(self.context.scope, limits)
-                yield LimitsFunction(meaning_limits(meaning), when, low, high, limits_depend(limits))
+                yield LimitsFunction(
+                    name=meaning_limits(meaning),
+                    when=words(meaning.name),
+                    low=low,
+                    high=high,
+                    takes_variant=limits_depend(limits),
+                )
 
     # -- docstrings
 
     @property
     def doc(self) -> str:
+        """Docstring of the class."""
         device = self.context.device
         if self.register is not None:
             description, kind = docstrings.of_register(device, self.register), "register"
@@ -382,14 +419,17 @@ class Coder:
             description, kind = docstrings.of_layout(device, interface, self.layout), "frame"
         attributes = [(question.name, sentence(question.alternative.meaning)) for question in self.questions]
         attributes += [(attribute.name, attribute.meaning) for attribute in self.attributes]
-        reserved = self.plan.reserved
-        unused_bits = [(docstrings.of_unused(bits.field, bits.place), self.about(bits.field)) for bits in reserved]
+        unused_bits = []
+        for reserved in self.plan.reserved:
+            place = docstrings.of_unused(reserved.field, reserved.place)
+            unused_bits.append((place, self.about(reserved.field)))
+        checked_fields = [(field.name, self.about(field)) for field in self._checked_fields()]
         return docstrings.of_class(
             description,
             kind if self.takes_variant else "",
             attributes,
             ("Bits of unused", unused_bits),
-            ("Checked by decode()", [(field.name, self.about(field)) for field in self._checked_fields()]),
+            ("Checked by decode()", checked_fields),
         )
 
     def _checked_fields(self) -> list[Field]:
@@ -409,31 +449,9 @@ def _in_words(value: Expression | int | str | None) -> str:
     return repr(value) if isinstance(value, str) else coded(value or 0)
 
 
-def limit_expressions(scope: Scope, limits: Limits) -> tuple[Expr, Expr]:
-    """Return the lowest and the highest value. A missing limit follows from the width."""
-    low: Expr = number(0)
-    high: Expr = Operation(scope.power(limits.width), "-", number(1))
-    if limits.stands_for:
-        low, high = number(1), number(limits.stands_for)
-    if limits.signed:
-        half = scope.power(limits.width - Expression(1))
-        low, high = Negative(half), Operation(half, "-", number(1))
-    return (
-        scope.of(limits.low) if limits.low is not None else low,
-        scope.of(limits.high) if limits.high is not None else high,
-    )
-
-
-def limits_depend(limits: Limits) -> bool:
-    """Return whether limits depend on the order code."""
-    bounds = [bound for bound in (limits.low, limits.high) if bound is not None]
-    if len(bounds) < 2:
-        bounds.append(limits.width)
-    return not all(bound.is_constant for bound in bounds)
-
-
 def _with_defaults(attributes: Sequence[Attribute]) -> list[Attribute]:
     """Return the attributes. An attribute keeps its default only if all attributes after it also have one."""
-    last_without = max((index for index, attribute in enumerate(attributes) if not attribute.default), default=0)
-    required = [replace(attribute, default="") for attribute in attributes[:last_without]]
-    return [*required, *attributes[last_without:]]
+    indices_without_default = [index for index, attribute in enumerate(attributes) if not attribute.default]
+    last_required = max(indices_without_default, default=0)
+    required = [replace(attribute, default="") for attribute in attributes[:last_required]]
+    return [*required, *attributes[last_required:]]

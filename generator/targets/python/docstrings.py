@@ -96,7 +96,7 @@ def _in_docstring(text: str) -> str:
 
 
 #: End of a sentence that is followed by another one.
-_FIRST = re.compile(r"(?<=[.:?!]) (?=[A-Z])")
+_END_OF_SENTENCE = re.compile(r"(?<=[.:?!]) (?=[A-Z])")
 
 # -- the module
 
@@ -148,10 +148,15 @@ def _labelled(statement: Statement) -> tuple[str, str]:
 
 def _short_erratum(statement: Statement) -> tuple[str, str]:
     """Return the title of an erratum and the first sentence of its correction, or all of it if a user must choose."""
-    parts = {part.label: S.phrase(part) for part in statement.below}
-    corrected = parts.get("Used") or f"{statement.below[0].label}: {S.phrase(statement.below[0])}"
-    text = corrected if statement.brief and "Used" in parts else _FIRST.split(corrected)[0]
-    return statement.label.removeprefix("Erratum: "), sentence(text)
+    title_of_erratum = statement.label.removeprefix("Erratum: ")
+    phrases_by_label = {part.label: S.phrase(part) for part in statement.below}
+    first_part = statement.below[0]
+    correction = phrases_by_label.get("Used") or f"{first_part.label}: {S.phrase(first_part)}"
+    is_users_choice = bool(statement.brief) and "Used" in phrases_by_label
+    if is_users_choice:
+        return title_of_erratum, sentence(correction)
+    first_sentence = _END_OF_SENTENCE.split(correction)[0]
+    return title_of_erratum, sentence(first_sentence)
 
 
 def notes(device: Device, interface: Interface) -> list[list[str]]:
@@ -165,23 +170,15 @@ def notes(device: Device, interface: Interface) -> list[list[str]]:
 
 
 def of_variant(device: Device, names: dict[str, str]) -> str:
-    set_here = []
-    for quantity in device.set_parameters:
-        text = of_parameter(device, quantity)
-        if quantity.interface and len(device.interfaces) > 1:
-            text += f" Applies only to {device.interface(quantity.interface).title}."
-        if quantity.read_from:
-            by_code = device.register(quantity.register).default is None
-            text += f" The value is {'that of the order code' if by_code else 'the factory default'} unless set by"
-            text += " with_registers()."
-        set_here.append((names[quantity.name], text))
+    """Return the docstring of the class of encoders. ``names`` maps parameters to its attributes."""
+    quantities = [(names[quantity.name], _about_quantity(device, quantity)) for quantity in device.set_parameters]
     parts = ", ".join(part.name for part in device.order_code.parts)
     attributes = [
         ("family", "Family of the encoder."),
         ("interface", "Interface of the encoder."),
         ("code", "Order code, without any text that follows it on the label."),
         ("parts", f"Parts of the order code: {parts}."),
-        *set_here,
+        *quantities,
         ("unlisted", "Names of the parts whose values the manual does not list."),
         ("tail", "Text that followed the order code on the label."),
         ("special_code", f"Suffix /Sxxx of the label, or empty. {sentence(device.order_code.special)}".strip()),
@@ -192,6 +189,18 @@ def of_variant(device: Device, names: dict[str, str]) -> str:
         ("Attributes", attributes),
         indent=4,
     )
+
+
+def _about_quantity(device: Device, quantity: Parameter) -> str:
+    """Return the description of a parameter, with its interface and with where its value comes from."""
+    about = of_parameter(device, quantity)
+    if quantity.interface and len(device.interfaces) > 1:
+        about += f" Applies only to {device.interface(quantity.interface).title}."
+    if quantity.read_from:
+        has_factory_default = device.register(quantity.register).default is not None
+        value = "the factory default" if has_factory_default else "that of the order code"
+        about += f" The value is {value} unless set by with_registers()."
+    return about
 
 
 def of_alternative(device: Device, alternative: Alternative) -> str:
@@ -218,6 +227,7 @@ def of_parameter(device: Device, quantity: Parameter) -> str:
 
 
 def of_layout(device: Device, interface: Interface, frame: Layout) -> tuple[str, list[Block]]:
+    """Return the summary of a frame, and the paragraphs below it."""
     summary = S.sentence(layout.head(interface, frame, heading(frame.name), device.alternatives))
     names_of_groups = dict.fromkeys(member.group for member in frame.fields if member.group)
     groups = [f"field_groups.{name}" for name in names_of_groups]
@@ -258,6 +268,7 @@ def of_crc(device: Device, device_crc: Crc) -> list[Block]:
 
 
 def of_procedure(device: Device, device_procedure: Procedure) -> list[Block]:
+    """Return the paragraphs about a procedure, beginning with its title."""
     return paragraphs(
         [
             statement(device_procedure.title, source=device_procedure.source),
@@ -274,6 +285,7 @@ def of_argument(device: Device, argument: Argument) -> str:
 
 
 def of_field(device: Device, data_field: Field, may_be_missing: bool) -> str:
+    """Return the description of an attribute: meaning, rules and note, or else the name of the field."""
     missing = [statement("0 if the encoder does not have this field")] if may_be_missing else []
     about = [
         *field.meaning(data_field, data_field.meaning),

@@ -14,7 +14,7 @@ from posixpath import relpath
 from runpy import run_path
 from typing import Annotated, TypedDict
 
-from ...model import Device, Manufacturer, Rs485, Spi
+from ...model import Device, Manufacturer, Rs485, Spi, first_of
 from ...plan import operations, steps
 from ...plan.limits import Refusal
 from ...render import Templates, our_templates, tests_for
@@ -170,6 +170,7 @@ def runtime_version() -> str:
 def _package(
     maker: Manufacturer, devices: tuple[Device, ...], library: Library, folders: Mapping[str, str]
 ) -> dict[str, str]:
+    """Return the files of a manufacturer's package, by their path in it."""
     package = maker.python_package
     biss = (BISS,) if has_biss(devices) else ()
     values = _package_values(maker, devices, folders, biss)
@@ -190,6 +191,7 @@ def _package(
 def _package_values(
     maker: Manufacturer, devices: tuple[Device, ...], folders: Mapping[str, str], biss: tuple[str, ...]
 ) -> Package:
+    """Return the values of the templates of a package."""
     folder = folders[maker.name]
     # pip would take a path without a dot for the name of a package.
     prefix = "./" if folder == "python" else ""
@@ -201,9 +203,7 @@ def _package_values(
     rs485 = any(device.find_interface(Rs485) for device in devices)
     spi_interfaces = [device.find_interface(Spi) for device in devices]
     has_spi = any(interface.exchanges for interface in spi_interfaces if interface is not None)
-    spi_examples = (module.spi_example for module in modules)
-    spi_example = next((example for example in spi_examples if example is not None), None)
-    module_overlays = [(module, overlay) for module in modules for overlay in module.device.overlays]
+    examples_by_interface = virtual_examples([module.readme for module in shown_family_first])
     return {
         "package": maker.python_package,
         "distribution": maker.distribution,
@@ -214,13 +214,13 @@ def _package_values(
         "modules": modules,
         "start": shown_example,
         "shown_family": shown_family,
-        "questions": [(module, question) for module in modules for question, _ in module.alternatives],
+        "questions": _open_questions(modules),
         "guides": [guide for guide in _GUIDES if guide != _LIVE_LINE or rs485 or biss or has_spi],
-        "virtual": virtual_examples([module.readme for module in shown_family_first]),
+        "virtual": examples_by_interface,
         "biss_procedure": _biss_procedure(shown_family_first),
-        "spi": spi_example,
+        "spi": _spi_example(modules),
         "families": [module.name for module in modules],
-        "specials": [(module.name, overlay.special) for module, overlay in module_overlays if overlay.special],
+        "specials": _special_models(modules),
         "biss": biss,
         "rs485": rs485,
         "has_spi": has_spi,
@@ -234,13 +234,47 @@ def _package_values(
 
 def _family_of(order_code: str, modules: Iterable[Module]) -> Module:
     """Return the module of the family with this order code."""
-    return next(module for module in modules if order_code in {variant.code for variant in module.device.variants})
+    families = (module for module in modules if _has_order_code(module, order_code))
+    return first_of(families, f"family with the order code '{order_code}'")
+
+
+def _has_order_code(module: Module, order_code: str) -> bool:
+    return any(variant.code == order_code for variant in module.device.variants)
+
+
+def _open_questions(modules: Iterable[Module]) -> list[tuple[Module, OpenQuestion]]:
+    """Return the questions that the manuals leave open, each with its family."""
+    modules_and_questions: list[tuple[Module, OpenQuestion]] = []
+    for module in modules:
+        modules_and_questions += [(module, question) for question, _ in module.alternatives]
+    return modules_and_questions
+
+
+def _special_models(modules: Iterable[Module]) -> list[tuple[str, str]]:
+    """Return the descriptions of special models, each with the name of its module."""
+    names_and_descriptions: list[tuple[str, str]] = []
+    for module in modules:
+        for overlay in module.device.overlays:
+            if overlay.special:
+                names_and_descriptions.append((module.name, overlay.special))
+    return names_and_descriptions
+
+
+def _spi_example(modules: Iterable[Module]) -> ReadmeExample | None:
+    """Return the first example of a position over SPI."""
+    for module in modules:
+        if module.spi_example is not None:
+            return module.spi_example
+    return None
 
 
 def _biss_procedure(modules: Iterable[Module]) -> ReadmeExample | None:
     """Return the first example of a procedure over BiSS."""
-    examples = (example for module in modules for example in module.readme.procedures)
-    return next((example for example in examples if example.interface == "biss"), None)
+    for module in modules:
+        for example in module.readme.procedures:
+            if example.interface == "biss":
+                return example
+    return None
 
 
 def _family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
@@ -252,6 +286,7 @@ def _family(device: Device, library: Library, options: Options) -> Iterator[tupl
 
 
 def _module_text(module: Module, package: str, template: str, user_templates: Path | None) -> str:
+    """Return the text of a module, with imports of the names that it uses."""
     family: Family = {
         "header": _header(f"the specification of {plain(module.device.title)}"),
         "package": package,

@@ -138,16 +138,18 @@ class Scope:
     names: Mapping[str, str]
 
     def of(self, value: Expression) -> Expr:
+        """Return a number that depends on parameters, such as ``variant.position_bits + 8``."""
         if value.is_constant:
             return number(value.constant)
-        terms = [(_sign(term.multiple), self._product(term)) for term in _collected(value)]
+        signs_and_products = [(_sign(term.multiple), self._product(term)) for term in _collected(value)]
         if value.constant:
-            constant = Atom(str(abs(value.constant)))
-            sign = _sign(value.constant)
+            sign_and_constant = (_sign(value.constant), Atom(str(abs(value.constant))))
             # A sum should not start with a sign.
-            terms.insert(0 if sign > terms[0][0] else len(terms), (sign, constant))
-        (sign, first), *following = terms
-        total: Expr = first if sign > 0 else Negative(first)
+            first_term_sign, _ = signs_and_products[0]
+            is_first = value.constant > 0 and first_term_sign < 0
+            signs_and_products.insert(0 if is_first else len(signs_and_products), sign_and_constant)
+        (first_sign, first), *following = signs_and_products
+        total: Expr = first if first_sign > 0 else Negative(first)
         for sign, product in following:
             total = Operation(total, "+" if sign > 0 else "-", product)
         return total
@@ -190,50 +192,69 @@ def broken(text: str) -> str:
 
 
 def _broken_lines(line: str) -> Iterator[str]:
-    text = _TEXT.fullmatch(line) if len(line) > WIDTH else None
-    start, items, end = _items(line) if len(line) > WIDTH and text is None else (line, [], "")
-    if text is not None:
-        yield f"{text[1]}{text[2] or ''}{_split_literal(text[3], len(text[1]))},"
-    elif not items:
+    """Yield a line, or one line for each item in its first brackets if it is too long."""
+    if len(line) <= WIDTH:
         yield line
-    else:
-        indent = line[: len(line) - len(line.lstrip())]
-        yield start
-        # A comma would make a tuple of one unpacked value in parentheses.
-        comma = "" if start.endswith("*(") and len(items) == 1 else ","
-        for element in items:
-            yield from _broken_lines(f"{indent}    {element}{comma}")
-        yield indent + end
+        return
+    text_item = _TEXT.fullmatch(line)
+    if text_item is not None:
+        indent, name, quoted_text = text_item[1], text_item[2] or "", text_item[3]
+        yield f"{indent}{name}{_split_literal(quoted_text, len(indent))},"
+        return
+    start, items, end = _items(line)
+    if not items:
+        yield line
+        return
+    indent = line[: len(line) - len(line.lstrip())]
+    yield start
+    # A comma would make a tuple of one unpacked value in parentheses.
+    comma = "" if start.endswith("*(") and len(items) == 1 else ","
+    for element in items:
+        yield from _broken_lines(f"{indent}    {element}{comma}")
+    yield indent + end
 
 
 def _items(line: str) -> tuple[str, list[str], str]:
-    """Return the line up to its first bracket, the items in the brackets, and the rest with the closing bracket."""
-    place, depth, start = 0, 0, ""
+    """Return the line up to its first bracket, the items in the brackets, and the rest with the closing bracket.
+
+    The line ``call(a, [b, c]),`` gives ``call(``, the items ``a`` and ``[b, c]``, and ``),``.
+    """
+    start = ""
     items = [""]
+    end, depth = 0, 0
     for token in _TOKEN.findall(line):
-        depth += (token in "([{") - (token in ")]}")
-        if start and not depth:
+        if token in "([{":
+            depth += 1
+        elif token in ")]}":
+            depth -= 1
+        is_closing_first_bracket = bool(start) and depth == 0
+        if is_closing_first_bracket:
             break
-        place += len(token)
+        end += len(token)
         if not start:
-            start = line[:place] if depth else ""
+            start = line[:end] if depth else ""
         elif token == "," and depth == 1:
             items.append("")
         else:
             items[-1] += token
-    return start, [element.strip() for element in items if element.strip()], line[place:]
+    return start, [element.strip() for element in items if element.strip()], line[end:]
 
 
-def _split_literal(text: str, indent: int) -> str:
+def _split_literal(quoted_text: str, indent: int) -> str:
     """Return a long quoted text as several literals in parentheses, split after spaces."""
+    margin = f"{' ' * indent}    "
     pieces = [""]
-    for word in text[1:-1].split(" "):
-        if pieces[-1] and indent + 4 + len(f'"{pieces[-1]}{word}"') > WIDTH - 2:
+    for word in quoted_text[1:-1].split(" "):
+        line_with_word = f'{margin}"{pieces[-1]}{word}"'
+        if pieces[-1] and len(line_with_word) > WIDTH - 2:
             pieces.append("")
-        pieces[-1] += word + " "
-    pieces[-1] = pieces[-1][:-1]
-    lines = [f'{" " * indent}    "{piece}"' for piece in pieces if piece]
-    return "\n".join(["(", *lines, f"{' ' * indent})"]) if len(lines) > 1 or len(lines[0]) <= WIDTH else text
+        pieces[-1] += f"{word} "
+    pieces[-1] = pieces[-1].removesuffix(" ")
+    lines = [f'{margin}"{piece}"' for piece in pieces if piece]
+    is_one_word_too_long = len(lines) == 1 and len(lines[0]) > WIDTH
+    if is_one_word_too_long:
+        return quoted_text
+    return "\n".join(["(", *lines, f"{' ' * indent})"])
 
 
 def quoted(text: str | bytes) -> str:
@@ -243,7 +264,10 @@ def quoted(text: str | bytes) -> str:
     if text.isprintable() and '"' not in text and "\\" not in text:
         return f'"{text}"'
     escaped = repr(text)
-    return escaped if escaped[0] == '"' else '"' + escaped[1:-1].replace("\\'", "'").replace('"', '\\"') + '"'
+    if escaped.startswith('"'):
+        return escaped
+    in_double_quotes = escaped[1:-1].replace("\\'", "'").replace('"', '\\"')
+    return f'"{in_double_quotes}"'
 
 
 @dataclass(frozen=True)
@@ -336,8 +360,11 @@ def constant(name: str, value: Call) -> str:
 
 def table(name: str, kind: str, rows: Sequence[Call]) -> str:
     """Return the statement that assigns a tuple of records to ``name``, one per line."""
-    lines = [f"    {row.flat}," for row in rows]
-    return f"{name}: Final[tuple[{kind}, ...]] = " + ("\n".join(["(", *map(broken, lines), ")"]) if lines else "()")
+    start = f"{name}: Final[tuple[{kind}, ...]] = "
+    if not rows:
+        return f"{start}()"
+    lines = [broken(f"    {row.flat},") for row in rows]
+    return "\n".join([f"{start}(", *lines, ")"])
 
 
 def literal(value: Literal) -> str:
@@ -352,13 +379,16 @@ def literal(value: Literal) -> str:
         case float():
             return f"{value:g}"
         case Mapping():
-            return "ReadOnly({" + ", ".join(f"{quoted(key)}: {quoted(text)}" for key, text in value.items()) + "})"
+            items = [f"{quoted(key)}: {quoted(text)}" for key, text in value.items()]
+            return f"ReadOnly({{{', '.join(items)}}})"
         case Code() | Hex() | Member() | Call() | ConditionalItem():
             return _code(value)
-    return f"({', '.join(map(literal, value))}{',' if len(value) == 1 else ''})"
+    elements = ", ".join(map(literal, value))
+    return f"({elements},)" if len(value) == 1 else f"({elements})"
 
 
 def _code(value: Code | Hex | Member | Call | ConditionalItem) -> str:
+    """Return source code, such as ``0x0F``, ``Access.READ``, ``Led("P1")`` or ``*([Led("P1")] if has_led else [])``."""
     match value:
         case Code():
             return value.text

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
+from itertools import chain
 
 from ...model import Device, Field, Interface, Register, Spi, Value
 from ...model.record import dataclass
@@ -15,7 +16,7 @@ from . import docstrings, facts
 from .bits import from_pieces
 from .codec import Coder
 from .docstrings import Block, Lines, docstring
-from .facts import Shape, row, rows
+from .frame_kinds import FrameKind
 from .literals import Call, Expr
 from .names import (
     LOCAL_NAMES,
@@ -30,7 +31,9 @@ from .names import (
 )
 from .procedures import Steps
 from .readme import Readme, ReadmeExample
-from .variants import FrameKind, Variants
+from .records import record_of, records_of
+from .shapes import Shape
+from .variants import Variants
 
 
 @dataclass(frozen=True)
@@ -79,13 +82,15 @@ class Dispatcher:
     @property
     def allowed(self) -> list[int]:
         """All values of the selector that belong to a frame."""
-        return sorted(value for branch in self.plan.branches for value in branch.values)
+        return sorted(chain.from_iterable(branch.values for branch in self.plan.branches))
 
     @property
     def questions(self) -> list[OpenQuestion]:
         """Questions that the manual leaves open about any of the frames."""
-        questions = (question for coder in self.members for question in coder.questions)
-        return list({question.name: question for question in questions}.values())
+        questions_by_name: dict[str, OpenQuestion] = {}
+        for coder in self.members:
+            questions_by_name |= {question.name: question for question in coder.questions}
+        return list(questions_by_name.values())
 
     @property
     def listed(self) -> list[tuple[str, str]]:
@@ -132,9 +137,9 @@ class Module:
         steps_by_name = {steps.procedure.name: steps for steps in self.procedures}
         self.readme = Readme(self.context, kinds, coders, steps_by_name)
         self.identities = list(identities(device))
-        self.family, self.manual = facts.family(device), row("Manual", device.manual)
+        self.family, self.manual = facts.family(device), record_of("Manual", device.manual)
         self.order_code = facts.order_code(device.order_code)
-        self.crcs = rows("Crc", device.crcs)
+        self.crcs = records_of("Crc", device.crcs)
 
     # -- facts, which the files of the whole package do not need
 
@@ -168,6 +173,7 @@ class Module:
         return [(name, names) for name, names in self._contents() if names]
 
     def _contents(self) -> Iterator[tuple[str, list[str]]]:
+        """Yield the groups of public names, each with its title."""
         identification = ["identify"] if self.identities else []
         yield "Encoders", ["lookup", *identification, "Variant", *self._encoders(), "VARIANTS", "FAMILY"]
         for section in self.sections:
@@ -223,10 +229,11 @@ class Module:
     @property
     def spi_example(self) -> ReadmeExample | None:
         """Example of a position over SPI, whose ``kind`` is the class of the request, if it has no arguments."""
-        frame = next((frame for frame in self.readme.frames if frame.interface == "spi" and frame.position), None)
+        frames = [frame for frame in self.readme.frames if frame.interface == "spi" and frame.position]
         interface = self.device.find_interface(Spi)
-        if frame is None or frame.answers or interface is None:
+        if not frames or frames[0].answers or interface is None:
             return None
+        frame = frames[0]
         requests = [exchange.request for exchange in interface.exchanges if exchange.purpose == "position"]
         for coder in self.coders:
             if coder.layout.name in requests and not coder.takes_variant and not coder.attributes:
@@ -267,54 +274,75 @@ class Module:
         return [Enumeration(self.context.enum(field), _enumeration_doc(field), field.values) for field in fields]
 
     def _section(self, interface: Interface) -> Section:
+        """Return an interface with its frames and the functions that decode any of them."""
         coders = tuple(Coder(self.context, interface.name, layout) for layout in interface.layouts)
         dispatchers = [self._dispatcher(interface, dispatch, coders) for dispatch in dispatches(interface.layouts)]
         # Frames sent by the master come first.
         dispatchers.sort(key=lambda dispatcher: dispatcher.plan.sender == "encoder")
         notes = docstrings.notes(self.device, interface)
-        return Section(interface, facts.interface(interface), notes, coders, tuple(dispatchers))
+        return Section(
+            interface=interface,
+            facts=facts.interface(interface),
+            notes=notes,
+            coders=coders,
+            dispatchers=tuple(dispatchers),
+        )
 
     def _dispatcher(self, interface: Interface, plan: Dispatch, coders: Sequence[Coder]) -> Dispatcher:
-        with_selector = {owner.name for owner, layout in self.device.layouts() if layout.selector}
-        prefix = f"{interface.name}_" if len(with_selector) > 1 else ""
-        word = prefix + ("reply" if plan.sender == "encoder" else "request")
-        coder_of = {coder.layout.name: coder for coder in coders}
+        """Return the function that decodes all frames of a sender, such as ``decode_reply``."""
+        interfaces_with_selector = {owner.name for owner, layout in self.device.layouts() if layout.selector}
+        kind = "reply" if plan.sender == "encoder" else "request"
+        if len(interfaces_with_selector) > 1:
+            kind = f"{interface.name}_{kind}"
+        coders_by_frame = {coder.layout.name: coder for coder in coders}
         dispatcher = Dispatcher(
             plan=plan,
-            name=f"decode_{word}",
-            union=camel(word),
+            name=f"decode_{kind}",
+            union=camel(kind),
             interface=interface_name(interface.name),
             encoder=encoder_name(interface.name),
-            coders=tuple(coder_of[branch.layout.name] for branch in plan.branches),
-            fallback=coder_of[plan.fallback.name] if plan.fallback is not None else None,
+            coders=tuple(coders_by_frame[branch.layout.name] for branch in plan.branches),
+            fallback=coders_by_frame[plan.fallback.name] if plan.fallback is not None else None,
         )
         for coder in dispatcher.members:
             coder.passed = dispatcher.questions
         return dispatcher
 
     def _register(self, register: Register) -> Coder | Enumeration:
+        """Return the class of a register, or its enumeration if it is one choice among named values."""
         if not is_one_choice(register):
             return Coder(self.context, register.interface, register.layout, register)
         summary, blocks = docstrings.of_register(self.device, register)
         name = self.context.registers[register.name]
-        return Enumeration(name, docstring(summary, *blocks, indent=4), register.values, register)
+        doc = docstring(summary, *blocks, indent=4)
+        return Enumeration(name, doc=doc, values=register.values, register=register)
 
     def _frame_kinds(self) -> Iterator[FrameKind]:
+        """Yield the frames that the encoder sends over each interface."""
         for section in self.sections:
             replies = [coder for coder in section.coders if coder.layout.sender == "encoder"]
-            if not replies:
-                continue
-            # A word does not show which frame it is. Without a request, it is taken as the position.
-            interface = section.interface.name
-            positions = (coder for coder in replies if self.device.tells_position(interface, coder.layout))
-            first = next(positions, replies[0])
-            dispatchers = (dispatcher for dispatcher in section.dispatchers if dispatcher.plan.sender == "encoder")
-            dispatcher = next(dispatchers, None)
-            if dispatcher is None:
-                yield FrameKind(interface, first, "", "", first.questions, (first,))
-            else:
-                names = (dispatcher.name, dispatcher.union)
-                yield FrameKind(interface, first, *names, dispatcher.questions, dispatcher.members)
+            if replies:
+                yield self._frame_kind(section, replies)
+
+    def _frame_kind(self, section: Section, replies: Sequence[Coder]) -> FrameKind:
+        """Return the frames over an interface, with the function that decodes any of them if they are distinguished."""
+        interface = section.interface.name
+        # A word does not show which frame it is. Without a request, it is taken as the position.
+        positions = [coder for coder in replies if self.device.tells_position(interface, coder.layout)]
+        coder = positions[0] if positions else replies[0]
+        for dispatcher in section.dispatchers:
+            if dispatcher.plan.sender == "encoder":
+                return FrameKind(
+                    interface=interface,
+                    coder=coder,
+                    dispatch=dispatcher.name,
+                    union=dispatcher.union,
+                    questions=dispatcher.questions,
+                    members=dispatcher.members,
+                )
+        return FrameKind(
+            interface=interface, coder=coder, dispatch="", union="", questions=coder.questions, members=(coder,)
+        )
 
 
 def _enumeration_doc(field: Field) -> str:

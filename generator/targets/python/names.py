@@ -178,18 +178,18 @@ class ClassNames:
     """Names of attributes and local variables in the class of a layout, without collisions."""
 
     def __init__(self, layout: Layout, register: Register | None, crcs: Iterable[str]) -> None:
-        constructors = [f"from_{attribute(join.name, CLASS_NAMES)}" for join in layout.joins]
-        limits = map(meaning_limits, register.meanings) if register is not None else ()
-        self._own = {
-            *CLASS_NAMES,
-            *constructors,
-            *limits,
-            *(["unused"] if layout.unused or layout.gaps == "unspecified" else []),
-        }
-        self._locals = {*LOCAL_NAMES, *(name for crc in crcs for name in (crc, f"{crc}_of_bits"))}
+        self._names_of_class = set(CLASS_NAMES)
+        self._names_of_class.update(f"from_{attribute(join.name, CLASS_NAMES)}" for join in layout.joins)
+        if register is not None:
+            self._names_of_class.update(map(meaning_limits, register.meanings))
+        if layout.unused or layout.gaps == "unspecified":
+            self._names_of_class.add("unused")
+        self._names_of_locals = set(LOCAL_NAMES)
+        for crc_function in crcs:
+            self._names_of_locals |= {crc_function, f"{crc_function}_of_bits"}
 
     def attribute(self, name: str) -> str:
-        return attribute(name, self._own)
+        return attribute(name, self._names_of_class)
 
     def listed(self, items: Iterable[Field | Digits], between: str = "") -> str:
         """Return a list of attributes in the form for docstrings."""
@@ -197,26 +197,30 @@ class ClassNames:
 
     def local(self, name: str) -> str:
         """Return the variable for the bits of a field."""
-        return attribute(name, self._locals)
+        return attribute(name, self._names_of_locals)
 
 
 class Names:
     """Names in a module. Each is assigned only once."""
 
     def __init__(self, reserved: Iterable[str]) -> None:
-        self._taken = set(reserved)
+        self._used_names = set(reserved)
 
     def take(self, wanted: str, suffix: str) -> str:
-        """Return ``wanted`` if it is free. Otherwise, add ``suffix``, and a number if that is also taken."""
-        base = wanted if wanted not in self._taken and not keyword.iskeyword(wanted) else f"{wanted}{suffix}"
-        name, number = base, 2
-        while name in self._taken:
-            name, number = f"{base}{number}", number + 1
-        self._taken.add(name)
+        """Return ``wanted`` if it is free. Otherwise, add ``suffix``, and a number if that is also used."""
+        is_free = wanted not in self._used_names and not keyword.iskeyword(wanted)
+        unnumbered_name = wanted if is_free else f"{wanted}{suffix}"
+        name = unnumbered_name
+        number = 2
+        while name in self._used_names:
+            name = f"{unnumbered_name}{number}"
+            number += 1
+        self._used_names.add(name)
         return name
 
 
-_Values = tuple[str, tuple[tuple[str, int], ...]]
+#: Name of a field, and its named values with their numbers.
+_NamedValues = tuple[str, tuple[tuple[str, int], ...]]
 
 
 def decoder_maker(function: str) -> str:
@@ -237,16 +241,13 @@ def names_of(field: Field, values: Sequence[int]) -> str:
 
 def is_one_choice(register: Register) -> bool:
     """Return whether a register consists only of one choice among named values."""
-    only = register.layout.fields[0]
-    return bool(register.values) and is_named(meaning_of(only)) and only.width == register.layout.bits
+    first_field = register.layout.fields[0]
+    fills_register = first_field.width == register.layout.bits
+    return bool(register.values) and is_named(meaning_of(first_field)) and fills_register
 
 
-def _values(field: Field) -> _Values:
+def _named_values(field: Field) -> _NamedValues:
     return field.name, tuple((value.name, value.value) for value in field.values)
-
-
-def _runs(field: Field) -> list[str]:
-    return [run.name for run in field.runs]
 
 
 @dataclass(frozen=True)
@@ -273,43 +274,59 @@ class Context:
     def __init__(self, device: Device) -> None:
         self.device = device
         self.module = attribute(device.name, (*SHARED, *FOLDERS, BISS))
+        #: Attributes of the variant, by parameter.
         self.parameters = {parameter.name: attribute(parameter.name, VARIANT_NAMES) for parameter in device.parameters}
         names = Names([*MODULE_NAMES, *IMPORTED])
-        self.crcs = {crc.name: names.take(f"crc_{crc.name}", "_") for crc in device.crcs}
-        self.frames = {layout.name: names.take(camel(layout.name), "Frame") for _, layout in device.layouts()}
-        self.registers = {register.name: names.take(camel(register.name), "Register") for register in device.registers}
-        procedures = [procedure.name for procedure in device.procedures]
-        self.procedures = {name: names.take(attribute(name), "_steps") for name in procedures}
+        #: Names of functions and classes, by the name of the part of the spec.
+        self.crcs = {crc.name: names.take(f"crc_{crc.name}", suffix="_") for crc in device.crcs}
+        self.frames: dict[str, str] = {}
+        for _, layout in device.layouts():
+            self.frames[layout.name] = names.take(camel(layout.name), suffix="Frame")
+        self.registers: dict[str, str] = {}
+        for register in device.registers:
+            self.registers[register.name] = names.take(camel(register.name), suffix="Register")
+        self.procedures: dict[str, str] = {}
+        for procedure in device.procedures:
+            self.procedures[procedure.name] = names.take(attribute(procedure.name), suffix="_steps")
         self.questions = {question.name: self._open_question(question, names) for question in device.alternatives}
-        required = [question for question in self.questions.values() if not question.alternative.default]
-        answered = {name: f"{question.name}.{member}" for question in required for name, member in question.members}
-        self.scope = Scope({**self.scope_of("variant").names, **answered})
-        self._enums = {key: names.take(camel(field.name), "Value") for key, field in self.choices.items()}
+        code_of_parameter = dict(self.scope_of("variant").names)
+        for question in self.questions.values():
+            if not question.alternative.default:
+                code_of_parameter |= {name: f"{question.name}.{member}" for name, member in question.members}
+        #: Expressions for parameters: attributes of the variant, or of an answer that the caller must give.
+        self.scope = Scope(code_of_parameter)
+        self._enums = {values: names.take(camel(field.name), suffix="Value") for values, field in self.choices.items()}
 
     def scope_of(self, owner: str) -> Scope:
         """Return the parameters as attributes of ``owner``."""
         return Scope({name: f"{owner}.{member}" for name, member in self.parameters.items()})
 
     def _open_question(self, alternative: Alternative, names: Names) -> OpenQuestion:
-        layouts = [layout for layout in self.coded_layouts() if alternative in self.device.alternatives_of(layout)]
-        frame_names = {name for layout in layouts for field in layout.fields for name in (field.name, *_runs(field))}
-        frame_names |= {join.name for layout in layouts for join in layout.joins}
-        members = [(name, attribute(name, ("name", "value"))) for name in alternative.answers[0].sets]
-        name = attribute(alternative.name, (*frame_names, *CLASS_NAMES, *LOCAL_NAMES, "frame"))
-        return OpenQuestion(alternative, names.take(camel(alternative.name), "Alternative"), name, tuple(members))
+        """Return a question as an argument whose name no field of its frames has."""
+        names_in_frames: set[str] = set()
+        for layout in self.coded_layouts():
+            if alternative in self.device.alternatives_of(layout):
+                names_in_frames |= _names_in(layout)
+        parameters = alternative.answers[0].sets
+        return OpenQuestion(
+            alternative=alternative,
+            kind=names.take(camel(alternative.name), suffix="Alternative"),
+            name=attribute(alternative.name, (*names_in_frames, *CLASS_NAMES, *LOCAL_NAMES, "frame")),
+            members=tuple((parameter, attribute(parameter, ("name", "value"))) for parameter in parameters),
+        )
 
     def questions_of(self, layout: Layout) -> list[OpenQuestion]:
         """Return the questions that must be answered to decode or encode a frame of this layout."""
         return [self.questions[alternative.name] for alternative in self.device.alternatives_of(layout)]
 
     @cached_property
-    def choices(self) -> dict[_Values, Field]:
+    def choices(self) -> dict[_NamedValues, Field]:
         """Fields with named values. Those with the same name and values share an IntEnum."""
-        fields_by_values: dict[_Values, Field] = {}
+        fields_by_values: dict[_NamedValues, Field] = {}
         for layout in self.coded_layouts():
             for field in layout.fields:
                 if is_named(meaning_of(field)):
-                    fields_by_values.setdefault(_values(field), field)
+                    fields_by_values.setdefault(_named_values(field), field)
         return fields_by_values
 
     def coded_layouts(self) -> Iterator[Layout]:
@@ -323,7 +340,7 @@ class Context:
         return {reporting.codec.layout.name: reporting for reporting in reportings(self.device)}
 
     def enum(self, field: Field) -> str:
-        return self._enums[_values(field)]
+        return self._enums[_named_values(field)]
 
     @cached_property
     def crc_functions(self) -> dict[str, CrcFunction]:
@@ -331,9 +348,18 @@ class Context:
         return {self.crc_name(function.crc, function.carrier): function for function in crc_functions(self.device)}
 
     def crc_name(self, crc: Crc, carrier: Carrier) -> str:
-        return self.crcs[crc.name] + ("_of_bits" if carrier is Carrier.BITS and crc in self._crcs_of_both else "")
+        has_function_for_bytes = crc in self._crcs_of_both
+        return self.crcs[crc.name] + ("_of_bits" if carrier is Carrier.BITS and has_function_for_bytes else "")
 
     @cached_property
     def _crcs_of_both(self) -> list[Crc]:
         """CRCs over frames of bits and over frames of bytes."""
         return [crc for crc in self.device.crcs if len(carriers(self.device, crc)) > 1]
+
+
+def _names_in(layout: Layout) -> set[str]:
+    """Return the names of the fields, the runs of digits and the joins."""
+    names = {field.name for field in layout.fields} | {join.name for join in layout.joins}
+    for field in layout.fields:
+        names.update(run.name for run in field.runs)
+    return names

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
-from itertools import pairwise
+from itertools import chain, pairwise
 
 from ...model import Argument, Field, Procedure, Register
 from ...model.lookup import assert_never
@@ -25,9 +25,10 @@ from ...plan.steps import (
 )
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from . import docstrings
-from .codec import Coder, limit_expressions, limits_depend
+from .codec import Coder
 from .decode import digits
 from .docstrings import Block
+from .limits import limit_expressions, limits_depend
 from .literals import Atom, Expr, moved
 from .names import PROCEDURE_NAMES, Context, attribute, encoder_name, interface_name, meaning_limits
 
@@ -59,18 +60,19 @@ class Steps:
     @cached_property
     def takes_variant(self) -> bool:
         """True if the steps depend on the order code. Otherwise the encoder is only checked."""
-        object_classes = {parameter.argument.of for parameter in self.arguments} & self.coders.keys()
-        accesses = (step for step in self.steps if isinstance(step, (Writes, Polls)))
-        accessed_fields = (step.field for step in accesses if step.field is not None)
-        refusals = (refusal for parameter in self.arguments for refusal in parameter.refusals)
-        return (
-            any(self.coders[name].takes_variant for name in object_classes)
-            or not all(field.is_fixed for field in accessed_fields)
-            or any(segment.taught for segment in self.segments)
-            or any(map(self._differs, refusals))
-        )
+        for parameter in self.arguments:
+            register_class = self.coders.get(parameter.argument.of)
+            if register_class is not None and register_class.takes_variant:
+                return True
+            if any(self._depends_on_order_code(refusal) for refusal in parameter.refusals):
+                return True
+        for step in self.steps:
+            if isinstance(step, (Writes, Polls)) and step.field is not None and not step.field.is_fixed:
+                return True
+        return any(segment.taught for segment in self.segments)
 
-    def _differs(self, refusal: ArgumentRefusal) -> bool:
+    def _depends_on_order_code(self, refusal: ArgumentRefusal) -> bool:
+        """Return whether an argument that is refused for one order code can be valid for another."""
         match refusal:
             case OutsideArgumentLimits():
                 return self._limits_differ(refusal)
@@ -84,11 +86,12 @@ class Steps:
         """Steps, split after each step that changes limits."""
         ends = [index + 1 for index, step in enumerate(self.steps) if isinstance(step, Writes) and step.teaches]
         for start, end in pairwise((0, *ends, len(self.steps))):
-            last = self.steps[end - 1]
+            last_step = self.steps[end - 1]
+            changes_limits = isinstance(last_step, Writes) and last_step.teaches
             yield Segment(
                 arguments=[parameter for parameter in self.arguments if start <= self._first_write(parameter) < end],
                 steps=self.steps[start:end],
-                taught=last if isinstance(last, Writes) and last.teaches else None,
+                taught=last_step if isinstance(last_step, Writes) and changes_limits else None,
             )
 
     def _first_write(self, parameter: CheckedArgument) -> int:
@@ -100,14 +103,17 @@ class Steps:
     @property
     def can_be_odd(self) -> bool:
         """True if an argument can be a number that the decoder of its register rejects."""
-        return any(isinstance(refusal, Undecodable) for parameter in self.arguments for refusal in parameter.refusals)
+        refusals = chain.from_iterable(parameter.refusals for parameter in self.arguments)
+        return any(isinstance(refusal, Undecodable) for refusal in refusals)
 
     @property
     def listed(self) -> list[tuple[str, str]]:
-        arguments = (parameter.argument for parameter in self.arguments)
-        return [
-            (self.argument(argument), docstrings.of_argument(self.context.device, argument)) for argument in arguments
-        ]
+        """Names of the arguments with their descriptions."""
+        listed_arguments = []
+        for parameter in self.arguments:
+            about = docstrings.of_argument(self.context.device, parameter.argument)
+            listed_arguments.append((self.argument(parameter.argument), about))
+        return listed_arguments
 
     @property
     def about(self) -> list[Block]:
@@ -140,8 +146,9 @@ class Steps:
         """Return the mask of the register bits that are read back."""
         if op.field is not None:
             return self.mask(op.field)
-        digits = 2 * op.register.length
-        return Atom(f"0x{sum(piece.mask << piece.left for piece in op.pieces):0{digits}X}")
+        mask = sum(piece.mask << piece.left for piece in op.pieces)
+        number_of_digits = 2 * op.register.length
+        return Atom(f"0x{mask:0{number_of_digits}X}")
 
     def in_place(self, value: int | str, field: Field) -> Expr:
         """Return a number or an argument, shifted to the position of the field."""
@@ -151,13 +158,15 @@ class Steps:
 
     def members(self, value: AsMember, register: Register) -> list[tuple[str, Expr]]:
         """Return attributes and values of the register for an argument that sets one of them."""
-        coder, name = self.coders[register.name], Atom(self.argument(value.argument))
-        field = next((candidate for candidate in register.layout.fields if candidate.name == value.member), None)
-        match meaning_of(field) if field is not None else Raw():
+        attribute_of = self.coders[register.name].names.attribute
+        argument = Atom(self.argument(value.argument))
+        fields = [field for field in register.layout.fields if field.name == value.member]
+        # A join of several fields is a number.
+        match meaning_of(fields[0]) if fields else Raw():
             case DigitRuns(runs):
-                return [(coder.names.attribute(run.name), part) for run, part in digits(name, runs)]
+                return [(attribute_of(run.name), value_of_run) for run, value_of_run in digits(argument, runs)]
             case Raw() | TwosComplement() | ZeroMeans() | Active() | Named() | Characters():
-                return [(coder.names.attribute(value.member), name)]
+                return [(attribute_of(value.member), argument)]
             case meaning:
                 assert_never(meaning)
 
@@ -167,10 +176,15 @@ class Steps:
     def limits(self, refusal: OutsideArgumentLimits) -> str:
         """Return the limits of an argument: a call to the register's class if it has one, otherwise a tuple."""
         if refusal.register.name not in self.coders:
-            return "({}, {})".format(*limit_expressions(self.scope, refusal.limits))
-        name = "limits" if refusal.meaning is None else meaning_limits(refusal.meaning)
-        return f"{self.register(refusal.register)}.{name}({'variant' if self._limits_differ(refusal) else ''})"
+            lowest, highest = limit_expressions(self.scope, refusal.limits)
+            return f"({lowest}, {highest})"
+        function = "limits" if refusal.meaning is None else meaning_limits(refusal.meaning)
+        argument = "variant" if self._limits_differ(refusal) else ""
+        return f"{self.register(refusal.register)}.{function}({argument})"
 
     def _limits_differ(self, refusal: OutsideArgumentLimits) -> bool:
-        coder = self.coders.get(refusal.register.name)
-        return coder.takes_variant if coder is not None and refusal.meaning is None else limits_depend(refusal.limits)
+        """Return whether the limits depend on the order code, or whether their function takes it in any case."""
+        register_class = self.coders.get(refusal.register.name)
+        if register_class is not None and refusal.meaning is None:
+            return register_class.takes_variant
+        return limits_depend(refusal.limits)

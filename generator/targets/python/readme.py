@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -15,6 +16,7 @@ from ...model import (
     PollStep,
     ProcedureExample,
     RegisterExample,
+    Sample,
     Variant,
     number_to_bytes,
 )
@@ -27,10 +29,10 @@ from ...plan.values import (
 )
 from ...say.report import alarm_of, meaning
 from .codec import Coder
+from .frame_kinds import FrameKind
 from .literals import grouped
 from .names import Context, OpenQuestion
 from .procedures import Steps
-from .variants import FrameKind
 
 #: Number of registers and number of procedures that are shown.
 _REGISTERS, _PROCEDURES = 2, 2
@@ -90,11 +92,16 @@ class ReadmeExample:
 
 def start(readmes: Sequence[Readme]) -> ReadmeExample:
     """Return the first example, preferably one with a frame of bits that can report an error."""
-    frames = [frame for readme in readmes for frame in readme.frames]
-    no_frame = ReadmeExample(readmes[0].device.variants[0].code, "", "", "")
-    return max(
-        frames, key=lambda example: (not example.answers, bool(example.spoilt), bool(example.bits)), default=no_frame
-    )
+    frames: list[ReadmeExample] = []
+    for readme in readmes:
+        frames += readme.frames
+    if not frames:
+        return ReadmeExample(code=readmes[0].device.variants[0].code, text="", shown="", result="")
+
+    def preference(example: ReadmeExample) -> tuple[bool, bool, bool]:
+        return not example.answers, bool(example.spoilt), bool(example.bits)
+
+    return max(frames, key=preference)
 
 
 def virtual_examples(readmes: Sequence[Readme]) -> dict[str, ReadmeExample]:
@@ -138,42 +145,56 @@ class Readme:
         return sorted(examples, key=lambda example: not example.spoilt)
 
     def _frame(self, coder: Coder) -> ReadmeExample | None:
-        layout = coder.layout
-        sample = self.device.sample_of(layout)
+        """Return an example of a frame, or None if the spec gives no values for one."""
+        sample = self.device.sample_of(coder.layout)
         if sample is None:
             return None
-        variants = (variant for variant in self.device.variants if variant.code == sample.order_code)
-        variant = next(variants, None)
-        if variant is None:
-            return None
-        placed, number = layout.place(variant.parameters), sample.frame
-        numbers = {name: value for name, value in sample.values.items() if _is_number_of(coder, name)}
-        example = ReadmeExample(
+        for variant in self.device.variants:
+            if variant.code == sample.order_code:
+                example = self._valid_frame(coder, variant, sample)
+                return self._with_error(example, coder, variant, sample) if example.has_verdict else example
+        return None
+
+    def _valid_frame(self, coder: Coder, variant: Variant, sample: Sample) -> ReadmeExample:
+        """Return the call that decodes the sample frame, and its numbers."""
+        layout = coder.layout
+        placed_layout = layout.place(variant.parameters)
+        numbers = _numbers_of(coder, sample)
+        return ReadmeExample(
             code=variant.code,
-            text=_text(placed, number),
+            text=_frame_literal(placed_layout, sample.frame),
             shown=", ".join(f"frame.{coder.names.attribute(name)}" for name in numbers),
             result=" ".join(map(str, numbers.values())),
             has_verdict=coder.reports is not None and bool(coder.reports.otherwise),
-            bits=0 if layout.in_bytes else placed.bits,
-            digits="" if layout.in_bytes else f"{number:0{placed.bits}b}",
+            bits=0 if layout.in_bytes else placed_layout.bits,
+            digits="" if layout.in_bytes else f"{sample.frame:0{placed_layout.bits}b}",
             answers="".join(map(self._first_answer, coder.questions)),
             module=self.device.name if coder.questions else "",
             interface=variant.interface,
             position=str(numbers.get(coder.measured, "")),
             is_position_only=self._is_position_only(coder, variant.interface),
         )
-        if not example.has_verdict or coder.reports is None or sample.spoilt is None:
+
+    def _with_error(self, example: ReadmeExample, coder: Coder, variant: Variant, sample: Sample) -> ReadmeExample:
+        """Return the example with the same frame in which a flag makes the position unusable, if there is a flag."""
+        if coder.reports is None or sample.spoilt is None:
             return example
-        flag = placed.spoiling_flags[0]
-        reported = coder.reports.name_of(flag)
-        example = replace(example, spoilt=_text(placed, sample.spoilt), reported=reported, flag=flag.name)
-        example = replace(example, flag_attribute=coder.names.attribute(flag.name))
-        crc_field = placed.crc_field
-        if crc_field is None or layout.in_bytes or coder.measured not in numbers:
+        placed_layout = coder.layout.place(variant.parameters)
+        flag = placed_layout.spoiling_flags[0]
+        example = replace(
+            example,
+            spoilt=_frame_literal(placed_layout, sample.spoilt),
+            reported=coder.reports.name_of(flag),
+            flag=flag.name,
+            flag_attribute=coder.names.attribute(flag.name),
+        )
+        crc_field, numbers = placed_layout.crc_field, _numbers_of(coder, sample)
+        if crc_field is None or coder.layout.in_bytes or coder.measured not in numbers:
             return example
-        invalid = f"invalid frame of {variant.code}: {_damaged_crc(crc_field, number)}"
+        position = str(numbers[coder.measured])
         flag_meaning = meaning(flag, alarm_of(self.device, flag))
-        return replace(example, tried=(str(numbers[coder.measured]), flag_meaning, invalid))
+        invalid_frame = f"invalid frame of {variant.code}: {_damaged_crc(crc_field, sample.frame)}"
+        return replace(example, tried=(position, flag_meaning, invalid_frame))
 
     def _is_position_only(self, coder: Coder, interface: str) -> bool:
         """Return whether the fields of a frame are flags and those of its position."""
@@ -183,8 +204,8 @@ class Readme:
 
     def _first_answer(self, question: OpenQuestion) -> str:
         """Return the argument that passes the first answer to a question."""
-        first = question.alternative.answers[0]
-        return f", {question.name}={self.device.name}.{question.kind}.{first.name.upper()}"
+        first_answer = question.alternative.answers[0]
+        return f", {question.name}={self.device.name}.{question.kind}.{first_answer.name.upper()}"
 
     def _example_variant(self, kind: str) -> Variant | None:
         """Return an order code with this interface: that of an example in the manual, or the one with the most bits."""
@@ -208,35 +229,35 @@ class Readme:
 
     @property
     def procedures(self) -> list[ReadmeExample]:
-        examples: list[ReadmeExample] = []
-        for example in self.device.examples:
-            if not isinstance(example, ProcedureExample) or len(examples) == _PROCEDURES:
-                continue
-            steps = self._procedures[example.procedure]
-            if any(isinstance(step, (ModifyStep, PollStep)) for step in steps.procedure.steps):
-                continue
-            if any(self.device.register(name).is_accessed_whole for name in steps.procedure.registers):
-                continue
-            encoder = f'lookup("{example.order_code}")'
-            arguments = [*map(grouped, example.arguments.values())]
-            if steps.takes_variant or not arguments:
-                arguments.insert(0, encoder)
-            else:
-                arguments.append(f"variant={encoder}")
-            result = repr(bytes(write.value for write in example.writes).hex(" "))
-            code = f"{self.context.module}.{steps.name}({', '.join(arguments)})"
-            examples.append(
-                ReadmeExample(
-                    code=code,
-                    text="",
-                    shown="",
-                    result=result,
-                    module=self.context.module,
-                    interface=steps.procedure.interface,
-                    order_code=example.order_code,
-                )
-            )
-        return examples
+        """Worked examples of the first procedures that only write bytes."""
+        worked = [example for example in self.device.examples if isinstance(example, ProcedureExample)]
+        only_writing = [example for example in worked if self._only_writes_bytes(self._procedures[example.procedure])]
+        return [self._procedure(example) for example in only_writing[:_PROCEDURES]]
+
+    def _only_writes_bytes(self, steps: Steps) -> bool:
+        if any(isinstance(step, (ModifyStep, PollStep)) for step in steps.procedure.steps):
+            return False
+        return not any(self.device.register(name).is_accessed_whole for name in steps.procedure.registers)
+
+    def _procedure(self, example: ProcedureExample) -> ReadmeExample:
+        """Return the call of a procedure, and the bytes that it writes."""
+        steps = self._procedures[example.procedure]
+        encoder = f'lookup("{example.order_code}")'
+        arguments = [grouped(argument) for argument in example.arguments.values()]
+        if steps.takes_variant or not arguments:
+            arguments.insert(0, encoder)
+        else:
+            arguments.append(f"variant={encoder}")
+        written_bytes = bytes(write.value for write in example.writes)
+        return ReadmeExample(
+            code=f"{self.context.module}.{steps.name}({', '.join(arguments)})",
+            text="",
+            shown="",
+            result=repr(written_bytes.hex(" ")),
+            module=self.context.module,
+            interface=steps.procedure.interface,
+            order_code=example.order_code,
+        )
 
     @property
     def live(self) -> ReadmeExample | None:
@@ -244,19 +265,28 @@ class Readme:
         variant = self._example_variant("rs485")
         if variant is None:
             return None
-        cleared = [name for alarm in facts_for_code(self.device.alarms, variant.code) for name in alarm.cleared_by]
-        steps_over = (steps for steps in self._procedures.values() if steps.procedure.interface == variant.interface)
-        resets = [steps for steps in steps_over if steps.procedure.name in cleared and not steps.arguments]
-        best_reset = max(resets, key=lambda steps: cleared.count(steps.procedure.name), default=None)
-        reset_name = best_reset.name if best_reset else ""
         return ReadmeExample(
             code=variant.code,
             text="",
-            shown=reset_name,
+            shown=self._best_reset(variant),
             result="",
             module=self.context.module,
             is_rotary=self.device.movement == "rotary",
         )
+
+    def _best_reset(self, variant: Variant) -> str:
+        """Return the procedure without arguments that clears most alarms of an encoder, or an empty text."""
+        alarms_by_procedure: Counter[str] = Counter()
+        for alarm in facts_for_code(self.device.alarms, variant.code):
+            alarms_by_procedure.update(alarm.cleared_by)
+        resets: list[Steps] = []
+        for steps in self._procedures.values():
+            is_over_interface = steps.procedure.interface == variant.interface
+            if is_over_interface and steps.procedure.name in alarms_by_procedure and not steps.arguments:
+                resets.append(steps)
+        if not resets:
+            return ""
+        return max(resets, key=lambda steps: alarms_by_procedure[steps.procedure.name]).name
 
     @property
     def run_time(self) -> list[ReadmeExample]:
@@ -269,9 +299,13 @@ class Readme:
                 continue
             name = self.context.parameters[parameter.name]
             value = max(variant.parameters[parameter.name] - 4, parameter.min or 0)
-            return [
-                ReadmeExample(variant.code, f"0x{register.address:02X}: 0x{value:02X}", f"encoder.{name}", str(value))
-            ]
+            example = ReadmeExample(
+                code=variant.code,
+                text=f"0x{register.address:02X}: 0x{value:02X}",
+                shown=f"encoder.{name}",
+                result=str(value),
+            )
+            return [example]
         return []
 
     @property
@@ -282,15 +316,20 @@ class Readme:
         if measurement is None:
             return []
         factors = [factor.value(variant.parameters) for factor in counts(measurement)]
-        size = prod(factors) if factors else 0
-        if size < 8:
+        modulus = prod(factors) if factors else 0
+        if modulus < 8:
             return []
-        examples = [ReadmeExample(variant.code, f"encoder.unwrap({size - 2}, 3)", "", str(size + 3))]
+        calls_and_results: list[tuple[str, str]] = []
+        step_um = measurement.micrometres(variant.parameters)
         if measurement.counts_per_turn is not None:
-            quarter = measurement.counts_per_turn.value(variant.parameters) // 4
-            examples.insert(0, ReadmeExample(variant.code, f"encoder.degrees({quarter})", "", "90.0"))
-        elif (step := measurement.micrometres(variant.parameters)) is not None:
-            examples.insert(0, ReadmeExample(variant.code, "encoder.millimetres(1000)", "", repr(float(step))))
+            quarter_turn = measurement.counts_per_turn.value(variant.parameters) // 4
+            calls_and_results.append((f"encoder.degrees({quarter_turn})", "90.0"))
+        elif step_um is not None:
+            calls_and_results.append(("encoder.millimetres(1000)", repr(float(step_um))))
+        calls_and_results.append((f"encoder.unwrap({modulus - 2}, 3)", str(modulus + 3)))
+        examples = []
+        for call, result in calls_and_results:
+            examples.append(ReadmeExample(code=variant.code, text=call, shown="", result=result))
         return examples
 
     @property
@@ -301,12 +340,14 @@ class Readme:
         for example in self.device.examples:
             if isinstance(example, RegisterExample) and example.register in identity_registers:
                 register_examples.setdefault(example.register, example)
-        code = next((example.order_code for example in register_examples.values()), "")
-        if code not in {variant.code for variant in self.device.variants}:
+        order_codes = [example.order_code for example in register_examples.values()]
+        if not order_codes or order_codes[0] not in {variant.code for variant in self.device.variants}:
             return []
-        same_encoder = (example for example in register_examples.values() if example.order_code == code)
-        contents = ", ".join(f'"{example.register}": {_bytes(example.bytes)}' for example in same_encoder)
-        return [ReadmeExample(code=code, text=contents, shown="", result="True")]
+        contents = []
+        for example in register_examples.values():
+            if example.order_code == order_codes[0]:
+                contents.append(f'"{example.register}": {_bytes(example.bytes)}')
+        return [ReadmeExample(code=order_codes[0], text=", ".join(contents), shown="", result="True")]
 
 
 def _is_number_of(coder: Coder, name: str) -> bool:
@@ -324,10 +365,15 @@ def _damaged_crc(crc_field: PlacedField, number: int) -> str:
     return f"expected CRC {received ^ 1:#04x}, got {received:#04x}"
 
 
-def _text(placed: PlacedLayout, number: int) -> str:
-    """Return a frame as a Python literal."""
-    if placed.layout.in_bytes:
-        return _bytes(number_to_bytes(placed.layout, number, placed.bits))
+def _numbers_of(coder: Coder, sample: Sample) -> dict[str, object]:
+    """Return the numbers in a frame by the names of their fields, without the selector."""
+    return {name: value for name, value in sample.values.items() if _is_number_of(coder, name)}
+
+
+def _frame_literal(placed_layout: PlacedLayout, number: int) -> str:
+    """Return a frame as a Python literal, such as ``0x1a2b`` or ``bytes.fromhex("1A 2B")``."""
+    if placed_layout.layout.in_bytes:
+        return _bytes(number_to_bytes(placed_layout.layout, number, placed_layout.bits))
     return f"{number:#x}"
 
 
@@ -336,7 +382,8 @@ def _bytes(data: bytes) -> str:
 
 
 def _register(example: RegisterExample, coder: Coder) -> ReadmeExample:
-    variant = f', lookup("{example.order_code}")' if coder.takes_variant else ""
+    """Return the call that decodes a register, and its attributes with their values as printed."""
+    variant_argument = f', lookup("{example.order_code}")' if coder.takes_variant else ""
     types = {attribute.name: attribute.type for attribute in coder.attributes}
     expressions, values = [], []
     for name, value in example.values.items():
@@ -348,7 +395,7 @@ def _register(example: RegisterExample, coder: Coder) -> ReadmeExample:
             expressions.append(f"register.{attribute}")
             values.append(repr(value))
     return ReadmeExample(
-        code=f"{coder.name}.decode({_bytes(example.bytes)}{variant})",
+        code=f"{coder.name}.decode({_bytes(example.bytes)}{variant_argument})",
         text="",
         shown=_tuple(expressions),
         result=_tuple(values),
@@ -356,5 +403,6 @@ def _register(example: RegisterExample, coder: Coder) -> ReadmeExample:
     )
 
 
-def _tuple(items: Sequence[str]) -> str:
-    return f"({', '.join(items)})" if len(items) != 1 else items[0]
+def _tuple(expressions: Sequence[str]) -> str:
+    """Return expressions as a tuple, or the only one alone."""
+    return f"({', '.join(expressions)})" if len(expressions) != 1 else expressions[0]

@@ -10,7 +10,6 @@ from ...model import Interface, Layout, Measurement, Register, Spi, Variant, fir
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...order_codes.labels import beginnings
-from ...plan.description import describe
 from ...plan.frames import Exchanged, HeldParameter, exchanges, held_parameters
 from ...plan.values import (
     Cases,
@@ -24,6 +23,7 @@ from ...plan.values import (
 from ...say.order_code import initial
 from . import docstrings
 from .codec import Coder
+from .frame_kinds import FrameKind
 from .literals import Atom, Call, Code, Expr, Literal, Operation, joined, number, of_number, record
 from .names import (
     FUNCTIONS,
@@ -33,87 +33,8 @@ from .names import (
     attribute,
     byte_order,
     camel,
-    decoder_maker,
     encoder_name,
 )
-
-
-def _column_names(coder: Coder) -> list[str]:
-    """Return the names of the columns of a table of frames, as type checkers know them."""
-    described = describe(coder.plan, None)
-    data_fields = {part.field.name for part in coder.plan.parts}
-    columns = [column for column in described.columns if column.name in data_fields]
-    names: list[str] = []
-    for column in columns:
-        names += [coder.names.attribute(run) for run, _, _ in column.runs] or [coder.names.attribute(column.name)]
-    names += [coder.names.attribute(join.name) for join in described.joins]
-    for column in columns:
-        if column.scale is not None:
-            names.append(f"{coder.names.attribute(column.name)} ({column.scale.unit})")
-    unused = ["unused"] if described.unused else []
-    verdict = ["verdict"] if coder.reports is not None and coder.reports.otherwise else []
-    return [*names, *unused, *verdict, "fault"]
-
-
-@dataclass(frozen=True)
-class FrameKind:
-    """Frames that the encoder sends over an interface. If there are several kinds, ``dispatch`` decodes them."""
-
-    interface: str
-    coder: Coder
-    dispatch: str
-    union: str
-    questions: Sequence[OpenQuestion] = ()
-    members: tuple[Coder, ...] = ()
-
-    @property
-    def decoder(self) -> str:
-        """Function that makes the decoder for an encoder."""
-        return decoder_maker(self.dispatch) if self.dispatch else f"{self.coder.name}._make_decoder"
-
-    @property
-    def column_type(self) -> str:
-        """Type of the names of the columns in a table of these frames."""
-        return "Any" if self.dispatch else f"_{self.coder.name}Column"
-
-    @property
-    def column_names(self) -> str:
-        """Names of the columns in a table of these frames, as literals."""
-        return ", ".join(f'"{name}"' for name in _column_names(self.coder))
-
-    @property
-    def in_bytes(self) -> bool:
-        return self.coder.plan.in_bytes
-
-    @property
-    def has_open_length(self) -> bool:
-        """True if the length of the frame depends on a question that the manual leaves open."""
-        answered = {name for question in self.questions for name, _ in question.members}
-        return not answered.isdisjoint(self.coder.layout.bits.parameters)
-
-    @property
-    def listed(self) -> list[tuple[str, str]]:
-        """Arguments for questions that the manual leaves open, with their descriptions."""
-        return [(question.name, question.about) for question in self.questions]
-
-    @property
-    def arguments(self) -> list[tuple[str, str]]:
-        """Arguments of ``decode``, with their descriptions."""
-        if self.in_bytes:
-            return [("frame", "Bytes of the frame, in the order of transmission."), *self.listed]
-        frame = "Frame as a number whose most significant bit was sent first, or as a string of 0 and 1."
-        bits = "Number of bits received, if known. The number itself does not show whether bits are missing."
-        return [("frame", frame), ("bits", bits), *self.listed]
-
-    @property
-    def returned(self) -> str:
-        """Description of the value that ``decode`` returns."""
-        return "The frame. Check its ``verdict`` before you use the position." if self.has_verdict else "The frame."
-
-    @property
-    def has_verdict(self) -> bool:
-        """True if any of the frames has a verdict."""
-        return self.coder.reports is not None and bool(self.coder.reports.otherwise)
 
 
 @dataclass(frozen=True)
@@ -138,11 +59,12 @@ class Variants:
         self.rows = [self._row(variant) for variant in self.device.variants]
 
     def _row(self, variant: Variant) -> Call:
-        parts = tuple(variant.parts[part.name] for part in self.device.order_code.parts)
-        positional: tuple[Literal, ...] = (variant.code, parts)
-        names, values = self.context.parameters, variant.parameters
-        keywords = [(names[parameter.name], values[parameter.name]) for parameter in self.device.set_parameters]
-        return Call(encoder_name(variant.interface), (*(("", argument) for argument in positional), *keywords))
+        """Return the object of an order code, such as ``SsiEncoder("X-13", ("X", "13"), bits=13)``."""
+        texts_of_parts = tuple(variant.parts[part.name] for part in self.device.order_code.parts)
+        arguments: list[tuple[str, Literal]] = [("", variant.code), ("", texts_of_parts)]
+        for parameter in self.device.set_parameters:
+            arguments.append((self.context.parameters[parameter.name], variant.parameters[parameter.name]))
+        return Call(encoder_name(variant.interface), tuple(arguments))
 
     # -- the class of the variants
 
@@ -200,59 +122,57 @@ class Variants:
     @cached_property
     def measured(self) -> str:
         """Name of the position attribute that is converted to turns or lengths."""
-        measurement_used = next(
-            (measurement for measurement in map(self._measurement, self.device.interfaces) if measurement is not None),
-            None,
-        )
-        return (
-            attribute(measurement_used.of, (*FUNCTIONS, "previous", "self", "unwrap"))
-            if measurement_used is not None
-            else ""
-        )
+        for interface in self.device.interfaces:
+            measurement = self._measurement(interface)
+            if measurement is not None:
+                return attribute(measurement.of, (*FUNCTIONS, "previous", "self", "unwrap"))
+        return ""
 
     def _measurement(self, interface: Interface) -> Measurement | None:
         return self.device.measurement_of(interface.name)
 
-    def _of(self, value: Expression | None) -> Expr | None:
+    def _code_of(self, value: Expression | None) -> Expr | None:
+        """Return a number of the encoder in Python, such as ``1 << self.bits``, or None if the spec has none."""
         return self._scope.of(value) if value is not None else None
 
-    def _cases(self, value: Callable[[Measurement], Expr | None]) -> Cases[Expr]:
-        def of(interface: Interface) -> Expr | None:
-            measurement = self._measurement(interface)
-            return value(measurement) if measurement is not None else None
+    def _cases(self, quantity_of: Callable[[Measurement], Expr | None]) -> Cases[Expr]:
+        """Return a quantity of the measurement by interface."""
 
-        return by_interface(self.device, of)
+        def quantity_over(interface: Interface) -> Expr | None:
+            measurement = self._measurement(interface)
+            return quantity_of(measurement) if measurement is not None else None
+
+        return by_interface(self.device, quantity_over)
 
     @cached_property
     def counts_per_turn(self) -> Cases[Expr]:
-        return self._cases(lambda measurement: self._of(measurement.counts_per_turn))
+        return self._cases(lambda measurement: self._code_of(measurement.counts_per_turn))
 
     @cached_property
     def step_um(self) -> Cases[Expr]:
-        return self._cases(lambda measurement: self._of(measurement.step_um))
+        return self._cases(lambda measurement: self._code_of(measurement.step_um))
 
     @cached_property
     def step_nm(self) -> Cases[Expr]:
-        return self._cases(lambda measurement: self._of(measurement.step_nm))
+        return self._cases(lambda measurement: self._code_of(measurement.step_nm))
 
     @cached_property
     def per_counts(self) -> Cases[Expr]:
         """Number of counts to which ``step_nm`` applies, if it is not one everywhere."""
-        cases = self._cases(
-            lambda measurement: self._of(measurement.per_counts or Expression(1)) if measurement.step_nm else None
-        )
+
+        def counts_of(measurement: Measurement) -> Expr | None:
+            if measurement.step_nm is None:
+                return None
+            return self._code_of(measurement.per_counts or Expression(1))
+
+        cases = self._cases(counts_of)
         is_one_everywhere = all(value == number(1) for value, _ in cases.cases)
         return replace(cases, cases=()) if is_one_everywhere else cases
 
     @cached_property
     def modulus(self) -> Cases[Expr]:
         """Number of counts after which the position wraps around."""
-
-        def whole(interface: Interface) -> Expr | None:
-            only = self._only_range(interface)
-            return self._modulus(only.measurement) if only is not None else None
-
-        return by_interface(self.device, whole)
+        return by_interface(self.device, self.modulus_of)
 
     def _modulus(self, measurement: Measurement) -> Expr | None:
         factors = [*map(self._scope.of, counts(measurement))]
@@ -266,21 +186,28 @@ class Variants:
     @cached_property
     def by_frame(self) -> list[str]:
         """Names of the interfaces over which frames have different ranges, or positions that never wrap around."""
-        several = (interface for interface in self.device.interfaces if self._only_range(interface) is None)
-        return [interface.name for interface in several if position_ranges(self.device, interface)]
+        names: list[str] = []
+        for interface in self.device.interfaces:
+            if self._only_range(interface) is None and position_ranges(self.device, interface):
+                names.append(interface.name)
+        return names
 
     @property
     def no_range(self) -> str:
         """Reason why an interface has no range that applies to all of its frames."""
-        unlimited = {interface.name for interface in self.device.interfaces if not self.modulus_of(interface)}
-        reasons = ["the manual does not give it"] if unlimited.difference(self.by_frame) else []
-        reasons += ["it depends on the frame, see range_of()"] if self.by_frame else []
+        interfaces = self.device.interfaces
+        without_modulus = {interface.name for interface in interfaces if self.modulus_of(interface) is None}
+        reasons: list[str] = []
+        if without_modulus.difference(self.by_frame):
+            reasons.append("the manual does not give it")
+        if self.by_frame:
+            reasons.append("it depends on the frame, see range_of()")
         return ", or ".join(reasons)
 
     def modulus_of(self, interface: Interface) -> Expr | None:
         """Return the number of counts after which all positions over an interface wrap around, if it is known."""
-        only = self._only_range(interface)
-        return self._modulus(only.measurement) if only is not None else None
+        only_range = self._only_range(interface)
+        return self._modulus(only_range.measurement) if only_range is not None else None
 
     def ranges_over(self, interface: Interface) -> list[tuple[str, Sequence[Expr | None]]]:
         """Return each frame with its lowest and highest position and modulus, if the frames differ."""
@@ -294,17 +221,24 @@ class Variants:
         return ranges
 
     def _range_values(self, position_range: PositionRange, layout: Layout) -> tuple[Expr | None, ...]:
-        modulus, measurement = self._modulus(position_range.measurement), position_range.measurement
+        """Return the lowest and the highest position in a frame, and the modulus."""
+        measurement = position_range.measurement
+        modulus = self._modulus(measurement)
         if position_range.signed_field is None:
-            width = sum((layout.field(name).width for name in layout.names_in(measurement.of)), Expression(0))
-            whole = modulus if modulus is not None else self._power(width)
-            return number(0), self._of(measurement.highest) or Operation(whole, "-", number(1)), modulus
+            highest = self._code_of(measurement.highest)
+            if highest is None:
+                fields = [layout.field(name) for name in layout.names_in(measurement.of)]
+                all_values = self._power(sum((field.width for field in fields), Expression(0)))
+                highest = Operation(modulus if modulus is not None else all_values, "-", number(1))
+            return number(0), highest, modulus
         highest = self._highest_signed(position_range)
-        if measurement.highest is None or modulus is None:
-            width = position_range.signed_field.width
-            lowest = number(-1 << width.constant - 1) if width.is_constant else Operation(number(-1), "-", highest)
+        if measurement.highest is not None and modulus is not None:
+            lowest = Operation(Operation(highest, "-", modulus), "+", number(1))
             return lowest, highest, modulus
-        return Operation(Operation(highest, "-", modulus), "+", number(1)), highest, modulus
+        width = position_range.signed_field.width
+        if width.is_constant:
+            return number(-1 << width.constant - 1), highest, modulus
+        return Operation(number(-1), "-", highest), highest, modulus
 
     def _power(self, exponent: Expression) -> Expr:
         if exponent.is_constant:
@@ -313,10 +247,10 @@ class Variants:
 
     def _highest_signed(self, position_range: PositionRange) -> Expr:
         """Return the highest signed position. Without one in the spec, every number that fits in the field is valid."""
-        field, highest = position_range.signed_field, position_range.measurement.highest
+        field, stated_highest = position_range.signed_field, position_range.measurement.highest
         assert field is not None
-        if highest is not None:
-            return self._scope.of(highest)
+        if stated_highest is not None:
+            return self._scope.of(stated_highest)
         if field.width.is_constant:
             return number((1 << field.widest - 1) - 1)
         return Operation(self._power(field.width - Expression(1)), "-", number(1))
@@ -325,42 +259,47 @@ class Variants:
     def lowest(self) -> Cases[Expr] | None:
         """Lowest position, if positions are signed."""
 
-        def of(position_range: PositionRange) -> Expr | None:
+        def lowest_of(position_range: PositionRange) -> Expr | None:
             if position_range.signed_field is None:
                 return None
-            # Without a highest position in the spec, every number that fits in the field is valid.
-            is_whole = position_range.measurement.highest is None
-            return Atom("-self.highest - 1" if is_whole else "self.highest - self.modulus + 1")
+            if position_range.measurement.highest is None:
+                # Every number that fits in the field is valid.
+                return Atom("-self.highest - 1")
+            return Atom("self.highest - self.modulus + 1")
 
-        return self._ends(of, number(0))
+        return self._ends(lowest_of, number(0))
 
     @cached_property
     def highest(self) -> Cases[Expr] | None:
         """Highest position, if positions are signed or an offset can shift them above ``modulus``."""
 
-        def of(range_: PositionRange) -> Expr | None:
-            return (
-                self._highest_signed(range_)
-                if range_.signed_field is not None
-                else self._of(range_.measurement.highest)
-            )
+        def highest_of(position_range: PositionRange) -> Expr | None:
+            if position_range.signed_field is not None:
+                return self._highest_signed(position_range)
+            return self._code_of(position_range.measurement.highest)
 
-        return self._ends(of, Operation(Atom("self.modulus"), "-", number(1)))
+        return self._ends(highest_of, Operation(Atom("self.modulus"), "-", number(1)))
 
     @property
     def is_shifted(self) -> bool:
         """True if an offset can shift the positions of an interface above ``modulus``."""
-        ranges = filter(None, map(self._only_range, self.device.interfaces))
-        return any(range_.measurement.highest is not None and range_.signed_field is None for range_ in ranges)
+        for interface in self.device.interfaces:
+            only_range = self._only_range(interface)
+            is_unsigned = only_range is not None and only_range.signed_field is None
+            if only_range is not None and is_unsigned and only_range.measurement.highest is not None:
+                return True
+        return False
 
-    def _ends(self, value: Callable[[PositionRange], Expr | None], usual: Expr) -> Cases[Expr] | None:
-        """Return the ends of the range of positions on one side, or None if they are as usual."""
+    def _ends(self, end_of: Callable[[PositionRange], Expr | None], usual: Expr) -> Cases[Expr] | None:
+        """Return the lowest or the highest position by interface, or None if it is ``usual`` everywhere."""
 
-        def of(interface: Interface) -> Expr | None:
-            only = self._only_range(interface)
-            return (value(only) or usual) if only is not None else None
+        def end_over(interface: Interface) -> Expr | None:
+            only_range = self._only_range(interface)
+            if only_range is None:
+                return None
+            return end_of(only_range) or usual
 
-        ends = by_interface(self.device, of)
+        ends = by_interface(self.device, end_over)
         is_usual = not self.by_frame and all(end == usual for end, _ in ends.cases)
         return None if is_usual else ends
 
@@ -378,9 +317,11 @@ class Variants:
     @cached_property
     def frame_bits(self) -> Cases[Expr]:
         """Number of bits in the encoder's frame, if it is a string of bits."""
-        kinds = (kind for kind in self.frame_kinds if not kind.in_bytes and not kind.has_open_length)
-        first = {kind.interface: kind.coder.layout.bits for kind in kinds}
-        return by_interface(self.device, lambda interface: self._of(first.get(interface.name)))
+        bits_by_interface: dict[str, Expression] = {}
+        for kind in self.frame_kinds:
+            if not kind.in_bytes and not kind.has_open_length:
+                bits_by_interface[kind.interface] = kind.coder.layout.bits
+        return by_interface(self.device, lambda interface: self._code_of(bits_by_interface.get(interface.name)))
 
     # -- answers with a default
 
@@ -393,9 +334,11 @@ class Variants:
     @property
     def some_code(self) -> str:
         """Last order code with a frame whose verdict such an answer decides."""
-        layouts = self.device.layouts()
-        interfaces = {interface.name for interface, layout in layouts if self.device.verdict_alternatives(layout)}
-        variants = (variant for variant in reversed(self.device.variants) if variant.interface in interfaces)
+        interface_names: set[str] = set()
+        for interface, layout in self.device.layouts():
+            if self.device.verdict_alternatives(layout):
+                interface_names.add(interface.name)
+        variants = (variant for variant in reversed(self.device.variants) if variant.interface in interface_names)
         return first_of(variants, "order code with a frame whose verdict an answer decides").code
 
     def answered(self, question: OpenQuestion) -> list[tuple[str, str]]:
@@ -407,11 +350,11 @@ class Variants:
     @cached_property
     def held_records(self) -> list[tuple[str, Call]]:
         """Parameters that registers hold at run time: name and record."""
-        names = self.context.parameters
         records: list[tuple[str, Call]] = []
         for group in held_parameters(self.device):
-            members = group.parameters
-            records += [(names[member.parameter.name], self._held_record(group.register, member)) for member in members]
+            for held_parameter in group.parameters:
+                name = self.context.parameters[held_parameter.parameter.name]
+                records.append((name, self._held_record(group.register, held_parameter)))
         return records
 
     @property
@@ -426,22 +369,23 @@ class Variants:
         return ", ".join(f"{register.name} at {register.address:02X}h" for register in registers)
 
     def _held_record(self, register: Register, held_parameter: HeldParameter) -> Call:
-        parameter, width = held_parameter.parameter, held_parameter.field.widest
-        needed: dict[str, Literal] = {
+        """Return the record of a parameter in a register: its place, its limits and its codes."""
+        parameter = held_parameter.parameter
+        members: dict[str, Literal] = {
             "parameter": self.context.parameters[parameter.name],
             "interface": Code(f"Interface.{register.interface.upper()}"),
             "address": Code(f"Address.{register.name.upper()}"),
             "default": register.default_bytes() or bytes(register.length),
             "order": byte_order(register),
             "low": held_parameter.field.low.constant,
-            "width": width,
+            "width": held_parameter.field.widest,
             "min": parameter.min or 0,
             "max": parameter.max if parameter.max is not None else held_parameter.highest_value,
         }
         if parameter.by_code:
-            needed["codes"] = tuple((by_code.code, by_code.value) for by_code in parameter.by_code)
+            members["codes"] = tuple((by_code.code, by_code.value) for by_code in parameter.by_code)
         if register.default is None:
-            needed["by_order_code"] = True
-        return record(
-            "RegisterParameter", needed, **({} if parameter.by_code else of_number(meaning_of(held_parameter.field)))
-        )
+            members["by_order_code"] = True
+        if not parameter.by_code:
+            members |= of_number(meaning_of(held_parameter.field))
+        return record("RegisterParameter", members)

@@ -1,0 +1,316 @@
+"""An encoder in C: the checks of the members of a struct, and the expressions for the word or the bytes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from ...model import Field, Piece, assert_never
+from ...plan.codec import characters
+from ...plan.limits import NoPowerOfTwo, OutsideLimits, Refusal, TooWide, refusals
+from ...plan.operations import Fixed, ParityIs, ParityOf, ReservedBits, Term, ValueOfField, Whole, ZerosAbove
+from ...plan.values import (
+    Active,
+    Characters,
+    DigitRuns,
+    Named,
+    Raw,
+    TwosComplement,
+    ZeroMeans,
+    meaning_of,
+    widest_value,
+)
+from .names import (
+    Cast,
+    Conditional,
+    Expr,
+    Name,
+    Number,
+    Operation,
+    c_name,
+    joined,
+    masked,
+    shifted_left,
+    shifted_right,
+    size_of,
+    unsigned,
+)
+from .structs import Struct
+
+
+class Encoder:
+    """The checks of an encoder in order, and the expressions in it.
+
+    A word is the sum of terms, such as ``(uint64_t)in->position << 8``. A frame of bytes has one expression per byte.
+    """
+
+    def __init__(self, struct: Struct, limits: Sequence[OutsideLimits]) -> None:
+        self.struct = struct
+        self.plan = struct.plan
+        self.reader = struct.reader
+        possible_refusals = (*_with_powers_first(refusals(self.plan)), *limits)
+        self.refusals = tuple(refusal for refusal in possible_refusals if not _never_applies(refusal))
+        checks = self.plan.checks
+        self._parity_names = frozenset(check.field.name for check in checks if isinstance(check, ParityIs))
+        self._padded_names = frozenset(check.field.name for check in checks if isinstance(check, ZerosAbove))
+        self._reserved_names = frozenset(reserved.field.name for reserved in self.plan.reserved)
+
+    def member_of(self, field: Field) -> Expr:
+        """Return the member of the struct that is encoded, such as ``in->position``."""
+        return Name(f"in->{c_name(field.name)}")
+
+    # -- values that are refused
+
+    def number(self, field: Field) -> Expr:
+        """Return a member as a number, with a cast if it is a flag or of an enumeration."""
+        match meaning_of(field):
+            case Active():
+                needs_cast = True
+            case Named():
+                needs_cast = self.struct.enumeration(field) is not None
+            case Raw() | TwosComplement() | ZeroMeans() | DigitRuns() | Characters():
+                needs_cast = False
+            case meaning:
+                assert_never(meaning)
+        return Cast("uint32_t", self.member_of(field)) if needs_cast else self.member_of(field)
+
+    def joined(self, whole: Whole) -> Expr:
+        """Return the number that the members of a join form."""
+        return self.reader.joined(whole, self._unsigned_bits_of_member)
+
+    def total(self, field: Field) -> Expr:
+        """Return the number that a field's runs of digits form, such as ``(uint32_t)in->tens * 10U + in->ones``."""
+        type_of_total = unsigned(max(field.widest, 32))
+        products: list[Expr] = []
+        for run in field.runs:
+            run_member = Name(f"in->{c_name(run.name)}")
+            if run.divisor > 1:
+                products.append(Operation("*", (Cast(type_of_total, run_member), Number(run.divisor))))
+            else:
+                products.append(run_member)
+        return joined("+", tuple(products))
+
+    # -- the word
+
+    @property
+    def word(self) -> tuple[Expr, ...]:
+        """The terms of the word, except parity bits of Gray code."""
+        terms: list[Expr] = []
+        for term in self.plan.terms:
+            is_added_later = self.plan.parity_covers_gray and isinstance(term.value, ParityOf)
+            if not is_added_later and not isinstance(term.value, ReservedBits) and not self._is_always_zero(term):
+                terms.append(self._term_in_word(term))
+        return (*terms, *self.struct.unused.in_word)
+
+    @property
+    def parities_of_sent_bits(self) -> tuple[Expr, ...]:
+        """Terms that are added to the word once its number in Gray code is converted."""
+        if not self.plan.parity_covers_gray:
+            return ()
+        return tuple(self._term_in_word(term) for term in self.plan.terms if isinstance(term.value, ParityOf))
+
+    def _term_in_word(self, term: Term) -> Expr:
+        """Return a term shifted to its place in the word."""
+        value, low = self._value(term), term.field.low
+        is_at_bit_0 = low.is_constant and low.constant == 0
+        if is_at_bit_0:
+            return Cast("uint64_t", value) if isinstance(value, Name) else value
+        return shifted_left(Cast("uint64_t", value), self.struct.scope.of(low))
+
+    def _is_always_zero(self, term: Term) -> bool:
+        """Return True if none of its bits is ever set."""
+        is_derived = term.field.name in self.plan.constants or term.field.name in self._parity_names
+        return is_derived and term.value == Fixed(0)
+
+    # -- values of terms, with their lowest bit at bit 0
+
+    def _value(self, term: Term) -> Expr:
+        """Return the value of a term as a number, with its lowest bit at bit 0."""
+        match term.value:
+            case Fixed(number):
+                is_parity = term.field.name in self._parity_names
+                return Number(number, hexadecimal=not is_parity)
+            case ParityOf():
+                return self._parity_bit(term, term.value)
+            case ValueOfField(field):
+                return self._bits_of_member(field)
+            case ReservedBits():
+                return self.struct.unused.bits_of(term.field)
+
+    def _parity_bit(self, term: Term, parity: ParityOf) -> Expr:
+        """Return the parity bit of several fields, 0 for an order code without this bit."""
+        if self.plan.parity_covers_gray:
+            even_parity = self.reader.parity_as_sent(parity.of, parity.mask)
+        else:
+            even_parity = self._parity_of_members(parity)
+        bit = Operation("^", (even_parity, Number(1))) if parity.odd else even_parity
+        width = term.field.width
+        if self.plan.parity_covers_gray or width.is_constant:
+            return bit
+        return Operation("&", (bit, self.struct.scope.of(width)))
+
+    def _parity_of_members(self, parity: ParityOf) -> Expr:
+        """Return the parity of the members that a parity bit covers, 1 for an odd number of ones."""
+        bits_and_widths = [(self._bits_of_member(field), field.widest) for field in parity.of]
+        if len(bits_and_widths) == 1:
+            ((bits, width),) = bits_and_widths
+            if width <= 32:
+                bits_and_widths = [(Cast("uint32_t", bits), width)]
+        return self.reader.parity(bits_and_widths, parity.mask)
+
+    def _unsigned_bits_of_member(self, field: Field) -> Expr:
+        """Return the bits of a member as an unsigned number. Some compilers give an enumeration a sign."""
+        bits = self._bits_of_member(field)
+        return Cast(unsigned(field.widest), bits) if isinstance(meaning_of(field), Named) else bits
+
+    def _bits_of_member(self, field: Field) -> Expr:
+        """Return the bits that are sent for a member."""
+        if field.name in self._reserved_names:
+            return self.struct.unused.bits_of(field)
+        member = self.member_of(field)
+        match meaning_of(field):
+            case Active(low):
+                return self._bit_of_flag(field, low_is_active=low)
+            case TwosComplement():
+                return Operation("&", (Cast("uint64_t", member), self.struct.scope.mask(field.width)))
+            case ZeroMeans(number):
+                stands_for_zero = Operation("==", (member, Number(number)))
+                return Conditional(stands_for_zero, Number(0), member)
+            case Raw() | Named() | DigitRuns() | Characters():
+                return member
+            case meaning:
+                assert_never(meaning)
+
+    def _bit_of_flag(self, field: Field, *, low_is_active: bool) -> Expr:
+        """Return the bit of a flag, such as ``in->error ? 1U : 0U``."""
+        flag = self.member_of(field)
+        if not low_is_active:
+            return Conditional(flag, Number(1), Number(0))
+        if field.width.is_constant:
+            return Conditional(flag, Number(0), Number(1))
+        # An absent flag is not active, so both are 0.
+        active = Conditional(flag, Number(1), Number(0))
+        width = self.struct.scope.of(field.width)
+        return Operation("^", (Cast("uint64_t", active), Cast("uint64_t", width)))
+
+    # -- the bytes
+
+    @property
+    def bytes(self) -> Iterator[tuple[int, Expr]]:
+        """The index and the value of each byte, such as ``(0, (uint8_t)(0x80U | in->address))``, without the CRC."""
+        expressions = self._variable_bits_by_byte()
+        crc_bytes = self._crc_bytes()
+        for byte, constant in self._constant_bits_by_byte().items():
+            if byte in expressions:
+                constants = [Number(constant, hexadecimal=True)] if constant else []
+                yield byte, _as_byte(joined("|", (*constants, *expressions[byte])))
+            elif byte not in crc_bytes:
+                yield byte, Number(constant, hexadecimal=True)
+
+    def _crc_bytes(self) -> set[int]:
+        """Return the bytes of a CRC that is computed over whole bytes."""
+        crc = self.plan.only_crc
+        if crc is None or not self.plan.layout.crc_covers_bytes:
+            return set()
+        return {piece.byte for piece in crc.bits.pieces}
+
+    def _constant_bits_by_byte(self) -> dict[int, int]:
+        """Return the constant bits of every byte."""
+        constants = dict.fromkeys(range(self.plan.length), 0)
+        for term in self.plan.terms:
+            if isinstance(term.value, Fixed):
+                for piece in term.field.pieces:
+                    bits_of_piece = term.value.number >> piece.left & piece.mask
+                    constants[piece.byte] |= bits_of_piece << piece.right
+        return constants
+
+    def _variable_bits_by_byte(self) -> dict[int, list[Expr]]:
+        """Return what members and parity bits contribute to each byte."""
+        expressions: dict[int, list[Expr]] = {}
+        for byte, bits in self.struct.unused.in_bytes:
+            expressions.setdefault(byte, []).append(bits)
+        for term in self.plan.terms:
+            for byte, bits in self._variable_bits(term):
+                expressions.setdefault(byte, []).append(bits)
+        return expressions
+
+    def _variable_bits(self, term: Term) -> Iterator[tuple[int, Expr]]:
+        """Yield the bytes of a term that is not constant, each with its bits at their places."""
+        match term.value:
+            case ReservedBits() | Fixed():
+                return
+            case ValueOfField(field):
+                yield from self._bits_in_bytes(term, field)
+            case ParityOf():
+                for piece in term.field.pieces:
+                    parity = shifted_right(self._value(term), piece.left)
+                    yield piece.byte, shifted_left(parity, piece.right)
+            case _:
+                assert_never(term.value)
+
+    def _bits_in_bytes(self, term: Term, field: Field) -> Iterator[tuple[int, Expr]]:
+        """Yield the bytes of a member, each with its bits at their places."""
+        member = self.member_of(field)
+        match meaning_of(field):
+            case Characters():
+                for index, byte in characters(field):
+                    yield byte, Cast("uint8_t", Name(f"{member}[{index}]"))
+            case Active(low):
+                for piece in field.pieces:
+                    yield piece.byte, _flag_in_byte(member, piece, low_is_active=low)
+            case TwosComplement():
+                # Copies of the sign must not reach the zeros above the field.
+                bits = self._value(term) if field.name in self._padded_names else Cast("uint64_t", member)
+                for piece in field.pieces:
+                    yield piece.byte, self._piece_in_byte(field, piece, bits, may_be_wider=True)
+            case Raw() | ZeroMeans() | Named() | DigitRuns():
+                is_split = len(field.pieces) > 1
+                for piece in field.pieces:
+                    if piece.left < size_of(widest_value(field)):
+                        yield piece.byte, self._piece_in_byte(field, piece, self._value(term), may_be_wider=is_split)
+            case meaning:
+                assert_never(meaning)
+
+    def _piece_in_byte(self, field: Field, piece: Piece, bits: Expr, *, may_be_wider: bool) -> Expr:
+        """Return one piece of the bits of a field, shifted to its place in its byte."""
+        bits_of_piece = shifted_right(bits, piece.left)
+        if may_be_wider and piece.mask != 0xFF:
+            bits_of_piece = masked(bits_of_piece, piece.mask)
+        if piece.right:
+            return shifted_left(Cast("uint32_t", bits_of_piece), piece.right)
+        is_wide_member = isinstance(bits_of_piece, Name) and self.struct.type_of(field) != unsigned(8)
+        return Cast("uint32_t", bits_of_piece) if is_wide_member else bits_of_piece
+
+
+def _flag_in_byte(flag: Expr, piece: Piece, *, low_is_active: bool) -> Expr:
+    """Return the bit of a flag at its place in its byte, such as ``in->error ? 0x80U : 0x00U``."""
+    bit = Number(piece.mask << piece.right, hexadecimal=True)
+    zero = Number(0, hexadecimal=True)
+    return Conditional(flag, zero, bit) if low_is_active else Conditional(flag, bit, zero)
+
+
+def _as_byte(value: Expr) -> Expr:
+    """Cast a value to a byte. A one-byte member needs no cast."""
+    if isinstance(value, Name):
+        return value
+    if isinstance(value, Cast) and isinstance(value.value, Name):
+        # One cast instead of two.
+        return Cast("uint8_t", value.value)
+    return Cast("uint8_t", value)
+
+
+def _with_powers_first(unordered: Iterable[Refusal]) -> list[Refusal]:
+    """Move each check for a power of two before the check that it follows. Both give the same error."""
+    ordered: list[Refusal] = []
+    for refusal in unordered:
+        if isinstance(refusal, NoPowerOfTwo):
+            ordered.insert(len(ordered) - 1, refusal)
+        else:
+            ordered.append(refusal)
+    return ordered
+
+
+def _never_applies(refusal: Refusal) -> bool:
+    """Return True if no value of the member's type would be refused."""
+    if not isinstance(refusal, TooWide) or not refusal.width.is_constant:
+        return False
+    return size_of(refusal.field.widest) == refusal.field.widest

@@ -1,0 +1,123 @@
+"""Checks of a frame whose first byte decides most of them, so that a look-up of this byte is enough."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from functools import cached_property
+
+from ...model import Field, Piece
+from ...model.lookup import assert_never
+from ...plan.codec import Codec
+from ...plan.operations import AlwaysIs, Check, IsOneOf, ParityIs
+from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
+from .literals import coded
+
+
+class FirstByte:
+    """First byte of a frame in bytes. It can contain the selector: the field that tells this frame from others.
+
+    ``enum`` returns the name of a field's IntEnum.
+    """
+
+    def __init__(self, codec: Codec, enum: Callable[[Field], str]) -> None:
+        self.codec, self.enum = codec, enum
+
+    @property
+    def checks(self) -> list[Check]:
+        """Checks that need only the first byte."""
+        return [check for check in self.codec.checks if _needs_only_first_byte(check)]
+
+    @property
+    def other_checks(self) -> list[Check]:
+        return [check for check in self.codec.checks if not _needs_only_first_byte(check)]
+
+    @cached_property
+    def selectors_by_byte(self) -> dict[int, int]:
+        """Selector for each valid first byte. Empty if the first byte has no selector."""
+        checks = self.checks
+        for check in checks:
+            if isinstance(check, IsOneOf) and self._is_selector(check.field):
+                valid_bytes = (byte for byte in range(256) if _passes_all(checks, byte))
+                return {byte: _bits_in_byte(check.bits.pieces, byte) for byte in valid_bytes}
+        return {}
+
+    @property
+    def members_by_byte(self) -> dict[int, str]:
+        """Code of the selector for each valid first byte, such as ``Command.READ`` or ``3``.
+
+        Empty if the selector is not an attribute of the frame.
+        """
+        for part in self.codec.parts:
+            if self._is_selector(part.field):
+                return self._members(part.field)
+        return {}
+
+    def _members(self, selector: Field) -> dict[int, str]:
+        """Return the code of each value of the selector, by first byte."""
+        match meaning_of(selector):
+            case Named(choices):
+                members = {choice.value: f"{self.enum(selector)}.{choice.name.upper()}" for choice in choices}
+            case Raw() | TwosComplement() | ZeroMeans() | Active() | DigitRuns() | Characters():
+                members = {}
+            case meaning:
+                assert_never(meaning)
+        selectors = self.selectors_by_byte.items()
+        return {byte: members.get(selector_value, coded(selector_value)) for byte, selector_value in selectors}
+
+    @property
+    def is_invalid(self) -> str:
+        """Condition that the first byte, in the variable ``b0``, is none of those that are valid."""
+        if self.members_by_byte:
+            return "b0 not in valid_first_bytes"
+        valid_bytes = [f"0x{byte:02X}" for byte in self.selectors_by_byte]
+        if len(valid_bytes) == 1:
+            return f"b0 != {valid_bytes[0]}"
+        return f"b0 not in ({', '.join(valid_bytes)})"
+
+    def _is_selector(self, field: Field) -> bool:
+        return field.name == self.codec.layout.selector
+
+
+def _needs_only_first_byte(check: Check) -> bool:
+    """Return whether all bits that a check needs are in the first byte."""
+    if not isinstance(check, (AlwaysIs, ParityIs, IsOneOf)):
+        return False
+    pieces = list(check.bits.pieces)
+    if isinstance(check, ParityIs):
+        for covered_bits in check.of_bits:
+            pieces += covered_bits.pieces
+    return bool(pieces) and all(piece.byte == 0 for piece in pieces)
+
+
+def _passes_all(checks: Sequence[Check], first_byte: int) -> bool:
+    return all(_passes(check, first_byte) for check in checks)
+
+
+def _passes(check: Check, first_byte: int) -> bool:
+    """Return whether a frame with this first byte passes a check that needs only the first byte."""
+    checked_bits = _bits_in_byte(check.bits.pieces, first_byte)
+    match check:
+        case AlwaysIs(value=constant):
+            return checked_bits == constant
+        case ParityIs():
+            return checked_bits == _expected_parity(check, first_byte)
+        case IsOneOf(values=values):
+            return checked_bits in values
+        case _:
+            return True
+
+
+def _expected_parity(check: ParityIs, first_byte: int) -> int:
+    """Return the parity bit of the covered bits: 1 for an odd number of ones, inverted if the parity is odd."""
+    number_of_ones = 0
+    for covered_bits in check.of_bits:
+        ones = _bits_in_byte(covered_bits.pieces, first_byte)
+        if check.mask:
+            ones &= check.mask
+        number_of_ones += ones.bit_count()
+    return number_of_ones & 1 ^ check.odd
+
+
+def _bits_in_byte(pieces: Iterable[Piece], byte: int) -> int:
+    """Return the number that these pieces of a byte form."""
+    return sum((byte >> piece.right & piece.mask) << piece.left for piece in pieces)

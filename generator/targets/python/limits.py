@@ -1,0 +1,47 @@
+"""Limits of registers in Python: their lowest and highest values as expressions."""
+
+from __future__ import annotations
+
+from ...model.expressions import Expression
+from ...model.record import dataclass
+from ...plan.limits import Limits
+from .literals import Expr, Negative, Operation, Scope, number
+
+
+@dataclass(frozen=True)
+class LimitsFunction:
+    """Function that returns the limits of a register. ``when`` names one of several meanings."""
+
+    name: str
+    when: str
+    low: Expr
+    high: Expr
+    takes_variant: bool
+
+
+def limit_expressions(scope: Scope, limits: Limits) -> tuple[Expr, Expr]:
+    """Return the lowest and the highest value. A missing limit follows from the width."""
+    low, high = _limits_of_width(scope, limits)
+    if limits.low is not None:
+        low = scope.of(limits.low)
+    if limits.high is not None:
+        high = scope.of(limits.high)
+    return low, high
+
+
+def _limits_of_width(scope: Scope, limits: Limits) -> tuple[Expr, Expr]:
+    """Return the lowest and the highest value that the width allows."""
+    if limits.signed:
+        half_of_range = scope.power(limits.width - Expression(1))
+        return Negative(half_of_range), Operation(half_of_range, "-", number(1))
+    if limits.stands_for:
+        return number(1), number(limits.stands_for)
+    return number(0), Operation(scope.power(limits.width), "-", number(1))
+
+
+def limits_depend(limits: Limits) -> bool:
+    """Return whether limits depend on the order code."""
+    bounds = [bound for bound in (limits.low, limits.high) if bound is not None]
+    if len(bounds) < 2:
+        bounds.append(limits.width)
+    return not all(bound.is_constant for bound in bounds)

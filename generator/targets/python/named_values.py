@@ -1,0 +1,118 @@
+"""Names for the numbers in a decoder that depend on the order code."""
+
+from __future__ import annotations
+
+from dataclasses import field as dataclass_field
+
+from ...model.expressions import Expression
+from ...model.record import dataclass
+from ...plan.codec import Codec
+from ...plan.operations import IsBetween, NotAbove
+from .literals import Atom, Expr, Scope
+from .names import ClassNames
+
+
+@dataclass(frozen=True)
+class NamedValues(Scope):
+    """Scope that assigns a name to each value that depends on the order code, and records its expression.
+
+    ``named`` has the code of each value by its name, such as ``{"position_mask": "(1 << variant.position_bits) - 1"}``.
+    ``preferred`` has the names to use, by the kind of the value (``size`` or ``ones``) and its code.
+    Values that depend on the parameters ``answered`` are not assigned once, since a caller can give other answers.
+    """
+
+    answered: frozenset[str] = frozenset()
+    named: dict[str, str] = dataclass_field(default_factory=dict)
+    preferred: dict[tuple[str, str], str] = dataclass_field(default_factory=dict)
+    comments: dict[str, str] = dataclass_field(default_factory=dict)
+
+    def of(self, value: Expression) -> Expr:
+        return self._use_name("size", value, super().of(value))
+
+    def ones(self, width: Expression) -> Expr:
+        mask_of_parameters = Scope(self.names).ones(width)
+        return self._use_name("ones", width, mask_of_parameters)
+
+    def _use_name(self, kind: str, value: Expression, expression: Expr) -> Expr:
+        """Return the name of a value that depends on the order code, and otherwise ``expression``."""
+        depends_on_answer = not self.answered.isdisjoint(value.parameters)
+        if value.is_constant or depends_on_answer:
+            return expression
+        code = str(expression)
+        names_by_code = {named_code: name for name, named_code in self.named.items()}
+        name = names_by_code.get(code)
+        if name is None:
+            name = self.preferred.get((kind, code), f"{kind}_{len(self.named)}")
+        self.named[name] = code
+        return Atom(name)
+
+    def prefer(self, name: str, kind: str, value: Expression, comment: str = "") -> None:
+        """Use ``name`` for a value, if it needs a name and has none. ``kind`` is ``size`` or ``ones``."""
+        if value.is_constant:
+            return
+        scope = Scope(self.names)
+        expression = scope.of(value) if kind == "size" else scope.ones(value)
+        preferred_name = self.preferred.setdefault((kind, str(expression)), name)
+        if comment and preferred_name == name:
+            self.comments[name] = comment
+
+
+def prefer_names_of_fields(scope: NamedValues, codec: Codec, names: ClassNames) -> None:
+    """Name the positions, widths, masks and limits that depend on the order code by their fields."""
+    unused_name = _LocalNames(codec, names).unused_name
+    scope.prefer("frame_bits", "size", codec.layout.bits, comment_on_constant(codec, codec.layout.bits))
+    for field in codec.layout.fields:
+        scope.prefer(unused_name(f"{field.name}_bits"), "size", field.width)
+        low_comment = comment_on_constant(codec, field.low)
+        scope.prefer(unused_name(f"{field.name}_low"), "size", field.low, low_comment)
+        scope.prefer(unused_name(f"{field.name}_mask"), "ones", field.width)
+    for check in codec.checks:
+        if isinstance(check, (NotAbove, IsBetween)):
+            scope.prefer(unused_name(f"highest_{check.field.name}"), "size", check.highest)
+        if isinstance(check, IsBetween):
+            scope.prefer(unused_name(f"lowest_{check.field.name}"), "size", check.lowest)
+    if codec.gray is not None:
+        scope.prefer(unused_name("gray_low"), "size", codec.gray.low)
+        scope.prefer(unused_name("gray_bits"), "size", codec.gray.width)
+        scope.prefer(unused_name("gray_excess"), "size", codec.gray.excess)
+
+
+class _LocalNames:
+    """Names of the variables of a decoder, beginning with those of its fields and their runs of digits."""
+
+    def __init__(self, codec: Codec, names: ClassNames) -> None:
+        self._names = names
+        self._used_names: set[str] = set()
+        for field in codec.layout.fields:
+            self._used_names.add(names.local(field.name))
+            self._used_names.update(names.local(run.name) for run in field.runs)
+
+    def unused_name(self, wanted: str) -> str:
+        """Return ``wanted``, with underscores at its end if another variable has this name."""
+        name = self._names.local(wanted)
+        while name in self._used_names:
+            name += "_"
+        self._used_names.add(name)
+        return name
+
+
+def comment_on_constant(codec: Codec, value: Expression) -> str:
+    """Return a comment on the constant of a sum of widths, such as ``8 = crc (6) + warning (1) + error (1)``.
+
+    It lists the fields of fixed width at the low end of the word. Empty if they do not add up to the constant.
+    """
+    constant = value.constant
+    if constant <= 0:
+        return ""
+    fields_by_low = {field.low.constant: field for field in codec.layout.fields if field.is_fixed}
+    fields_with_width: list[str] = []
+    low = 0
+    while low < constant and low in fields_by_low and fields_by_low[low].widest:
+        lowest_field = fields_by_low[low]
+        fields_with_width.append(f"{lowest_field.name} ({lowest_field.widest})")
+        low += lowest_field.widest
+    if low != constant:
+        return ""
+    if len(fields_with_width) == 1:
+        return fields_with_width[0]
+    return f"{constant} = {' + '.join(reversed(fields_with_width))}"

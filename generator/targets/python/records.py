@@ -1,0 +1,148 @@
+"""Records in generated Python: calls of the runtime's classes, such as ``Register(name="preset", address=0x40)``.
+
+The classes of the records are read from their source, so no separate list of members is needed: a member of the
+class is printed if the model has it, and an enumeration or another record is printed according to its type.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
+from types import MappingProxyType
+
+from ...model import cite
+from ...model.expressions import Expression
+from ...model.members import PARTS_BY_CLASS
+from ...model.record import dataclass
+from ..registry import our_runtime
+from .literals import Call, Hex, Literal, Member, is_empty
+
+#: Sources with classes of records and enumerations.
+_RUNTIME = our_runtime("python") / "codewheel_runtime"
+_SOURCES = (_RUNTIME / "facts.py", _RUNTIME / "order_codes.py", _RUNTIME / "reports.py")
+#: Records whose required members are printed without their names.
+_POSITIONAL = frozenset(
+    "Contact Document Edition Family LedState LostFigure NamedValue PrintedTimeout RegisterMeaning Revision"
+    " SpelledValue".split()
+)
+#: Members that are printed last, although members that were added later follow them in the class.
+_PRINTED_LAST: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {"SsiFacts": ("timings", "note", "source"), "ControlField": ("values", "source")}
+)
+
+
+@dataclass(frozen=True)
+class RecordMember:
+    """A member of a record: the names in its type, and its default.
+
+    The type ``tuple[Contact, ...] | None`` has the names ``tuple`` and ``Contact``.
+    """
+
+    name: str
+    types: frozenset[str]
+    default: object = None
+    is_required: bool = False
+
+
+@dataclass(frozen=True)
+class RuntimeRecords:
+    """The members of each record, and the names of the enumerations."""
+
+    members: Mapping[str, tuple[RecordMember, ...]]
+    enumerations: frozenset[str]
+
+
+@cache
+def runtime_records() -> RuntimeRecords:
+    """Return all records and enumerations of the runtime."""
+    members: dict[str, tuple[RecordMember, ...]] = {}
+    enumerations = {"Interface"}
+    for path in _SOURCES:
+        for class_def in _classes(path.read_text(encoding="utf-8")):
+            base_names = {ast.unparse(base) for base in class_def.bases}
+            if "NamedTuple" in base_names:
+                members[class_def.name] = tuple(_members(class_def))
+            if "Enum" in base_names:
+                enumerations.add(class_def.name)
+    return RuntimeRecords(members, frozenset(enumerations))
+
+
+def _classes(source: str) -> list[ast.ClassDef]:
+    return [statement for statement in ast.parse(source).body if isinstance(statement, ast.ClassDef)]
+
+
+def _members(class_def: ast.ClassDef) -> Iterator[RecordMember]:
+    """Yield the members of a class, whose statements are like ``address: int`` or ``note: str = ""``."""
+    for statement in class_def.body:
+        if not isinstance(statement, ast.AnnAssign) or not isinstance(statement.target, ast.Name):
+            continue
+        names_in_type = [node.id for node in ast.walk(statement.annotation) if isinstance(node, ast.Name)]
+        # The default of some members is a call, which is printed like None.
+        has_literal = isinstance(statement.value, (ast.Constant, ast.Tuple))
+        yield RecordMember(
+            name=statement.target.id,
+            types=frozenset(names_in_type),
+            default=ast.literal_eval(statement.value) if statement.value is not None and has_literal else None,
+            is_required=statement.value is None,
+        )
+
+
+def record_of(class_name: str, model_part: object, **overrides: Literal) -> Call:
+    """Return the record of a part of the model: all required members, and those that differ from their default.
+
+    Args:
+        class_name: Name of the record.
+        model_part: The part of the model, which has members of the same names.
+        overrides: Values that replace those of the part.
+    """
+    arguments: list[tuple[str, Literal]] = []
+    for member in _in_printed_order(class_name):
+        value = overrides[member.name] if member.name in overrides else _value(model_part, member)
+        if member.is_required:
+            is_positional = class_name in _POSITIONAL
+            arguments.append(("" if is_positional else member.name, value))
+        elif value != member.default and not is_empty(value):
+            arguments.append((member.name, value))
+    return Call(class_name, tuple(arguments))
+
+
+def records_of(class_name: str, model_parts: Sequence[object]) -> tuple[Call, ...]:
+    """Return a record for each part of the model."""
+    return tuple(record_of(class_name, model_part) for model_part in model_parts)
+
+
+def _in_printed_order(class_name: str) -> list[RecordMember]:
+    members = runtime_records().members[class_name]
+    names_at_end = _PRINTED_LAST.get(class_name, ())
+    first = [member for member in members if member.name not in names_at_end]
+    return first + [member for member in members if member.name in names_at_end]
+
+
+def _value(model_part: object, member: RecordMember) -> Literal:
+    """Return a member of a part of the model as a literal, according to the type of the member in the record."""
+    value = getattr(model_part, member.name)
+    if member.name == "source":
+        return cite(value)
+    for record_name in member.types & runtime_records().members.keys():
+        if isinstance(value, tuple):
+            return records_of(record_name, value)
+        return record_of(record_name, value) if value is not None else None
+    for enumeration in member.types & runtime_records().enumerations:
+        if isinstance(value, tuple):
+            return tuple(Member(enumeration, name) for name in value)
+        return Member(enumeration, value) if value else None
+    if isinstance(value, Expression):
+        return value.render()
+    if isinstance(value, int) and _is_hexadecimal(model_part, member.name):
+        return Hex(value)
+    literal_value: Literal = value
+    return literal_value
+
+
+def _is_hexadecimal(model_part: object, member_name: str) -> bool:
+    """Return whether the spec writes this member of a part of the model in hexadecimal."""
+    part = PARTS_BY_CLASS.get(type(model_part).__name__)
+    if part is None or member_name not in part.by_attribute:
+        return False
+    return part.by_attribute[member_name].shape == "hex"

@@ -1,0 +1,172 @@
+"""Reports and verdict of a frame in Python: conditions on its attributes, and comments."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+from ...model import Field, Flag, Verdict, first_of
+from ...model.expressions import Expression
+from ...plan.codec import Codec
+from ...plan.operations import Part, Reserved
+from ...plan.verdicts import Match, Only, ReportCause, Reporting, VerdictCause
+from .literals import Atom, Expr, Not, Operation, Scope, coded, joined, mask
+from .names import ClassNames
+
+
+class FrameReports:
+    """Reports and verdict of a frame, for its template. ``reporting`` is None if the frame has no reports.
+
+    ``attribute_of`` maps the name of an attribute of the frame to the code that reads it, by default ``error`` to
+    ``self.error``. ``parameters`` maps the parameters of the order code to attributes of the variant.
+    """
+
+    def __init__(
+        self,
+        reporting: Reporting | None,
+        codec: Codec,
+        names: ClassNames,
+        parameters: Mapping[str, str],
+        attribute_of: Callable[[str], str] = "self.{}".format,
+    ) -> None:
+        self._report_causes = reporting.causes if reporting is not None else ()
+        self._judgement = reporting.judgement if reporting is not None else None
+        self._reserved, self._names = codec.reserved, names
+        self._variant = attribute_of("variant")
+        self._variant_attributes = parameters
+        self._attribute_of = attribute_of
+
+    @property
+    def _causes_by_verdict(self) -> Sequence[tuple[Verdict, Sequence[VerdictCause]]]:
+        """Verdicts with their causes, worst first. Empty if the frame has no position."""
+        return self._judgement.worst_first if self._judgement is not None else ()
+
+    @property
+    def depends(self) -> bool:
+        """True if any condition depends on the order code."""
+        if self._judgement is not None and self._judgement.may_be_unknown:
+            return True
+        causes: list[ReportCause | VerdictCause] = list(self._report_causes)
+        for _, verdict_causes in self._causes_by_verdict:
+            causes += verdict_causes
+        return any(cause.conditions for cause in causes)
+
+    # -- verdict
+
+    @property
+    def verdict_conditions(self) -> list[tuple[str, list[str]]]:
+        """Verdicts that flags or bits of the frame lead to, worst first, such as ``("NOT_USABLE", ["self.error"])``.
+
+        Each of a verdict's conditions is sufficient.
+        """
+        if self._judgement is None:
+            return []
+        conditions = {verdict: self._conditions(causes) for verdict, causes in self._causes_by_verdict}
+        if self._judgement.may_be_unknown:
+            conditions[Verdict.UNKNOWN] = [self._has_no_judging_bits(self._judgement.judging_bits)]
+        return [(verdict.name, conditions[verdict]) for verdict in Verdict if verdict in conditions]
+
+    @property
+    def reasons(self) -> dict[str, list[str]]:
+        """Meaning of each flag or other cause that leads to a verdict, by the name of the verdict."""
+        reasons_by_verdict: dict[str, list[str]] = {}
+        for verdict, causes in self._causes_by_verdict:
+            meanings = [_meaning_while_active(cause) for cause in causes]
+            reasons_by_verdict[verdict.name] = list(dict.fromkeys(meanings))
+        return reasons_by_verdict
+
+    @property
+    def not_usable(self) -> list[str]:
+        """Conditions under which the position is not usable."""
+        for verdict, causes in self._causes_by_verdict:
+            if verdict is Verdict.NOT_USABLE:
+                return self._conditions(causes)
+        return []
+
+    @property
+    def otherwise(self) -> str:
+        """Verdict if no condition applies. Empty if the frame has no position."""
+        return self._judgement.otherwise.name if self._judgement is not None else ""
+
+    def _has_no_judging_bits(self, judging_bits: Expression) -> str:
+        """Return the condition that the frames of the encoder have no bits that judge the position."""
+        attributes = self._variant_attributes.items()
+        code_of_parameter = {parameter: f"{self._variant}.{attribute}" for parameter, attribute in attributes}
+        return f"{Scope(code_of_parameter).of(judging_bits).operand} == 0"
+
+    # -- reports
+
+    def name_of(self, field: Field) -> str:
+        """Return the name of a field's report."""
+        causes = (cause for cause in self._report_causes if cause.by.field.name == field.name)
+        return first_of(causes, f"report about '{field.name}'").report.name
+
+    # -- conditions
+
+    def _conditions(self, causes: Sequence[VerdictCause]) -> list[str]:
+        """Return a condition for each flag and each match of values, and one for all unused bits."""
+        conditions = []
+        reserved_causes = []
+        for cause in causes:
+            if isinstance(cause.by, Reserved):
+                reserved_causes.append(cause.by)
+            else:
+                conditions.append(self._condition(cause, cause.by))
+        if reserved_causes:
+            conditions.append(str(self._differs_in(reserved_causes)))
+        return conditions
+
+    def _condition(self, cause: VerdictCause, flag_or_match: Part | Match) -> str:
+        """Return the condition for a cause. It is ignored while certain flags are active, and for other order codes."""
+        # The flag comes first, because it is rarely active. The other conditions are then skipped.
+        if isinstance(flag_or_match, Match):
+            conditions = self._has_values(flag_or_match)
+        else:
+            conditions = [self._read_attribute(flag_or_match)]
+        for only in cause.conditions:
+            parameter = f"{self._variant}.{self._variant_attributes[only.parameter]}"
+            conditions.append(condition_on_parameter(only, parameter))
+        if cause.unless:
+            combined_flags = [self._read_attribute(flag) for flag in cause.unless]
+            conditions.append(Not(joined("or", combined_flags)))
+        return str(conditions[0]) if len(conditions) == 1 else f"({joined('and', conditions)})"
+
+    def _has_values(self, match: Match) -> list[Expr]:
+        """Return a condition for each value of a match."""
+        conditions: list[Expr] = []
+        for part, value in match.conditions:
+            attribute = self._read_attribute(part)
+            if not isinstance(part.field.kind, Flag):
+                conditions.append(Atom(f"{attribute} == {coded(value)}"))
+            elif value:
+                conditions.append(attribute)
+            else:
+                conditions.append(Not(attribute))
+        return conditions
+
+    def _differs_in(self, reserved: Sequence[Reserved]) -> Expr:
+        """Return the condition that any of these unused bits differs from the manual."""
+        unused = Atom(self._attribute_of("unused"))
+        all_bits = sum(bits.mask for bits in self._reserved)
+        bits_of_verdict = sum(bits.mask for bits in reserved)
+        return unused if bits_of_verdict == all_bits else Operation(unused, "&", mask(bits_of_verdict))
+
+    def _read_attribute(self, part: Part) -> Expr:
+        return Atom(self._attribute_of(self._names.attribute(part.field.name)))
+
+
+def _meaning_while_active(cause: VerdictCause) -> str:
+    """Return the comment on a cause while it is active, such as ``error: position data is invalid.``"""
+    if isinstance(cause.by, Reserved):
+        return "unused: bits that the manual leaves unused differ from it."
+    flag = cause.by.field
+    meaning = flag.meaning
+    if isinstance(flag.kind, Flag) and flag.kind.when_active:
+        meaning = flag.kind.when_active
+    # Texts of the spec can have several lines.
+    meaning_on_one_line = " ".join(meaning.split()) or "active"
+    return f"{flag.name}: {meaning_on_one_line.rstrip('.')}."
+
+
+def condition_on_parameter(only: Only, parameter: str) -> Expr:
+    """Return the condition that an order code is among ``only``: ``parameter`` or ``not parameter``."""
+    return Atom(parameter) if only.holds else Not(Atom(parameter))

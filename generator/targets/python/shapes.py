@@ -1,0 +1,226 @@
+"""Shapes in generated Python: descriptions of frames and registers as data, for ``decode_many`` and ``encode_many``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import fields
+from enum import Enum
+from types import MappingProxyType
+from typing import Any
+
+from ...model import Fault, Scale, Verdict
+from ...model.expressions import Expression
+from ...plan.codec import allowed_values
+from ...plan.description import Answered, Column, Name, describe
+from ...plan.operations import FrameCrc
+from ...plan.values import is_named, meaning_of, position_ranges
+from ...plan.verdicts import Only, Reporting
+from .bits import others
+from .codec import Coder
+from .literals import Call, Code, ConditionalItem, Hex, Literal, Member, joined, literal, literal_call, record
+from .names import byte_order
+from .reports import condition_on_parameter
+
+#: Number of members that are printed without their names, by class.
+_POSITIONAL_COUNTS = {"BitField": 1, "Column": 1, "Join": 1, "VerdictCause": 1, "ReportCause": 1}
+#: Names of classes and members in the runtime, if they differ from those of the plan.
+_RUNTIME_NAMES: Mapping[str, str] = MappingProxyType(
+    {
+        "Speaks": "VerdictCause",
+        "Tells": "ReportCause",
+        "speaks": "verdict_causes",
+        "tells": "report_causes",
+        "answered": "chosen_verdict",
+    }
+)
+#: Members of the plan with several items, except the columns.
+_PLANNED_ROWS = ("joins", "unused", "checks", "parities", "speaks", "tells", "fields")
+#: Members that say for which encoders a cause applies.
+_CONDITIONS = ("only", "chosen")
+
+
+class Shape:
+    """Description of one frame or register, as used by its template. ``reporting`` is None without a verdict."""
+
+    #: Members whose items are on separate lines.
+    rows = ("columns", *(_RUNTIME_NAMES.get(name, name) for name in _PLANNED_ROWS))
+
+    def __init__(self, coder: Coder, reporting: Reporting | None) -> None:
+        self.coder, self.plan = coder, coder.plan
+        self._description = describe(coder.plan, reporting)
+        prefix = "register_" if coder.register is not None else ""
+        self.name = f"shape_of_{prefix}{coder.layout.name}"
+
+    @property
+    def members(self) -> list[tuple[str, Literal]]:
+        """Members that are not empty, by name, in the order in which they are printed."""
+        return [(name, value) for name, value in self._members() if value not in (None, 0, "", ())]
+
+    def _members(self) -> Iterator[tuple[str, Literal]]:
+        """Yield all members of the shape by name, also empty ones."""
+        description, coder = self._description, self.coder
+        yield "bits", self._literal_of(description.bits)
+        yield "length", description.length
+        yield "order", description.order
+        yield "columns", self._columns()
+        yield from self._other_rows()
+        yield "crc", self._crc_of_encoder(description.crcs)
+        yield from self._gray()
+        yield "fixed", self._constant_bits()
+        yield "position", coder.measured
+        if self.plan.keeps_others:
+            yield "kept_mask", Code(str(others(coder.context.scope, self.plan)))
+        if coder.register is not None and coder.limited:
+            yield "limited", (coder.register.limits_of, coder.limited)
+        yield "default_verdict", self._default_verdict()
+        yield "frame", self._frame_with_special_range()
+
+    def _columns(self) -> tuple[Call, ...]:
+        """Return a column for each field with a value."""
+        names = {part.field.name for part in self.plan.parts}
+        return tuple(self._column(column) for column in self._description.columns if column.name in names)
+
+    def _other_rows(self) -> Iterator[tuple[str, Literal]]:
+        """Yield the members with several items, except the columns."""
+        for name in _PLANNED_ROWS:
+            # The class of a register checks its values.
+            is_checked_by_class = name == "checks" and self.coder.register is not None
+            if not is_checked_by_class:
+                yield _RUNTIME_NAMES.get(name, name), self._literal_of(getattr(self._description, name))
+
+    def _gray(self) -> Iterator[tuple[str, Literal]]:
+        """Yield the place of the bits in Gray code, such as ``(8, 22) if variant.gray else None``, and the excess."""
+        gray = self._description.gray
+        if gray is None:
+            return
+        place = str(literal(self._literal_of((gray.low, gray.width))))
+        if self.coder.gray_when:
+            place += f" if variant.{self.coder.gray_when} else None"
+        yield "gray", Code(place)
+        yield "excess", self._literal_of(gray.excess)
+
+    def _constant_bits(self) -> Code | None:
+        """Return the constants at their places, such as ``(0x3 << 4) | (0x1 << 20)``, or None without any."""
+        constants = self._description.fixed
+        terms = [f"{value:#x} << {self.coder.number(place.low)}" for place, value in constants]
+        if not terms:
+            return None
+        if len(terms) == 1:
+            return Code(terms[0])
+        return Code(" | ".join(f"({term})" for term in terms))
+
+    def _default_verdict(self) -> Literal:
+        """Return the verdict if no condition applies. Without bits that judge the position, it is unknown."""
+        verdict = self._literal_of(self._description.otherwise)
+        if self._description.judging_bits is None:
+            return verdict
+        judging_bits = self.coder.number(self._description.judging_bits)
+        unknown = self._literal_of(Verdict.UNKNOWN)
+        return Code(f"{literal(verdict)} if {judging_bits} else {literal(unknown)}")
+
+    def _frame_with_special_range(self) -> str:
+        """Return the name of the frame, if its positions have another range than those of other frames."""
+        coder = self.coder
+        if coder.register is not None or not coder.measured:
+            return ""
+        interface = coder.context.device.interface(coder.layout_interface)
+        ranges = position_ranges(coder.context.device, interface)
+        is_special = len(ranges) > 1 or any(position_range.never_wraps for position_range in ranges)
+        return coder.layout.name if is_special else ""
+
+    def _column(self, column: Column) -> Call:
+        """Return a column with its name in messages, if that differs, and the only values of its field."""
+        coder = self.coder
+        field = coder.layout.field(column.name)
+        name_in_messages = column.name if column.name != coder.names.attribute(column.name) else ""
+        allowed: Literal = None
+        if coder.selects(field):
+            allowed = allowed_values(coder.layout, field)
+        elif is_named(meaning_of(field)):
+            allowed = Code(coder.enum(field))
+        arguments = dict(self._call_of(column).arguments)
+        return record("Column", arguments, field=name_in_messages, values=allowed)
+
+    def _crc_of_encoder(self, crcs: Sequence[FrameCrc]) -> Literal:
+        """Return the CRC of an encoder, among several the one that its order code has. None without any."""
+        if not crcs:
+            return None
+        if not crcs[0].is_optional:
+            return self._crc(crcs[0])
+        choices = tuple(ConditionalItem(self._crc(crc), str(self.coder.number(crc.field.width))) for crc in crcs)
+        return literal_call("next", literal_call("iter", choices), Code("None"))
+
+    def _crc(self, frame_crc: FrameCrc) -> Call:
+        """Return the CRC with the function that compares it, and the means to compute it for many frames."""
+        crc, coder = frame_crc.crc, self.coder
+        members: dict[str, Literal] = {"low": self._literal_of(frame_crc.bits.low), "width": crc.width}
+        if coder.layout.crc_covers_bytes:
+            place = f'length={self.plan.length}, width={crc.width // 8}, order="{byte_order(coder.layout)}"'
+            members["differs"] = Code(f"compare_bytes({coder.crc_name(frame_crc)}, {place})")
+            if crc.is_xor:
+                members |= {"xorout": crc.xorout, "is_xor": True}
+        else:
+            gap = f", gap={frame_crc.gap}" if frame_crc.gap else ""
+            place = f"covered={coder.number(frame_crc.covered)}, width={crc.width}{gap}"
+            members["differs"] = Code(f"compare_bits({coder.crc_name(frame_crc)}, {place})")
+            if frame_crc.steps:
+                members |= {"xorout": crc.xorout, "steps": _folds(frame_crc)}
+        return Call("CrcOf", tuple(members.items()))
+
+    # -- any value of the description
+
+    def _literal_of(self, value: Any) -> Literal:
+        """Return any value of the description as a literal."""
+        match value:
+            case Expression():
+                return Code(str(self.coder.number(value)))
+            case Name():
+                return self.coder.names.attribute(value)
+            case Enum():
+                enumeration = "ErrorKind" if isinstance(value, Fault) else type(value).__name__
+                return Member(enumeration, value.name)
+            case Scale(numerator, denominator, offset, unit):
+                # Without the class, whose name a register may have.
+                return (numerator, denominator, offset, unit)
+            case tuple():
+                return tuple(map(self._literal_of, value))
+            case None | bool() | int() | str():
+                return value
+            case Answered(parameter, verdict):
+                return Code(f"Verdict.{verdict.name} if {self._read_parameter(parameter)} else None")
+        return self._record_of(value)
+
+    def _record_of(self, description_part: Any) -> Literal:
+        """Return a part of the description as a record, which only some encoders have if it has conditions."""
+        conditions = []
+        for name in _CONDITIONS:
+            only: Only | None = getattr(description_part, name, None)
+            if only is not None:
+                conditions.append(condition_on_parameter(only, self._read_parameter(only.parameter)))
+        call = self._call_of(description_part)
+        return ConditionalItem(call, str(joined("and", conditions))) if conditions else call
+
+    def _read_parameter(self, parameter: str) -> str:
+        return f"variant.{self.coder.context.parameters[parameter]}"
+
+    def _call_of(self, description_part: Any) -> Call:
+        """Return the call of the class in the runtime. A cause other than a flag has no name."""
+        planned_class_name = type(description_part).__name__
+        class_name = _RUNTIME_NAMES.get(planned_class_name, planned_class_name)
+        omitted = set(_CONDITIONS)
+        if getattr(description_part, "mask", 0) or getattr(description_part, "when", ()):
+            omitted.add("flag")
+        arguments: list[tuple[str, Literal]] = []
+        for member in fields(description_part):
+            value = getattr(description_part, member.name)
+            if member.name not in omitted and value != member.default:
+                is_positional = len(arguments) < _POSITIONAL_COUNTS.get(class_name, 0)
+                name = _RUNTIME_NAMES.get(member.name, member.name)
+                arguments.append(("" if is_positional else name, self._literal_of(value)))
+        return Call(class_name, tuple(arguments))
+
+
+def _folds(frame_crc: FrameCrc) -> tuple[Call, ...]:
+    """Return the steps that compute a CRC without a table, such as ``Fold(shift=8, mask=0x3F, back=2)``."""
+    steps = frame_crc.steps
+    return tuple(record("Fold", {"shift": step.shift, "mask": Hex(step.mask), "back": step.back}) for step in steps)
