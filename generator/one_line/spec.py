@@ -256,7 +256,7 @@ def _places_unlike_biss(line: Line) -> Iterator[str]:
         return
     for field in line.fields:
         if isinstance(field, Flag) and field.name in flag_names and field.level == "high":
-            yield f"{frame}.{field.name}"
+            yield f"{frame}.{field.name}.active"
         if isinstance(field, Crc) and not field.is_inverted:
             yield f"crcs.{_CRC_NAME}.xorout"
     if flag_names == ["warning", "error"]:

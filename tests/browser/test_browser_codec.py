@@ -333,7 +333,7 @@ def test_registers_are_made_of_values(name: str, ask: Ask, node: Asker, library:
 COMMAND_KINDS = {"other_order_code", "other_widths", "other_answer"}
 #: A mistake: its text, the number of random frames among which one matches, and what the frame then reads.
 Reason = list[Any]
-#: Cases of all devices are compared in so many parts, of which ``make test`` runs one.
+#: Number of parts in which the cases of all devices are compared. ``make test`` runs one of them.
 PARTS = 4
 
 

@@ -725,6 +725,7 @@ interfaces:"""
 WITH_RESET = (
     ("      - {name: all_data", f"      - {RESET_ID}\n      - {{name: all_data"),
     ("data_id: [0, 3]", "data_id: [0, 3, 7]"),
+    ("data_id: [0]", "data_id: [0, 7]"),
 )
 RESET_ALONE = (*WITH_RESET, ("interfaces:", RESET_PROCEDURE % ", in_succession: true"))
 RESET_SHARED = (*WITH_RESET, ("interfaces:", RESET_PROCEDURE % ""))

@@ -51,7 +51,7 @@ ASKING = {
         ("about", "about_member"),
         ("decode", "fields_with_local"),
         ("device", "_is_read_twice"),
-        ("codec", "_bits_in_whole"),
+        ("encode", "_unsigned_bits_of_member"),
         ("enumerations", "__init__"),
         ("examples", "asking"),
         ("examples", "is_signed"),
@@ -61,7 +61,7 @@ ASKING = {
     },
     "rust": {("family", "width_problems")},
     "biss": set[Place](),
-    "python": {("codec", "usable")},
+    "python": {("codec", "usable"), ("decode", "_comment")},
     "browser": set[Place](),
 }
 

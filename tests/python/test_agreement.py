@@ -455,7 +455,7 @@ def byte_frames(family: Family, layouts: tuple[Layout, ...], source: random.Rand
     frames = [source.randbytes(source.randrange(13)) for _ in range(1000)]
     for control in range(256):
         frames += [bytes([control]) + source.randbytes(length) for length in range(12)]
-    crc = next(filter(None, map(family.device.crc_of, layouts)))
+    crc = next(crc for layout in layouts for crc in family.device.crcs_of(layout))
     size, compute = crc.width // 8, getattr(family.module, f"crc_{crc.name}")
     order: Any = "little" if layouts[0].byte_order == "low_byte_first" else "big"
     bodies = [frame[:-size] for frame in frames if len(frame) > size]

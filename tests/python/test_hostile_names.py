@@ -114,7 +114,7 @@ def _layouts(index: int, word: str) -> Iterator[Item]:
     summed = {
         "name": "own_flag",
         "active": "high",
-        "makes_position": "usable_with_warning",
+        "makes_position": "not_usable",
         "sums_up": [reporting_flag["name"]],
     }
     spare = [] if word == "unused" else [{"name": "own_spare", "bits": 3, "unused": 5}]

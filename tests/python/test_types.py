@@ -129,12 +129,12 @@ def worth(frame: amm5.SingleCycleData) -> str:
         'Argument missing for parameter "zero_bit"',
     ),
     "a serial port for an encoder that needs a clock": Mistake(
-        "open_encoder('/dev/ttyUSB0', lookup('AMM5A21/65KSC1'))",
+        "open_encoder('COM3', lookup('AMM5A21/65KSC1'))",
         'Argument 2 has incompatible type "BissEncoder"; expected "str | SerialEncoder"',
         'Argument of type "BissEncoder" cannot be assigned to parameter "label" of type "str | SerialEncoder"',
     ),
     "a serial port for an encoder that needs a clock, with asyncio": Mistake(
-        "open_async('/dev/ttyUSB0', lookup('AMM5A23/65KBG1'))",
+        "open_async('COM3', lookup('AMM5A23/65KBG1'))",
         'Argument 2 has incompatible type "SsiEncoder"; expected "str | SerialEncoder"',
         'Argument of type "SsiEncoder" cannot be assigned to parameter "label" of type "str | SerialEncoder"',
     ),
@@ -154,8 +154,8 @@ encoder = lookup('AMM5A21/65KSC1')
 frame = encoder.try_decode(encoder.decode(5).encode())
 if isinstance(frame, amm5.SingleCycleData) and frame.verdict is not Verdict.NOT_USABLE:
     print(frame.position, frame.error)
-open_encoder('/dev/ttyUSB0', lookup('AMM5A23/65KJP1')).close()
-open_encoder('/dev/ttyUSB0', 'AMM5A23/65KJP1').close()
+open_encoder('COM3', lookup('AMM5A23/65KJP1')).close()
+open_encoder('COM3', 'AMM5A23/65KJP1').close()
 """
 #: Settings of pyright. Examples may show a value that is not used, and import names for the next example.
 STRICT = {

@@ -6,9 +6,9 @@ from collections.abc import Iterator, Sequence
 from functools import reduce
 from operator import or_
 
-from codewheel.model import Verdict
+from codewheel.model import Verdict, assert_never
 from codewheel.plan.operations import Part, Reserved
-from codewheel.plan.values import Active
+from codewheel.plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans
 from codewheel.plan.verdicts import Match, Only, VerdictCause
 
 from .family import Struct
@@ -51,9 +51,14 @@ def _terms(struct: Struct, cause: Part | Match) -> Iterator[str]:
     parts = cause.conditions if isinstance(cause, Match) else ((cause, 1),)
     for part, value in parts:
         member = f"self.{snake(part.field.name)}"
-        if isinstance(part.meaning, Active):
-            yield member if value else f"!{member}"
-        else:
-            enum = struct.enums[part.field.name]
-            name = next(named.name for named in enum.values if named.value == value)
-            yield f"{member} == {enum.name}::{pascal(name)}"
+        match part.meaning:
+            case Active():
+                yield member if value else f"!{member}"
+            case Named():
+                enum = struct.enums[part.field.name]
+                name = next(named.name for named in enum.values if named.value == value)
+                yield f"{member} == {enum.name}::{pascal(name)}"
+            case Raw() | TwosComplement() | ZeroMeans() | DigitRuns() | Characters():
+                yield f"{member} == {value}"
+            case meaning:
+                assert_never(meaning)

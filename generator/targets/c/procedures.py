@@ -338,7 +338,7 @@ class ProcedureCode:
         return None
 
     def _byte_value(self, step: Writes | Reads | Polls | Verifies, piece: Piece) -> Expr:
-        """Return the value that a step writes to a byte, waits for, or reads back. Nothing else in the byte is set."""
+        """Return the value that a step writes to a byte, waits for, or reads back. The other bits of the byte are 0."""
         if isinstance(step, Reads) or not piece.mask:
             return _ZERO
         write = step.write if isinstance(step, Verifies) else step

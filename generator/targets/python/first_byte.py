@@ -66,7 +66,7 @@ class FirstByte:
 
     @property
     def is_invalid(self) -> str:
-        """Condition that the first byte, in the variable ``b0``, is none of those that are valid."""
+        """Condition that the first byte, in the variable ``b0``, is not a valid one."""
         if self.members_by_byte:
             return "b0 not in valid_first_bytes"
         valid_bytes = [f"0x{byte:02X}" for byte in self.selectors_by_byte]
