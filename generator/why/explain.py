@@ -137,9 +137,17 @@ def explain_constant(
 
 
 def explain_bytes(
-    device: Device, variant: Variant, sender: str, placed_layout: PlacedLayout | None, data: bytes
+    device: Device,
+    variant: Variant,
+    sender: str,
+    placed_layout: PlacedLayout | None,
+    data: bytes,
+    *,
+    with_pairs: bool = False,
 ) -> Diagnosis | None:
     """Explain the wrong CRC of ``data``, which should be a frame of the layout ``placed_layout`` if that is known.
+
+    ``with_pairs`` also lists pairs of mistakes if a single one matches.
 
     Return None if there is no mistake to try.
     """
@@ -151,7 +159,9 @@ def explain_bytes(
     crcs = [device.crc(name) for name in crc_names]
     # For an unknown frame the user has not chosen anything, so values that depend on a choice are not read.
     undecided = frozenset(name for alternative in device.alternatives for name in alternative.answers[0].sets)
-    diagnosis = diagnose(device, hypotheses, refuted=[], crcs=crcs, undecided_parameters=undecided)
+    diagnosis = diagnose(
+        device, hypotheses, refuted=[], crcs=crcs, undecided_parameters=undecided, with_pairs=with_pairs
+    )
     if diagnosis is None or placed_layout is None or 8 * len(data) != placed_layout.bits:
         return diagnosis
     return replace(diagnosis, disturbed=tuple(_bits_of_bytes_to_invert(device, placed_layout, data)))

@@ -486,7 +486,8 @@ def why_of(case: Case, text: str, *, with_pairs: bool = False) -> Diagnosis | No
         faults = {problem.fault.value for problem in decoded.problems}
         if decoded.layout is not None and not faults & {"crc", "length", "constant"}:
             return None
-        return explain_bytes(case.device, case.variant, case.layout.sender, decoded.layout, data)
+        sender = case.layout.sender
+        return explain_bytes(case.device, case.variant, sender, decoded.layout, data, with_pairs=with_pairs)
     frame = frame_number(case.placed, text)
     decoded = (
         codec.decode_bits(case.device, case.placed, frame.number, frame.bits)

@@ -237,7 +237,8 @@ def hostile(words: list[str]) -> Item:
 
 
 def _register(name: str, address: int) -> Item:
-    return {"name": name, "address": address, "length": 1, "access": "read_write", "source": "1"}
+    note = "Any number can be written."
+    return {"name": name, "address": address, "length": 1, "access": "read_write", "note": note, "source": "1"}
 
 
 def _words(index: int, word: str) -> Item:

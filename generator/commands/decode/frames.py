@@ -302,7 +302,7 @@ def why_text(
         data = placed_bytes(placed, variant, undecorated(text))
     from ...why.explain import explain_bytes
 
-    return explain_bytes(device, variant, sender, placed, data)
+    return explain_bytes(device, variant, sender, placed, data, with_pairs=with_pairs)
 
 
 def _why_bits(
