@@ -68,7 +68,7 @@ class Codec:
 
     @property
     def only_crc(self) -> FrameCrc | None:
-        """The CRC of all order codes. None without a CRC, or if order codes differ."""
+        """The CRC of all order codes. None without a CRC, or if only some order codes have it."""
         return next((crc for crc in self.crcs if not crc.is_optional), None)
 
     @cached_property
@@ -86,7 +86,7 @@ class Codec:
 
     @cached_property
     def depends(self) -> bool:
-        """True if any position or width, or the highest position, depends on the order code."""
+        """True if any position or width, the Gray code, or the highest position depends on the order code."""
         if self.gray is not None and self.gray.when:
             return True
         expressions = [self.layout.bits]
@@ -101,11 +101,11 @@ class Codec:
 
     @property
     def from_low(self) -> range:
-        """Return the indices of the bytes, least significant byte first."""
+        """Indices of the bytes in the frame, least significant byte first: 0, 1, ... if the low byte is sent first."""
         return range(self.length) if self.layout.byte_order == "low_byte_first" else range(self.length - 1, -1, -1)
 
     def faults(self) -> tuple[Fault, ...]:
-        """Return the errors that a decoder of this layout can find, without duplicates."""
+        """Return the errors that a decoder of this layout can find, the length among them, in the order of ``Fault``."""
         faults = {Fault.LENGTH, *(check.fault for check in self.checks)}
         if self.crcs:
             faults.add(Fault.CRC)
@@ -141,7 +141,7 @@ def codec_of(device: Device, layout: Layout) -> Codec:
 
 
 def _parts(layout: Layout) -> Iterator[Part]:
-    """Yield the fields with values. A part is shared if a join or a parity bit also uses its bits."""
+    """Yield the fields with data, except a fixed selector. Those that a join or a parity bit also uses are shared."""
     shared_names = {name for join in layout.joins for name in join.fields}
     for field in layout.fields:
         if isinstance(field.kind, Parity):
@@ -153,14 +153,14 @@ def _parts(layout: Layout) -> Iterator[Part]:
 
 
 def _reserved(layout: Layout) -> Iterator[Reserved]:
-    """Yield the unused fields, each with its place in the number that all of them form."""
+    """Yield the unused fields, each with the position of its lowest bit in the decoder's number ``unused``."""
     for field, place in layout.unused:
         documented_value = field.kind.value if isinstance(field.kind, Unused) else 0
         yield Reserved(field, bits_of(layout, field), documented_value, place)
 
 
 def fixed_selector(layout: Layout) -> Field | None:
-    """Return the selector if a single value of it identifies the frame."""
+    """Return the selector if a single value of it identifies the frame, or None."""
     return layout.field(layout.selector) if len(layout.selects) == 1 else None
 
 
@@ -172,23 +172,26 @@ def only_value(layout: Layout, field: Field) -> int | None:
 
 
 def bits_of(layout: Layout, field: Field) -> Bits:
-    """Return the bits of a field. For a padded field in bytes, include all bytes that it can occupy."""
+    """Return the bits of a field. In bytes, a padded field has no pieces for bytes that contain only padding."""
     occupied_pieces = tuple(piece for piece in field.pieces if not field.container or piece.left < field.widest)
     return _bits(layout, field.low, field.width, field.widest, occupied_pieces)
 
 
 def _bits(layout: Layout, low: Expression, width: Expression, widest: int, pieces: tuple[Piece, ...] = ()) -> Bits:
+    """Return ``width`` bits, starting at ``low``. They are on top if a frame of bits has none above them."""
     bits_above = layout.bits - low - width
     on_top = not layout.in_bytes and bits_above == Expression(0)
     return Bits(low, width, widest, on_top, pieces)
 
 
 def _crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
-    """Return the check of the CRC in a field, which covers some fields or all before it."""
+    """Return the check of the CRC in a field, which covers the adjacent fields in ``of``, or without, all before it."""
     assert isinstance(field.kind, CrcValue)
     crc = device.crc(field.kind.crc)
+    # A CRC that only some order codes have is at the end of their frames.
     bits = bits_of(layout, field) if field.width.is_constant else _bits_at_end(layout, crc.width)
     if field.kind.of:
+        # From the most significant field to the least significant one.
         first_covered, last_covered = layout.field(field.kind.of[0]), layout.field(field.kind.of[-1])
         return FrameCrc(
             crc=crc,
@@ -198,7 +201,7 @@ def _crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
             low=last_covered.low.constant,
             is_part=True,
             divides=False,
-            steps=(),
+            steps=(),  # Only a CRC of the whole frame has these.
         )
     is_of_whole_words = checks_whole_words(device, crc)
     return FrameCrc(
@@ -218,6 +221,7 @@ def _bits_at_end(layout: Layout, width: int) -> Bits:
     low = layout.bits - Expression(width) if layout.byte_order == "low_byte_first" else Expression(0)
     length = layout.widest // 8
     pieces = []
+    # A frame of bits has no pieces. ``left`` is the position of the byte's lowest bit in the CRC.
     for left in range(0, width, 8) if layout.in_bytes else ():
         byte = length - (width - left) // 8 if layout.byte_order == "low_byte_first" else length - 1 - left // 8
         mask = (1 << min(8, width - left)) - 1
@@ -226,7 +230,7 @@ def _bits_at_end(layout: Layout, width: int) -> Bits:
 
 
 def _gray(layout: Layout) -> Gray | None:
-    """Return the bits in Gray code, which are those of one field or of the adjacent fields of a join."""
+    """Return the bits in Gray code, those of one field or of the adjacent fields of a join, or None if there are none."""
     if not layout.gray_of:
         return None
     fields = [layout.field(name) for name in layout.names_in(layout.gray_of)]
@@ -235,7 +239,7 @@ def _gray(layout: Layout) -> Gray | None:
 
 
 def _wholes(layout: Layout, by_word: bool) -> Iterator[Whole]:
-    """Yield the numbers made of several fields. A frame that is one number gives adjacent fields with one shift."""
+    """Yield the numbers made of several fields. If one shift extracts adjacent fields from a word, set ``bits``."""
     for join in layout.joins:
         fields = tuple(layout.field(name) for name in join.fields)  # most significant first
         total_width = sum((field.width for field in fields), Expression(0))
@@ -253,6 +257,7 @@ def _checks_of_constants_and_parity(layout: Layout, by_word: bool) -> Iterator[C
     """Yield the checks of constants and parity bits in the order of the fields, and therefore of their errors."""
     for field in layout.fields:
         match field.kind:
+            # In bytes, padding is checked together with the field that it pads.
             case Constant(padding_of=padded_name) if padded_name and not by_word:
                 yield _zeros_above(layout, layout.field(padded_name), padding=field)
             case Constant(value=number):
@@ -263,6 +268,7 @@ def _checks_of_constants_and_parity(layout: Layout, by_word: bool) -> Iterator[C
 
 def _zeros_above(layout: Layout, padded_field: Field, padding: Field) -> ZerosAbove:
     """Return the check that the bits above a field are 0, in its own bytes and in those that only the padding has."""
+    # Without the bytes that the field never occupies.
     bits = bits_of(layout, padded_field)
     bytes_of_padding = tuple(piece for piece in padded_field.pieces if piece not in bits.pieces)
     return ZerosAbove(padded_field, padding, bits, bytes_of_padding)
@@ -283,20 +289,21 @@ def _parity_check(layout: Layout, parity_bit: Field, kind: Parity) -> ParityIs:
 
 
 def _checks_of_values(layout: Layout) -> Iterator[Check]:
-    """Yield the checks of choices, selectors and decimal digits."""
+    """Yield the checks of choices and selectors, unless all their values are valid, and of decimal digits."""
     for field in layout.fields:
         bits = bits_of(layout, field)
         values = allowed_values(layout, field)
         if values:
             yield IsOneOf(field, bits, values)
         if field.runs:
+            # The runs split the decimal number, most significant first: number // divisor % modulus.
             most_significant_run = field.runs[0]
             highest = most_significant_run.divisor * most_significant_run.modulus - 1
             yield AtMost(field, bits, highest, field.runs)
 
 
 def _checks_of_position(device: Device, layout: Layout) -> Iterator[Check]:
-    """Yield the check that the position is one that the encoder has, if the manual gives a limit."""
+    """Yield the check that the position is one that the encoder has, if its field could hold others."""
     position = device.range_in(layout)
     if position is not None and position.field.number.signed:
         yield IsBetween(position.field, bits_of(layout, position.field), position.lowest, position.highest)
@@ -305,18 +312,18 @@ def _checks_of_position(device: Device, layout: Layout) -> Iterator[Check]:
 
 
 def allowed_values(layout: Layout, field: Field) -> tuple[int, ...]:
-    """Return the valid values of a selector or a choice, without duplicates. Return none if every value is valid."""
+    """Return the valid values of a selector or a choice, or an empty tuple if every value is valid, as in others."""
     if field.name == layout.selector:
         values = dict.fromkeys(layout.selects)
     else:
         values = dict.fromkeys(named_value.value for named_value in field.values)
-    # Each value fits in the bits, so this many values are all that are possible.
+    # Each value fits in the bits, so if there are as many values as codes, every code is valid.
     has_all_values = field.width.is_constant and len(values) == 1 << field.widest
     return () if has_all_values else tuple(values)
 
 
 def _known_parity(layout: Layout, parity_bit: Field, covered_fields: tuple[Field, ...], kind: Parity) -> int | None:
-    """Return the parity bit if all order codes have it and it covers a single field that is constant, else None."""
+    """Return the parity bit if all order codes have it and it covers a single field with a single value, else None."""
     if len(covered_fields) != 1 or not parity_bit.width.is_constant:
         return None
     covered_value = only_value(layout, covered_fields[0])
@@ -324,7 +331,7 @@ def _known_parity(layout: Layout, parity_bit: Field, covered_fields: tuple[Field
 
 
 def _parity_mask(kind: Parity, fields: tuple[Field, ...]) -> int:
-    """Return the mask of the bits that count, no wider than the fields, or 0 if all of them count."""
+    """Return the mask of the covered bits of each field, no wider than the widest one, or 0 if it covers all."""
     if not kind.over:
         return 0
     widest = max(field.widest for field in fields)
@@ -333,12 +340,12 @@ def _parity_mask(kind: Parity, fields: tuple[Field, ...]) -> int:
 
 
 def parity(number: int, odd: bool) -> int:
-    """Return the even or odd parity bit of a number."""
+    """Return the even or odd parity bit of a number: with it, the number of ones is even or odd."""
     return (number.bit_count() & 1) ^ odd
 
 
 def _terms(layout: Layout) -> Iterator[Term]:
-    """Yield the fields that an encoder of frames sets, with what it sets them to. The CRC follows from all of them."""
+    """Yield each field of an encoded frame with the source of its bits. The CRC is computed from all of them later."""
     place_by_name = {field.name: place for field, place in layout.unused}
     for field in layout.fields:
         sent_value: Fixed | ValueOfField | ParityOf | ReservedBits
@@ -370,9 +377,9 @@ def _sent_number(layout: Layout, field: Field) -> Fixed | ValueOfField:
 
 
 def characters(field: Field) -> tuple[tuple[int, int], ...]:
-    """Return each character of a text field as its index in the text and the index of its byte in the frame.
+    """Return each character of a text as its index in the text and that of its byte: ``((0, 2), (1, 3))``.
 
-    If the characters do not fill whole bytes, return nothing.
+    If the characters do not fill whole bytes, or the field is not a text, return an empty tuple.
     """
     fills_whole_bytes = all(piece.right == 0 and piece.mask == 0xFF for piece in field.pieces)
     if not isinstance(field.kind, Text) or not fills_whole_bytes:
@@ -404,7 +411,7 @@ class ShiftedBits:
 
 
 def moved_bits(codec: Codec) -> tuple[ShiftedBits, ...]:
-    """Return the unused bits whose position is the same for every order code. Those with the same shift are one."""
+    """Return the unused bits whose position is fixed. Those of the same byte or word with the same shift are combined."""
     bits_by_shift: dict[tuple[int | None, int], ShiftedBits] = {}
     for reserved in codec.reserved:
         if not reserved.bits.are_fixed:
@@ -421,13 +428,14 @@ def moved_bits(codec: Codec) -> tuple[ShiftedBits, ...]:
 
 
 def _shifted_bits(reserved: Reserved, by_word: bool) -> Iterator[ShiftedBits]:
-    """Yield the bits of an unused field, in the word or byte by byte."""
+    """Yield the bits of an unused field: once for the whole word or, without ``by_word``, once for each of its bytes."""
     value = reserved.value << reserved.place
     if by_word:
         shift = reserved.bits.low.constant - reserved.place
         yield ShiftedBits(byte=None, shift=shift, mask=reserved.mask, value=value)
         return
     for piece in reserved.bits.pieces:
+        # Position of the byte's lowest bit in ``unused``. A negative shift moves the bits up.
         place = reserved.place + piece.left
         mask = piece.mask << place
         yield ShiftedBits(byte=piece.byte, shift=piece.right - place, mask=mask, value=value & mask)
