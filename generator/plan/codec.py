@@ -105,7 +105,7 @@ class Codec:
         return range(self.length) if self.layout.byte_order == "low_byte_first" else range(self.length - 1, -1, -1)
 
     def faults(self) -> tuple[Fault, ...]:
-        """Return the errors that a decoder of this layout can find, the length among them, in the order of ``Fault``."""
+        """Return the errors that a decoder of this layout can find, in the order of ``Fault``. It checks the length."""
         faults = {Fault.LENGTH, *(check.fault for check in self.checks)}
         if self.crcs:
             faults.add(Fault.CRC)
@@ -230,7 +230,7 @@ def _bits_at_end(layout: Layout, width: int) -> Bits:
 
 
 def _gray(layout: Layout) -> Gray | None:
-    """Return the bits in Gray code, those of one field or of the adjacent fields of a join, or None if there are none."""
+    """Return the bits in Gray code: those of a field or of the adjacent fields of a join. Return None if none are."""
     if not layout.gray_of:
         return None
     fields = [layout.field(name) for name in layout.names_in(layout.gray_of)]
@@ -411,7 +411,7 @@ class ShiftedBits:
 
 
 def moved_bits(codec: Codec) -> tuple[ShiftedBits, ...]:
-    """Return the unused bits whose position is fixed. Those of the same byte or word with the same shift are combined."""
+    """Return the unused bits whose position is fixed. Fields of a byte or word with the same shift are combined."""
     bits_by_shift: dict[tuple[int | None, int], ShiftedBits] = {}
     for reserved in codec.reserved:
         if not reserved.bits.are_fixed:
@@ -428,7 +428,7 @@ def moved_bits(codec: Codec) -> tuple[ShiftedBits, ...]:
 
 
 def _shifted_bits(reserved: Reserved, by_word: bool) -> Iterator[ShiftedBits]:
-    """Yield the bits of an unused field: once for the whole word or, without ``by_word``, once for each of its bytes."""
+    """Yield the bits of an unused field: once for the word or, without ``by_word``, once for each byte."""
     value = reserved.value << reserved.place
     if by_word:
         shift = reserved.bits.low.constant - reserved.place

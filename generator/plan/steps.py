@@ -222,7 +222,7 @@ class Run:
 
     @cached_property
     def calls(self) -> tuple[Call, ...]:
-        """Return the operations that it needs from a master, without duplicates."""
+        """Operations that it needs from a master, without duplicates, in the order of ``Call``."""
         needed_calls = {call for operation in self.operations for call in operation.calls}
         return tuple(call for call in Call if call in needed_calls)
 
@@ -256,7 +256,7 @@ def _changes_frames(device: Device, write: Writes) -> bool:
 
 
 def _with_taught_parameters(device: Device, operations: Sequence[Operation]) -> Iterator[Operation]:
-    """Yield the operations, with the written parameters on which later limits depend."""
+    """Yield the operations. Those that write an argument to a whole register get ``teaches``, see ``Writes``."""
     for index, operation in enumerate(operations):
         if isinstance(operation, Writes) and operation.field is None and not isinstance(operation.value, FixedNumber):
             later_operations = operations[index + 1 :]
@@ -319,7 +319,7 @@ def _can_be_read_back(write: Writes) -> bool:
 
 
 def _meaningful_pieces(write: Writes) -> Iterator[Piece]:
-    """Yield the bytes with the written bits that have a meaning. Reserved bits can have any value when read."""
+    """Yield the pieces without reserved bits, which can have any value when read. A whole access keeps all bytes."""
     for piece in write.pieces:
         unused_in_piece = _unused_bits(write.register, piece.byte) >> piece.right
         meaningful_mask = piece.mask & ~unused_in_piece
@@ -335,7 +335,7 @@ def _unused_bits(register: Register, byte_index: int) -> int:
 
 
 def _operation_of_step(device: Device, procedure: Procedure, step: Step) -> Operation:
-    """Return the operation that a step of the manual is."""
+    """Return the operation of a step in the manual, with its register, its field and the bytes of these."""
     match step:
         case WaitStep():
             return Waits(step)

@@ -41,7 +41,7 @@ def by_interface(device: Device, value: Callable[[Interface], T | None]) -> Case
             interfaces_by_value.setdefault(interface_value, []).append(interface.name)
             values_in_total += 1
     cases = [(case_value, tuple(names)) for case_value, names in interfaces_by_value.items()]
-    cases.sort(key=lambda case: len(case[1]))
+    cases.sort(key=lambda case: len(case[1]))  # by the number of interfaces
     return Cases(cases=tuple(cases), everywhere=values_in_total == len(device.interfaces))
 
 
@@ -64,9 +64,10 @@ class PositionRange:
 
 
 def position_ranges(device: Device, interface: Interface) -> tuple[PositionRange, ...]:
-    """Return the ranges of the position over an interface, or none without a measurement.
+    """Return the ranges of the position over an interface, or an empty tuple without a measurement.
 
-    There is only one unless the layouts differ.
+    Layouts share a range if ``_range_key`` is equal: the counts, the highest position, wrapping and the sign. If no
+    frame contains the position, all frames of the encoder share one range.
     """
     measurement = device.measurement_of(interface.name)
     if measurement is None:
@@ -91,7 +92,7 @@ def position_ranges(device: Device, interface: Interface) -> tuple[PositionRange
 
 
 def _position_range(measurement: Measurement, layout: Layout) -> PositionRange:
-    """Return the range of the position in one layout."""
+    """Return the range of the position in one layout, which the layout can narrow."""
     own_range = layout.position_range
     signed_fields = [field for field in layout.fields if field.name == measurement.of and field.number.signed]
     return PositionRange(
@@ -125,7 +126,11 @@ def parameters_in_measurement(device: Device) -> frozenset[str]:
 
 
 def _equals_quantity(device: Device, parameter: Parameter) -> bool:
-    """Return whether a parameter equals the counts per revolution or the number of counts for every order code."""
+    """Return whether a parameter equals the counts per revolution or the number of counts for every order code.
+
+    It must equal the same of these two for all of them. Order codes without the parameter, or without a number of
+    counts, are ignored.
+    """
     equal_in_all: set[str] | None = None  # Quantities that equal the parameter for all order codes so far.
     for variant in device.variants:
         if parameter.interface not in ("", variant.interface):
@@ -135,13 +140,15 @@ def _equals_quantity(device: Device, parameter: Parameter) -> bool:
         factors = counts(measurement) if measurement is not None else ()
         if value is None or measurement is None or not factors:
             continue
+        # The quantity is not the same in all frames.
         if len(position_ranges(device, device.interface(variant.interface))) > 1:
             return False
+        # The order code alone does not determine the quantity.
         if any(name not in variant.parameters for factor in factors for name in factor.parameters):
             return False
         equal_quantities: set[str] = set()
         total = prod(factor.value(variant.parameters) for factor in factors)
-        counts_per_turn = total
+        counts_per_turn = total  # without revolutions
         if measurement.counts_per_turn is not None:
             counts_per_turn = measurement.counts_per_turn.value(variant.parameters)
         if value == counts_per_turn:
@@ -153,7 +160,10 @@ def _equals_quantity(device: Device, parameter: Parameter) -> bool:
 
 
 def counts(measurement: Measurement) -> tuple[Expression, ...]:
-    """Return the factors of the number of counts after which a position wraps around, or none if it is unknown."""
+    """Return the factors of the number of counts after which a position wraps around.
+
+    Return an empty tuple if it is unknown. Factors that are 1 are omitted unless all are.
+    """
     if measurement.modulus is not None:
         return (measurement.modulus,)
     if measurement.counts_per_turn is None or measurement.turns is None:

@@ -78,7 +78,9 @@ class Memory:
         return number_from_bytes(self.registers[name].layout, bytes(self._bytes[name]))
 
     def hold(self, address: int, value: int) -> None:
-        """Set the byte at an address, even if the master cannot write it. It is the lowest byte if there is no other.
+        """Set the byte at an address, even if the master cannot write it, and save it.
+
+        In a register that is accessed whole, and so has a single address, this is the last byte.
 
         Raises:
             ValueError: There is no register at this address.
@@ -86,6 +88,7 @@ class Memory:
         register = self._readable_register_at(address) or self._writable_register_at(address)
         if register is None:
             raise ValueError(f"{self._encoder.variant.code} has no register at 0x{address:02X}")
+        # A negative index: -1 is the byte at the last address.
         index_from_end = address - register.last_address - 1
         self._bytes[register.name][index_from_end] = value
         self._saved_bytes[register.name] = bytes(self._bytes[register.name])
@@ -101,7 +104,10 @@ class Memory:
         return register is not None and self._is_open(register)
 
     def read(self, address: int) -> int | None:
-        """Return the byte at an address, or None if it cannot be read."""
+        """Return the byte at an address, or None if it cannot be read.
+
+        Reading the first byte updates the register. Its effects follow once the last byte has been read.
+        """
         register = self._readable_register_at(address)
         if register is None:
             return None
@@ -126,13 +132,13 @@ class Memory:
         register = self._writable_register_at(address)
         if register is None or not self._is_open(register):
             return False
-        bits_that_fit = value & (1 << 8 * register.length) - 1
+        bits_that_fit = value & (1 << 8 * register.length) - 1  # Python evaluates - before &.
         self._bytes[register.name][:] = register.bytes_of(bits_that_fit)
         self._react_to_write(register)
         return True
 
     def write(self, address: int, value: int) -> bool:
-        """Write the byte at an address, and return whether the encoder accepts it."""
+        """Write the byte at an address, and return whether the encoder accepts it. The last byte has the effects."""
         register = self._writable_register_at(address)
         if register is None or not self._is_open(register):
             return False
@@ -142,7 +148,7 @@ class Memory:
         return True
 
     def restart(self) -> None:
-        """Discard values that were not saved."""
+        """Discard values that were not saved: those of volatile registers."""
         for name, register in self.registers.items():
             if register.volatile:
                 self._bytes[name][:] = self._saved_bytes[name]
@@ -170,7 +176,10 @@ class Memory:
                     yield register
 
     def _default_bytes(self, register: Register) -> bytes:
-        """Return the default of a register, as stated or from the documented values of its fields."""
+        """Return the default of a register, as stated or from the documented values of its fields.
+
+        A field whose value cannot be encoded while all others are 0 is 0.
+        """
         if register.default is not None:
             return register.bytes_of(register.default)
         placed_layout = self._encoder.place(register.layout)
@@ -179,6 +188,7 @@ class Memory:
             if placed_field.field.carries_data:
                 values[placed_field.name] = self._default_value(placed_field.field)
         number = 0
+        # One field at a time, so that one that cannot be encoded does not prevent the others.
         for name, value in values.items():
             only_this_value = {**dict.fromkeys(values, 0), name: value}
             try:
@@ -196,7 +206,10 @@ class Memory:
         return field.default or 0
 
     def _is_open(self, register: Register) -> bool:
-        """Return whether another register has the value that allows writing to this one, if there is one."""
+        """Return whether the register that protects this one has the value that allows writing, if there is any.
+
+        The value is that of the field ``opened_by_field``, or of the first field if the spec names none.
+        """
         if not register.opened_by:
             return True
         opener = self.registers[register.opened_by]
@@ -210,7 +223,10 @@ class Memory:
         return _bits_of_field(self.value(opener.name), placed_field) == opening_value
 
     def _react_to_write(self, register: Register) -> None:
-        """Do what follows from the new value of a register: correct it, execute a command, or save it."""
+        """Do what follows from the new value of a register: correct it, execute a command, and save it.
+
+        The constant bits keep their value. A number above the highest becomes the default if the encoder does so.
+        """
         number = self.value(register.name)
         for placed_field in self._encoder.place(register.layout).fields:
             if isinstance(placed_field.field.kind, Constant):
@@ -233,16 +249,24 @@ class Memory:
         self._apply_to_parameters(register)
 
     def _apply_to_parameters(self, register: Register) -> None:
-        """Set the parameters of the encoder that the register holds, such as the width of a field."""
+        """Set the parameters of the encoder that the register holds, such as the width of a field.
+
+        If it holds none, nothing changes.
+        """
         encoder = self._encoder
         encoder.variant = after_write(encoder.device, encoder.variant, register, self.value(register.name))
 
     def _execute_command(self, register: Register, number: int) -> None:
-        """Execute a command, unless the previous one is still being executed."""
+        """Execute the command with this number, unless the previous one is still being executed.
+
+        The words in its name are its effects: ``save_all``, ``restore_defaults``, ``simulate_overheat``, where
+        ``overheat`` is a flag. The number 0 of no command has none.
+        """
         command_names = [value.name for value in register.layout.fields[0].values if value.value == number]
         if not command_names:
             return
         now = self._encoder.clock()
+        # The master did not wait long enough, so the encoder ignores the command.
         if now < self._ready_at:
             self.too_early += 1
             return
@@ -268,7 +292,10 @@ class Memory:
                 self._store(register, register.default or 0)
 
     def _activate(self, command_register: Register) -> None:
-        """Activate the register whose argument a procedure writes before an activating command."""
+        """Activate the last register to which a procedure writes an argument, if this command activates it.
+
+        That is the first procedure that writes to the command register a value with ``activate`` in its name.
+        """
         for procedure in self._encoder.device.procedures:
             write_steps = [step for step in procedure.steps if isinstance(step, WriteStep)]
             argument_steps = [step for step in write_steps if step.value is None]
@@ -291,7 +318,10 @@ class Memory:
             self._encoder.set_position(argument)
 
     def _current_meaning(self, register: Register) -> str:
-        """Return the meaning that a register has while another one has its present value, or an empty string."""
+        """Return the meaning that a register has while a field of another has its present value, or an empty string.
+
+        ``meaning.when`` is the place of that field, such as ``mode.preset_type``, and ``meaning.value`` a named value.
+        """
         for meaning in register.meanings:
             deciding_register, _, deciding_field = meaning.when.partition(".")
             placed_layout = self._encoder.place(self.registers[deciding_register].layout)
@@ -305,7 +335,7 @@ class Memory:
         return ""
 
     def _set_polled_fields(self, command_register: Register, command: int) -> None:
-        """Set the fields for which a procedure polls after this command."""
+        """Set the fields for which procedures with this command poll, to the value that ends the polling."""
         for procedure in self._encoder.device.procedures:
             commands = [step.value for step in _command_steps(procedure, command_register)]
             if command not in commands:
@@ -320,7 +350,7 @@ class Memory:
             self._store(register, _with_bits_of_field(self.value(register.name), placed_field, value))
 
     def _refresh(self, register: Register) -> None:
-        """Update a read-only register that has flags or the position."""
+        """Update a register that has flags or the position, unless the master can write it."""
         if register.writable:
             return
         number = self.value(register.name)
@@ -334,6 +364,7 @@ class Memory:
                 is_active = placed_field.name in self._encoder.flags
                 is_active_low = getattr(placed_field.field.kind, "active_low", False)
                 alarm_bit = 1 << placed_field.low
+                # Active and active low, or neither: the bit is 0.
                 number = number & ~alarm_bit if is_active == is_active_low else number | alarm_bit
         self._bytes[register.name][:] = number_to_bytes(register.layout, number, 8 * register.length)
 
@@ -345,6 +376,7 @@ class Memory:
             # The last step reads whether the alarms are gone.
             registers_to_read = [step.register for step in read_steps[:-1]]
             only_reads = len(registers_to_read) + 1 == len(procedure.steps)
+            # The last reads must be these, in this order.
             have_been_read = list(self._last_reads)[-len(registers_to_read) :] == registers_to_read
             if only_reads and have_been_read:
                 alarms = self._encoder.device.alarms
