@@ -87,13 +87,14 @@ def places_of(
     standing: str,
     fill_in: Callable[[str], str],
 ) -> tuple[Place, ...]:
-    """Return the places of a setting, one for each channel of each device."""
+    """Return the places of a setting. Those that are the same for all records are computed once for each value."""
+    # A symbol with an item in braces is different for each record.
     depends_on_record = any("{" in str(rule.get("symbol", "")) for rule in setting["places"])
     if depends_on_record:
         return _compute_places(setting, value, devices, standing, fill_in)
     key = (id(setting), value, standing)
     cached_setting, places = _SETTING_AND_PLACES.get(key, (None, ()))
-    # Another setting may have the id of one that is gone.
+    # A new object may have the id of one that is gone.
     if cached_setting is not setting:
         places = _compute_places(setting, value, devices, standing, fill_in)
         _SETTING_AND_PLACES[key] = setting, places
@@ -182,7 +183,7 @@ def _parse_bits(text: str) -> tuple[int | None, int | None]:
 
 
 def reason_for_misfit(name: str, value: int | bool | str | None, places: Sequence[Place]) -> str:
-    """Return the reason that a location cannot hold a value, or an empty string."""
+    """Return the reason that a place cannot hold a value, or an empty string. Texts fit everywhere."""
     if not isinstance(value, int):
         return ""
     for place in places:
@@ -218,8 +219,12 @@ class PlaceWords:
 
 
 def place_words(places: Sequence[Place], value: str, devices: Sequence[MasterDevice]) -> Iterator[PlaceWords]:
-    """Yield the places of a value in words, with factory defaults in its notation. No devices means all of them."""
+    """Yield the places of a value in words, once for all devices with the same words.
+
+    ``devices`` of the words is empty if these are all devices. A value in hexadecimal has its default in it too.
+    """
     devices_by_words: dict[PlaceWords, list[str]] = {}
+    # One group for each rule and device: adjacent places of a device are its channels.
     for device, device_places in groupby(places, key=lambda place: place.device):
         words = _words_for_device(list(device_places), in_hex=value.startswith("0x"))
         devices_by_words.setdefault(words, []).append(device)
@@ -229,7 +234,7 @@ def place_words(places: Sequence[Place], value: str, devices: Sequence[MasterDev
 
 
 def place_lines(places: Sequence[Place], value: str, devices: Sequence[MasterDevice]) -> Iterator[str]:
-    """Yield the places of a value as lines of text."""
+    """Yield the places of a value as lines: ``0x8000:01, UINT16, unit kHz, factory default 500 [X:p. 3]``."""
     for words in place_words(places, value, devices):
         unit = f"unit {words.unit}" if words.unit not in ("", "none") else ""
         default = f"factory default {words.default}" if words.default else ""
@@ -324,7 +329,10 @@ class WriteCondition:
 def writing_of(
     rules: Iterable[Raw], names: Collection[str], devices: Sequence[MasterDevice], standing: str
 ) -> tuple[WriteCondition, ...]:
-    """Return the conditions for writing the settings ``names`` of a sheet."""
+    """Return the conditions for writing the settings ``names`` of a sheet.
+
+    A condition that lists settings, or settings to write before, is omitted if the sheet has none of them.
+    """
     conditions: list[WriteCondition] = []
     for rule in rules:
         settings, after = _known_names(rule, "of", names), _known_names(rule, "after", names)
@@ -374,7 +382,7 @@ def _write_from_rule(rule: Raw, devices: Sequence[MasterDevice], standing: str) 
 
 
 def write_order(names: Sequence[str], rules: Iterable[WriteCondition]) -> tuple[str, ...]:
-    """Return the settings in an order that follows every ``after``, and otherwise their own order."""
+    """Return the settings, each as early as every ``after`` allows, and otherwise in their own order."""
     orderings = tuple(_Ordering(settings=rule.of, after=rule.after) for rule in rules if rule.after)
     return _names_in_order(tuple(names), orderings)
 
@@ -388,7 +396,10 @@ class _Ordering(NamedTuple):
 
 @lru_cache(maxsize=64)
 def _names_in_order(names: tuple[str, ...], orderings: tuple[_Ordering, ...]) -> tuple[str, ...]:
-    """Return the names with all predecessors of each before it. Remembered, since order codes share their rules."""
+    """Return the names with all predecessors of each before it. Remembered, since order codes share their rules.
+
+    The first name whose predecessors have all been written is next.
+    """
     predecessors = {name: set[str]() for name in names}
     for ordering in orderings:
         for name in ordering.settings:
