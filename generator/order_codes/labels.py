@@ -247,7 +247,7 @@ def _fitting_variant(device: Device, listed_values: Mapping[str, str | None]) ->
 def _can_be_open(part: CodePart, listed_values: Mapping[str, str | None]) -> bool:
     """Return whether a part can have an unlisted value next to these values of the other parts.
 
-    ``open_only_with`` lists, for some other parts, the values next to which it can. An unlisted value is always allowed.
+    ``open_only_with`` lists, for some other parts, the values next to which it can. Unlisted ones are always allowed.
     """
     for name, allowed_values in part.open_only_with.items():
         if listed_values[name] is not None and listed_values[name] not in allowed_values:

@@ -186,7 +186,10 @@ def _unused(reserved: Reserved) -> Unused:
 
 
 def describe(codec: Codec, reporting: reports.Reporting | None = None) -> Description:
-    """Return the description of a frame or register. ``reporting`` contains the reports and the verdict of a frame."""
+    """Return the description of a frame or register. ``reporting`` contains the reports and the verdict of a frame.
+
+    Without it, ``tells`` and ``speaks`` are empty. ``speaks`` is also empty in a frame without the position.
+    """
     layout = codec.layout
     power_of_two_names = powers_of_two(codec)
     description = Description(
@@ -243,7 +246,7 @@ def _constant_ones(codec: Codec) -> Iterator[tuple[Place, int]]:
 
 
 def _column(field: Field, is_power: bool) -> Column:
-    """Return a field with the name of the operation that converts its bits."""
+    """Return a field with the operation that converts its bits. ``kind`` names it, and 0 may stand for a number."""
     column = Column(Name(field.name), field.low, field.width, power_of_two=is_power, scale=field.scale)
     match meaning_of(field):
         case Raw():
@@ -266,7 +269,7 @@ def _column(field: Field, is_power: bool) -> Column:
 
 
 def _check(check: PlannedCheck) -> Check:
-    """Return a check of the plan as data."""
+    """Return a check of the plan as data: the bits, and the values, the limits or the parity that they must have."""
     field, fault = check.field, check.fault
     match check:
         case AlwaysIs(value=value):

@@ -166,7 +166,7 @@ def _flag_by_order_code(field: Field) -> Iterator[tuple[Flag, Only | None]]:
     """Yield a flag with the order codes for which it leads to its verdict, or with None for all of them.
 
     A flag that the manual explains only for some order codes is yielded twice, as explained and as unexplained, unless
-    both lead to the same verdict.
+    both have the same verdicts and combine the same flags.
     """
     kinds_by_codes = [(variant_field.kind, only) for variant_field, only in by_code(field)]
     # All of them are flags. The check is for the types.

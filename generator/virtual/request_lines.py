@@ -244,7 +244,7 @@ class Rs485Line:
         now = self.encoder.clock()
         sent_fields = [placed_field.field for placed_field in self.encoder.place(layout).fields]
         flags = [field.name for field in sent_fields if isinstance(field.kind, Flag)]
-        busy_flags = flags[:1]  # The only flag of such a reply reports a busy EEPROM.
+        busy_flags = flags[:1]  # The first flag of such a reply, if any, reports a busy EEPROM.
         if now < self._memory_busy_until:
             return {**dict.fromkeys(busy_flags, True), "data": 0} if busy_flags else None
         address = int(request_values["address"])
