@@ -96,7 +96,8 @@ def splits_of(recording: Recording, first: int, end: int) -> Iterator[Split]:
 def _places_of_position(recording: Recording, first: int, end: int, step: int) -> Iterator[tuple[int, int]]:
     """Yield the start and end of each place for a position, in steps of a bit or a byte.
 
-    The last step of a position changes. It begins with a step that changes, or with all constant steps before that.
+    The last step of a position changes. It begins with a step that changes, or with the first of the constant steps
+    before one, so that it has all of these or none.
     """
     changing = recording.changing
     for start in range(first, end, step):

@@ -155,6 +155,7 @@ def _expected_role(field: PlacedField, stage: str) -> str:
 def _is_parity_of_frame(field: PlacedField, placed_layout: PlacedLayout) -> bool:
     """Return whether a field is the last one, and a parity bit over all other bits that are not always 0."""
     kind = field.field.kind
+    # ``over`` limits the parity to some bits of the fields. The last field has its lowest bit at 0.
     if not isinstance(kind, Parity) or kind.over or field.low:
         return False
     covered_names = set(kind.constants)
@@ -329,7 +330,7 @@ class CableTable:
         return max(rows_for_length, key=lambda row: row.hz, default=None)
 
     def about(self, clock_hz: int) -> str:
-        """Return a sentence about the cables that allow a clock, or an empty string without a table."""
+        """Return a sentence about the longest cable that allows a clock, or that none does, or "" without a table."""
         if not self.rows:
             return ""
         rows_with_clock = [row for row in self.rows if clock_hz <= row.highest_hz]

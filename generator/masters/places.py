@@ -351,6 +351,7 @@ def _known_names(rule: Raw, key: str, names: Collection[str]) -> tuple[str, ...]
 def _write_condition(
     rule: Raw, settings: tuple[str, ...], after: tuple[str, ...], devices: Sequence[MasterDevice], standing: str
 ) -> WriteCondition:
+    """Return a condition with its words. ``settings`` and ``after`` are those of its names that the sheet has."""
     needs, then = _writes(rule, "needs", devices, standing), _writes(rule, "then", devices, standing)
     effect = Effect(**rule["takes_effect"]) if "takes_effect" in rule else None
     return WriteCondition(
@@ -371,6 +372,7 @@ def _writes(rule: Raw, key: str, devices: Sequence[MasterDevice], standing: str)
 
 
 def _write_from_rule(rule: Raw, devices: Sequence[MasterDevice], standing: str) -> Write:
+    """Return a value to write, with its text in hexadecimal if the rule says so, and its places."""
     value = rule["value"]
     return Write(
         object=rule["object"],
@@ -419,7 +421,7 @@ def _condition_text(
     then: tuple[Write, ...],
     effect: Effect | None,
 ) -> str:
-    """Return a condition as one sentence."""
+    """Return a condition as one sentence. It has values before or after the settings, an order, or an effect."""
     if needs:
         values = listed(f"{write.title} must be {write.text}" for write in needs)
         return f"Before writing {listed(settings) or 'any setting'}, {values}."
@@ -434,6 +436,7 @@ def _condition_text(
 
 
 def _when_effective(effect: Effect) -> str:
+    """Return the end of the sentence that says when a written value takes effect."""
     if effect.in_state:
         return f"only in the {effect.in_state} state"
     if effect.restart_of:

@@ -315,7 +315,7 @@ def _crc_numbers(crc: Crc | None) -> dict[str, int | None]:
 
 
 def _clock_and_times(interface: Biss | Ssi, code: str) -> dict[str, int | None]:
-    """Return clock and times of an order code. A time-out in clock periods is longest at the slowest clock."""
+    """Return clock and times of an order code by name, with None for those that the spec does not give."""
     timings = {timing.name: timing for timing in facts_for_code(interface.timings, code)}
     pause, busy = timings.get("pause"), timings.get("busy")
     return {
@@ -328,13 +328,14 @@ def _clock_and_times(interface: Biss | Ssi, code: str) -> dict[str, int | None]:
 
 
 def _longest_timeout_us(interface: Biss) -> int | None:
-    """Return the longest time-out, rounded up, or None if it is not known."""
+    """Return the longest time-out, rounded up, or None if it is not known. In periods, it depends on the clock."""
     timeout, slowest_hz = interface.timeout, interface.clock.min_hz
     if timeout is None:
         return None
     if timeout.at_most_ns is not None:
         return _divide_rounding_up(timeout.at_most_ns, 1000)
     if timeout.half_clock_periods is not None and slowest_hz is not None:
+        # Half a period at f Hz is 500 000 / f microseconds.
         return _divide_rounding_up(timeout.half_clock_periods * 500_000, slowest_hz)
     return None
 

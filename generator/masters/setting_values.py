@@ -161,7 +161,7 @@ def _clock_limits_hz(record: Record) -> tuple[int, int]:
 
 
 def _listed_clock(rule: Raw, record: Record) -> tuple[int | str, str, str]:
-    """Return the value, text and bound of a clock that the master selects from a list."""
+    """Return the value, text and bound of a clock that the master selects from a list: ``(3, "3 (5 MHz)", "")``."""
     best_clock = best_listed_clock(rule, record)
     frequency_text, value = hertz(best_clock["hz"]), best_clock["set"]
     text = frequency_text if str(value) == frequency_text else f"{value} ({frequency_text})"

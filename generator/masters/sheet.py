@@ -110,7 +110,7 @@ class Sheet:
     gaps: tuple[Refusal, ...] = ()
 
     def devices_with(self, file: Raw) -> list[str]:
-        """Return the usable devices of the master to which a file in its description applies: all, or those in ``on``."""
+        """Return the names of the usable devices to which a file of the master applies: those in ``on``, or all."""
         names = [device.name for device in self.master.devices if device.name not in self.unusable_devices]
         return [name for name in names if name in file.get("on", names)]
 
@@ -162,6 +162,7 @@ def shipped_masters() -> tuple[Master, ...]:
 
 
 def _master_from_spec(data: Raw) -> Master:
+    """Return the master that a checked description describes. Lists of rules that it lacks are empty."""
     documents = tuple(Document(key, row["title"], row.get("url", "")) for key, row in data["documents"].items())
     return Master(
         name=data["master"],
@@ -181,6 +182,7 @@ def sheet(master: Master, record: Record) -> Sheet:
         return replace(_refusing_sheet(master, _interface_refusal(master, record)), is_described=False)
     if record.obstacle:
         return _refusing_sheet(master, Refusal(reason=record.obstacle, standing="inferred", source=""))
+    # Names of parts of the frame as one text, which is empty if the description covers all of them.
     uncovered = _uncovered_parts(master, record)
     settings, device_refusals = _settings_and_device_refusals(master, record, uncovered)
     unusable_devices = frozenset[str]().union(*(devices for _, devices in device_refusals))
@@ -188,6 +190,7 @@ def sheet(master: Master, record: Record) -> Sheet:
     violated_limits = [rule for rule in applicable_limits if not is_within_limits(rule, record)]
     refusals = [_limit_refusal(rule, master, record) for rule in violated_limits]
     refusals += _refusals_of_crc(master, record)
+    # What only some devices cannot express is a note. If no device is left, the master refuses.
     if len(unusable_devices) == len(master.devices):
         refusals += [refusal for refusal, _ in device_refusals]
     if not refusals:
@@ -308,7 +311,10 @@ def _gap(uncovered: str) -> Refusal:
 
 
 def _items_of_parts(parts: Sequence[Part]) -> Iterator[str]:
-    """Yield the item that counts the bits of each part, or an empty string for the parts of the common frame."""
+    """Yield, for each part, the item that counts its bits, such as ``parity_bits``.
+
+    For the parts of the common frame, which every master has, yield an empty string.
+    """
     is_after_position = False
     for part in parts:
         if part.role in ("multiturn", "singleturn"):

@@ -102,7 +102,7 @@ def _not_stated_text(record: Record, subject: Subject | None = None) -> str:
 
 
 def _cable_table_text(record: Record) -> str:
-    """Return the table, the requested cable length, and the errata."""
+    """Return the clocks by cable length with their source and errata, and the requested length if there is one."""
     table = record.cables
     rows_text = ", ".join(row.text for row in table.rows)
     errata_text = f", errata {', '.join(table.errata)}" if table.errata else ""

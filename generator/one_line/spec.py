@@ -107,7 +107,7 @@ def _crcs(line: Line) -> Iterator[str]:
 
 
 def _interface(line: Line) -> Iterator[str]:
-    """Yield the interface with its layouts."""
+    """Yield the interface with its layouts. What the line does not state has a placeholder as its source."""
     options = line.options
     yield "interfaces:"
     yield f"  {line.interface}:"

@@ -133,6 +133,7 @@ def find(device: Device, text: str) -> Match:
         label_match = re.fullmatch(regex(device.order_code, spelling) + AFTER, label, re.IGNORECASE)
         if label_match is None:
             continue
+        # A spelling may have texts of its own for the values of a part. Others are as listed.
         value_by_spelling = {(value.part, value.text.upper()): value.value for value in spelling.values}
         value_by_part: dict[str, str] = {}
         for part in device.order_code.parts:
@@ -201,6 +202,8 @@ def _variant_with_parts(
     device: Device, value_by_part: Mapping[str, str], label: str
 ) -> tuple[Variant, tuple[str, ...]]:
     """Return the order code with these parts, and the names of parts with unlisted values.
+
+    An unlisted value remains in the code. Interface and parameters are those of the first listed code that fits.
 
     Raises:
         UnknownOrderCode: The parts cannot be combined.

@@ -44,13 +44,13 @@ def parameters_of(device: Device, kind: str) -> tuple[Parameter, ...]:
 
 
 def run_time_names(device: Device) -> frozenset[str]:
-    """Return the parameters that registers hold, and those calculated from them."""
+    """Return the names of the parameters that registers hold, and of those calculated from them."""
     names_in_registers = {parameter.name for parameter in device.run_time_parameters}
-    run_time_names: set[str] = set()
+    dependent_names: set[str] = set()
     for parameter in device.parameters:
         if not names_in_registers.isdisjoint(device.needed_parameters([parameter.name])):
-            run_time_names.add(parameter.name)
-    return frozenset(run_time_names)
+            dependent_names.add(parameter.name)
+    return frozenset(dependent_names)
 
 
 def follows_registers(device: Device, layout: Layout) -> bool:
@@ -59,7 +59,7 @@ def follows_registers(device: Device, layout: Layout) -> bool:
 
 
 def deciding_parameters(layout: Layout) -> frozenset[str]:
-    """Return the parameters that determine the positions, documented values or code of a layout's fields."""
+    """Return the names of the parameters that determine positions, documented values or code of a layout's fields."""
     names = {name for expression in _expressions_of_layout(layout) for name in expression.parameters}
     if layout.gray_when:
         names.add(layout.gray_when)
@@ -74,7 +74,10 @@ def run_time_widths(device: Device, layout: Layout) -> tuple[str, ...]:
 
 
 def _used_parameters(device: Device, kind: str) -> frozenset[str]:
-    """Return the parameters used in frames, registers and measurement of an interface, and their dependencies."""
+    """Return the names of the parameters used in frames, registers and measurement of an interface.
+
+    Parameters from which these are calculated are included.
+    """
     used_names = {name for expression in _expressions_over(device, kind) for name in expression.parameters}
     used_names |= {layout.gray_when for layout in device.interface(kind).layouts if layout.gray_when}
     return device.needed_parameters(used_names)

@@ -165,6 +165,7 @@ def for_interfaces(device: Device, kinds: Collection[str]) -> Device:
     """Return the device with only some of its interfaces, and without parts that belong only to the others."""
     with_interfaces = _with_interfaces(device, kinds)
     reduced = _with_used_parts(with_interfaces, all_sent_crcs=sent_crcs(device.interfaces))
+    # By the list of the device, which is the beginning of a path in an erratum.
     remaining_names = {
         "interfaces": _names(reduced.interfaces),
         "registers": _names(reduced.registers),
@@ -311,6 +312,7 @@ def with_quantities(device: Device, variant: Variant) -> Device:
 
     Quantities held in registers have their factory defaults.
     """
+    # Those that the answer to a question sets.
     open_parameters = {parameter.name for parameter in device.parameters if parameter.alternative}
     known_parameters = {name: value for name, value in variant.parameters.items() if name not in open_parameters}
     parts_with_numbers = {name: _with_numbers(getattr(device, name), known_parameters) for name in _NUMBERED_PARTS}

@@ -35,7 +35,7 @@ class Limits:
 
     @property
     def binding(self) -> tuple[tuple[str, Expression], ...]:
-        """``min`` and ``max``, each only if a value that fits can be outside it."""
+        """``("min", low)`` and ``("max", high)``, each only if a value that fits can be outside it."""
         binding_limits = []
         if self.low is not None and self.binds_low:
             binding_limits.append(("min", self.low))

@@ -247,7 +247,7 @@ def run_of(device: Device, procedure: Procedure) -> Run:
 
 
 def _changes_frames(device: Device, write: Writes) -> bool:
-    """Return whether a write changes a parameter on which frames depend: one that a register holds at run time."""
+    """Return whether a write changes a parameter that a register holds at run time. Frames depend on these."""
     for parameter in device.run_time_parameters:
         writes_field = write.field is None or parameter.field == write.field.name
         if parameter.register == write.register.name and writes_field:
@@ -310,7 +310,7 @@ def _writes_same_place(write: Writes, earlier_write: Writes) -> bool:
 
 
 def _can_be_read_back(write: Writes) -> bool:
-    """Return whether the register still holds the written value afterwards, and its reserved bits can be masked."""
+    """Return whether a write can be verified: its register keeps the value, and its reserved bits have fixed places."""
     register = write.register
     unused_fields = [field for field in register.layout.fields if isinstance(field.kind, Unused)]
     has_fixed_unused_bits = all(field.is_fixed for field in unused_fields)
@@ -432,7 +432,7 @@ def _argument_refusals(device: Device, write: Writes, argument: Argument) -> Ite
 def field_refusals(
     device: Device, register: Register, field: Field, argument: Argument
 ) -> Iterator[TooWide | OutsideArgumentLimits | NotOneOf]:
-    """Yield the reasons to reject an argument for one field of a register. If a meaning is given, its limits apply."""
+    """Yield the reasons to reject an argument for one field: its width, the limits if they apply to it, its values."""
     yield TooWide(field, field.width)
     if argument.meant_as or limited_member(register) == field.name:
         yield from _limit_refusals(device, register, argument)

@@ -106,7 +106,7 @@ def _position_range(measurement: Measurement, layout: Layout) -> PositionRange:
 def _range_key(position_range: PositionRange) -> Hashable:
     """Return a key that is equal for layouts with the same range, whatever its sources.
 
-    If no highest position is known, the width of a signed field is its range.
+    If no highest position is known, the width of a signed field decides the range, and so is part of the key.
     """
     measurement, signed_field = position_range.measurement, position_range.signed_field
     deciding_width = None

@@ -53,6 +53,7 @@ def decode_register(device: Device, variant: Variant, name: str, data: bytes) ->
 
 def _unknown_register_message(device: Device, erratum: Erratum, name: str) -> str:
     """Return the message if an erratum says that this edition or overlay lacks a register, or else an empty string."""
+    # ``printed`` lists the registers that are not known, separated by commas.
     if erratum.used != NOT_KNOWN or name not in erratum.printed.split(", "):
         return ""
     # The family of the spec also has errata about its editions, which do not apply to it.

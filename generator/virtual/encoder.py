@@ -256,7 +256,7 @@ class VirtualEncoder:
 
     def frame(self, layout: Layout, request_values: Mapping[str, int | str | bool] | None = None) -> int:
         """Return a frame with the current values as one number. The request determines ``request_values``."""
-        self._instant = self.clock()
+        self._instant = self.clock()  # ``_now`` returns it for all fields.
         try:
             return codec.encode(self.device, self.place(layout), self._values(layout, request_values or {}))
         finally:

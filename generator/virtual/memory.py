@@ -171,6 +171,7 @@ class Memory:
         """Yield the registers that have a byte at this address in the selected bank."""
         for register in self.registers.values():
             if register.address <= address <= register.last_address:
+                # Name of the register with the number of the selected bank, or "" for a register in no bank.
                 bank_selector = self._encoder.device.bank_selector(register)
                 if not bank_selector or self.value(bank_selector) == register.bank:
                     yield register
@@ -198,6 +199,7 @@ class Memory:
         return number_to_bytes(register.layout, number, 8 * register.length)
 
     def _default_value(self, field: Field) -> int | str | bool:
+        """Return the documented value of a field, or else its default, or else false or 0."""
         documented_value = field.documented(self._encoder.variant.parameters)
         if documented_value is not None:
             return documented_value
@@ -306,7 +308,10 @@ class Memory:
                 return
 
     def _activate_argument(self, register: Register) -> None:
-        """Preset the position to the number in a register, or use it as an offset if the register means that now."""
+        """Preset the position to the number in a register, or use it as an offset if the register means that now.
+
+        The number is the limited field of the register, or its last field if the spec names none.
+        """
         placed_layout = self._encoder.place(register.layout)
         number = self.value(register.name)
         values = codec.decode(self._encoder.device, placed_layout, number).values

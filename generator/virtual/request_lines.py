@@ -273,7 +273,7 @@ class Rs485Line:
         last_control, count, last_time = self._reset_requests
         is_too_soon = now - last_time < step.microseconds / 1e6 - _TOLERANCE_S
         count = 1 if last_control != control or is_too_soon else count + 1
-        self._reset_requests = (control, count % step.times, now)
+        self._reset_requests = (control, count % step.times, now)  # After the last one, the count is 0 again.
         return count >= step.times
 
     def _carry_out_reset(self, data_id: DataId, procedure: Procedure) -> None:
@@ -400,7 +400,7 @@ class SpiLine:
         return self.encoder.frame(layout, {**repeated_values, "data": register_value})
 
     def _write(self) -> int | None:
-        """Carry out a write whose address and data have come, and return the value of the register afterwards.
+        """Carry out a write once its address and data have come, and return the value of the register.
 
         Return None if there is no register, or it cannot be written.
         """
@@ -413,9 +413,9 @@ class SpiLine:
         return self.encoder.memory.read_whole(address)
 
     def _find_request(self, word: int, length: int) -> tuple[Exchange, dict[str, int | str | bool]] | None:
-        """Return the request in a word with its values, or None if the word is none.
+        """Return the request in a word with its values, or None if no possible request fits.
 
-        If a write has begun, only its later words are possible. If not, they are not possible.
+        If a write has begun, only its later words are possible. Before that, they are not.
         """
         later_words_of_write = self._write_exchanges[1:]
         if self._written_fields:
