@@ -95,10 +95,10 @@ def _with_distinct_names(fields: Sequence[str]) -> list[str]:
     fields_by_name: dict[str, int] = {}
     for field in fields:
         name, _, width = field.partition("=")
-        number = fields_by_name.get(name, 0) + 1
-        fields_by_name[name] = number
+        occurrence = fields_by_name.get(name, 0) + 1
+        fields_by_name[name] = occurrence
         may_repeat = name == "unused"
-        distinct_fields.append(field if number == 1 or may_repeat else f"{name}_{number}={width}")
+        distinct_fields.append(field if occurrence == 1 or may_repeat else f"{name}_{occurrence}={width}")
     return distinct_fields
 
 

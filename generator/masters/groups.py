@@ -30,8 +30,8 @@ def groups_of(device: Device, interface: Interface) -> list[Group]:
     """
     records_by_facts: dict[str, list[Record]] = {}
     for code_record in records_of(device, interface):
-        facts = repr(replace(code_record, code=""))
-        records_by_facts.setdefault(facts, []).append(code_record)
+        facts_without_code = repr(replace(code_record, code=""))
+        records_by_facts.setdefault(facts_without_code, []).append(code_record)
     return [_group(device, records) for records in records_by_facts.values()]
 
 

@@ -92,12 +92,12 @@ def places_of(
     depends_on_record = any("{" in str(rule.get("symbol", "")) for rule in setting["places"])
     if depends_on_record:
         return _compute_places(setting, value, devices, standing, fill_in)
-    key = (id(setting), value, standing)
-    cached_setting, places = _SETTING_AND_PLACES.get(key, (None, ()))
+    cache_key = (id(setting), value, standing)
+    cached_setting, places = _SETTING_AND_PLACES.get(cache_key, (None, ()))
     # A new object may have the id of one that is gone.
     if cached_setting is not setting:
         places = _compute_places(setting, value, devices, standing, fill_in)
-        _SETTING_AND_PLACES[key] = setting, places
+        _SETTING_AND_PLACES[cache_key] = setting, places
     return places
 
 
@@ -423,13 +423,13 @@ def _condition_text(
 ) -> str:
     """Return a condition as one sentence. It has values before or after the settings, an order, or an effect."""
     if needs:
-        values = listed(f"{write.title} must be {write.text}" for write in needs)
-        return f"Before writing {listed(settings) or 'any setting'}, {values}."
+        values_text = listed(f"{write.title} must be {write.text}" for write in needs)
+        return f"Before writing {listed(settings) or 'any setting'}, {values_text}."
     if after:
         return f"Write {listed(settings)} after {listed(after)}."
     if then:
-        values = listed(f"{write.title} to {write.text}" for write in then)
-        return f"After writing {listed(settings) or 'all settings'}, set {values}."
+        values_text = listed(f"{write.title} to {write.text}" for write in then)
+        return f"After writing {listed(settings) or 'all settings'}, set {values_text}."
     assert effect is not None
     verb = "takes" if len(settings) == 1 else "take"
     return f"{listed(settings) or 'All settings'} {verb} effect {_when_effective(effect)}."

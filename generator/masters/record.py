@@ -431,17 +431,17 @@ def _frame_notes(
 def _channel_notes(frame: _PositionFrame) -> Iterator[str]:
     """Yield a sentence about the channels of BiSS whose data the settings leave out."""
     channel = frame.placed_layout.layout.channel
-    others = [layout for layout in frame.interface.layouts if layout.channel and layout.channel != channel]
-    if channel and others:
-        names = " and ".join(f"'{layout.name}' on channel {layout.channel}" for layout in others)
-        yield f"The encoder also sends {names}. These settings are for channel {channel} only."
+    other_layouts = [layout for layout in frame.interface.layouts if layout.channel and layout.channel != channel]
+    if channel and other_layouts:
+        other_channels = " and ".join(f"'{layout.name}' on channel {layout.channel}" for layout in other_layouts)
+        yield f"The encoder also sends {other_channels}. These settings are for channel {channel} only."
 
 
 def _register_notes(device: Device, dependence: str, parameters: set[str], as_delivered: bool) -> Iterator[str]:
     """Yield a sentence about the registers that set any of these parameters. ``dependence`` begins it."""
-    needed = device.needed_parameters(parameters)
-    register_names = [parameter.register for parameter in device.run_time_parameters if parameter.name in needed]
+    needed_names = device.needed_parameters(parameters)
+    register_names = [parameter.register for parameter in device.run_time_parameters if parameter.name in needed_names]
     registers = dict.fromkeys(_register_in_words(device, name) for name in register_names)
     if registers:
-        values = f"their {initial(device)}. Other values need other settings" if as_delivered else "the given values"
-        yield f"The {dependence} on registers: {', '.join(registers)}. These settings are for {values}."
+        contents = f"their {initial(device)}. Other values need other settings" if as_delivered else "the given values"
+        yield f"The {dependence} on registers: {', '.join(registers)}. These settings are for {contents}."

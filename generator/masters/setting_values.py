@@ -290,17 +290,17 @@ def _field_texts(rule: Raw, setting_name: str, record: Record) -> Iterator[str]:
         if kind not in template_by_kind:
             raise UnsupportedFeature(f"{filled(setting_name, record)} cannot express '{part.name}'")
         template = template_by_kind[kind]
-        text = template.replace("{bits}", str(part.bits)).replace("{name}", part.name)
-        yield _filled_if_known(text, record)
+        part_text = template.replace("{bits}", str(part.bits)).replace("{name}", part.name)
+        yield _filled_if_known(part_text, record)
 
 
 def _with_whole_position(record: Record) -> tuple[Part, ...]:
     """Return the parts of the frame with multiturn and singleturn merged into one, at the place of singleturn."""
     position = Part(name="position", role="position", bits=record.numbers["position_bits"] or 0)
-    parts: list[Part] = []
+    merged_parts: list[Part] = []
     for part in record.parts:
         if part.role == "singleturn":
-            parts.append(position)
+            merged_parts.append(position)
         elif part.role != "multiturn":
-            parts.append(part)
-    return tuple(parts)
+            merged_parts.append(part)
+    return tuple(merged_parts)

@@ -122,7 +122,7 @@ def _problems_of_counts(
 
 def _problems_of_byte_order(options: Options, fields: Sequence[LineField], interface: str) -> Iterator[LineProblem]:
     """Yield the numbers of several bytes whose byte order is not known, or that are not whole bytes."""
-    place = 0  # Number of bits sent before the field.
+    bits_before = 0  # Number of bits sent before the field.
     for field in fields:
         is_wide = field.bits > 8 and not isinstance(field, Filler)
         if interface == "rs485" and is_wide and not options.byte_order:
@@ -130,8 +130,8 @@ def _problems_of_byte_order(options: Options, fields: Sequence[LineField], inter
             yield LineProblem(field.column, message)
         is_split = interface == "spi" and options.byte_order == "low_byte_first" and isinstance(field, Number)
         if is_split and is_wide:
-            yield from _problems_of_split(field, place)
-        place += field.bits
+            yield from _problems_of_split(field, bits_before)
+        bits_before += field.bits
 
 
 def _problems_of_split(field: LineField, place: int) -> Iterator[LineProblem]:

@@ -128,12 +128,12 @@ def _applies_only_to_others(part: Any, codes: Collection[str]) -> bool:
 def for_codes(device: Device, codes: Collection[str]) -> Device:
     """Return the device with only these listed order codes, without interfaces and examples of the others."""
     variants = tuple(variant for variant in device.variants if variant.code in codes)
-    kinds = {variant.interface for variant in variants}
+    interface_names = {variant.interface for variant in variants}
     # The kind of an interface is its name, such as "biss".
-    has_all_interfaces = kinds == _names(device.interfaces)
-    with_interfaces = device if has_all_interfaces else for_interfaces(device, kinds)
+    has_all_interfaces = interface_names == _names(device.interfaces)
+    with_interfaces = device if has_all_interfaces else for_interfaces(device, interface_names)
     reduced = reduced_to_codes(with_interfaces, [variant.code for variant in variants])
-    parameter_names = _names_of_parameters(device, kinds)
+    parameter_names = _names_of_parameters(device, interface_names)
     code_parts = tuple(_with_used_values(part, variants) for part in device.order_code.parts)
     examples = tuple(example for example in reduced.examples if getattr(example, "order_code", "") in {"", *codes})
     return replace(

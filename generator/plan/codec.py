@@ -219,11 +219,11 @@ def _crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
 def _bits_at_end(layout: Layout, width: int) -> Bits:
     """Return the last ``width`` bits of a frame. They are those of a CRC that only some order codes have."""
     low = layout.bits - Expression(width) if layout.byte_order == "low_byte_first" else Expression(0)
-    length = layout.widest // 8
+    byte_count = layout.widest // 8
     pieces = []
     # A frame of bits has no pieces. ``left`` is the position of the byte's lowest bit in the CRC.
     for left in range(0, width, 8) if layout.in_bytes else ():
-        byte = length - (width - left) // 8 if layout.byte_order == "low_byte_first" else length - 1 - left // 8
+        byte = byte_count - (width - left) // 8 if layout.byte_order == "low_byte_first" else byte_count - 1 - left // 8
         mask = (1 << min(8, width - left)) - 1
         pieces.append(Piece(byte=byte, right=0, mask=mask, left=left))
     return _bits(layout, low, Expression(width), width, tuple(pieces))
@@ -292,9 +292,9 @@ def _checks_of_values(layout: Layout) -> Iterator[Check]:
     """Yield the checks of choices and selectors, unless all their values are valid, and of decimal digits."""
     for field in layout.fields:
         bits = bits_of(layout, field)
-        values = allowed_values(layout, field)
-        if values:
-            yield IsOneOf(field, bits, values)
+        valid_values = allowed_values(layout, field)
+        if valid_values:
+            yield IsOneOf(field, bits, valid_values)
         if field.runs:
             # The runs split the decimal number, most significant first: number // divisor % modulus.
             most_significant_run = field.runs[0]
@@ -314,12 +314,12 @@ def _checks_of_position(device: Device, layout: Layout) -> Iterator[Check]:
 def allowed_values(layout: Layout, field: Field) -> tuple[int, ...]:
     """Return the valid values of a selector or a choice, or an empty tuple if every value is valid, as in others."""
     if field.name == layout.selector:
-        values = dict.fromkeys(layout.selects)
+        valid_values = dict.fromkeys(layout.selects)
     else:
-        values = dict.fromkeys(named_value.value for named_value in field.values)
+        valid_values = dict.fromkeys(named_value.value for named_value in field.values)
     # Each value fits in the bits, so if there are as many values as codes, every code is valid.
-    has_all_values = field.width.is_constant and len(values) == 1 << field.widest
-    return () if has_all_values else tuple(values)
+    has_all_values = field.width.is_constant and len(valid_values) == 1 << field.widest
+    return () if has_all_values else tuple(valid_values)
 
 
 def _known_parity(layout: Layout, parity_bit: Field, covered_fields: tuple[Field, ...], kind: Parity) -> int | None:
@@ -346,7 +346,7 @@ def parity(number: int, odd: bool) -> int:
 
 def _terms(layout: Layout) -> Iterator[Term]:
     """Yield each field of an encoded frame with the source of its bits. The CRC is computed from all of them later."""
-    place_by_name = {field.name: place for field, place in layout.unused}
+    bit_in_unused_by_name = {field.name: bit_in_unused for field, bit_in_unused in layout.unused}
     for field in layout.fields:
         sent_value: Fixed | ValueOfField | ParityOf | ReservedBits
         match field.kind:
@@ -355,7 +355,7 @@ def _terms(layout: Layout) -> Iterator[Term]:
             case Parity() as parity_kind:
                 sent_value = _sent_parity(layout, field, parity_kind)
             case Unused(documented_value):
-                sent_value = ReservedBits(documented_value, place_by_name[field.name])
+                sent_value = ReservedBits(documented_value, bit_in_unused_by_name[field.name])
             case _:
                 sent_value = _sent_number(layout, field)
         yield Term(field, bits_of(layout, field), sent_value)
@@ -417,13 +417,13 @@ def moved_bits(codec: Codec) -> tuple[ShiftedBits, ...]:
         if not reserved.bits.are_fixed:
             continue
         for bits in _shifted_bits(reserved, codec.by_word):
-            key = (bits.byte, bits.shift)
-            earlier_bits = bits_by_shift.get(key)
+            byte_and_shift = (bits.byte, bits.shift)
+            earlier_bits = bits_by_shift.get(byte_and_shift)
             if earlier_bits is None:
-                bits_by_shift[key] = bits
+                bits_by_shift[byte_and_shift] = bits
             else:
                 mask, value = earlier_bits.mask | bits.mask, earlier_bits.value | bits.value
-                bits_by_shift[key] = replace(bits, mask=mask, value=value)
+                bits_by_shift[byte_and_shift] = replace(bits, mask=mask, value=value)
     return tuple(bits_by_shift.values())
 
 

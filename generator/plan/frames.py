@@ -252,12 +252,12 @@ def received(device: Device, interface: Interface) -> Iterator[FrameSize]:
         for variant, (answers, answered_parameters) in product(
             device.variants_over(interface.name), choices(questions)
         ):
-            bits = layout.sent_bits.value({**variant.parameters, **answered_parameters})
-            highest_bits = layout.widest if depends_on_registers else bits
+            length_in_bits = layout.sent_bits.value({**variant.parameters, **answered_parameters})
+            highest_bits = layout.widest if depends_on_registers else length_in_bits
             yield FrameSize(
                 variant=variant,
                 layout=layout,
-                bits=bits,
+                bits=length_in_bits,
                 bytes=(bits_around + highest_bits + 7) // 8,  # rounded up
                 depends_on_registers=depends_on_registers,
                 answers=answers,

@@ -286,11 +286,11 @@ def depends(refusal: Refusal) -> bool:
 
 def _field_refusals(layout: Layout, field: Field) -> Iterator[Refusal]:
     """Yield the checks of a field's value before it is encoded, without the range of a position."""
-    values = allowed_values(layout, field)
+    valid_values = allowed_values(layout, field)
     match field.kind:
         # A list of valid values, whatever the kind. A choice without one can have any value that fits.
-        case _ if values:
-            yield NotOneOf(field, values)
+        case _ if valid_values:
+            yield NotOneOf(field, valid_values)
         case Number() as number:
             yield _number_refusal(field, number)
             if number.power_of_two:

@@ -436,9 +436,9 @@ def field_refusals(
     yield TooWide(field, field.width)
     if argument.meant_as or limited_member(register) == field.name:
         yield from _limit_refusals(device, register, argument)
-    values = allowed_values(register.layout, field)
-    if values:
-        yield NotOneOf(field, values)
+    valid_values = allowed_values(register.layout, field)
+    if valid_values:
+        yield NotOneOf(field, valid_values)
 
 
 def _limit_refusals(device: Device, register: Register, argument: Argument) -> Iterator[OutsideArgumentLimits]:

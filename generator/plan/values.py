@@ -82,12 +82,12 @@ def position_ranges(device: Device, interface: Interface) -> tuple[PositionRange
     ranges_by_key: dict[Hashable, PositionRange] = {}
     for layout in layouts_with_position:
         layout_range = _position_range(measurement, layout)
-        key = _range_key(layout_range)
-        earlier_range = ranges_by_key.get(key)
+        range_key = _range_key(layout_range)
+        earlier_range = ranges_by_key.get(range_key)
         if earlier_range is None:
-            ranges_by_key[key] = layout_range
+            ranges_by_key[range_key] = layout_range
         else:
-            ranges_by_key[key] = replace(earlier_range, layouts=(*earlier_range.layouts, layout))
+            ranges_by_key[range_key] = replace(earlier_range, layouts=(*earlier_range.layouts, layout))
     return tuple(ranges_by_key.values())
 
 
@@ -135,10 +135,10 @@ def _equals_quantity(device: Device, parameter: Parameter) -> bool:
     for variant in device.variants:
         if parameter.interface not in ("", variant.interface):
             continue
-        value = variant.parameters.get(parameter.name)
+        parameter_value = variant.parameters.get(parameter.name)
         measurement = device.measurement_of(variant.interface)
         factors = counts(measurement) if measurement is not None else ()
-        if value is None or measurement is None or not factors:
+        if parameter_value is None or measurement is None or not factors:
             continue
         # The quantity is not the same in all frames.
         if len(position_ranges(device, device.interface(variant.interface))) > 1:
@@ -151,9 +151,9 @@ def _equals_quantity(device: Device, parameter: Parameter) -> bool:
         counts_per_turn = total  # without revolutions
         if measurement.counts_per_turn is not None:
             counts_per_turn = measurement.counts_per_turn.value(variant.parameters)
-        if value == counts_per_turn:
+        if parameter_value == counts_per_turn:
             equal_quantities.add("counts per turn")
-        if value == total:
+        if parameter_value == total:
             equal_quantities.add("total")
         equal_in_all = equal_quantities if equal_in_all is None else equal_in_all & equal_quantities
     return bool(equal_in_all)

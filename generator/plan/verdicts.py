@@ -130,11 +130,11 @@ def judgement_of(codec: Codec) -> Judgement:
     warnings are then omitted, since UNKNOWN is worse.
     """
     causes_by_verdict: dict[Verdict, list[VerdictCause]] = {verdict: [] for verdict in Verdict}
-    parts = {part.field.name: part for part in codec.parts}
+    part_by_name = {part.field.name: part for part in codec.parts}
     for cause in verdict_causes(codec):
         match cause.field.kind:
             case Flag():
-                for verdict, verdict_cause in _verdicts_of_flag(cause, parts):
+                for verdict, verdict_cause in _verdicts_of_flag(cause, part_by_name):
                     causes_by_verdict[verdict].append(verdict_cause)
             case Unused(makes_position=verdict):
                 causes_by_verdict[verdict].append(VerdictCause(cause, unless=()))
@@ -229,9 +229,9 @@ def verdict_causes(codec: Codec) -> Iterator[Cause]:
     """
     yield from (part for part in codec.parts if isinstance(part.field.kind, Flag))
     yield from codec.reserved
-    parts = {part.field.name: part for part in codec.parts}
+    part_by_name = {part.field.name: part for part in codec.parts}
     for sign in codec.layout.signs:
-        yield Match(sign.flag, tuple((parts[name], value) for name, value in sign.conditions))
+        yield Match(sign.flag, tuple((part_by_name[name], value) for name, value in sign.conditions))
 
 
 def by_code(field: Field) -> Iterator[tuple[Field, Only | None]]:

@@ -316,21 +316,21 @@ def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
         if join.name in field_values:
             joined_value = checked_number(field_values.pop(join.name))
             field_values |= _split_join(placed, join, joined_value, field_values)
-    number = _encode_fields(device, placed, field_values)
+    frame_bits = _encode_fields(device, placed, field_values)
     if placed.layout.unused:
         inverted_bits = checked_number(field_values.pop(UNUSED, 0))
-        number |= _encode_unused(placed, inverted_bits)
+        frame_bits |= _encode_unused(placed, inverted_bits)
     # What remains are names of fields: joins and ``unused`` have been removed.
     _check_names(placed, field_values)
-    number = to_gray(placed, number)
+    frame_bits = to_gray(placed, frame_bits)
     # The parity comes before the CRC, which covers it.
     for placed_field in placed.fields:
         if isinstance(placed_field.field.kind, Parity):
-            number |= parity_bit(placed, placed_field.field.kind, number) << placed_field.low
+            frame_bits |= parity_bit(placed, placed_field.field.kind, frame_bits) << placed_field.low
     crc_field, crc = placed.crc_field, device.crc_of(placed)
     if crc_field is not None and crc is not None:
-        number |= compute(crc, placed, number) << crc_field.low
-    return number
+        frame_bits |= compute(crc, placed, frame_bits) << crc_field.low
+    return frame_bits
 
 
 def _encode_fields(device: Device, placed: PlacedLayout, values: Values) -> int:
@@ -339,7 +339,7 @@ def _encode_fields(device: Device, placed: PlacedLayout, values: Values) -> int:
     Raises:
         EncodeError: A value is missing, or does not fit, or the encoder does not have this position.
     """
-    number = 0
+    frame_bits = 0
     position_range = device.range_in(placed.layout)
     for placed_field in placed.fields:
         raw = _encode_field(placed, placed_field, values)
@@ -347,8 +347,8 @@ def _encode_fields(device: Device, placed: PlacedLayout, values: Values) -> int:
             problem = _range_message(position_range, placed_field, raw, placed)
             if problem:
                 raise EncodeError(problem)
-        number |= raw << placed_field.low
-    return number
+        frame_bits |= raw << placed_field.low
+    return frame_bits
 
 
 def _check_names(placed: PlacedLayout, values: Values) -> None:

@@ -268,7 +268,7 @@ def _compare_register(
     placed = register.layout.place(variant.parameters)
     register_bytes = bytes(bytes_by_address.get(address, 0) for address in _addresses(register))
     byte_masks = bytes(0xFF if address in bytes_by_address else 0 for address in _addresses(register))
-    number = number_from_bytes(register.layout, register_bytes)
+    content = number_from_bytes(register.layout, register_bytes)
     known_mask = number_from_bytes(register.layout, byte_masks)
     for placed_field in placed.fields:
         documented = placed_field.field.documented(variant.parameters)
@@ -276,7 +276,7 @@ def _compare_register(
             continue
         documented_bits = number_of_text(documented) if isinstance(documented, str) else documented
         known_bits = (known_mask >> placed_field.low) & placed_field.mask
-        actual_bits = (number >> placed_field.low) & known_bits
+        actual_bits = (content >> placed_field.low) & known_bits
         if actual_bits == documented_bits & known_bits:
             continue
         path = f"{register.name}.{placed_field.name}" if len(placed.fields) > 1 else register.name

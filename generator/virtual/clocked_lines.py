@@ -106,10 +106,10 @@ class BissLine(ByLevels):
         Returns:
             The CDS bit of this cycle, and its single cycle data.
         """
-        bits = self.cycle(cdm)
+        cycle_bits = self.cycle(cdm)
         cds_index = self.acknowledge + 1  # after the acknowledge and the start bit
-        data_bits = bits[cds_index + 1 : cds_index + 1 + self.bits]
-        return bits[cds_index], int("".join(map(str, data_bits)), 2)
+        data_bits = cycle_bits[cds_index + 1 : cds_index + 1 + self.bits]
+        return cycle_bits[cds_index], int("".join(map(str, data_bits)), 2)
 
     def cycle(self, cdm: int) -> list[int]:
         """Return the bits of a cycle from the second rising edge of MA: acknowledge, start, CDS, data, stop.
@@ -120,31 +120,31 @@ class BissLine(ByLevels):
         fault = faults.draw()
         cds = self._exchange_control_bit(cdm)
         word = encoder.frame(encoder.layouts("encoder")[0])
-        data = [word >> shift & 1 for shift in reversed(range(self.bits))]
+        data_bits = [word >> shift & 1 for shift in reversed(range(self.bits))]
         fewest_late, most_late = _CLOCKS_LATE.get(fault, (0, 0))
         late_clocks = faults.random.randint(fewest_late, most_late)
         start_bit, stop_bit = 1, 0
-        bits = [*[0] * (self.acknowledge + late_clocks), start_bit, cds, *data, stop_bit]
+        cycle_bits = [*[0] * (self.acknowledge + late_clocks), start_bit, cds, *data_bits, stop_bit]
         if fault == "low":
-            bits = [0] * len(bits)
+            cycle_bits = [0] * len(cycle_bits)
         elif fault in ("high", "lost", "restart") or encoder.is_off():
-            bits = [1] * len(bits)
+            cycle_bits = [1] * len(cycle_bits)
         elif fault == "flip":
             # From the CDS bit to the last bit before the stop bit.
-            inverted_index = faults.random.randrange(self.acknowledge + 1, len(bits) - 1)
-            bits[inverted_index] ^= 1
+            inverted_index = faults.random.randrange(self.acknowledge + 1, len(cycle_bits) - 1)
+            cycle_bits[inverted_index] ^= 1
         elif fault in ("short", "brownout"):
             # At least one of the lost bits is 0, so that the frame differs.
-            last_zero = len(data) - 1 - data[::-1].index(0) if 0 in data else 0  # index in ``data``
-            # ``data`` begins 2 bits after the acknowledge: the start bit and CDS come first.
+            last_zero = len(data_bits) - 1 - data_bits[::-1].index(0) if 0 in data_bits else 0
+            # In the cycle, the data begin 2 bits after the acknowledge: the start bit and CDS come first.
             first_lost = faults.random.randint(self.acknowledge, self.acknowledge + 2 + last_zero)
-            bits[first_lost:] = [1] * (len(bits) - first_lost)
+            cycle_bits[first_lost:] = [1] * (len(cycle_bits) - first_lost)
         if fault in ("restart", "brownout"):
             encoder.restart()
             self._control_frame = None
         elif fault == "busy":
             encoder.be_busy(BUSY_S)
-        return bits
+        return cycle_bits
 
     def clock(self, ma: int) -> int:
         """Set the level of MA, and return the resulting level of SLO.

@@ -184,19 +184,19 @@ class Memory:
         if register.default is not None:
             return register.bytes_of(register.default)
         placed_layout = self._encoder.place(register.layout)
-        values: dict[str, int | str | bool] = {}
+        value_by_field: dict[str, int | str | bool] = {}
         for placed_field in placed_layout.fields:
             if placed_field.field.carries_data:
-                values[placed_field.name] = self._default_value(placed_field.field)
-        number = 0
+                value_by_field[placed_field.name] = self._default_value(placed_field.field)
+        content = 0
         # One field at a time, so that one that cannot be encoded does not prevent the others.
-        for name, value in values.items():
-            only_this_value = {**dict.fromkeys(values, 0), name: value}
+        for name, value in value_by_field.items():
+            only_this_value = {**dict.fromkeys(value_by_field, 0), name: value}
             try:
-                number |= codec.encode(self._encoder.device, placed_layout, only_this_value)
+                content |= codec.encode(self._encoder.device, placed_layout, only_this_value)
             except codec.EncodeError:
                 continue  # such as a number for which 0 is not valid
-        return number_to_bytes(register.layout, number, 8 * register.length)
+        return number_to_bytes(register.layout, content, 8 * register.length)
 
     def _default_value(self, field: Field) -> int | str | bool:
         """Return the documented value of a field, or else its default, or else false or 0."""
@@ -229,18 +229,18 @@ class Memory:
 
         The constant bits keep their value. A number above the highest becomes the default if the encoder does so.
         """
-        number = self.value(register.name)
+        content = self.value(register.name)
         for placed_field in self._encoder.place(register.layout).fields:
             if isinstance(placed_field.field.kind, Constant):
-                number = _with_bits_of_field(number, placed_field, placed_field.field.kind.value)
+                content = _with_bits_of_field(content, placed_field, placed_field.field.kind.value)
         if register.above_max == "default" and register.max is not None and register.default is not None:
             highest = register.max.value(self._encoder.variant.parameters)
-            number = register.default if number > highest else number
-        self._store(register, number)
+            content = register.default if content > highest else content
+        self._store(register, content)
         for name in register.write_clears:
             self._store(self.registers[name], 0)
         if register.clears_itself or not register.readable:
-            self._execute_command(register, number)
+            self._execute_command(register, content)
         if register.clears_itself:
             self._store(register, register.default or 0)
         if not register.volatile:
@@ -273,19 +273,19 @@ class Memory:
             self.too_early += 1
             return
         self._ready_at = now + (register.wait_at_least_ms or 0) / 1000
-        words = command_names[0].split("_")
-        if "restore" in words:
+        words_of_name = command_names[0].split("_")
+        if "restore" in words_of_name:
             self._restore_defaults()
-        if "activate" in words:
+        if "activate" in words_of_name:
             self._activate(register)
-        if not {"save", "restore", "activate"}.isdisjoint(words):
+        if not {"save", "restore", "activate"}.isdisjoint(words_of_name):
             self._saved_bytes = {register_name: bytes(data) for register_name, data in self._bytes.items()}
-        if "reset" in words:
+        if "reset" in words_of_name:
             self.restart()
-        if "simulate" in words:
-            self._encoder.flags.add(words[-1])
-        if "clear" in words:
-            self._encoder.flags.discard(words[-1])
+        if "simulate" in words_of_name:
+            self._encoder.flags.add(words_of_name[-1])
+        if "clear" in words_of_name:
+            self._encoder.flags.discard(words_of_name[-1])
         self._set_polled_fields(register, number)
 
     def _restore_defaults(self) -> None:
@@ -313,10 +313,10 @@ class Memory:
         The number is the limited field of the register, or its last field if the spec names none.
         """
         placed_layout = self._encoder.place(register.layout)
-        number = self.value(register.name)
-        values = codec.decode(self._encoder.device, placed_layout, number).values
+        content = self.value(register.name)
+        values = codec.decode(self._encoder.device, placed_layout, content).values
         argument_name = register.limits_of or placed_layout.fields[-1].name
-        argument = int(values.get(argument_name, number))
+        argument = int(values.get(argument_name, content))
         if self._current_meaning(register) == "offset":
             self._encoder.add_offset(argument)
         else:
@@ -333,8 +333,8 @@ class Memory:
             placed_field = placed_layout.find_field(deciding_field)
             if placed_field is None:
                 continue
-            number = _bits_of_field(self.value(deciding_register), placed_field)
-            value_names = [value.name for value in placed_field.field.values if value.value == number]
+            field_bits = _bits_of_field(self.value(deciding_register), placed_field)
+            value_names = [value.name for value in placed_field.field.values if value.value == field_bits]
             if meaning.value in value_names:
                 return meaning.name
         return ""
@@ -358,20 +358,20 @@ class Memory:
         """Update a register that has flags or the position, unless the master can write it."""
         if register.writable:
             return
-        number = self.value(register.name)
+        content = self.value(register.name)
         position_names = self._encoder.position_names()
         alarm_names = {alarm.field for alarm in self._encoder.device.alarms if alarm.register}
         for placed_field in self._encoder.place(register.layout).fields:
             if placed_field.name in position_names:
                 position_bits = self._encoder.position_now() & placed_field.mask
-                number = _with_bits_of_field(number, placed_field, position_bits)
+                content = _with_bits_of_field(content, placed_field, position_bits)
             elif placed_field.name in alarm_names:
                 is_active = placed_field.name in self._encoder.flags
                 is_active_low = getattr(placed_field.field.kind, "active_low", False)
                 alarm_bit = 1 << placed_field.low
                 # Active and active low, or neither: the bit is 0.
-                number = number & ~alarm_bit if is_active == is_active_low else number | alarm_bit
-        self._bytes[register.name][:] = number_to_bytes(register.layout, number, 8 * register.length)
+                content = content & ~alarm_bit if is_active == is_active_low else content | alarm_bit
+        self._bytes[register.name][:] = number_to_bytes(register.layout, content, 8 * register.length)
 
     def _react_to_read(self, register: Register) -> None:
         """Clear the alarms of a procedure that only reads, once its registers have been read in order."""

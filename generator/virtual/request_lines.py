@@ -189,15 +189,15 @@ class Rs485Line:
             return
         is_silent = encoder.is_busy() and not encoder.reports_busy
         if reply and not is_silent:
-            data = faults.damaged(fault, reply, request)
+            reply_bytes = faults.damaged(fault, reply, request)
             if now < self._outage_until:
                 # A line that stays high is idle, so no bytes arrive.
                 zeros = bytes(len(reply))
-                data = zeros if self._outage == "low" else b""
+                reply_bytes = zeros if self._outage == "low" else b""
             delay = faults.random.uniform(0.005, 0.04) if fault == "late" else 0.0
             # The line keeps the order of replies, but extra ones can come before or after the next reply.
             self._last_due = max(now + delay, self._last_due)
-            self._put(self._last_due, data)
+            self._put(self._last_due, reply_bytes)
             if fault in ("repeated", "second"):
                 self._put(self._last_due + faults.gap_s(), reply if fault == "repeated" else other_reply)
         if fault == "brownout":
@@ -228,11 +228,11 @@ class Rs485Line:
             if memory is None:
                 return b"", b""
             request_values |= memory
-        number, bits = self.encoder.frame(layout, request_values), self.encoder.place(layout).bits
-        other = self.encoder.frame_of_another(layout, request_values) if is_second else number
+        reply_number, bits = self.encoder.frame(layout, request_values), self.encoder.place(layout).bits
+        other_number = self.encoder.frame_of_another(layout, request_values) if is_second else reply_number
         if data_id is not None:
             self._count_reset_request(data_id)
-        return number_to_bytes(layout, number, bits), number_to_bytes(layout, other, bits)
+        return number_to_bytes(layout, reply_number, bits), number_to_bytes(layout, other_number, bits)
 
     def _memory(
         self, data_id: DataId, layout: Layout, request_values: dict[str, int | str | bool]

@@ -65,10 +65,10 @@ def terminal() -> _Port:
 
     # Write as much as the terminal accepts within ``PATIENCE_S``, and discard the rest.
     def write(data: bytes) -> None:
-        end = monotonic() + PATIENCE_S
+        deadline = monotonic() + PATIENCE_S
         unwritten = data
         while unwritten:
-            _, writable, _ = select([], [master], [], max(0.0, end - monotonic()))
+            _, writable, _ = select([], [master], [], max(0.0, deadline - monotonic()))
             if not writable:
                 return
             try:
