@@ -141,7 +141,8 @@ def _role(field: PlacedField, placed_layout: PlacedLayout, position_field_names:
 def _expected_role(field: PlacedField, stage: str) -> str:
     """Return the role of a field that is not part of the position, from its kind.
 
-    Zero bits are ``before`` or ``after`` the position, as ``stage`` says. A status bit is a flag or a single bit 1.
+    Zero bits are ``before`` or ``after`` the position, as ``stage`` says. A status bit is a flag, or a single constant
+    or unused bit that is 1. All others are ``other``.
     """
     kind = field.field.kind
     if isinstance(kind, CrcValue):

@@ -224,7 +224,7 @@ def place_words(places: Sequence[Place], value: str, devices: Sequence[MasterDev
     ``devices`` of the words is empty if these are all devices. A value in hexadecimal has its default in it too.
     """
     devices_by_words: dict[PlaceWords, list[str]] = {}
-    # One group for each rule and device: adjacent places of a device are its channels.
+    # Adjacent places of a device are its channels.
     for device, device_places in groupby(places, key=lambda place: place.device):
         words = _words_for_device(list(device_places), in_hex=value.startswith("0x"))
         devices_by_words.setdefault(words, []).append(device)

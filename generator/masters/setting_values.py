@@ -102,7 +102,7 @@ def value_of_setting(rule: Raw, record: Record) -> tuple[int | bool | str | None
         return _listed_clock(rule, record)
     if "any_clock" in rule:
         return _selectable_clock(rule["any_clock"], record)
-    # A text with items of the record filled in, or after that, one that describes each part of the frame.
+    # What is left are texts: ``text`` with items filled in, or ``string`` with a text for each part of the frame.
     if "text" in rule:
         text = _filled_if_known(rule["text"], record)
         return text, text, ""

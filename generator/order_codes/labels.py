@@ -371,7 +371,7 @@ def _has_more_than(label_match: re.Match[str], part: CodePart, label: str) -> bo
 
 
 def closest_reason(devices: Iterable[Device], text: str) -> str | None:
-    """Return why text is not an order code of the first of these families whose message is ``close``, or None.
+    """Return why ``text`` is not an order code: the first message of these families that is ``close``, or None.
 
     The text must be an order code of none of them.
     """

@@ -387,7 +387,7 @@ def _with_fixed_code(layout: Layout, known_parameters: Mapping[str, int]) -> Lay
 def _without_empty_fields(layout: Layout) -> Layout:
     """Return the layout without zero-width fields, in the layout itself, in its joins and in its parity bits.
 
-    If no field is left that judges the position, its verdict is unknown.
+    If no field is left that judges the position, reserved bits lead to UNKNOWN instead of a warning.
     """
     empty_names = {field.name for field in layout.fields if field.width == Expression(0)}
     if not empty_names:

@@ -185,7 +185,10 @@ def _bits(layout: Layout, low: Expression, width: Expression, widest: int, piece
 
 
 def _crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
-    """Return the check of the CRC in a field, which covers the adjacent fields in ``of``, or without, all before it."""
+    """Return the check of the CRC in a field.
+
+    It covers the fields from the first to the last in ``of`` or, if ``of`` is empty, everything before it.
+    """
     assert isinstance(field.kind, CrcValue)
     crc = device.crc(field.kind.crc)
     # A CRC that only some order codes have is at the end of their frames.
@@ -312,7 +315,7 @@ def _checks_of_position(device: Device, layout: Layout) -> Iterator[Check]:
 
 
 def allowed_values(layout: Layout, field: Field) -> tuple[int, ...]:
-    """Return the valid values of a selector or a choice, or an empty tuple if every value is valid, as in others."""
+    """Return the valid values of a selector or a choice. An empty tuple means that every value is valid."""
     if field.name == layout.selector:
         valid_values = dict.fromkeys(layout.selects)
     else:

@@ -153,7 +153,10 @@ def judgement_of(codec: Codec) -> Judgement:
 
 
 def _verdicts_of_flag(cause: Cause, parts: Mapping[str, Part]) -> Iterator[tuple[Verdict, VerdictCause]]:
-    """Yield the verdicts to which a flag leads, each with its conditions on the order code and the user's answer."""
+    """Yield the verdicts to which a flag leads, each with its conditions on the order code and the user's answer.
+
+    A flag that combines others does not count while one of these is active (``unless``), since that one decides.
+    """
     for flag, only in _flag_by_order_code(cause.field):
         summed_parts = [parts[name] for name in flag.sums_up if name in parts]
         for verdict, chosen in _verdict_by_answer(flag):

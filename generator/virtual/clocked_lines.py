@@ -107,7 +107,7 @@ class BissLine(ByLevels):
             The CDS bit of this cycle, and its single cycle data.
         """
         cycle_bits = self.cycle(cdm)
-        cds_index = self.acknowledge + 1  # after the acknowledge and the start bit
+        cds_index = self.acknowledge + 1  # after the acknowledge and the start bit, whatever the fault
         data_bits = cycle_bits[cds_index + 1 : cds_index + 1 + self.bits]
         return cycle_bits[cds_index], int("".join(map(str, data_bits)), 2)
 

@@ -225,7 +225,7 @@ class VirtualEncoder:
             if placed_field.name in procedure:
                 position &= ~(placed_field.mask << low_bit)
             low_bit += placed_field.width
-        self.set_position(position & (1 << low_bit) - 1)
+        self.set_position(position & (1 << low_bit) - 1)  # as an unsigned number
 
     def restart(self) -> None:
         """Switch the supply off and on again. Registers that were not saved are lost."""

@@ -262,7 +262,7 @@ class Memory:
         """Execute the command with this number, unless the previous one is still being executed.
 
         The words in its name are its effects: ``save_all``, ``restore_defaults``, ``simulate_overheat``, where
-        ``overheat`` is a flag. The number 0 of no command has none.
+        ``overheat`` is a flag. A number without a name is not a command, and has no effect.
         """
         command_names = [value.name for value in register.layout.fields[0].values if value.value == number]
         if not command_names:
