@@ -59,7 +59,10 @@ def answer(recording: Recording, layout: FoundLayout) -> Answer:
 
 
 def _parts_of_line(recording: Recording, layout: FoundLayout) -> _Parts:
-    """Return the parts of the line for a layout, with the most usual form of its CRC."""
+    """Return the parts of the line for a layout, with the most usual form of its CRC.
+
+    Fields are texts such as ``before=3``, ``unused=2`` or ``parity=even``, in the order sent.
+    """
     split = layout.split
     options = ["gray"] if split.is_gray else []
     if split.byte_order:

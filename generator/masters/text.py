@@ -264,7 +264,7 @@ def sheet_text(device: Device, match: Match, record: Record, sheets: Sequence[Sh
 
 
 def _record_lines(device: Device, match: Match, record: Record) -> list[str]:
-    """Return the order code, what its label says, and the record."""
+    """Return the order code, notes about how its label is written, and the record."""
     lines = [wrapped(f"{match.variant.code}: {device.title}", WIDTH, "  ", "")]
     if match.written_as_in:
         lines.append(wrapped(f"the label is written as in {match.written_as_in}", WIDTH, "  "))

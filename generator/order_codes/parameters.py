@@ -84,7 +84,7 @@ def _used_parameters(device: Device, kind: str) -> frozenset[str]:
 
 
 def _expressions_over(device: Device, kind: str) -> Iterator[Expression]:
-    """Yield the expressions in frames, registers and measurement of an interface."""
+    """Yield the expressions in frames, registers and measurement of the interface named ``kind``."""
     for layout in device.interface(kind).layouts:
         yield from _expressions_of_layout(layout)
         if layout.position_range is not None:
@@ -101,7 +101,7 @@ def _expressions_over(device: Device, kind: str) -> Iterator[Expression]:
 
 
 def _expressions_of_layout(layout: Layout) -> Iterator[Expression]:
-    """Yield the length, the positions and widths of all fields, and their documented values."""
+    """Yield the length, the positions and widths of all fields, their documented values, and the Gray excess."""
     yield layout.bits
     for field in layout.fields:
         yield field.low

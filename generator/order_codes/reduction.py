@@ -162,7 +162,10 @@ def for_interface(device: Device, kind: str) -> Device:
 
 
 def for_interfaces(device: Device, kinds: Collection[str]) -> Device:
-    """Return the device with only some of its interfaces, and without parts that belong only to the others."""
+    """Return the device with only the interfaces named ``kinds``, and without parts that belong only to the others.
+
+    Examples and errata remain if they are about a remaining part.
+    """
     with_interfaces = _with_interfaces(device, kinds)
     reduced = _with_used_parts(with_interfaces, all_sent_crcs=sent_crcs(device.interfaces))
     # By the list of the device, which is the beginning of a path in an erratum.
@@ -186,7 +189,7 @@ def for_interfaces(device: Device, kinds: Collection[str]) -> Device:
 
 
 def _with_interfaces(device: Device, kinds: Collection[str]) -> Device:
-    """Return the device with only those parts that refer to one of these interfaces or to none."""
+    """Return the device with only those parts that refer to one of the interfaces named ``kinds``, or to none."""
 
     def is_wired(connector: Connector) -> bool:
         return not connector.interfaces or not set(kinds).isdisjoint(connector.interfaces)
@@ -201,7 +204,7 @@ def _with_interfaces(device: Device, kinds: Collection[str]) -> Device:
 
 
 def sent_crcs(interfaces: Collection[Interface]) -> set[str]:
-    """Return the names of the CRCs that are in a frame of one of the interfaces."""
+    """Return the names of the CRCs that are in a frame of one of the interfaces, or in control data of BiSS."""
     sent_fields = (field for interface in interfaces for layout in interface.layouts for field in layout.fields)
     crcs = {field.kind.crc for field in sent_fields if isinstance(field.kind, CrcValue)}
     for interface in interfaces:

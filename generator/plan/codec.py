@@ -116,7 +116,7 @@ class Codec:
 
 
 def codec_of(device: Device, layout: Layout) -> Codec:
-    """Return the plan for a layout of a frame or of a register's bytes."""
+    """Return the plan for a layout of a frame or of a register's bytes, see ``Codec``."""
     # The bytes of a field are unknown if the order code moves its bits.
     all_have_bytes = all(field.pieces or field.padding_of for field in layout.fields)
     by_word = not layout.in_bytes or not all_have_bytes or bool(layout.gray_of)

@@ -78,7 +78,7 @@ def reflect(value: int, width: int) -> int:
 
 
 def table(width: int, poly: int, reflected: bool = False) -> tuple[int, ...]:
-    """Return the remainder of each byte, shifted left by the width of the CRC.
+    """Return the remainder of each byte from 0 to 255, shifted left by the width of the CRC.
 
     With ``reflected``, the CRC register has its bits in reverse order, as needed for reflected input.
     """

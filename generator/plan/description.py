@@ -296,7 +296,7 @@ def _join(whole: Whole) -> Join:
 
 
 def _parity(parity_bit: Field, parity: ParityOf) -> Check:
-    """Return the parity that a parity bit must have."""
+    """Return the check that a parity bit matches the fields that it covers."""
     return Check(
         low=parity_bit.low,
         width=parity_bit.width,
@@ -312,7 +312,7 @@ def _places(fields: tuple[Field, ...]) -> tuple[Place, ...]:
 
 
 def _speaks(judgement: verdicts.Judgement) -> Iterator[Speaks]:
-    """Yield the causes of the verdict, those of the worst verdict first."""
+    """Yield the causes of the verdict as data, those of the worst verdict first."""
     for verdict, verdict_causes in judgement.worst_first:
         for verdict_cause in verdict_causes:
             cause = verdict_cause.by

@@ -401,7 +401,7 @@ def _argument_of_source(value: Source) -> Argument | None:
 
 
 def _checked_argument(device: Device, argument: Argument, writes: Sequence[Writes]) -> CheckedArgument:
-    """Return an argument with those of the writes that write it, and the reasons to reject it."""
+    """Return an argument with the writes that use it, and the reasons to reject it, without duplicates."""
     writes_of_argument = tuple(write for write in writes if _argument_of_source(write.value) is argument)
     refusals: list[ArgumentRefusal] = []
     for write in writes_of_argument:

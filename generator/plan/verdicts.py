@@ -382,6 +382,7 @@ def _reported_fields(device: Device) -> list[_ReportedField]:
     for interface, layout in _sent_layouts(device):
         for field, only in _fields_by_code(layout):
             reported_field = _ReportedField(interface.name, layout.name, field)
+            # ``holds`` is true for the order codes for which the manual explains the flag.
             if only is None or only.holds:
                 explained_fields.append(reported_field)
             else:

@@ -113,7 +113,7 @@ def _reports_of_frame(device: Device, variant: Variant, active_fields: Sequence[
 def _reports_of_register(
     device: Device, variant: Variant, active_fields: Sequence[Field], register: str
 ) -> Iterator[Report]:
-    """Yield a report for each flag that is an alarm of the manual. Other flags may mean anything, such as "ready"."""
+    """Yield a report for each active field that is an alarm of the manual. Other flags may mean "ready" or the like."""
     for field in active_fields:
         alarm = _alarm_for(device, variant, field, register)
         if alarm is not None:

@@ -108,7 +108,7 @@ def register_writes(
 
 
 def _value_of_step(step: WriteStep | ModifyStep, arguments: Mapping[str, int]) -> int:
-    """Return the fixed value of a step, or the argument that it names."""
+    """Return the fixed value of a step, or the argument that it names, which must be in ``arguments``."""
     if step.value is not None:
         return step.value
     if step.value_name not in arguments:

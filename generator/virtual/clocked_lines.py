@@ -248,7 +248,7 @@ class BissLine(ByLevels):
         return cdm, True
 
     def _read_byte(self, address: int) -> Generator[int, int, int]:
-        """Send a byte and its CRC, and return the next CDM bit."""
+        """Send the start bit, a byte and its CRC, and return the next CDM bit."""
         byte = self.encoder.memory.read(address) or 0
         byte_and_crc = byte << 4 | compute_bits(_CRC, byte, 8)
         cdm = yield 1

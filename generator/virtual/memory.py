@@ -310,7 +310,7 @@ class Memory:
     def _activate_argument(self, register: Register) -> None:
         """Preset the position to the number in a register, or use it as an offset if the register means that now.
 
-        The number is the limited field of the register, or its last field if the spec names none.
+        The number is that of the field or join ``limits_of``, or of the whole register if it has no such field.
         """
         placed_layout = self._encoder.place(register.layout)
         content = self.value(register.name)

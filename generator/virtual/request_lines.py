@@ -83,7 +83,7 @@ class Rs485Line:
         self._memory_busy_until = 0.0
 
     def receive(self, data: bytes) -> None:
-        """Take bytes that the master sends now."""
+        """Take bytes that the master sends now, and answer each complete and valid request in them."""
         now = self.encoder.clock()
         if now - self._received_at > GAP_S:
             self._received = b""
@@ -348,6 +348,7 @@ class SpiLine:
         while (word_bits := self._length_of_first_word()) is not None:
             byte_count = (word_bits + 7) // 8
             word_bytes, self._received = self._received[:byte_count], self._received[byte_count:]
+            # A length that is not whole bytes leaves unused bits at the top of the first one.
             word = int.from_bytes(word_bytes, "big") & (1 << word_bits) - 1
             self._answers += self.exchange(word, word_bits).to_bytes(byte_count, "big")
 
