@@ -49,7 +49,7 @@ class _Parts:
 
 
 def answer(recording: Recording, layout: FoundLayout) -> Answer:
-    """Return the answer that a layout is."""
+    """Return a layout as a line, with the lines that are equal to it for these frames and with notes."""
     parts = _parts_of_line(recording, layout)
     return Answer(
         line=parts.line(recording.interface),
@@ -59,7 +59,10 @@ def answer(recording: Recording, layout: FoundLayout) -> Answer:
 
 
 def _parts_of_line(recording: Recording, layout: FoundLayout) -> _Parts:
-    """Return the parts of the line for a layout, with the most usual form of its CRC."""
+    """Return the parts of the line for a layout, with the most usual form of its CRC.
+
+    Fields are texts such as ``before=3``, ``unused=2`` or ``parity=even``, in the order sent.
+    """
     split = layout.split
     options = ["gray"] if split.is_gray else []
     if split.byte_order:
@@ -95,10 +98,10 @@ def _with_distinct_names(fields: Sequence[str]) -> list[str]:
     fields_by_name: dict[str, int] = {}
     for field in fields:
         name, _, width = field.partition("=")
-        number = fields_by_name.get(name, 0) + 1
-        fields_by_name[name] = number
+        occurrence = fields_by_name.get(name, 0) + 1
+        fields_by_name[name] = occurrence
         may_repeat = name == "unused"
-        distinct_fields.append(field if number == 1 or may_repeat else f"{name}_{number}={width}")
+        distinct_fields.append(field if occurrence == 1 or may_repeat else f"{name}_{occurrence}={width}")
     return distinct_fields
 
 
@@ -141,13 +144,13 @@ def _constant_bits_in_position(recording: Recording, layout: FoundLayout) -> int
     """Return the number of bits at the beginning of the position that did not change. Over RS-485, whole bytes."""
     split = layout.split
     changes = recording.changing[split.start : split.end]
-    constant_bits = changes.index(True)
+    constant_bits = changes.index(True)  # At least one bit of a position changes.
     whole_bytes_of_bits = constant_bits // 8 * 8
     return whole_bytes_of_bits if recording.interface == "rs485" else constant_bits
 
 
 def _line_with_wider_position(recording: Recording, layout: FoundLayout, parts: _Parts) -> Iterator[EqualLine]:
-    """Yield the line in which constant bits in front of the position are its highest bits."""
+    """Yield the line in which constant bits in front of the position are its highest bits, if there are any."""
     front = layout.split.front
     if front and not front[-1].changes:
         width = layout.split.width + front[-1].width
@@ -157,7 +160,10 @@ def _line_with_wider_position(recording: Recording, layout: FoundLayout, parts: 
 
 
 def _line_with_flags(recording: Recording, layout: FoundLayout, parts: _Parts) -> Iterator[EqualLine]:
-    """Yield the line with the flags of BiSS in place of one or two ones behind the position."""
+    """Yield the line with the flags of BiSS in place of one or two ones behind the position, if there are any.
+
+    They are the last bits before the CRC. With a parity bit, there is no such line.
+    """
     last_field = layout.split.behind[-1] if layout.split.behind else None
     if recording.interface != "biss" or last_field is None or last_field.changes:
         return
@@ -187,6 +193,7 @@ def _notes(recording: Recording, layout: FoundLayout) -> Iterator[str]:
 def _constant_text(recording: Recording, field: Field) -> str:
     """Return the bits of a constant field with their values, such as ``bits 7:6 were always 10``."""
     levels = "".join(str(recording.level(place)) for place in range(field.start, field.end))
+    # ``start`` and ``end`` count from the first bit sent, these from the last.
     high_bit, low_bit = recording.bits - 1 - field.start, recording.bits - field.end
     if high_bit == low_bit:
         return f"bit {low_bit} was always {levels}"

@@ -48,7 +48,10 @@ class FoundCrc:
 
 
 def crcs_of(recording: Recording) -> list[FoundCrc]:
-    """Return the CRCs that all frames satisfy: those of the known ones, or else any other polynomial."""
+    """Return the CRCs that all frames satisfy: all known ones with enough evidence, or else that of another polynomial.
+
+    The list is empty if there is none.
+    """
     polynomials = dict.fromkeys(known.polynomial for known in KNOWN_CRCS)
     if recording.interface == "rs485":
         # Only a CRC of 8 bits fills the last byte.
@@ -60,13 +63,16 @@ def crcs_of(recording: Recording) -> list[FoundCrc]:
 
 
 def _divides_all(recording: Recording, polynomial: int) -> bool:
-    """Return True if the differences of all frames are divisible by the polynomial, which leaves bits in front."""
+    """Return True if the polynomial divides the differences of all frames, and its CRC leaves bits in front."""
     has_room = polynomial.bit_length() <= recording.bits
     return has_room and not any(remainder(difference, polynomial) for difference in recording.differences)
 
 
 def _crc_with_polynomial(recording: Recording, polynomial: int) -> FoundCrc:
-    """Return the CRC with the forms, one of them inverted, in which it matches the frames."""
+    """Return the CRC with the two forms in which it matches the frames: plain and inverted, the most usual first.
+
+    Each of them has the start value that the first frame needs.
+    """
     width = polynomial.bit_length() - 1
     message_bits = recording.bits - width
     all_ones = (1 << width) - 1
@@ -81,7 +87,8 @@ def _crc_with_polynomial(recording: Recording, polynomial: int) -> FoundCrc:
 
     forms = sorted((inverted, plain), key=form_cost)
     evidence = width * recording.independent
-    # The bits that the frames do not prove cost as much as bits without a CRC.
+    # A CRC saves the description of its bits in each frame, except for those that the frames do not prove. A known
+    # polynomial costs as many bits as its number in the list.
     sample_count = min(len(recording.frames), MOST_FRAMES)
     unproved_bits = max(width * sample_count - evidence, 0)
     cost = unproved_bits - width + form_cost(forms[0]) + log2(len(KNOWN_CRCS))
@@ -89,7 +96,7 @@ def _crc_with_polynomial(recording: Recording, polynomial: int) -> FoundCrc:
 
 
 def _form_cost(form: CrcForm, usual_starts: set[int], width: int, interface: str) -> float:
-    """Return how unusual a form is, in bits."""
+    """Return how unusual a form is, in bits. CRCs are usually inverted over BiSS, and plain over other interfaces."""
     all_ones = (1 << width) - 1
     is_usual_inversion = form.is_inverted == (interface == "biss")
     inversion_cost = 1 if is_usual_inversion else 2
@@ -98,12 +105,15 @@ def _form_cost(form: CrcForm, usual_starts: set[int], width: int, interface: str
     elif form.start in (0, all_ones):
         start_cost = 2
     else:
-        start_cost = width + 2
+        start_cost = width + 2  # The bits of the value, and 2 for being none of the above.
     return inversion_cost + start_cost
 
 
 def _start_value(constant: int, message_bits: int, polynomial: int) -> int:
-    """Return the start value whose CRC of ``message_bits`` zeros is the constant: the constant divided by x^n."""
+    """Return the start value whose CRC of ``message_bits`` zeros is ``constant``: ``constant`` divided by x^n.
+
+    n is ``message_bits``. Each step divides by x, after the polynomial has made the number divisible.
+    """
     start = constant
     for _ in range(message_bits):
         if start & 1:
@@ -113,10 +123,11 @@ def _start_value(constant: int, message_bits: int, polynomial: int) -> int:
 
 
 def _unlisted_crcs(recording: Recording) -> Iterator[FoundCrc]:
-    """Yield the CRC whose polynomial is the greatest common divisor of all differences."""
-    polynomial = 0
+    """Yield the CRC whose polynomial is the greatest common divisor of all differences, if the frames prove it."""
+    polynomial = 0  # The divisor of 0 and any number is that number.
     for difference in recording.differences:
         polynomial = _common_divisor(polynomial, difference)
+    # The polynomial of a CRC ends with + 1, so factors x are not part of it.
     while polynomial and not polynomial & 1:
         polynomial >>= 1
     width = polynomial.bit_length() - 1
@@ -156,7 +167,7 @@ class FoundParity:
 
 
 def parities_of(recording: Recording, body_bits: int) -> list[FoundParity]:
-    """Return the parity bits that all frames satisfy, in the first or the last bit before the CRC."""
+    """Return the parity bits that all frames satisfy: the first bit, or the last one before the CRC, if it changes."""
     crc_bits = recording.bits - body_bits
     parities = {(frame >> crc_bits).bit_count() % 2 for frame in recording.frames}
     if len(parities) > 1 or recording.interface == "rs485":

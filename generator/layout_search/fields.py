@@ -58,7 +58,10 @@ class Split:
 
 
 def splits_of(recording: Recording, first: int, end: int) -> Iterator[Split]:
-    """Yield the splits of the bits from ``first`` to before ``end`` that have a position."""
+    """Yield every split of the bits from ``first`` to before ``end`` that has a position, with its cost in bits.
+
+    There is one for each place of the position, and each code or byte order in which it may be sent.
+    """
     step = 8 if recording.interface == "rs485" else 1
 
     @cache
@@ -76,7 +79,7 @@ def splits_of(recording: Recording, first: int, end: int) -> Iterator[Split]:
         for reading in _readings(recording, sent_values, width):
             cost, is_smooth = _position_cost(recording, reading.values, width, constant_bits)
             gray_cost = _GRAY_BITS.get(recording.interface, 1.0) if reading.is_gray else 0.0
-            # Of several numbers, the widest one is the position.
+            # Of several numbers, the widest one is rather the position.
             preference = width / 8
             yield Split(
                 start=position_start,
@@ -93,7 +96,8 @@ def splits_of(recording: Recording, first: int, end: int) -> Iterator[Split]:
 def _places_of_position(recording: Recording, first: int, end: int, step: int) -> Iterator[tuple[int, int]]:
     """Yield the start and end of each place for a position, in steps of a bit or a byte.
 
-    The last step of a position changes. It begins with a step that changes, or with all constant steps before that.
+    The last step of a position changes. It begins with a step that changes, or with the first of the constant steps
+    before one, so that it has all of these or none.
     """
     changing = recording.changing
     for start in range(first, end, step):
@@ -117,7 +121,10 @@ class _Reading(NamedTuple):
 
 
 def _readings(recording: Recording, sent_values: Sequence[int], width: int) -> Iterator[_Reading]:
-    """Yield the values as binary and Gray code or, over RS-485, in both byte orders."""
+    """Yield the values read as binary and as Gray code or, over RS-485, in both byte orders.
+
+    One bit is the same in both codes, and one byte in both orders.
+    """
     if recording.interface != "rs485":
         yield _Reading(list(sent_values))
         if width > 1:
@@ -135,14 +142,20 @@ def _with_bytes_swapped(value: int, byte_count: int) -> int:
 
 
 def _constant_bits(recording: Recording, start: int) -> int:
-    """Return the number of constant bits at the beginning of a position. Over RS-485, they are rather other bytes."""
+    """Return the number of constant bits at the beginning of a position, or 0 over RS-485.
+
+    Constant bytes there are rather other fields.
+    """
     if recording.interface == "rs485":
         return 0
     return recording.changing[start:].index(True)
 
 
 def _position_cost(recording: Recording, values: Sequence[int], width: int, constant_bits: int) -> tuple[float, bool]:
-    """Return the bits of the values of a position, and whether they are those of a moving shaft."""
+    """Return the bits that describe the values of a position, and whether they are those of a moving shaft.
+
+    They are if the steps from value to value, or the user's positions, describe them with fewer bits than random ones.
+    """
     random_cost = constant_bits + uniform_cost(width - constant_bits, len(values))
     if recording.positions:
         moving_cost = cost_beside_positions(values, width, recording.positions[:MOST_FRAMES])
@@ -160,6 +173,7 @@ def _fields(recording: Recording, start: int, end: int, step: int) -> Iterator[F
         return any(recording.changing[place : place + step])
 
     for changes, places in groupby(range(start, end, step), does_change):
+        # ``places`` are the starts of adjacent steps.
         first_place, *later_places = places
         last_place = later_places[-1] if later_places else first_place
         yield Field(start=first_place, end=last_place + step, changes=changes)
@@ -168,6 +182,7 @@ def _fields(recording: Recording, start: int, end: int, step: int) -> Iterator[F
 def _field_cost(recording: Recording, field: Field, *, is_in_front: bool) -> float:
     """Return the bits that describe a field other than the position, with its values."""
     if not field.changes:
+        # Such flags have a lower cost, so that they are not read as the highest bits of the position.
         are_inactive_flags = is_in_front and field.width <= _MOST_FLAGS and is_all_ones(recording, field)
         return field.width - 1.0 if are_inactive_flags else field.width + _CONSTANT_BITS
     values = recording.values(field.start, field.end)
@@ -185,6 +200,7 @@ def is_all_ones(recording: Recording, field: Field) -> bool:
 def _cost_of_flag(values: Sequence[int]) -> float:
     """Return the bits of a flag, which are few if it is seldom active."""
     share_of_ones = sum(values) / len(values)
+    # The number of ones takes log2(len(values)) bits. Their places take none if all values are equal.
     if share_of_ones in (0.0, 1.0):
         return log2(len(values))
     entropy = -share_of_ones * log2(share_of_ones) - (1 - share_of_ones) * log2(1 - share_of_ones)

@@ -58,7 +58,8 @@ class Recording:
 
 
 def rank(numbers: Sequence[int]) -> int:
-    """Return the rank of numbers as vectors over GF(2)."""
+    """Return the rank of numbers as vectors over GF(2): how many of them are not the XOR of others."""
+    # Numbers that are independent of each other, by their numbers of bits.
     pivot_by_length: dict[int, int] = {}
     for number in numbers:
         reduced = number

@@ -16,7 +16,10 @@ def uniform_cost(width: int, count: int) -> float:
 
 
 def smooth_cost(values: Sequence[int], width: int) -> float:
-    """Return the bits of values that change by similar steps, or by steps that change little."""
+    """Return the bits that describe values that change by similar steps, or by steps that change little.
+
+    The first value, and with changes of steps also the first step, take ``width`` bits.
+    """
     steps = [signed(after - before, width) for before, after in itertools.pairwise(values)]
     changes_of_steps = [signed(after - before, width) for before, after in itertools.pairwise(steps)]
     by_steps = width + _spread_cost(steps, width)
@@ -26,8 +29,9 @@ def smooth_cost(values: Sequence[int], width: int) -> float:
 
 
 def _spread_cost(numbers: Sequence[float], width: int) -> float:
-    """Return the bits of numbers around zero with a common scale, at most ``width`` each."""
+    """Return the bits that describe numbers around zero with a common scale, from 0.5 to ``width`` each."""
     mean = sum(map(abs, numbers)) / len(numbers)
+    # The entropy of a Laplace distribution with this mean deviation. The 0.25 keeps that of equal numbers finite.
     bits_each = min(log2(2 * e * (mean + 0.25)), float(width))
     return len(numbers) * max(bits_each, 0.5) + _SCALE_BITS
 
@@ -39,9 +43,10 @@ def signed(number: int, width: int) -> int:
 
 
 def cost_beside_positions(values: Sequence[int], width: int, positions: Sequence[float]) -> float:
-    """Return the bits of values of which the user knows the positions, in any unit and from any zero.
+    """Return the bits that describe values of which the user knows the positions, in any unit and from any zero.
 
-    The values are the positions times a factor, or times the factors of counts and of degrees across the wrap.
+    The values are the positions times any factor, without a wrap, or else times one of four factors, across the wrap:
+    counts or degrees, in either direction. The best of these counts.
     """
     costs = [_spread_cost(_residuals_of_line(values, width, positions), width)]
     for factor in (1.0, -1.0, (1 << width) / 360, -(1 << width) / 360):
@@ -53,6 +58,7 @@ def _residuals_of_line(values: Sequence[int], width: int, positions: Sequence[fl
     """Return the differences of the values from the line that fits best, without a wrap."""
     middle_position = sorted(positions)[len(positions) // 2]
     middle_value = values[list(positions).index(middle_position)]
+    # Relative to the value in the middle, so that the values are as far from the wrap as possible.
     heights = [signed(value - middle_value, width) for value in values]
     mean_position, mean_height = sum(positions) / len(positions), sum(heights) / len(heights)
     # The offsets from the mean, as x and y of the line.

@@ -33,7 +33,9 @@ class FoundLayout:
 
 
 def find_layouts(recording: Recording) -> list[FoundLayout]:
-    """Return the most likely layouts, the most likely first.
+    """Return up to ``MOST_LAYOUTS`` layouts, the one with the lowest cost first.
+
+    Of layouts that differ only in constant bits in front of the position, only the one with the lowest cost remains.
 
     Raises:
         NoLayout: The frames do not change.
@@ -49,7 +51,10 @@ def find_layouts(recording: Recording) -> list[FoundLayout]:
 
 
 def _possible_layouts(recording: Recording) -> Iterator[FoundLayout]:
-    """Yield every combination of a CRC or none, a parity bit or none, and a split of the other bits."""
+    """Yield every combination of a CRC or none, a parity bit or none, and a split of the other bits.
+
+    If the frames prove a CRC, layouts without one are left out.
+    """
     crcs = crcs_of(recording)
     crc_candidates: list[FoundCrc | None] = list(crcs)
     if not any(crc.evidence > _CERTAIN for crc in crcs):
@@ -97,7 +102,11 @@ def _group_key(recording: Recording, layout: FoundLayout) -> object:
 
 
 def _with_undecided_codes_joined(layouts: list[FoundLayout]) -> list[FoundLayout]:
-    """Return the layouts in their order. Two that differ only in the code, and have nearly equal costs, are one."""
+    """Return the layouts in their order, from the lowest cost to the highest.
+
+    Of two that differ only in the code, and whose costs differ by less than ``_UNDECIDED`` bits, the first remains,
+    with ``other_code``.
+    """
     joined_layouts: list[FoundLayout] = []
     for layout in layouts:
         index = _index_of_other_code(joined_layouts, layout)

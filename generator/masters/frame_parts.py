@@ -52,11 +52,15 @@ _ROLES_AS_SENT = ("before", "position", "after", "status", "crc")
 
 
 def frame_parts(placed_layout: PlacedLayout, measurement: Measurement, variant: Variant) -> Iterator[Part]:
-    """Yield the parts of the frame in the order sent. What the common frame does not have there is ``other``."""
+    """Yield the parts of the frame in the order sent. What the common frame does not have there is ``other``.
+
+    Raises:
+        NoRecord: Some bits have no field, or the position is not in one piece.
+    """
     layout = placed_layout.layout
     position_field_names = layout.names_in(measurement.of)
     stage = "before"
-    unread_bits = placed_layout.bits
+    unread_bits = placed_layout.bits  # Number of bits below the fields so far, the first of which is the highest.
     for field in placed_layout.fields:
         if field.high + 1 != unread_bits:
             raise NoRecord(f"the bits of '{layout.name}' above '{field.name}' have no meaning in the spec")
@@ -74,7 +78,7 @@ def frame_parts(placed_layout: PlacedLayout, measurement: Measurement, variant: 
 
 
 def _next_stage(stage: str, role: str) -> str:
-    """Return the role in the common frame that has been reached after a field with this role."""
+    """Return the role in the common frame (``_ROLES_AS_SENT``) that has been reached after a field with this role."""
     if role in _ROLES_AS_SENT:
         return role
     # Zero bits after a parity bit or an unexpected field are not next to the position, so they cannot pad it.
@@ -91,10 +95,13 @@ def _part_without_position(field: PlacedField, role: str) -> Part:
 
 
 def rough_parts(placed_layout: PlacedLayout, measurement: Measurement) -> Iterator[Part]:
-    """Yield a part for each field, in the order sent, for a frame that masters cannot take."""
+    """Yield a part for each field, in the order sent, for a frame that masters cannot take.
+
+    The kind of a field decides its role, wherever it is in the frame.
+    """
     position_field_names = placed_layout.layout.names_in(measurement.of)
     for field in placed_layout.fields:
-        role = _expected_role(field, "after")
+        role = _expected_role(field, "after")  # with this stage, zero bits are "after"
         if field.name in position_field_names:
             role = "singleturn" if field.name == position_field_names[-1] else "multiturn"
         elif role == "after":
@@ -105,11 +112,19 @@ def rough_parts(placed_layout: PlacedLayout, measurement: Measurement) -> Iterat
 
 
 def _role(field: PlacedField, placed_layout: PlacedLayout, position_field_names: Sequence[str], stage: str) -> str:
-    """Return the role of a field, with ``before`` and ``after`` for zero bits. ``stage`` is the last one reached."""
+    """Return the role of a field, with ``before`` and ``after`` for zero bits.
+
+    ``stage`` is the last role of the common frame that has been reached. A field that the common frame cannot have
+    from there on is ``parity`` or ``other``.
+
+    Raises:
+        NoRecord: The position is not in one piece.
+    """
     if field.name in position_field_names:
         if stage not in ("before", "position"):
             raise NoRecord(f"the position is not in one piece: other bits are sent before '{field.name}'")
         return "position"
+    # The last field of the position has not been sent yet.
     if stage == "position" and field.low > placed_layout.place_of(position_field_names[-1])[0]:
         raise NoRecord(f"the position is not in one piece: '{field.name}' is sent within it")
     role = _expected_role(field, stage)
@@ -124,7 +139,11 @@ def _role(field: PlacedField, placed_layout: PlacedLayout, position_field_names:
 
 
 def _expected_role(field: PlacedField, stage: str) -> str:
-    """Return the role of a field that is not part of the position, from its kind."""
+    """Return the role of a field that is not part of the position, from its kind.
+
+    Zero bits are ``before`` or ``after`` the position, as ``stage`` says. A status bit is a flag, or a single constant
+    or unused bit that is 1. All others are ``other``.
+    """
     kind = field.field.kind
     if isinstance(kind, CrcValue):
         return "crc"
@@ -137,6 +156,7 @@ def _expected_role(field: PlacedField, stage: str) -> str:
 def _is_parity_of_frame(field: PlacedField, placed_layout: PlacedLayout) -> bool:
     """Return whether a field is the last one, and a parity bit over all other bits that are not always 0."""
     kind = field.field.kind
+    # ``over`` limits the parity to some bits of the fields. The last field has its lowest bit at 0.
     if not isinstance(kind, Parity) or kind.over or field.low:
         return False
     covered_names = set(kind.constants)
@@ -153,12 +173,15 @@ def _is_always_zero(field: PlacedField) -> bool:
 def _position_parts(
     field: PlacedField, is_last: bool, is_joined: bool, measurement: Measurement, variant: Variant
 ) -> Iterator[Part]:
-    """Yield turns and position within a turn: two fields, or one that holds both."""
+    """Yield the part of a field of the position, or two parts if it holds the turns and the position within a turn.
+
+    With a joined position, the last field is the position within a turn, and the others are the turns.
+    """
     if is_joined:
         yield Part(name=field.name, role="singleturn" if is_last else "multiturn", bits=field.width)
         return
     turns = measurement.turns.value(variant.parameters) if measurement.turns is not None else 1
-    turn_bits = (turns - 1).bit_length()
+    turn_bits = (turns - 1).bit_length()  # as many as the highest number of turns needs
     counts = 1
     if measurement.counts_per_turn is not None:
         counts = measurement.counts_per_turn.value(variant.parameters)
@@ -171,13 +194,14 @@ def _position_parts(
 
 
 def _active_level(field: Field) -> str:
+    """Return the level at which a flag is active, ``low`` or ``high``, or an empty string for other fields."""
     if not isinstance(field.kind, Flag):
         return ""
     return "low" if field.kind.active_low else "high"
 
 
 def parity_of_frame(placed_layout: PlacedLayout, parts: Sequence[Part]) -> str:
-    """Return the parity of a frame that ends in a parity bit over the whole of it, or ``none``."""
+    """Return ``odd`` or ``even`` for a frame that ends in a parity bit over the whole of it, or else ``none``."""
     kind = placed_layout.fields[-1].field.kind
     if parts[-1].role != "parity" or not isinstance(kind, Parity):
         return "none"
@@ -185,10 +209,10 @@ def parity_of_frame(placed_layout: PlacedLayout, parts: Sequence[Part]) -> str:
 
 
 def position_coding(placed_layout: PlacedLayout, measurement: Measurement, parts: Sequence[Part]) -> str:
-    """Return the code of the position.
+    """Return the code of the position: ``binary``, ``gray``, or a variety of Gray code.
 
-    It is ``gray_with_status`` if it includes all status bits after the position, ``gray_excess`` if position 0 is
-    sent as another number, and ``other`` if other bits are in Gray code.
+    It is ``gray_with_status`` if the bits in Gray code are the position and all status bits, ``gray_excess`` if
+    position 0 is sent as another number, and ``other`` if other bits are in Gray code.
     """
     layout: Layout = placed_layout.layout
     if not layout.gray_of or (layout.gray_when and not placed_layout.gray):
@@ -208,7 +232,10 @@ def _bits_of_role(parts: Sequence[Part], role: str) -> int:
 
 
 def bit_counts(parts: Sequence[Part]) -> dict[str, int | None]:
-    """Return the numbers of bits of a frame by the names of the items for rules. Left is what is sent first."""
+    """Return the numbers of bits of a frame by the names of the items for rules: ``{"crc_bits": 6, ...}``.
+
+    Left is what is sent before the position. ``frame_bits`` leaves out the parity bit.
+    """
     roles = ("multiturn", "singleturn", "padding", "status", "crc", "other", "parity")
     bits = {role: _bits_of_role(parts, role) for role in roles}
     parts_left = _parts_before_position(parts)
@@ -242,7 +269,7 @@ def _parts_before_position(parts: Sequence[Part]) -> Sequence[Part]:
 
 
 def _parts_after_status(parts: Sequence[Part]) -> Sequence[Part]:
-    """Return the parts from the first status bit on."""
+    """Return the parts from the first status bit on, or none without a status bit."""
     roles = [part.role for part in parts]
     if "status" not in roles:
         return ()
@@ -304,7 +331,7 @@ class CableTable:
         return max(rows_for_length, key=lambda row: row.hz, default=None)
 
     def about(self, clock_hz: int) -> str:
-        """Return a sentence about the cables that allow a clock, or an empty string without a table."""
+        """Return a sentence about the longest cable that allows a clock, or that none does, or "" without a table."""
         if not self.rows:
             return ""
         rows_with_clock = [row for row in self.rows if clock_hz <= row.highest_hz]
@@ -325,7 +352,10 @@ def _printed_rows(interface: Ssi) -> list[CableRow]:
 
 
 def cable_table(device: Device, interface: Ssi | Biss, code: str = "") -> CableTable:
-    """Return the table for an interface, without rows if there is none, and its errata about an order code or all."""
+    """Return the table for an interface: a public one for BiSS, that of the manual for SSI, which may have no rows.
+
+    The errata are those about the table that apply to the order code, or all of them without one.
+    """
     match interface:
         case Ssi():
             path = f"interfaces.{interface.name}.cable_lengths"

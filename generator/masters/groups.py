@@ -24,11 +24,14 @@ class Group:
 
 
 def groups_of(device: Device, interface: Interface) -> list[Group]:
-    """Return the order codes of an interface in groups, each once for each choice on which its frame depends."""
+    """Return the order codes of an interface in groups, each once for each choice on which its frame depends.
+
+    Order codes are in one group if their records are equal apart from the code.
+    """
     records_by_facts: dict[str, list[Record]] = {}
     for code_record in records_of(device, interface):
-        facts = repr(replace(code_record, code=""))
-        records_by_facts.setdefault(facts, []).append(code_record)
+        facts_without_code = repr(replace(code_record, code=""))
+        records_by_facts.setdefault(facts_without_code, []).append(code_record)
     return [_group(device, records) for records in records_by_facts.values()]
 
 
@@ -47,7 +50,7 @@ class GroupSheets:
 
 
 def sheets_of(device: Device, masters: Sequence[Master]) -> tuple[GroupSheets, ...]:
-    """Return the sheets of each interface with an order code for masters. Those of the last family are remembered."""
+    """Return the sheets of each interface whose position masters can read. Those of the last family are remembered."""
     master_ids = tuple(map(id, masters))
     for last_sheets in _SHEETS_OF_LAST_FAMILY:
         if last_sheets.device is device and last_sheets.master_ids == master_ids:
@@ -95,7 +98,13 @@ def records_of(device: Device, interface: Interface) -> Iterator[Record]:
 
 
 def _records_by_answers(device: Device, variant: Variant) -> Iterator[Record]:
-    """Yield the record of an order code, once for each choice on which its frame depends."""
+    """Yield the record of an order code, once for each choice on which its frame depends.
+
+    Without such a choice, there is one record.
+
+    Raises:
+        NoRecord: There is none for this order code.
+    """
     try:
         yield record(device, variant)
     except Undecided as error:

@@ -87,16 +87,17 @@ def places_of(
     standing: str,
     fill_in: Callable[[str], str],
 ) -> tuple[Place, ...]:
-    """Return the places of a setting, one for each channel of each device."""
+    """Return the places of a setting. Those that are the same for all records are computed once for each value."""
+    # A symbol with an item in braces is different for each record.
     depends_on_record = any("{" in str(rule.get("symbol", "")) for rule in setting["places"])
     if depends_on_record:
         return _compute_places(setting, value, devices, standing, fill_in)
-    key = (id(setting), value, standing)
-    cached_setting, places = _SETTING_AND_PLACES.get(key, (None, ()))
-    # Another setting may have the id of one that is gone.
+    cache_key = (id(setting), value, standing)
+    cached_setting, places = _SETTING_AND_PLACES.get(cache_key, (None, ()))
+    # A new object may have the id of one that is gone.
     if cached_setting is not setting:
         places = _compute_places(setting, value, devices, standing, fill_in)
-        _SETTING_AND_PLACES[key] = setting, places
+        _SETTING_AND_PLACES[cache_key] = setting, places
     return places
 
 
@@ -182,7 +183,7 @@ def _parse_bits(text: str) -> tuple[int | None, int | None]:
 
 
 def reason_for_misfit(name: str, value: int | bool | str | None, places: Sequence[Place]) -> str:
-    """Return the reason that a location cannot hold a value, or an empty string."""
+    """Return the reason that a place cannot hold a value, or an empty string. Texts fit everywhere."""
     if not isinstance(value, int):
         return ""
     for place in places:
@@ -218,8 +219,12 @@ class PlaceWords:
 
 
 def place_words(places: Sequence[Place], value: str, devices: Sequence[MasterDevice]) -> Iterator[PlaceWords]:
-    """Yield the places of a value in words, with factory defaults in its notation. No devices means all of them."""
+    """Yield the places of a value in words, once for all devices with the same words.
+
+    ``devices`` of the words is empty if these are all devices. A value in hexadecimal has its default in it too.
+    """
     devices_by_words: dict[PlaceWords, list[str]] = {}
+    # Adjacent places of a device are its channels.
     for device, device_places in groupby(places, key=lambda place: place.device):
         words = _words_for_device(list(device_places), in_hex=value.startswith("0x"))
         devices_by_words.setdefault(words, []).append(device)
@@ -229,7 +234,7 @@ def place_words(places: Sequence[Place], value: str, devices: Sequence[MasterDev
 
 
 def place_lines(places: Sequence[Place], value: str, devices: Sequence[MasterDevice]) -> Iterator[str]:
-    """Yield the places of a value as lines of text."""
+    """Yield the places of a value as lines: ``0x8000:01, UINT16, unit kHz, factory default 500 [X:p. 3]``."""
     for words in place_words(places, value, devices):
         unit = f"unit {words.unit}" if words.unit not in ("", "none") else ""
         default = f"factory default {words.default}" if words.default else ""
@@ -324,7 +329,10 @@ class WriteCondition:
 def writing_of(
     rules: Iterable[Raw], names: Collection[str], devices: Sequence[MasterDevice], standing: str
 ) -> tuple[WriteCondition, ...]:
-    """Return the conditions for writing the settings ``names`` of a sheet."""
+    """Return the conditions for writing the settings ``names`` of a sheet.
+
+    A condition that lists settings, or settings to write before, is omitted if the sheet has none of them.
+    """
     conditions: list[WriteCondition] = []
     for rule in rules:
         settings, after = _known_names(rule, "of", names), _known_names(rule, "after", names)
@@ -343,6 +351,7 @@ def _known_names(rule: Raw, key: str, names: Collection[str]) -> tuple[str, ...]
 def _write_condition(
     rule: Raw, settings: tuple[str, ...], after: tuple[str, ...], devices: Sequence[MasterDevice], standing: str
 ) -> WriteCondition:
+    """Return a condition with its words. ``settings`` and ``after`` are those of its names that the sheet has."""
     needs, then = _writes(rule, "needs", devices, standing), _writes(rule, "then", devices, standing)
     effect = Effect(**rule["takes_effect"]) if "takes_effect" in rule else None
     return WriteCondition(
@@ -363,6 +372,7 @@ def _writes(rule: Raw, key: str, devices: Sequence[MasterDevice], standing: str)
 
 
 def _write_from_rule(rule: Raw, devices: Sequence[MasterDevice], standing: str) -> Write:
+    """Return a value to write, with its text in hexadecimal if the rule says so, and its places."""
     value = rule["value"]
     return Write(
         object=rule["object"],
@@ -374,7 +384,7 @@ def _write_from_rule(rule: Raw, devices: Sequence[MasterDevice], standing: str) 
 
 
 def write_order(names: Sequence[str], rules: Iterable[WriteCondition]) -> tuple[str, ...]:
-    """Return the settings in an order that follows every ``after``, and otherwise their own order."""
+    """Return the settings, each as early as every ``after`` allows, and otherwise in their own order."""
     orderings = tuple(_Ordering(settings=rule.of, after=rule.after) for rule in rules if rule.after)
     return _names_in_order(tuple(names), orderings)
 
@@ -388,7 +398,10 @@ class _Ordering(NamedTuple):
 
 @lru_cache(maxsize=64)
 def _names_in_order(names: tuple[str, ...], orderings: tuple[_Ordering, ...]) -> tuple[str, ...]:
-    """Return the names with all predecessors of each before it. Remembered, since order codes share their rules."""
+    """Return the names with all predecessors of each before it. Remembered, since order codes share their rules.
+
+    The first name whose predecessors have all been written is next.
+    """
     predecessors = {name: set[str]() for name in names}
     for ordering in orderings:
         for name in ordering.settings:
@@ -408,21 +421,22 @@ def _condition_text(
     then: tuple[Write, ...],
     effect: Effect | None,
 ) -> str:
-    """Return a condition as one sentence."""
+    """Return a condition as one sentence. It has values before or after the settings, an order, or an effect."""
     if needs:
-        values = listed(f"{write.title} must be {write.text}" for write in needs)
-        return f"Before writing {listed(settings) or 'any setting'}, {values}."
+        values_text = listed(f"{write.title} must be {write.text}" for write in needs)
+        return f"Before writing {listed(settings) or 'any setting'}, {values_text}."
     if after:
         return f"Write {listed(settings)} after {listed(after)}."
     if then:
-        values = listed(f"{write.title} to {write.text}" for write in then)
-        return f"After writing {listed(settings) or 'all settings'}, set {values}."
+        values_text = listed(f"{write.title} to {write.text}" for write in then)
+        return f"After writing {listed(settings) or 'all settings'}, set {values_text}."
     assert effect is not None
     verb = "takes" if len(settings) == 1 else "take"
     return f"{listed(settings) or 'All settings'} {verb} effect {_when_effective(effect)}."
 
 
 def _when_effective(effect: Effect) -> str:
+    """Return the end of the sentence that says when a written value takes effect."""
     if effect.in_state:
         return f"only in the {effect.in_state} state"
     if effect.restart_of:

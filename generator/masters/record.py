@@ -130,12 +130,14 @@ def record(
         *_channel_notes(frame),
         *filter(None, (obstacle, crc_obstacle)),
     )
+    # Without the limit of a cable.
     unlimited = _record(frame, parts, numbers, cables, notes, needed_answers)
     unlimited = replace(unlimited, obstacle=obstacle, crc_obstacle=crc_obstacle)
     return unlimited if cable_m is None else _with_cable(unlimited, cable_m)
 
 
 def _position_frame(device: Device, variant: Variant, answers: Mapping[str, str]) -> _PositionFrame:
+    """Return the frame with the position as these answers place it. Raise the errors of ``record``."""
     interface = device.interface(variant.interface)
     if not isinstance(interface, (Biss, Ssi)):
         only = f"there are masters for {Ssi.title} and {Biss.title} only"
@@ -156,7 +158,7 @@ def _position_frame(device: Device, variant: Variant, answers: Mapping[str, str]
 
 
 def _parts_and_obstacle(frame: _PositionFrame) -> tuple[tuple[Part, ...], str]:
-    """Return the parts of the frame, and the reason why no master can take them, or an empty string."""
+    """Return the parts of the frame and an empty string, or its rough parts and why no master can take them."""
     layout = frame.placed_layout.layout
     try:
         if layout.in_bytes:
@@ -177,7 +179,10 @@ def _crc_obstacle(device: Device, placed_layout: PlacedLayout) -> str:
 
 
 def _is_common_form(device: Device, crc: Crc) -> bool:
-    """Return whether the CRC is sent most significant bit first, either plain or fully inverted."""
+    """Return whether the CRC is sent most significant bit first, either plain or fully inverted.
+
+    The polynomial must end with + 1, since masters may omit this 1.
+    """
     is_reflected = device.reflects_input(crc) or crc.refout
     return not is_reflected and crc.xorout in (0, crc.mask) and bool(crc.poly & 1)
 
@@ -211,7 +216,7 @@ def _record(
 
 
 def _numbers(frame: _PositionFrame, parts: Sequence[Part]) -> dict[str, int | None]:
-    """Return the numbers of a record, in their order there."""
+    """Return the numbers of a record by name, in the order of ``NUMBERS``."""
     variant = frame.variant
     crc = frame.device.crc_of(frame.placed_layout)
     widths = bit_counts(parts)
@@ -226,6 +231,7 @@ def _numbers(frame: _PositionFrame, parts: Sequence[Part]) -> dict[str, int | No
 
 
 def _words(frame: _PositionFrame, parts: Sequence[Part], numbers: Mapping[str, int | None]) -> dict[str, str]:
+    """Return the facts of a record that are words, by name: ``{"coding": "gray", "parity": "none", ...}``."""
     movement = frame.device.movement
     return {
         "interface": frame.variant.interface,
@@ -239,6 +245,7 @@ def _words(frame: _PositionFrame, parts: Sequence[Part], numbers: Mapping[str, i
 
 def _status_active(parts: Sequence[Part]) -> str:
     """Return the level at which the status bits are active, ``mixed`` if they differ, or ``none``."""
+    # A bit that is always 1 is an active-low bit that is never active.
     levels = {part.active or "low" for part in parts if part.role == "status"}
     if not levels:
         return "none"
@@ -246,7 +253,10 @@ def _status_active(parts: Sequence[Part]) -> str:
 
 
 def _with_cable(unlimited: Record, metres: int) -> Record:
-    """Return the record with the highest clock for this cable length."""
+    """Return the record with the highest clock for this cable length, or with the clocks in use if that is not known.
+
+    The row of the table is kept only if it limits the clock, and not the encoder.
+    """
     row = _cable_row(unlimited, metres)
     slowest_hz, fastest_hz = unlimited.numbers["clock_min_hz"], unlimited.numbers["clock_max_hz"]
     if fastest_hz is None:
@@ -279,7 +289,7 @@ def _cable_row(unlimited: Record, metres: int) -> CableRow:
 
 
 def _frame_with_position(interface: Interface, measurement: Measurement, variant: Variant) -> PlacedLayout:
-    """Return the frame that carries the position. With several BiSS channels, this is the first."""
+    """Return the frame that carries the position of this order code. With several BiSS channels, this is the first."""
     layouts = sorted(interface.layouts, key=lambda layout: layout.channel or 0)
     for layout in layouts:
         placed_layout = layout.place(variant.parameters)
@@ -290,7 +300,10 @@ def _frame_with_position(interface: Interface, measurement: Measurement, variant
 
 
 def _crc_numbers(crc: Crc | None) -> dict[str, int | None]:
-    """Return the three notations of the polynomial: x^6 + x + 1 is 0x43, 0x03 and 0x21."""
+    """Return the numbers of the CRC, all 0 without one.
+
+    The polynomial x^6 + x + 1 is 0x43, or 0x03 without its top bit, or 0x21 without its last 1.
+    """
     polynomial = crc.poly_with_top_bit if crc is not None else 0
     return {
         "crc_polynomial": polynomial,
@@ -302,7 +315,7 @@ def _crc_numbers(crc: Crc | None) -> dict[str, int | None]:
 
 
 def _clock_and_times(interface: Biss | Ssi, code: str) -> dict[str, int | None]:
-    """Return clock and times of an order code. A time-out in clock periods is longest at the slowest clock."""
+    """Return clock and times of an order code by name, with None for those that the spec does not give."""
     timings = {timing.name: timing for timing in facts_for_code(interface.timings, code)}
     pause, busy = timings.get("pause"), timings.get("busy")
     return {
@@ -315,13 +328,14 @@ def _clock_and_times(interface: Biss | Ssi, code: str) -> dict[str, int | None]:
 
 
 def _longest_timeout_us(interface: Biss) -> int | None:
-    """Return the longest time-out, rounded up, or None if it is not known."""
+    """Return the longest time-out, rounded up, or None if it is not known. In periods, it depends on the clock."""
     timeout, slowest_hz = interface.timeout, interface.clock.min_hz
     if timeout is None:
         return None
     if timeout.at_most_ns is not None:
         return _divide_rounding_up(timeout.at_most_ns, 1000)
     if timeout.half_clock_periods is not None and slowest_hz is not None:
+        # Half a period at f Hz is 500 000 / f microseconds.
         return _divide_rounding_up(timeout.half_clock_periods * 500_000, slowest_hz)
     return None
 
@@ -337,6 +351,7 @@ def _supply_voltage(device: Device, variant: Variant) -> dict[str, int | None]:
 
 
 def _measurement_numbers(measurement: Measurement, variant: Variant, multiturn_bits: int) -> dict[str, int | None]:
+    """Return the counts per turn, the turns, and the step where it is whole. None if unknown."""
     counts, turns = measurement.counts_per_turn, measurement.turns
     turn_count = None
     if turns is not None:
@@ -352,7 +367,10 @@ def _measurement_numbers(measurement: Measurement, variant: Variant, multiturn_b
 
 
 def _singleturn_codes(movement: str, singleturn_bits: int | None, counts_per_turn: int | None) -> str:
-    """Return ``all`` if every value of the singleturn bits is a position within a turn, and ``some`` if fewer are."""
+    """Return ``all`` if every value of the singleturn bits is a position within a turn, and ``some`` if fewer are.
+
+    Return ``none`` for linear encoders, and ``unknown`` without the numbers.
+    """
     if movement == "linear":
         return "none"
     if counts_per_turn is None or singleturn_bits is None:
@@ -395,6 +413,7 @@ def _register_in_words(device: Device, name: str) -> str:
 def _frame_notes(
     device: Device, position_name: str, placed_layout: PlacedLayout, parts: Sequence[Part], as_delivered: bool
 ) -> Iterator[str]:
+    """Yield sentences about registers that change the frame, about a signed position, and about fixed status bits."""
     yield from _register_notes(device, "widths depend", set(placed_layout.layout.bits.parameters), as_delivered)
     yield from _register_notes(device, "code depends", {placed_layout.layout.gray_when} - {""}, as_delivered)
     position = placed_layout.find_field(position_name)
@@ -412,17 +431,17 @@ def _frame_notes(
 def _channel_notes(frame: _PositionFrame) -> Iterator[str]:
     """Yield a sentence about the channels of BiSS whose data the settings leave out."""
     channel = frame.placed_layout.layout.channel
-    others = [layout for layout in frame.interface.layouts if layout.channel and layout.channel != channel]
-    if channel and others:
-        names = " and ".join(f"'{layout.name}' on channel {layout.channel}" for layout in others)
-        yield f"The encoder also sends {names}. These settings are for channel {channel} only."
+    other_layouts = [layout for layout in frame.interface.layouts if layout.channel and layout.channel != channel]
+    if channel and other_layouts:
+        other_channels = " and ".join(f"'{layout.name}' on channel {layout.channel}" for layout in other_layouts)
+        yield f"The encoder also sends {other_channels}. These settings are for channel {channel} only."
 
 
 def _register_notes(device: Device, dependence: str, parameters: set[str], as_delivered: bool) -> Iterator[str]:
     """Yield a sentence about the registers that set any of these parameters. ``dependence`` begins it."""
-    needed = device.needed_parameters(parameters)
-    register_names = [parameter.register for parameter in device.run_time_parameters if parameter.name in needed]
+    needed_names = device.needed_parameters(parameters)
+    register_names = [parameter.register for parameter in device.run_time_parameters if parameter.name in needed_names]
     registers = dict.fromkeys(_register_in_words(device, name) for name in register_names)
     if registers:
-        values = f"their {initial(device)}. Other values need other settings" if as_delivered else "the given values"
-        yield f"The {dependence} on registers: {', '.join(registers)}. These settings are for {values}."
+        contents = f"their {initial(device)}. Other values need other settings" if as_delivered else "the given values"
+        yield f"The {dependence} on registers: {', '.join(registers)}. These settings are for {contents}."

@@ -28,6 +28,7 @@ class UnknownValue(Exception):
 
 
 def _unknown_number(number: str, step: Fraction | None = None) -> UnknownValue:
+    """Return the error about a number without a value. A step may be known, but not whole in the unit of the item."""
     if number in STEPS and step is not None:
         return UnknownValue(f"one count is {decimal(step)} µm, not a whole number of {STEPS[number]}")
     return UnknownValue(f"not in the encoder's spec ({NUMBERS[number]})")
@@ -50,7 +51,11 @@ def _condition_holds(condition: Raw, record: Record) -> bool:
 
 
 def is_within_limits(limit: Raw, record: Record) -> bool:
-    """Return whether an item is within its limits or unknown."""
+    """Return whether an item of the record is within its limits or unknown.
+
+    The limits of a word are the list ``is``. Those of a number are ``at_least``, ``at_most``, ``one_of`` and
+    ``none_of``, each of which may be missing.
+    """
     name = limit["item"]
     if name in record.words:
         return record.words[name] in limit["is"]
@@ -64,7 +69,7 @@ def is_within_limits(limit: Raw, record: Record) -> bool:
 
 
 def actual_value(name: str, record: Record) -> str:
-    """Return an item of a record with its value in words, such as ``crc polynomial 0x43``."""
+    """Return the name of an item of a record with its value, such as ``crc polynomial 0x43`` or ``coding gray``."""
     item_words = name.replace("_", " ")
     if name in record.words:
         return f"{item_words} {record.words[name]}"
@@ -97,6 +102,7 @@ def value_of_setting(rule: Raw, record: Record) -> tuple[int | bool | str | None
         return _listed_clock(rule, record)
     if "any_clock" in rule:
         return _selectable_clock(rule["any_clock"], record)
+    # What is left are texts: ``text`` with items filled in, or ``string`` with a text for each part of the frame.
     if "text" in rule:
         text = _filled_if_known(rule["text"], record)
         return text, text, ""
@@ -105,7 +111,12 @@ def value_of_setting(rule: Raw, record: Record) -> tuple[int | bool | str | None
 
 
 def _evaluate(value: int | str, setting_name: str, record: Record, *, may_be_negative: bool = False) -> int:
-    """Return the number that an expression has for a record."""
+    """Return the number that an expression has for a record.
+
+    Raises:
+        UnknownValue: The record lacks a number in the expression.
+        UnsupportedFeature: The number is negative, or cannot be computed.
+    """
     expression = Expression.parse(value)
     for parameter in expression.parameters:
         if record.numbers[parameter] is None:
@@ -121,7 +132,7 @@ def _evaluate(value: int | str, setting_name: str, record: Record, *, may_be_neg
 
 
 def _choose_value(rule: Raw, record: Record) -> int | str:
-    """Return the value that a rule sets in the case of this encoder."""
+    """Return the value ``set`` of the case whose ``is`` equals the deciding item of this encoder."""
     deciding_item = rule["choice"]["of"]
     encoder_value = record.words.get(deciding_item, record.numbers.get(deciding_item))
     if encoder_value is None:
@@ -138,7 +149,7 @@ def _is_highest_clock_known(record: Record) -> bool:
 
 
 def _clock_limits_hz(record: Record) -> tuple[int, int]:
-    """Return the slowest and the fastest clock of the encoder.
+    """Return the slowest and the fastest clock of the encoder. The slowest is 0 if it is not known.
 
     Raises:
         UnknownValue: The fastest one is not known.
@@ -150,7 +161,7 @@ def _clock_limits_hz(record: Record) -> tuple[int, int]:
 
 
 def _listed_clock(rule: Raw, record: Record) -> tuple[int | str, str, str]:
-    """Return the value, text and bound of a clock that the master selects from a list."""
+    """Return the value, text and bound of a clock that the master selects from a list: ``(3, "3 (5 MHz)", "")``."""
     best_clock = best_listed_clock(rule, record)
     frequency_text, value = hertz(best_clock["hz"]), best_clock["set"]
     text = frequency_text if str(value) == frequency_text else f"{value} ({frequency_text})"
@@ -159,7 +170,10 @@ def _listed_clock(rule: Raw, record: Record) -> tuple[int | str, str, str]:
 
 
 def best_listed_clock(rule: Raw, record: Record) -> Raw:
-    """Return the fastest of the master's clocks that the encoder supports, or that is in use if this is not known."""
+    """Return the fastest of the master's clocks that the encoder supports: ``{"hz": 5000000, "set": 3}``.
+
+    If the highest clock of the encoder is not known, return the fastest of those in use.
+    """
     used_clocks = [clock for clock in rule["clocks"] if clock["hz"] in record.used_hz]
     if used_clocks:
         return _fastest_of(used_clocks)
@@ -187,7 +201,10 @@ def _fastest_clock_text(record: Record) -> str:
 
 
 def _selectable_clock(clock_rule: Raw, record: Record) -> tuple[int | str, str, str]:
-    """Return the value, text and bound of a clock that the master takes as a number, in the unit of the rule."""
+    """Return the value, text and bound of a clock that the master takes as a number: ``(5000, "5000 kHz", "at_most")``.
+
+    The number has the unit of the rule, or Hz if that is not a unit of frequency.
+    """
     clock_hz = best_selectable_clock(clock_rule, record)
     bound = "at_most" if _is_highest_clock_known(record) else START_WITH
     row = record.cable_row
@@ -204,7 +221,10 @@ def _selectable_clock(clock_rule: Raw, record: Record) -> tuple[int | str, str, 
 
 
 def best_selectable_clock(clock_rule: Raw, record: Record) -> int:
-    """Return the fastest clock that the encoder and the master support, for a master with freely selectable clocks."""
+    """Return the fastest clock that the encoder and the master support, for a master with freely selectable clocks.
+
+    If the highest clock of the encoder is not known, return the fastest in use that the master supports.
+    """
     lowest_of_master, highest_of_master = clock_rule.get("at_least_hz", 0), clock_rule.get("at_most_hz", math.inf)
     used_clocks = [hz for hz in record.used_hz if lowest_of_master <= hz <= highest_of_master]
     if used_clocks:
@@ -246,7 +266,15 @@ def filled(text: str, record: Record) -> str:
 
 
 def _field_texts(rule: Raw, setting_name: str, record: Record) -> Iterator[str]:
-    """Yield the text of each field of the frame, according to its kind."""
+    """Yield the text at the start, and then that of each part of the frame, from the rule for its kind.
+
+    The kind of a part is its role, or for a status bit ``status_active_low`` or ``status_active_high``.
+
+    Raises:
+        UnknownValue: The text needs a number without a value.
+        UnsupportedFeature: There is no rule for a kind.
+    """
+    # The first rule for a kind that applies is used.
     template_by_kind: dict[str, str] = {}
     for field_rule in rule["fields"]:
         if applies(field_rule, record):
@@ -262,17 +290,17 @@ def _field_texts(rule: Raw, setting_name: str, record: Record) -> Iterator[str]:
         if kind not in template_by_kind:
             raise UnsupportedFeature(f"{filled(setting_name, record)} cannot express '{part.name}'")
         template = template_by_kind[kind]
-        text = template.replace("{bits}", str(part.bits)).replace("{name}", part.name)
-        yield _filled_if_known(text, record)
+        part_text = template.replace("{bits}", str(part.bits)).replace("{name}", part.name)
+        yield _filled_if_known(part_text, record)
 
 
 def _with_whole_position(record: Record) -> tuple[Part, ...]:
-    """Return the parts of the frame with multiturn and singleturn merged."""
+    """Return the parts of the frame with multiturn and singleturn merged into one, at the place of singleturn."""
     position = Part(name="position", role="position", bits=record.numbers["position_bits"] or 0)
-    parts: list[Part] = []
+    merged_parts: list[Part] = []
     for part in record.parts:
         if part.role == "singleturn":
-            parts.append(position)
+            merged_parts.append(position)
         elif part.role != "multiturn":
-            parts.append(part)
-    return tuple(parts)
+            merged_parts.append(part)
+    return tuple(merged_parts)

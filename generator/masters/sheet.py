@@ -110,7 +110,7 @@ class Sheet:
     gaps: tuple[Refusal, ...] = ()
 
     def devices_with(self, file: Raw) -> list[str]:
-        """Return the devices of the master to which a file in its description applies."""
+        """Return the names of the usable devices to which a file of the master applies: those in ``on``, or all."""
         names = [device.name for device in self.master.devices if device.name not in self.unusable_devices]
         return [name for name in names if name in file.get("on", names)]
 
@@ -135,16 +135,16 @@ def load_masters(paths: Sequence[Path] = ()) -> tuple[tuple[Master, ...], Report
     for group in ([packaged_masters()], paths):
         group_names: set[str] = set()
         for document in read_specs(group, report):
-            data = check_document(document, report)
-            if data is not None and "master" not in data:
+            description = check_document(document, report)
+            if description is not None and "master" not in description:
                 problem = "this is not a description of a master: the key 'master' is missing"
                 report.add("not-allowed", document, (), problem)
-            elif data is not None:
-                name = data["master"]
+            elif description is not None:  # None: the report has its problems.
+                name = description["master"]
                 if name in group_names:
                     report.add("duplicate-name", document, ("master",), f"there is another description of '{name}'")
                 group_names.add(name)
-                masters[name] = _master_from_spec(data)
+                masters[name] = _master_from_spec(description)
     return tuple(sorted(masters.values(), key=lambda master: master.title.lower())), report
 
 
@@ -162,6 +162,7 @@ def shipped_masters() -> tuple[Master, ...]:
 
 
 def _master_from_spec(data: Raw) -> Master:
+    """Return the master that a checked description describes. Lists of rules that it lacks are empty."""
     documents = tuple(Document(key, row["title"], row.get("url", "")) for key, row in data["documents"].items())
     return Master(
         name=data["master"],
@@ -181,6 +182,7 @@ def sheet(master: Master, record: Record) -> Sheet:
         return replace(_refusing_sheet(master, _interface_refusal(master, record)), is_described=False)
     if record.obstacle:
         return _refusing_sheet(master, Refusal(reason=record.obstacle, standing="inferred", source=""))
+    # Names of parts of the frame as one text, which is empty if the description covers all of them.
     uncovered = _uncovered_parts(master, record)
     settings, device_refusals = _settings_and_device_refusals(master, record, uncovered)
     unusable_devices = frozenset[str]().union(*(devices for _, devices in device_refusals))
@@ -188,6 +190,7 @@ def sheet(master: Master, record: Record) -> Sheet:
     violated_limits = [rule for rule in applicable_limits if not is_within_limits(rule, record)]
     refusals = [_limit_refusal(rule, master, record) for rule in violated_limits]
     refusals += _refusals_of_crc(master, record)
+    # What only some devices cannot express is a note. If no device is left, the master refuses.
     if len(unusable_devices) == len(master.devices):
         refusals += [refusal for refusal, _ in device_refusals]
     if not refusals:
@@ -259,7 +262,7 @@ def _refusals_of_values(settings: Sequence[Setting]) -> Iterator[Refusal]:
 
 
 def _refusals_of_crc(master: Master, record: Record) -> Iterator[Refusal]:
-    """Yield a refusal if no master can check the CRC, and this one does."""
+    """Yield a refusal if no master can check the CRC, and this one does, since its rules depend on the CRC."""
     if record.crc_obstacle and _CRC_ITEMS & _mentioned_items((master.limits, master.settings)):
         yield Refusal(reason=record.crc_obstacle, standing="inferred", source="")
 
@@ -271,7 +274,11 @@ _FRAME_ITEMS = {name for name in NUMBERS if name.endswith("_bits") or "padding" 
 
 
 def _depends_on_whole_frame(rule: Raw) -> bool:
-    """Return whether other bits of the frame may change the value of a setting."""
+    """Return whether other bits of the frame may change the value of a setting.
+
+    They cannot change one that depends on a single item of ``_ITEMS_OF_ANY_FRAME``, or on no number of bits.
+    """
+    # A string describes every part of the frame.
     if "string" in rule:
         return True
     items_in_value = _mentioned_items({key: rule[key] for key in ("value", "choice") if key in rule})
@@ -281,12 +288,17 @@ def _depends_on_whole_frame(rule: Raw) -> bool:
 
 
 def _uncovered_parts(master: Master, record: Record) -> str:
-    """Return the names of the parts of the frame that the master's description does not mention, as a text."""
+    """Return the names of the uncommon parts of the frame that the master's description does not mention.
+
+    They are one text, such as ``'parity' and 'reserved'``, which is empty if there are none. Uncommon parts are parity
+    bits and other bits. The description mentions one if a rule depends on the item that counts its bits.
+    """
     parts_and_items = zip(record.parts, _items_of_parts(record.parts), strict=True)
     item_by_uncommon_part = {part.name: item for part, item in parts_and_items if item}
     if not item_by_uncommon_part:
         return ""
     mentioned_items = _mentioned_items((master.limits, master.settings, master.notes))
+    # The word "parity" of a record implies the bit.
     if "parity" in mentioned_items:
         mentioned_items.add("parity_bits")
     uncovered_names = [name for name, item in item_by_uncommon_part.items() if item not in mentioned_items]
@@ -299,7 +311,10 @@ def _gap(uncovered: str) -> Refusal:
 
 
 def _items_of_parts(parts: Sequence[Part]) -> Iterator[str]:
-    """Yield the item that counts the bits of each part, or an empty string for the parts of the common frame."""
+    """Yield, for each part, the item that counts its bits, such as ``parity_bits``.
+
+    For the parts of the common frame, which every master has, yield an empty string.
+    """
     is_after_position = False
     for part in parts:
         if part.role in ("multiturn", "singleturn"):
@@ -313,7 +328,10 @@ def _items_of_parts(parts: Sequence[Part]) -> Iterator[str]:
 
 
 def _mentioned_items(rule: Any) -> set[str]:
-    """Return the items of a record on which rules depend."""
+    """Return the items of a record on which rules depend, at any depth: ``{"crc_bits", "coding"}``.
+
+    They are the texts under ``item`` and ``of``, and the parameters of an expression under ``value``.
+    """
     if isinstance(rule, (list, tuple)):
         return set[str]().union(*map(_mentioned_items, rule))
     if not isinstance(rule, Mapping):
@@ -326,7 +344,7 @@ def _mentioned_items(rule: Any) -> set[str]:
 
 
 def _devices_of(rule: Raw, master: Master) -> set[str]:
-    """Return the devices that have a setting."""
+    """Return the names of the devices that have a setting. A place without ``on`` is on all of them."""
     all_names = [device.name for device in master.devices]
     names_with_setting: set[str] = set()
     for place in rule["places"]:
@@ -335,7 +353,7 @@ def _devices_of(rule: Raw, master: Master) -> set[str]:
 
 
 def _with_setting_names(rule: Raw, record: Record) -> Raw:
-    """Return a condition for writing with the names of settings used on the sheet."""
+    """Return a condition for writing in which the names of settings are those of the sheet, without braces."""
     named_rule = dict(rule)
     for key in ("of", "after"):
         if key in rule:
@@ -344,7 +362,11 @@ def _with_setting_names(rule: Raw, record: Record) -> Raw:
 
 
 def _setting_of_rule(rule: Raw, master: Master, record: Record, unknown_parts: str) -> Setting:
-    """Return a setting, without a value if it depends on parts whose handling is unknown."""
+    """Return a setting. Its value is None if the record lacks it, or if it depends on ``unknown_parts`` of the frame.
+
+    Raises:
+        UnsupportedFeature: The master has no value for it.
+    """
     try:
         if unknown_parts:
             raise UnknownValue(f"it depends on how the master handles {unknown_parts}")
@@ -366,14 +388,17 @@ def _setting_of_rule(rule: Raw, master: Master, record: Record, unknown_parts: s
 
 
 def _start_note(bound: str, record: Record) -> str:
-    """Return why a clock is only a value to start with."""
+    """Return why a clock is only a value to start with, or an empty string if it is a limit."""
     if bound != START_WITH:
         return ""
     return f"The highest clock of the encoder is not known. {clocks_in_use(record.used_hz)}."
 
 
 def _cable_note(rule: Raw, value: int | bool | str | None, record: Record) -> str:
-    """Return the cables that allow the clock of a setting, or an empty string if the user gave a cable length."""
+    """Return a sentence about the cables that allow the clock of a setting.
+
+    Return an empty string if the setting has no clock, or if the user gave a cable length.
+    """
     if value is None or record.cable_m is not None:
         return ""
     if "clocks" in rule:

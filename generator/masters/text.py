@@ -42,7 +42,7 @@ def facts(record: Record) -> Iterator[tuple[str, str]]:
         yield "Clock by cable", _cable_table_text(record)
     if INTERFACES[record.words["interface"]] is Biss:
         yield "Time-out", record.timeout or _not_stated_text(record, Subject.TIMEOUT)
-        # The longest in the protocol description, p. 18.
+        # 40 µs is the longest in the protocol description, p. 18.
         allowed_busy_time = f"{_not_stated_text(record, Subject.REPLY_TIME)}, but BiSS C allows 40 µs"
         yield "Busy time", _time_limit_text(record.numbers["busy_us"], "at most") or allowed_busy_time
     else:
@@ -74,6 +74,10 @@ def _frame_facts(record: Record) -> Iterator[tuple[str, str]]:
 
 
 def _clock_limits_text(record: Record) -> str:
+    """Return the clock limits, or the clocks in use if there are none: ``at least 80 kHz, below 5 MHz``.
+
+    The cable limits the clock if the record has a row of the cable table.
+    """
     slowest_hz, fastest_hz = record.numbers["clock_min_hz"], record.numbers["clock_max_hz"]
     row = record.cable_row
     limits: list[str] = []
@@ -91,14 +95,14 @@ def _clock_limits_text(record: Record) -> str:
 
 
 def _not_stated_text(record: Record, subject: Subject | None = None) -> str:
-    """Return the words for a fact that has no value. A text about the subject may have it."""
+    """Return the words for a fact without a value, or a reference to the texts of the manual that mention it."""
     if subject in record.mentioned:
         return f"see the times and characteristics in the {record.document}"
     return f"the {record.document} does not say"
 
 
 def _cable_table_text(record: Record) -> str:
-    """Return the table, the requested cable length, and the errata."""
+    """Return the clocks by cable length with their source and errata, and the requested length if there is one."""
     table = record.cables
     rows_text = ", ".join(row.text for row in table.rows)
     errata_text = f", errata {', '.join(table.errata)}" if table.errata else ""
@@ -120,6 +124,7 @@ def _time_limit_text(time_us: int | None, bound: str) -> str:
 
 
 def _status_bits_text(record: Record) -> str:
+    """Return the status bits with their active levels: ``error (active low), warning (always 1)``, or ``none``."""
     level_words = {"low": "active low", "high": "active high", "": "always 1"}
     status_parts = [part for part in record.parts if part.role == "status"]
     texts = [f"{part.name} ({level_words[part.active]})" for part in status_parts]
@@ -127,7 +132,7 @@ def _status_bits_text(record: Record) -> str:
 
 
 def _data_bits_text(record: Record) -> str:
-    """Return the number of data bits, and that of the bits with each other kind that the frame has."""
+    """Return the number of data bits, and the totals that include other bits: ``24, 26 with the status bits, ...``."""
     numbers = record.known_numbers
     sizes = [str(numbers["data_bits"])]
     if numbers["status_bits"]:
@@ -142,6 +147,7 @@ def _data_bits_text(record: Record) -> str:
 
 
 def _crc_text(record: Record) -> str:
+    """Return the CRC in words, with its polynomial in three notations, or ``none`` without one."""
     numbers = record.known_numbers
     if not numbers["crc_bits"]:
         return "none"
@@ -158,7 +164,10 @@ def _crc_text(record: Record) -> str:
 
 
 def legend(masters: Sequence[Master], sheets: Sequence[Sheet], with_places: bool) -> str:
-    """Return the meaning of the marks, and the settings tested on hardware."""
+    """Return a sentence on each mark that ``standing_mark`` adds to a rule, and on tests on hardware.
+
+    ``with_places`` is true if the places of settings are shown, which also have marks.
+    """
     standings = {master.standing for master in masters}
     for sheet in sheets:
         refusals = (*sheet.refusals, *sheet.gaps)
@@ -194,7 +203,7 @@ def standing_mark(rule: Setting | Refusal | WriteCondition) -> str:
 
 @lru_cache(4096)
 def cited(source: str) -> str:
-    """Return keys of documents separated by commas, those without a place first."""
+    """Return the citations of a source, those without a place first: ``"X:p. 3; Y"`` becomes ``"Y, X:p. 3"``."""
     citations = re.split(r";\s*", source.strip())
     return ", ".join(sorted(citations, key=lambda citation: ":" in citation))
 
@@ -213,7 +222,7 @@ def condition_texts(setting: Setting, sheet: Sheet) -> Iterator[str]:
 
 
 def _lines_of_needed_values(rule: WriteCondition, master: Master, indent: str) -> list[str]:
-    """Return the places of the values that a condition needs."""
+    """Return the places of the values to write before (``needs``) and after (``then``) a write."""
     lines: list[str] = []
     for write in (*rule.needs, *rule.then):
         places = place_lines(write.places, write.text, master.devices)
@@ -226,7 +235,10 @@ def _setting_text(setting: Setting) -> str:
 
 
 def sheet_text(device: Device, match: Match, record: Record, sheets: Sequence[Sheet]) -> str:
-    """Return the record and each master's settings or refusals as text, at most 80 columns wide."""
+    """Return the record and each master's settings or refusals as text, at most 80 columns wide.
+
+    With a single master, places and documents follow. If no master can take the position, only the record is returned.
+    """
     lines = _record_lines(device, match, record)
     if record.obstacle:
         return "\n".join(lines)
@@ -252,7 +264,7 @@ def sheet_text(device: Device, match: Match, record: Record, sheets: Sequence[Sh
 
 
 def _record_lines(device: Device, match: Match, record: Record) -> list[str]:
-    """Return the order code, what its label says, and the record."""
+    """Return the order code, notes about how its label is written, and the record."""
     lines = [wrapped(f"{match.variant.code}: {device.title}", WIDTH, "  ", "")]
     if match.written_as_in:
         lines.append(wrapped(f"the label is written as in {match.written_as_in}", WIDTH, "  "))
@@ -267,7 +279,7 @@ def _record_lines(device: Device, match: Match, record: Record) -> list[str]:
 
 
 def _sheet_lines(sheet: Sheet, with_documents: bool) -> list[str]:
-    """Return the settings of a master. The places of settings and the documents are optional."""
+    """Return the settings of a master, with the places of settings, files and documents if ``with_documents``."""
     lines = [wrapped(f"{sheet.master.title} ({sheet.master.name})", WIDTH, "  ", "")]
     longest_name = max((len(setting.name) for setting in sheet.settings), default=0)
     longest_value = max((len(_setting_text(setting)) for setting in sheet.settings), default=0)
@@ -310,6 +322,7 @@ def _lines_of_places(setting: Setting, sheet: Sheet) -> list[str]:
 
 
 def _lines_of_files_and_documents(master: Master) -> list[str]:
+    """Return the formats of files that codewheel can write for a master, and each document with its key."""
     lines = []
     if master.files:
         formats = listed((file["format"] for file in master.files), "or")
@@ -357,6 +370,7 @@ def sheet_data(match: Match, record: Record, sheets: Sequence[Sheet]) -> dict[st
 
 
 def _record_data(record: Record) -> dict[str, Any]:
+    """Return the record as plain data, in the shape of ``language/master_settings.schema.json``."""
     return {
         **record.words,
         **record.numbers,
@@ -372,7 +386,7 @@ def _record_data(record: Record) -> dict[str, Any]:
 
 
 def _sheet_data(sheet: Sheet) -> dict[str, Any]:
-    """Return the settings of one master."""
+    """Return the settings of one master as plain data. It has no files if it cannot take the position."""
     names = [setting.name for setting in sheet.settings]
     files = () if sheet.refusals else sheet.master.files
     return {

@@ -35,7 +35,7 @@ def _changes(field: LineField) -> bool:
 
 
 def _problems_of_position(fields: Sequence[LineField], interface: str) -> Iterator[LineProblem]:
-    """Yield the problems of the parts of the position."""
+    """Yield the problems of the parts of the position: the whole one, or turns before the position within a turn."""
     places = {field.name: index for index, field in enumerate(fields)}
     if POSITION in places and (TURNS in places or IN_TURN in places):
         message = "'position' is the whole position; write either it, or multiturn and singleturn"
@@ -76,6 +76,7 @@ def problems_of_options(
 def _problems_of_gray(
     options: Options, columns: Mapping[str, int], fields: Sequence[LineField]
 ) -> Iterator[LineProblem]:
+    """Yield the problems of Gray code, which needs an unsigned position that is one number of more than one bit."""
     column = columns.get("gray", 1)
     positions = [field for field in fields if field.name in (POSITION, IN_TURN)]
     if not positions:
@@ -93,6 +94,7 @@ def _problems_of_gray(
             yield LineProblem(field.column, f"'{field.name}' has one bit, which is the same in Gray code; remove gray")
         if isinstance(field, Number) and field.is_signed:
             yield LineProblem(field.column, f"'{field.name}' is signed, and Gray code is not; remove one of the two")
+    # The counts are not a power of two.
     if options.counts & (options.counts - 1):
         message = f"Gray code with {options.counts} counts (Gray excess) is not supported; remove gray and counts"
         yield LineProblem(columns.get("counts", 1), f"{message}, and convert the number in your program")
@@ -120,7 +122,7 @@ def _problems_of_counts(
 
 def _problems_of_byte_order(options: Options, fields: Sequence[LineField], interface: str) -> Iterator[LineProblem]:
     """Yield the numbers of several bytes whose byte order is not known, or that are not whole bytes."""
-    place = 0
+    bits_before = 0  # Number of bits sent before the field.
     for field in fields:
         is_wide = field.bits > 8 and not isinstance(field, Filler)
         if interface == "rs485" and is_wide and not options.byte_order:
@@ -128,8 +130,8 @@ def _problems_of_byte_order(options: Options, fields: Sequence[LineField], inter
             yield LineProblem(field.column, message)
         is_split = interface == "spi" and options.byte_order == "low_byte_first" and isinstance(field, Number)
         if is_split and is_wide:
-            yield from _problems_of_split(field, place)
-        place += field.bits
+            yield from _problems_of_split(field, bits_before)
+        bits_before += field.bits
 
 
 def _problems_of_split(field: LineField, place: int) -> Iterator[LineProblem]:

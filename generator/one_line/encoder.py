@@ -46,5 +46,6 @@ def _problems_in_line(line: Line, report: Report) -> list[LineProblem]:
 
 
 def _column_of(problem: Problem, columns: dict[str, int]) -> int:
+    """Return the column of the field in the path of a problem, or 1 if it is about no field of the line."""
     _, _, field_path = problem.path.partition(".fields.")
     return columns.get(field_path.partition(".")[0], 1)

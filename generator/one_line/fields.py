@@ -34,7 +34,7 @@ def number_in(text: str) -> int | None:
 
 
 def read_field(text: str, column: int, interface: str) -> LineField:
-    """Return the field that a text describes.
+    """Return the field that a text describes, such as ``crc=6:0x43``, where 6 and 0x43 are its values.
 
     Raises:
         FieldError: The text does not describe one.
@@ -72,6 +72,7 @@ def _bits(name: str, text: str, widest: int = WIDEST) -> int:
 
 
 def _number(name: str, values: Sequence[str], column: int) -> Number:
+    """Return a number from its values: a width, and ``signed`` or the value of a constant, such as ``24:signed``."""
     if not values or values == [""]:
         hint = suggestion(name, _KNOWN_NAMES) if name not in _KNOWN_NAMES else ""
         raise FieldError(f"'{name}' has no width; write {_FORMS}{hint}")
@@ -83,18 +84,22 @@ def _number(name: str, values: Sequence[str], column: int) -> Number:
     if values[1:] == ["signed"]:
         return Number(name, bits, column, is_signed=True)
     value = number_in(values[1])
-    place = len(name) + len(values[0]) + 2
+    offset = len(name) + len(values[0]) + 2  # after "name=width:"
     if value is None or len(values) > 2:
         wrong_text = quoted(":".join(values[1:]))
-        raise FieldError(f"{wrong_text} does not fit after a width; write signed, or the value of a constant", place)
+        raise FieldError(f"{wrong_text} does not fit after a width; write signed, or the value of a constant", offset)
     if value >> bits:
-        raise FieldError(f"{value:#x} does not fit into {bits} bits; write at most {(1 << bits) - 1:#x}", place)
+        raise FieldError(f"{value:#x} does not fit into {bits} bits; write at most {(1 << bits) - 1:#x}", offset)
     if name in (POSITION, IN_TURN, TURNS):
-        raise FieldError(f"'{name}' is not a constant; give the constant bits another name", place)
+        raise FieldError(f"'{name}' is not a constant; give the constant bits another name", offset)
     return Number(name, bits, column, value=value)
 
 
 def _flag(name: str, values: Sequence[str], column: int) -> Flag:
+    """Return a flag from its values: its active level, and its effect on the position, such as ``low:error``.
+
+    By default, the flags ``error`` and ``warning`` have the effect of their name, and others have none (``status``).
+    """
     level: Literal["low", "high"] = "low" if values[0] == "low" else "high"
     effect = values[1] if len(values) > 1 else name if name in VERDICTS else "status"
     if len(values) > 2 or effect not in VERDICTS:
@@ -125,7 +130,10 @@ def _parity(values: Sequence[str], column: int) -> Parity:
 
 
 def _crc(values: Sequence[str], column: int, interface: str) -> Crc:
-    """Return a CRC. Over BiSS it is inverted unless the line says otherwise."""
+    """Return a CRC from its values: width, polynomial, start value, and ``inverted`` or ``plain``.
+
+    The last two are optional. The start value is then 0, and the CRC is inverted only over BiSS.
+    """
     if len(values) < 2:
         raise FieldError("a CRC needs its width and polynomial; write crc=BITS:POLYNOMIAL, such as crc=6:0x43")
     bits = _bits("crc", values[0], _WIDEST_CRC)
@@ -133,16 +141,16 @@ def _crc(values: Sequence[str], column: int, interface: str) -> Crc:
     numbers = list(values[1:])
     if numbers[-1] in ("inverted", "plain"):
         is_inverted = numbers.pop() == "inverted"
-    place = len("crc=") + len(values[0]) + 1
+    offset = len("crc=") + len(values[0]) + 1  # after "crc=width:"
     if not 0 < len(numbers) < 3:
-        raise FieldError("write crc=BITS:POLYNOMIAL:START, with :inverted or :plain after it if needed", place)
+        raise FieldError("write crc=BITS:POLYNOMIAL:START, with :inverted or :plain after it if needed", offset)
     poly = number_in(numbers[0])
     top_bit = 1 << bits
     if poly is None or not poly & 1 or poly >= 2 * top_bit:
         reason = f"write an odd number of at most {2 * top_bit - 1:#x}, with or without its top bit"
-        raise FieldError(f"{quoted(numbers[0])} is not a polynomial of {bits} bits; {reason}", place)
+        raise FieldError(f"{quoted(numbers[0])} is not a polynomial of {bits} bits; {reason}", offset)
     init = number_in(numbers[1]) if len(numbers) > 1 else 0
     if init is None or init >= top_bit:
-        place += len(numbers[0]) + 1
-        raise FieldError(f"{quoted(numbers[1])} is not a start value; write at most {top_bit - 1:#x}", place)
+        offset += len(numbers[0]) + 1
+        raise FieldError(f"{quoted(numbers[1])} is not a start value; write at most {top_bit - 1:#x}", offset)
     return Crc("crc", bits, column, poly & (top_bit - 1), init, is_inverted)

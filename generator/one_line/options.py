@@ -27,6 +27,7 @@ _WORDS: Mapping[str, tuple[tuple[str, ...], Mapping[str, Any]]] = {
 
 
 def _hertz(text: str) -> int | None:
+    """Return the frequency in Hz of a text such as ``1.5MHz`` or ``800k``, or None if it is not 1 Hz to 1 GHz."""
     match = _HERTZ.fullmatch(text)
     if match is None:
         return None
@@ -44,6 +45,7 @@ def _positive(text: str) -> int | None:
 
 
 def _hex_bytes(text: str) -> bytes | None:
+    """Return the bytes of a text such as ``1A`` or ``0x1A02``, or None if it has other characters or is too long."""
     digits = text.removeprefix("0x")
     if not re.fullmatch(r"(?:[0-9A-Fa-f]{2})+", digits) or len(digits) > 2 * _LONGEST_REQUEST:
         return None
@@ -62,7 +64,7 @@ _SETTINGS: Mapping[str, tuple[tuple[str, ...], str, Callable[[str], Any], str]] 
 
 
 def with_option(options: Options, text: str, interface: str) -> Options:
-    """Return the options with one more.
+    """Return the options with one more, such as ``gray`` or ``clock=1MHz``. Without an interface, each one is valid.
 
     Raises:
         FieldError: There is no such option, or not for this interface, or its value is wrong.

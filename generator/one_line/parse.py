@@ -25,7 +25,7 @@ def is_line(text: str) -> bool:
 
 
 def parse_line(text: str) -> Line:
-    """Return the encoder that a line describes.
+    """Return the encoder that a line describes. The functions that it calls add their problems to one list.
 
     Raises:
         LineError: The line has problems.
@@ -40,8 +40,8 @@ def parse_line(text: str) -> Line:
     problems: list[LineProblem] = []
     interface, head_end = _interface(text, problems)
     options, option_columns = _options(text[:head_end], interface, problems)
-    fields_start = head_end + 1 if head_end else 0
-    has_fields = fields_start <= len(text)
+    fields_start = head_end + 1 if head_end else 0  # after the colon
+    has_fields = fields_start <= len(text)  # False without a colon, which is a problem already.
     fields = _fields(text[fields_start:], fields_start + 1, interface, problems) if has_fields else []
     if fields:
         problems += problems_of_fields(fields, interface)
@@ -85,10 +85,10 @@ def _pieces(text: str, column: int) -> Iterator[tuple[int, str]]:
 
 
 def _options(head: str, interface: str, problems: list[LineProblem]) -> tuple[Options, dict[str, int]]:
-    """Return the options, and the column of each by its name."""
+    """Return the options, and the column of each by its name. ``head`` is the line up to the colon."""
     options = Options()
     columns: dict[str, int] = {}
-    for column, piece in list(_pieces(head, 1))[1:]:
+    for column, piece in list(_pieces(head, 1))[1:]:  # The first one is the interface.
         try:
             options = with_option(options, piece, interface)
             columns[piece.partition("=")[0].strip()] = column
@@ -98,6 +98,7 @@ def _options(head: str, interface: str, problems: list[LineProblem]) -> tuple[Op
 
 
 def _fields(text: str, column: int, interface: str, problems: list[LineProblem]) -> list[LineField]:
+    """Return the valid fields, and add the problems of the others. ``column`` is that of the first character."""
     fields: list[LineField] = []
     if not text.strip():
         problems.append(LineProblem(column, f"the line has no fields; write {_EXAMPLE}"))

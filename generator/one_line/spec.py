@@ -88,12 +88,14 @@ def _measurement(line: Line) -> Iterator[str]:
         counts, turns = str(line.options.counts), str(line.options.turns or 1)
     else:
         return
+    # Without turns, the position within a revolution is the whole position.
     of = POSITION if TURNS in widths or IN_TURN not in widths else IN_TURN
     yield f"measurement: {{of: {of}, counts_per_turn: {counts}, turns: {turns}, source: {_LINE}}}"
     yield ""
 
 
 def _crcs(line: Line) -> Iterator[str]:
+    """Yield the definition of the CRC, if the line has one."""
     for field in line.fields:
         if isinstance(field, Crc):
             xorout = (1 << field.bits) - 1 if field.is_inverted else 0
@@ -105,7 +107,7 @@ def _crcs(line: Line) -> Iterator[str]:
 
 
 def _interface(line: Line) -> Iterator[str]:
-    """Yield the interface with its layouts."""
+    """Yield the interface with its layouts. What the line does not state has a placeholder as its source."""
     options = line.options
     yield "interfaces:"
     yield f"  {line.interface}:"
@@ -181,14 +183,15 @@ def _layout(line: Line) -> Iterator[str]:
         is_single = line.has(IN_TURN) and not line.has(TURNS)
         yield f"        gray: {{of: {IN_TURN if is_single else POSITION}}}"
     yield "        fields:"
+    # A parity bit covers all other fields but the CRC.
     parity_fields = [name for name in _field_names(line) if name not in ("parity", "crc")]
     for field, name in zip(line.fields, _names_in_spec(line), strict=True):
-        for entry in _entries(field, name, line, parity_fields):
-            yield f"          - {{{entry}}}"
+        for keys in _entries(field, name, line, parity_fields):
+            yield f"          - {{{keys}}}"
 
 
 def _names_in_spec(line: Line) -> list[str]:
-    """Return the names of the fields, with numbers for fillers, which may be repeated."""
+    """Return the name of each field. Repeated fillers have numbers: ``zero_bits``, ``zero_bits_2``."""
     taken_names = {field.name for field in line.fields if not isinstance(field, Filler)}
     names: list[str] = []
     for field in line.fields:
@@ -210,7 +213,10 @@ def _field_names(line: Line) -> list[str]:
 
 
 def _byte_names(field: LineField, line: Line) -> list[str]:
-    """Return the names of the bytes of a number over SPI that is sent low byte first, or nothing for others."""
+    """Return the names of the bytes of a number of several bytes over SPI that is sent low byte first.
+
+    They are in the order sent: ``position_byte_0``, ``position_byte_1``. Return nothing for all other fields.
+    """
     is_low_first = line.interface == "spi" and line.options.byte_order == "low_byte_first"
     if not is_low_first or not isinstance(field, Number) or field.bits <= 8:
         return []
@@ -218,15 +224,18 @@ def _byte_names(field: LineField, line: Line) -> list[str]:
 
 
 def _joins(line: Line) -> Iterator[str]:
-    """Yield the numbers that consist of several fields."""
-    parts: dict[str, Sequence[str]] = {}
+    """Yield the numbers that consist of several fields: split numbers, and the position made of the turns and the rest.
+
+    Their fields are listed most significant first.
+    """
+    fields_of_number: dict[str, Sequence[str]] = {}
     for field in line.fields:
         byte_names = _byte_names(field, line)
-        parts[field.name] = byte_names[::-1] or [field.name]
+        fields_of_number[field.name] = byte_names[::-1] or [field.name]
         if byte_names:
             yield f"          {field.name}: [{', '.join(byte_names[::-1])}]"
-    if TURNS in parts and IN_TURN in parts:
-        yield f"          {POSITION}: [{', '.join([*parts[TURNS], *parts[IN_TURN]])}]"
+    if TURNS in fields_of_number and IN_TURN in fields_of_number:
+        yield f"          {POSITION}: [{', '.join([*fields_of_number[TURNS], *fields_of_number[IN_TURN]])}]"
 
 
 def _errata(line: Line) -> Iterator[str]:
@@ -248,7 +257,10 @@ def _errata(line: Line) -> Iterator[str]:
 
 
 def _places_unlike_biss(line: Line) -> Iterator[str]:
-    """Yield the paths of what differs from BiSS in a frame with an error or warning bit."""
+    """Yield the paths of what differs from BiSS in a frame with an error or warning bit: ``crcs.line_crc.xorout``.
+
+    A usual frame has the position, the error and then the warning bit, both active low, and an inverted CRC.
+    """
     frame = f"interfaces.biss.{_LAYOUTS['biss']}"
     names = [field.name for field in line.fields]
     flag_names = [name for name in names if name in ("error", "warning")]
@@ -269,7 +281,10 @@ def _places_unlike_biss(line: Line) -> Iterator[str]:
 
 
 def _entries(field: LineField, name: str, line: Line, parity_fields: Sequence[str]) -> Iterator[str]:
-    """Yield a field as a spec writes it, or the bytes of a number that is split."""
+    """Yield the keys of a field in the spec, ``name: zero_bits, bits: 2, constant: 0``, or those of each split byte.
+
+    Effects on the position are left out of a frame without one.
+    """
     byte_names = _byte_names(field, line)
     if byte_names:
         for byte_name in byte_names:
@@ -295,10 +310,11 @@ def _entries(field: LineField, name: str, line: Line, parity_fields: Sequence[st
 
 
 def _number(field: Number) -> str:
-    text = f"name: {field.name}, bits: {field.bits}"
+    """Return the keys of a number in the spec. Only the parts of the position have a unit and a meaning."""
+    keys = f"name: {field.name}, bits: {field.bits}"
     if field.is_signed:
-        text += ", signed: true"
+        keys += ", signed: true"
     if field.value is not None:
-        return f"{text}, constant: {field.value:#x}"
+        return f"{keys}, constant: {field.value:#x}"
     unit, meaning = _NUMBERS.get(field.name, ("", ""))
-    return f"{text}, unit: {unit}, meaning: {meaning}" if unit else text
+    return f"{keys}, unit: {unit}, meaning: {meaning}" if unit else keys

@@ -92,7 +92,10 @@ class Match:
 
 
 def combinations(order_code: OrderCode) -> Iterator[tuple[str, Mapping[str, str], str, Mapping[str, int]]]:
-    """Yield every listed code: text, value of each part, interface, and the parameters that the parts set."""
+    """Yield every listed code: its text, the text of each part, the interface, and the parameters that the parts set.
+
+    For example, ``("X-24-B", {"singleturn": "24", "output": "B"}, "biss", {"singleturn_bits": 24})``.
+    """
     values_of_parts = [part.values for part in order_code.parts]
     for values in itertools.product(*values_of_parts):
         texts = {part.name: value.text for part, value in zip(order_code.parts, values, strict=True)}
@@ -130,6 +133,7 @@ def find(device: Device, text: str) -> Match:
         label_match = re.fullmatch(regex(device.order_code, spelling) + AFTER, label, re.IGNORECASE)
         if label_match is None:
             continue
+        # A spelling may have texts of its own for the values of a part. Others are as listed.
         value_by_spelling = {(value.part, value.text.upper()): value.value for value in spelling.values}
         value_by_part: dict[str, str] = {}
         for part in device.order_code.parts:
@@ -158,7 +162,10 @@ def spelled(part: CodePart, spelling: Spelling) -> Mapping[str, str]:
 
 
 def beginnings(code: OrderCode) -> tuple[str, ...]:
-    """Return the possible prefixes of the family's labels, uppercase and without spaces. "" matches any label."""
+    """Return the possible prefixes of the family's labels, uppercase and without spaces. "" matches any label.
+
+    Prefixes that begin with another one are omitted.
+    """
     prefixes: set[str] = set()
     for spelling in (as_listed(code), *code.also_written):
         prefixes |= {without_blanks(text).upper() for text in _first_texts(code, spelling)}
@@ -170,7 +177,11 @@ def beginnings(code: OrderCode) -> tuple[str, ...]:
 
 
 def _first_texts(code: OrderCode, spelling: Spelling) -> list[str]:
-    """Return the texts with which labels in this spelling begin: fixed text, or the values of the first part."""
+    """Return the texts with which labels in this spelling begin: fixed text, or the values of the first part.
+
+    If the first part can have unlisted values, an empty text is among them, since a label can begin with anything.
+    """
+    # The split gives texts and names of parts in turn, beginning with a text.
     text_before_parts, *names_and_texts = _BRACES.split(spelling.pattern)
     if text_before_parts.strip():
         return [text_before_parts]
@@ -191,6 +202,8 @@ def _variant_with_parts(
     device: Device, value_by_part: Mapping[str, str], label: str
 ) -> tuple[Variant, tuple[str, ...]]:
     """Return the order code with these parts, and the names of parts with unlisted values.
+
+    An unlisted value remains in the code. Interface and parameters are those of the first listed code that fits.
 
     Raises:
         UnknownOrderCode: The parts cannot be combined.
@@ -221,7 +234,10 @@ def _listed_value(part: CodePart, text: str) -> str | None:
 
 
 def _fitting_variant(device: Device, listed_values: Mapping[str, str | None]) -> Variant | None:
-    """Return the first listed code with these parts, where None stands for an unlisted value."""
+    """Return the first listed code with these parts, where None stands for an unlisted value, or None.
+
+    There is no such code if a part is unlisted where only listed values are possible.
+    """
     for part in device.order_code.parts:
         if listed_values[part.name] is None and not _can_be_open(part, listed_values):
             return None
@@ -232,7 +248,10 @@ def _fitting_variant(device: Device, listed_values: Mapping[str, str | None]) ->
 
 
 def _can_be_open(part: CodePart, listed_values: Mapping[str, str | None]) -> bool:
-    """Return whether a part can have an unlisted value next to these values of the other parts."""
+    """Return whether a part can have an unlisted value next to these values of the other parts.
+
+    ``open_only_with`` lists, for some other parts, the values next to which it can. Unlisted ones are always allowed.
+    """
     for name, allowed_values in part.open_only_with.items():
         if listed_values[name] is not None and listed_values[name] not in allowed_values:
             return False
@@ -240,7 +259,10 @@ def _can_be_open(part: CodePart, listed_values: Mapping[str, str | None]) -> boo
 
 
 def regex(order_code: OrderCode, spelling: Spelling, anything: str = "") -> str:
-    """Return a regular expression for the whole code in this spelling. The part ``anything`` can have any text."""
+    """Return a regular expression for the whole code in this spelling, with a group for each part.
+
+    The part named ``anything`` can have any text.
+    """
     spelled_parts = {value.part for value in spelling.values}
     pattern_by_part: dict[str, str] = {}
     for part in order_code.parts:
@@ -264,7 +286,10 @@ def regex(order_code: OrderCode, spelling: Spelling, anything: str = "") -> str:
 
 
 def _value_pattern(part: CodePart) -> str:
-    """Return a regular expression for the listed values of a part, and for unlisted ones if it can have any."""
+    """Return a regular expression for the listed values of a part, and for unlisted ones if it can have any.
+
+    ``part.open`` is the expression for unlisted values.
+    """
     listed_values = _any_of(value.text for value in part.values)
     return f"{listed_values}|{part.open}" if part.open else listed_values
 
@@ -278,7 +303,10 @@ def _any_of(texts: Iterable[str]) -> str:
 def _clash_message(
     device: Device, label: str, value_by_part: Mapping[str, str], listed_values: Mapping[str, str | None]
 ) -> str:
-    """Return the message about parts that are valid individually but not in combination, with the parts to change."""
+    """Return the message about parts that are valid individually but not in combination.
+
+    It names each part for which another value alone would give a listed code.
+    """
     clashing_parts: list[str] = []
     for part in device.order_code.parts:
         if _fits_if_changed(device, part, listed_values):
@@ -307,7 +335,7 @@ def _unknown_code_error(device: Device, label: str) -> UnknownOrderCode:
     candidates = list(_possible_wrong_parts(device, label))
     if not candidates:
         return UnknownOrderCode(not_of_family(label, device.name.upper(), nearest), close=False)
-    likeliest = min(candidates)
+    likeliest = min(candidates)  # ``_WrongPart`` is ordered by its members.
     part = device.order_code.parts[likeliest.position]
     valid_values = ", ".join(value.text for value in part.values)
     problem = has_part(part.name, likeliest.text) if likeliest.is_present else has_no_part(part.name)
@@ -343,7 +371,10 @@ def _has_more_than(label_match: re.Match[str], part: CodePart, label: str) -> bo
 
 
 def closest_reason(devices: Iterable[Device], text: str) -> str | None:
-    """Return why text that is an order code of none of these families is not one of the first that is close."""
+    """Return why ``text`` is not an order code: the first message of these families that is ``close``, or None.
+
+    The text must be an order code of none of them.
+    """
     for device in devices:
         try:
             find(device, text)
@@ -367,11 +398,11 @@ def nearest_codes(devices: Sequence[Device], text: str, least: float = 0.0) -> l
     """
     from difflib import SequenceMatcher
 
+    # A text may go on after the code, with another hyphen, so it is compared up to the hyphens that the code has.
     pieces = text.upper().split("-")
     similarities: list[tuple[float, str]] = []
     for device in devices:
         for variant in device.variants:
-            # A text may go on after the code, with another hyphen.
             pieces_of_code = variant.code.count("-") + 1
             text_without_tail = "-".join(pieces[:pieces_of_code])
             similarity = SequenceMatcher(None, variant.code, text_without_tail).ratio()
@@ -381,13 +412,13 @@ def nearest_codes(devices: Sequence[Device], text: str, least: float = 0.0) -> l
 
 
 def edition_before(device: Device, revision: str) -> str:
-    """Return the revision that precedes this one."""
+    """Return the revision that precedes this one, which must not be the first."""
     revisions = [edition.revision for edition in device.editions]
     return revisions[revisions.index(revision) - 1]
 
 
 def edition_by_label(device: Device, match: Match) -> str:
-    """Return the edition whose labels are written like this one, or an empty string if the label does not show it."""
+    """Return the revision whose labels are written like this one, or an empty string if the label does not show it."""
     spellings = device.order_code.also_written
     patterns = {spelling.pattern for spelling in spellings if spelling.where == match.written_as_in}
     for edition in device.editions:

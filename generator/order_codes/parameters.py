@@ -14,11 +14,12 @@ from ..model.expressions import Expression, ExpressionError
 
 
 def parameters_of(device: Device, kind: str) -> tuple[Parameter, ...]:
-    """Return the parameters that matter for the interface ``kind``.
+    """Return the parameters that matter for the interface ``kind``, such as ``biss``.
 
     Parameters used only by other interfaces are omitted, unless they are calculated from the parameters kept.
     Parameters that no interface uses are kept, since they are for information.
     """
+    # Both include the parameters from which those used are calculated.
     used_by_interface = _used_parameters(device, kind)
     used_by_any: set[str] = set()
     for interface in device.interfaces:
@@ -33,7 +34,7 @@ def parameters_of(device: Device, kind: str) -> tuple[Parameter, ...]:
         is_for_information = parameter.equals is None and parameter.name not in used_by_any
         if parameter.name in used_by_interface or is_for_information:
             selected_names.add(parameter.name)
-    # A formula may use the result of another one, so look until nothing is added.
+    # A formula may use the result of another one, so look until nothing is added. It ends when all are selected.
     while True:
         computable = {name for name, formula in formulas.items() if selected_names.issuperset(formula.parameters)}
         if computable <= selected_names:
@@ -43,22 +44,22 @@ def parameters_of(device: Device, kind: str) -> tuple[Parameter, ...]:
 
 
 def run_time_names(device: Device) -> frozenset[str]:
-    """Return the parameters that registers hold, and those calculated from them."""
+    """Return the names of the parameters that registers hold, and of those calculated from them."""
     names_in_registers = {parameter.name for parameter in device.run_time_parameters}
-    run_time_names: set[str] = set()
+    dependent_names: set[str] = set()
     for parameter in device.parameters:
         if not names_in_registers.isdisjoint(device.needed_parameters([parameter.name])):
-            run_time_names.add(parameter.name)
-    return frozenset(run_time_names)
+            dependent_names.add(parameter.name)
+    return frozenset(dependent_names)
 
 
 def follows_registers(device: Device, layout: Layout) -> bool:
-    """Return whether registers determine the positions or the code of a layout's fields at run time."""
+    """Return whether registers determine the positions, documented values or code of a layout's fields at run time."""
     return not run_time_names(device).isdisjoint(deciding_parameters(layout))
 
 
 def deciding_parameters(layout: Layout) -> frozenset[str]:
-    """Return the parameters that determine the positions, documented values or code of a layout's fields."""
+    """Return the names of the parameters that determine positions, documented values or code of a layout's fields."""
     names = {name for expression in _expressions_of_layout(layout) for name in expression.parameters}
     if layout.gray_when:
         names.add(layout.gray_when)
@@ -73,14 +74,17 @@ def run_time_widths(device: Device, layout: Layout) -> tuple[str, ...]:
 
 
 def _used_parameters(device: Device, kind: str) -> frozenset[str]:
-    """Return the parameters used in frames, registers and measurement of an interface, and their dependencies."""
+    """Return the names of the parameters used in frames, registers and measurement of an interface.
+
+    Parameters from which these are calculated are included.
+    """
     used_names = {name for expression in _expressions_over(device, kind) for name in expression.parameters}
     used_names |= {layout.gray_when for layout in device.interface(kind).layouts if layout.gray_when}
     return device.needed_parameters(used_names)
 
 
 def _expressions_over(device: Device, kind: str) -> Iterator[Expression]:
-    """Yield the expressions in frames, registers and measurement of an interface."""
+    """Yield the expressions in frames, registers and measurement of the interface named ``kind``."""
     for layout in device.interface(kind).layouts:
         yield from _expressions_of_layout(layout)
         if layout.position_range is not None:
@@ -97,7 +101,7 @@ def _expressions_over(device: Device, kind: str) -> Iterator[Expression]:
 
 
 def _expressions_of_layout(layout: Layout) -> Iterator[Expression]:
-    """Yield the length, the positions and widths of all fields, and their documented values."""
+    """Yield the length, the positions and widths of all fields, their documented values, and the Gray excess."""
     yield layout.bits
     for field in layout.fields:
         yield field.low
@@ -125,7 +129,10 @@ class RegisterError(ValueError):
 
 
 def resolve_parameters(known_values: Mapping[str, int], definitions: Mapping[str, Expression]) -> Mapping[str, int]:
-    """Return ``known_values`` together with all parameters that are calculated from others."""
+    """Return ``known_values`` together with all parameters that can be calculated from them.
+
+    Definitions with a missing parameter, such as one that an answer sets, are omitted.
+    """
     parameters = dict(known_values)
     pending = {name: definition for name, definition in definitions.items() if name not in parameters}
     while pending:
@@ -141,7 +148,7 @@ def resolve_parameters(known_values: Mapping[str, int], definitions: Mapping[str
 
 
 def with_changed(device: Device, variant: Variant, changed: Mapping[str, int]) -> Mapping[str, int]:
-    """Return the parameters of a variant with some values changed, and those that follow from them."""
+    """Return the parameters of a variant with some values changed, and all that are calculated computed again."""
     independent_values = {name: value for name, value in variant.parameters.items() if name not in device.definitions}
     return resolve_parameters({**independent_values, **changed}, device.definitions)
 
@@ -155,7 +162,8 @@ _MOST_CORNERS = 64
 def corners(states_by_field: Sequence[Sequence[State]]) -> Iterator[State]:
     """Yield combined states of register fields, since a value may fit with one extreme but not with two.
 
-    If there are too many, yield those of each pair with the others unchanged, and those with all at the same extreme.
+    Each is a map such as ``{"singleturn_bits": 16, "multiturn_bits": 12}``. If there are more than ``_MOST_CORNERS``,
+    yield those of each pair with the others unchanged, and those with all at the lowest or at the highest state.
 
     Args:
         states_by_field: The states of each field, from the one with the lowest values to the one with the highest.
@@ -185,8 +193,10 @@ def _joined_state(one_state_per_field: Iterable[State]) -> State:
 def coded_states(codes: Mapping[str, Mapping[int, int]]) -> Sequence[State]:
     """Return the states of a field that holds a code, for the codes that all its parameters have.
 
+    The states are sorted by the sum of their values, from the lowest to the highest.
+
     Args:
-        codes: The values by code of each parameter that is read from the field.
+        codes: The values by code of each parameter that is read from the field: ``{"bits": {0: 12, 1: 16}}``.
     """
 
     common_codes = set.intersection(*map(set, codes.values()))
@@ -202,7 +212,7 @@ def extreme_states(device: Device) -> Sequence[Sequence[State]]:
 
 
 def possible_states(parameters: Sequence[Parameter]) -> Sequence[Sequence[State]]:
-    """Return the states of each field that holds one of the parameters."""
+    """Return all states of each field that holds one of the parameters: every value, or each of its codes."""
     return _states_of_fields(parameters, lambda parameter: range(parameter.min or 0, (parameter.max or 0) + 1))
 
 
@@ -214,7 +224,11 @@ def _limits(parameter: Parameter) -> Iterable[int]:
 def _states_of_fields(
     parameters: Sequence[Parameter], values_of: Callable[[Parameter], Iterable[int]]
 ) -> Sequence[Sequence[State]]:
-    """Return the states of each field. ``values_of`` lists the values of a parameter that is not read from a code."""
+    """Return the states of each field, from the lowest values to the highest.
+
+    A parameter that is not read from a code has a field of its own, with the values that ``values_of`` lists.
+    Parameters that are read from the same code change together, so their field has a state for each code.
+    """
     # The value by code of each parameter, by the field that holds the code.
     codes_by_field: dict[str, dict[str, Mapping[int, int]]] = {}
     states_by_field: list[Sequence[State]] = []
@@ -230,7 +244,7 @@ def _states_of_fields(
 
 def parameters_at_run_time(device: Device, variant: Variant) -> Iterator[Mapping[str, int]]:
     """Yield the parameters of a variant with factory defaults, and with the extremes of those held in registers."""
-    for changed in ({}, *corners(extreme_states(device))):
+    for changed in ({}, *corners(extreme_states(device))):  # {} leaves the factory defaults.
         yield with_changed(device, variant, changed)
 
 
@@ -261,6 +275,7 @@ def with_registers(device: Device, variant: Variant, register_bytes: Mapping[int
 
 
 def _unknown_address_message(device: Device, address: int) -> str:
+    """Return the message about a register without a parameter, with the addresses of those that have one."""
     registers = [device.register(parameter.register) for parameter in device.run_time_parameters]
     valid_addresses = ", ".join(sorted({f"0x{register.address:02X}" for register in registers})) or "none"
     return f"register 0x{address:02X} does not change how a frame is read; those that do: {valid_addresses}"
@@ -281,7 +296,7 @@ def with_answers(device: Device, variant: Variant, answers: Mapping[str, str]) -
 
 
 def after_write(device: Device, variant: Variant, register: Register, number: int) -> Variant:
-    """Return the variant after writing ``number`` to ``register``."""
+    """Return the variant after writing ``number`` to ``register``, or ``variant`` itself if that changes nothing."""
     changed_parameters: dict[str, int] = {}
     for parameter in device.run_time_parameters:
         if parameter.register != register.name:
@@ -298,7 +313,7 @@ def _value_from_bytes(register: Register, parameter: Parameter, register_bytes: 
     """Return the value of a parameter in a register. Bytes that are not given have their defaults.
 
     Raises:
-        RegisterError: The register does not hold a valid value or code.
+        RegisterError: The register does not hold a code of the parameter, or the value is outside its limits.
     """
     default_bytes = register.default_bytes() or bytes(register.length)
     content = bytearray()
@@ -316,7 +331,10 @@ def _value_from_bytes(register: Register, parameter: Parameter, register_bytes: 
 
 
 def _value_in_content(register: Register, parameter: Parameter, number: int) -> int | None:
-    """Return the parameter in a register that contains ``number``, or None if it holds no valid code."""
+    """Return the parameter in a register that contains ``number``, or None if it holds no valid code.
+
+    Bits that are all 0 may stand for another number, ``zero_means``.
+    """
     field = register.layout.field(parameter.field)
     mask = (1 << field.widest) - 1
     field_value = (number >> field.low.constant) & mask

@@ -51,11 +51,13 @@ def reduced_to_codes(device: Device, codes: Collection[str]) -> Device:
     Facts that apply to none of these codes are omitted, and such flags are unexplained. Facts that apply to all of them
     lose their ``only``. Questions about unexplained flags are omitted.
     """
+    # The list ``by_hand`` of a fact names characteristics: steps that a person carries out.
     manual_steps = {step.name for step in device.characteristics if not _applies_only_to_others(step, codes)}
     reduced_parts = {name: _reduced_part(getattr(device, name), codes, manual_steps) for name in _PARTS}
     reduced = replace(device, **reduced_parts)
     if not device.optional_alternatives:
         return reduced
+    # Questions with a default decide only verdicts, so they remain if a flag that they concern does.
     remaining_names = {alternative.name for alternative in reduced.alternatives if not alternative.default}
     for _, layout in reduced.layouts():
         remaining_names |= _names(reduced.verdict_alternatives(layout))
@@ -64,7 +66,11 @@ def reduced_to_codes(device: Device, codes: Collection[str]) -> Device:
 
 
 def _reduced_part(part: Any, codes: Collection[str], manual_steps: Collection[str]) -> Any:
-    """Return the part without facts about other order codes, and without manual steps not in ``manual_steps``."""
+    """Return the part without facts about other order codes, and without manual steps not in ``manual_steps``.
+
+    If nothing changes, the result is the same object, so that callers compare with ``is``. An ``only`` that includes
+    all codes is removed. A flag that is explained only for other codes becomes unexplained.
+    """
     if isinstance(part, _ALWAYS):
         return part
     if isinstance(part, tuple):
@@ -122,11 +128,12 @@ def _applies_only_to_others(part: Any, codes: Collection[str]) -> bool:
 def for_codes(device: Device, codes: Collection[str]) -> Device:
     """Return the device with only these listed order codes, without interfaces and examples of the others."""
     variants = tuple(variant for variant in device.variants if variant.code in codes)
-    kinds = {variant.interface for variant in variants}
-    has_all_interfaces = kinds == _names(device.interfaces)
-    with_interfaces = device if has_all_interfaces else for_interfaces(device, kinds)
+    interface_names = {variant.interface for variant in variants}
+    # The kind of an interface is its name, such as "biss".
+    has_all_interfaces = interface_names == _names(device.interfaces)
+    with_interfaces = device if has_all_interfaces else for_interfaces(device, interface_names)
     reduced = reduced_to_codes(with_interfaces, [variant.code for variant in variants])
-    parameter_names = _names_of_parameters(device, kinds)
+    parameter_names = _names_of_parameters(device, interface_names)
     code_parts = tuple(_with_used_values(part, variants) for part in device.order_code.parts)
     examples = tuple(example for example in reduced.examples if getattr(example, "order_code", "") in {"", *codes})
     return replace(
@@ -155,9 +162,13 @@ def for_interface(device: Device, kind: str) -> Device:
 
 
 def for_interfaces(device: Device, kinds: Collection[str]) -> Device:
-    """Return the device with only some of its interfaces, and without parts that belong only to the others."""
+    """Return the device with only the interfaces named ``kinds``, and without parts that belong only to the others.
+
+    Examples and errata remain if they are about a remaining part.
+    """
     with_interfaces = _with_interfaces(device, kinds)
     reduced = _with_used_parts(with_interfaces, all_sent_crcs=sent_crcs(device.interfaces))
+    # By the list of the device, which is the beginning of a path in an erratum.
     remaining_names = {
         "interfaces": _names(reduced.interfaces),
         "registers": _names(reduced.registers),
@@ -178,7 +189,7 @@ def for_interfaces(device: Device, kinds: Collection[str]) -> Device:
 
 
 def _with_interfaces(device: Device, kinds: Collection[str]) -> Device:
-    """Return the device with only those parts that refer to one of these interfaces or to none."""
+    """Return the device with only those parts that refer to one of the interfaces named ``kinds``, or to none."""
 
     def is_wired(connector: Connector) -> bool:
         return not connector.interfaces or not set(kinds).isdisjoint(connector.interfaces)
@@ -193,7 +204,7 @@ def _with_interfaces(device: Device, kinds: Collection[str]) -> Device:
 
 
 def sent_crcs(interfaces: Collection[Interface]) -> set[str]:
-    """Return the names of the CRCs that are in a frame of one of the interfaces."""
+    """Return the names of the CRCs that are in a frame of one of the interfaces, or in control data of BiSS."""
     sent_fields = (field for interface in interfaces for layout in interface.layouts for field in layout.fields)
     crcs = {field.kind.crc for field in sent_fields if isinstance(field.kind, CrcValue)}
     for interface in interfaces:
@@ -233,8 +244,9 @@ def _with_used_parts(device: Device, all_sent_crcs: Collection[str]) -> Device:
 
 
 def _with_registers(device_input: Input, registers: Collection[str]) -> Input:
-    """Return the input without the effects of other interfaces' registers."""
+    """Return the input without the effects of registers not in ``registers``, which belong to other interfaces."""
 
+    # ``inverts`` and ``needs`` are paths such as ``settings.direction``. An empty one has no effect.
     def path_if_present(path: str) -> str:
         register, _, _ = path.partition(".")
         return path if register in registers else ""
@@ -273,7 +285,10 @@ def _leads_to_remaining_part(path: str, remaining_names: Mapping[str, set[str]])
 def _holds_for(
     example: Example, interfaces: Collection[str], device: Device, remaining_names: Mapping[str, set[str]]
 ) -> bool:
-    """Return whether an example is about a part of these interfaces, and its order code has one of the interfaces."""
+    """Return whether an example is about a remaining part, and its order code has one of these interfaces.
+
+    Examples of a CRC have no order code. An order code that is not listed does not matter.
+    """
     match example:
         case FrameExample():
             is_about_part = example.layout in {"", *remaining_names["layouts"]}
@@ -300,6 +315,7 @@ def with_quantities(device: Device, variant: Variant) -> Device:
 
     Quantities held in registers have their factory defaults.
     """
+    # Those that the answer to a question sets.
     open_parameters = {parameter.name for parameter in device.parameters if parameter.alternative}
     known_parameters = {name: value for name, value in variant.parameters.items() if name not in open_parameters}
     parts_with_numbers = {name: _with_numbers(getattr(device, name), known_parameters) for name in _NUMBERED_PARTS}
@@ -318,7 +334,11 @@ def _without_crcs(device: Device, names: Collection[str]) -> Device:
 
 
 def with_output_code(interface: Interface, variant: Variant) -> Interface:
-    """Return the interface with the code that an order code has, if the manual says that it depends on it."""
+    """Return the interface with the code of an order code: Gray or binary.
+
+    The interface remains as it is if it is not SSI, if its code does not depend on the order code, or if the frames
+    that the encoder sends have different codes.
+    """
     if not isinstance(interface, Ssi) or interface.output_code is None or interface.name != variant.interface:
         return interface
     if interface.output_code.code != "by_order_code":
@@ -335,7 +355,10 @@ def with_output_code(interface: Interface, variant: Variant) -> Interface:
 
 
 def _with_numbers(part: Any, known_parameters: Mapping[str, int]) -> Any:
-    """Return the part with known parameters replaced by numbers. If nothing changes, it is the same object."""
+    """Return the part, and all in it, with known parameters in expressions replaced by numbers.
+
+    Layouts also lose fields whose width is then 0. If nothing changes, the result is the same object.
+    """
     if isinstance(part, Expression):
         return _with_known_terms_added(part, known_parameters)
     if isinstance(part, tuple):
@@ -356,7 +379,7 @@ def _with_numbers(part: Any, known_parameters: Mapping[str, int]) -> Any:
 
 
 def _with_fixed_code(layout: Layout, known_parameters: Mapping[str, int]) -> Layout:
-    """Return the layout with a fixed code, which is Gray or binary."""
+    """Return the layout with a fixed code, Gray or binary, if the parameter that decides it is known."""
     if layout.gray_when not in known_parameters:
         return layout
     if known_parameters[layout.gray_when]:
@@ -365,7 +388,10 @@ def _with_fixed_code(layout: Layout, known_parameters: Mapping[str, int]) -> Lay
 
 
 def _without_empty_fields(layout: Layout) -> Layout:
-    """Return the layout without zero-width fields, in the layout itself, in its joins and in its parity bits."""
+    """Return the layout without zero-width fields, in the layout itself, in its joins and in its parity bits.
+
+    If no field is left that judges the position, reserved bits lead to UNKNOWN instead of a warning.
+    """
     empty_names = {field.name for field in layout.fields if field.width == Expression(0)}
     if not empty_names:
         return layout
@@ -384,7 +410,10 @@ def _without_empty_fields(layout: Layout) -> Layout:
 
 
 def _with_parity_of_others(field: Field, removed_names: set[str]) -> Field:
-    """Return a parity bit without the removed fields. If it covers no others, it is always the same."""
+    """Return a parity bit without the removed fields, and any other field unchanged.
+
+    If it covers no others, it is a constant: 0 for even parity, 1 for odd.
+    """
     parity = field.kind
     if not isinstance(parity, Parity) or removed_names.isdisjoint(parity.of):
         return field

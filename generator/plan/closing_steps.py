@@ -16,9 +16,10 @@ def closing_steps(device: Device, steps: Sequence[Step]) -> frozenset[int]:
     written_names = {step.register for step in steps if isinstance(step, WriteStep | ModifyStep)}
     used_registers = [register for register in device.registers if register.name in written_names]
     locked_registers = [register for register in used_registers if register.opened_by]
-    holding_opening_value: set[str] = set()
+    holding_opening_value: set[str] = set()  # Names of the registers to which an opening step was the last to write.
     closing_indices: set[int] = set()
     for index, step in enumerate(steps):
+        # Without a fixed value, a step writes an argument, and neither opens nor closes.
         if not isinstance(step, WriteStep | ModifyStep) or step.value is None:
             continue
         controlled_registers = [register for register in locked_registers if _controls_access(step, register)]

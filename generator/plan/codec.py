@@ -68,7 +68,7 @@ class Codec:
 
     @property
     def only_crc(self) -> FrameCrc | None:
-        """The CRC of all order codes. None without a CRC, or if order codes differ."""
+        """The CRC of all order codes. None without a CRC, or if only some order codes have it."""
         return next((crc for crc in self.crcs if not crc.is_optional), None)
 
     @cached_property
@@ -86,7 +86,7 @@ class Codec:
 
     @cached_property
     def depends(self) -> bool:
-        """True if any position or width, or the highest position, depends on the order code."""
+        """True if any position or width, the Gray code, or the highest position depends on the order code."""
         if self.gray is not None and self.gray.when:
             return True
         expressions = [self.layout.bits]
@@ -101,11 +101,11 @@ class Codec:
 
     @property
     def from_low(self) -> range:
-        """Return the indices of the bytes, least significant byte first."""
+        """Indices of the bytes in the frame, least significant byte first: 0, 1, ... if the low byte is sent first."""
         return range(self.length) if self.layout.byte_order == "low_byte_first" else range(self.length - 1, -1, -1)
 
     def faults(self) -> tuple[Fault, ...]:
-        """Return the errors that a decoder of this layout can find, without duplicates."""
+        """Return the errors that a decoder of this layout can find, in the order of ``Fault``. It checks the length."""
         faults = {Fault.LENGTH, *(check.fault for check in self.checks)}
         if self.crcs:
             faults.add(Fault.CRC)
@@ -116,7 +116,7 @@ class Codec:
 
 
 def codec_of(device: Device, layout: Layout) -> Codec:
-    """Return the plan for a layout of a frame or of a register's bytes."""
+    """Return the plan for a layout of a frame or of a register's bytes, see ``Codec``."""
     # The bytes of a field are unknown if the order code moves its bits.
     all_have_bytes = all(field.pieces or field.padding_of for field in layout.fields)
     by_word = not layout.in_bytes or not all_have_bytes or bool(layout.gray_of)
@@ -141,7 +141,7 @@ def codec_of(device: Device, layout: Layout) -> Codec:
 
 
 def _parts(layout: Layout) -> Iterator[Part]:
-    """Yield the fields with values. A part is shared if a join or a parity bit also uses its bits."""
+    """Yield the fields with data, except a fixed selector. Those that a join or a parity bit also uses are shared."""
     shared_names = {name for join in layout.joins for name in join.fields}
     for field in layout.fields:
         if isinstance(field.kind, Parity):
@@ -153,14 +153,14 @@ def _parts(layout: Layout) -> Iterator[Part]:
 
 
 def _reserved(layout: Layout) -> Iterator[Reserved]:
-    """Yield the unused fields, each with its place in the number that all of them form."""
+    """Yield the unused fields, each with the position of its lowest bit in the decoder's number ``unused``."""
     for field, place in layout.unused:
         documented_value = field.kind.value if isinstance(field.kind, Unused) else 0
         yield Reserved(field, bits_of(layout, field), documented_value, place)
 
 
 def fixed_selector(layout: Layout) -> Field | None:
-    """Return the selector if a single value of it identifies the frame."""
+    """Return the selector if a single value of it identifies the frame, or None."""
     return layout.field(layout.selector) if len(layout.selects) == 1 else None
 
 
@@ -172,23 +172,29 @@ def only_value(layout: Layout, field: Field) -> int | None:
 
 
 def bits_of(layout: Layout, field: Field) -> Bits:
-    """Return the bits of a field. For a padded field in bytes, include all bytes that it can occupy."""
+    """Return the bits of a field. In bytes, a padded field has no pieces for bytes that contain only padding."""
     occupied_pieces = tuple(piece for piece in field.pieces if not field.container or piece.left < field.widest)
     return _bits(layout, field.low, field.width, field.widest, occupied_pieces)
 
 
 def _bits(layout: Layout, low: Expression, width: Expression, widest: int, pieces: tuple[Piece, ...] = ()) -> Bits:
+    """Return ``width`` bits, starting at ``low``. They are on top if a frame of bits has none above them."""
     bits_above = layout.bits - low - width
     on_top = not layout.in_bytes and bits_above == Expression(0)
     return Bits(low, width, widest, on_top, pieces)
 
 
 def _crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
-    """Return the check of the CRC in a field, which covers some fields or all before it."""
+    """Return the check of the CRC in a field.
+
+    It covers the fields from the first to the last in ``of`` or, if ``of`` is empty, everything before it.
+    """
     assert isinstance(field.kind, CrcValue)
     crc = device.crc(field.kind.crc)
+    # A CRC that only some order codes have is at the end of their frames.
     bits = bits_of(layout, field) if field.width.is_constant else _bits_at_end(layout, crc.width)
     if field.kind.of:
+        # From the most significant field to the least significant one.
         first_covered, last_covered = layout.field(field.kind.of[0]), layout.field(field.kind.of[-1])
         return FrameCrc(
             crc=crc,
@@ -198,7 +204,7 @@ def _crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
             low=last_covered.low.constant,
             is_part=True,
             divides=False,
-            steps=(),
+            steps=(),  # Only a CRC of the whole frame has these.
         )
     is_of_whole_words = checks_whole_words(device, crc)
     return FrameCrc(
@@ -216,17 +222,18 @@ def _crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
 def _bits_at_end(layout: Layout, width: int) -> Bits:
     """Return the last ``width`` bits of a frame. They are those of a CRC that only some order codes have."""
     low = layout.bits - Expression(width) if layout.byte_order == "low_byte_first" else Expression(0)
-    length = layout.widest // 8
+    byte_count = layout.widest // 8
     pieces = []
+    # A frame of bits has no pieces. ``left`` is the position of the byte's lowest bit in the CRC.
     for left in range(0, width, 8) if layout.in_bytes else ():
-        byte = length - (width - left) // 8 if layout.byte_order == "low_byte_first" else length - 1 - left // 8
+        byte = byte_count - (width - left) // 8 if layout.byte_order == "low_byte_first" else byte_count - 1 - left // 8
         mask = (1 << min(8, width - left)) - 1
         pieces.append(Piece(byte=byte, right=0, mask=mask, left=left))
     return _bits(layout, low, Expression(width), width, tuple(pieces))
 
 
 def _gray(layout: Layout) -> Gray | None:
-    """Return the bits in Gray code, which are those of one field or of the adjacent fields of a join."""
+    """Return the bits in Gray code: those of a field or of the adjacent fields of a join. Return None if none are."""
     if not layout.gray_of:
         return None
     fields = [layout.field(name) for name in layout.names_in(layout.gray_of)]
@@ -235,7 +242,7 @@ def _gray(layout: Layout) -> Gray | None:
 
 
 def _wholes(layout: Layout, by_word: bool) -> Iterator[Whole]:
-    """Yield the numbers made of several fields. A frame that is one number gives adjacent fields with one shift."""
+    """Yield the numbers made of several fields. If one shift extracts adjacent fields from a word, set ``bits``."""
     for join in layout.joins:
         fields = tuple(layout.field(name) for name in join.fields)  # most significant first
         total_width = sum((field.width for field in fields), Expression(0))
@@ -253,6 +260,7 @@ def _checks_of_constants_and_parity(layout: Layout, by_word: bool) -> Iterator[C
     """Yield the checks of constants and parity bits in the order of the fields, and therefore of their errors."""
     for field in layout.fields:
         match field.kind:
+            # In bytes, padding is checked together with the field that it pads.
             case Constant(padding_of=padded_name) if padded_name and not by_word:
                 yield _zeros_above(layout, layout.field(padded_name), padding=field)
             case Constant(value=number):
@@ -263,6 +271,7 @@ def _checks_of_constants_and_parity(layout: Layout, by_word: bool) -> Iterator[C
 
 def _zeros_above(layout: Layout, padded_field: Field, padding: Field) -> ZerosAbove:
     """Return the check that the bits above a field are 0, in its own bytes and in those that only the padding has."""
+    # Without the bytes that the field never occupies.
     bits = bits_of(layout, padded_field)
     bytes_of_padding = tuple(piece for piece in padded_field.pieces if piece not in bits.pieces)
     return ZerosAbove(padded_field, padding, bits, bytes_of_padding)
@@ -283,20 +292,21 @@ def _parity_check(layout: Layout, parity_bit: Field, kind: Parity) -> ParityIs:
 
 
 def _checks_of_values(layout: Layout) -> Iterator[Check]:
-    """Yield the checks of choices, selectors and decimal digits."""
+    """Yield the checks of choices and selectors, unless all their values are valid, and of decimal digits."""
     for field in layout.fields:
         bits = bits_of(layout, field)
-        values = allowed_values(layout, field)
-        if values:
-            yield IsOneOf(field, bits, values)
+        valid_values = allowed_values(layout, field)
+        if valid_values:
+            yield IsOneOf(field, bits, valid_values)
         if field.runs:
+            # The runs split the decimal number, most significant first: number // divisor % modulus.
             most_significant_run = field.runs[0]
             highest = most_significant_run.divisor * most_significant_run.modulus - 1
             yield AtMost(field, bits, highest, field.runs)
 
 
 def _checks_of_position(device: Device, layout: Layout) -> Iterator[Check]:
-    """Yield the check that the position is one that the encoder has, if the manual gives a limit."""
+    """Yield the check that the position is one that the encoder has, if its field could hold others."""
     position = device.range_in(layout)
     if position is not None and position.field.number.signed:
         yield IsBetween(position.field, bits_of(layout, position.field), position.lowest, position.highest)
@@ -305,18 +315,18 @@ def _checks_of_position(device: Device, layout: Layout) -> Iterator[Check]:
 
 
 def allowed_values(layout: Layout, field: Field) -> tuple[int, ...]:
-    """Return the valid values of a selector or a choice, without duplicates. Return none if every value is valid."""
+    """Return the valid values of a selector or a choice. An empty tuple means that every value is valid."""
     if field.name == layout.selector:
-        values = dict.fromkeys(layout.selects)
+        valid_values = dict.fromkeys(layout.selects)
     else:
-        values = dict.fromkeys(named_value.value for named_value in field.values)
-    # Each value fits in the bits, so this many values are all that are possible.
-    has_all_values = field.width.is_constant and len(values) == 1 << field.widest
-    return () if has_all_values else tuple(values)
+        valid_values = dict.fromkeys(named_value.value for named_value in field.values)
+    # Each value fits in the bits, so if there are as many values as codes, every code is valid.
+    has_all_values = field.width.is_constant and len(valid_values) == 1 << field.widest
+    return () if has_all_values else tuple(valid_values)
 
 
 def _known_parity(layout: Layout, parity_bit: Field, covered_fields: tuple[Field, ...], kind: Parity) -> int | None:
-    """Return the parity bit if all order codes have it and it covers a single field that is constant, else None."""
+    """Return the parity bit if all order codes have it and it covers a single field with a single value, else None."""
     if len(covered_fields) != 1 or not parity_bit.width.is_constant:
         return None
     covered_value = only_value(layout, covered_fields[0])
@@ -324,7 +334,7 @@ def _known_parity(layout: Layout, parity_bit: Field, covered_fields: tuple[Field
 
 
 def _parity_mask(kind: Parity, fields: tuple[Field, ...]) -> int:
-    """Return the mask of the bits that count, no wider than the fields, or 0 if all of them count."""
+    """Return the mask of the covered bits of each field, no wider than the widest one, or 0 if it covers all."""
     if not kind.over:
         return 0
     widest = max(field.widest for field in fields)
@@ -333,13 +343,13 @@ def _parity_mask(kind: Parity, fields: tuple[Field, ...]) -> int:
 
 
 def parity(number: int, odd: bool) -> int:
-    """Return the even or odd parity bit of a number."""
+    """Return the even or odd parity bit of a number: with it, the number of ones is even or odd."""
     return (number.bit_count() & 1) ^ odd
 
 
 def _terms(layout: Layout) -> Iterator[Term]:
-    """Yield the fields that an encoder of frames sets, with what it sets them to. The CRC follows from all of them."""
-    place_by_name = {field.name: place for field, place in layout.unused}
+    """Yield each field of an encoded frame with the source of its bits. The CRC is computed from all of them later."""
+    bit_in_unused_by_name = {field.name: bit_in_unused for field, bit_in_unused in layout.unused}
     for field in layout.fields:
         sent_value: Fixed | ValueOfField | ParityOf | ReservedBits
         match field.kind:
@@ -348,7 +358,7 @@ def _terms(layout: Layout) -> Iterator[Term]:
             case Parity() as parity_kind:
                 sent_value = _sent_parity(layout, field, parity_kind)
             case Unused(documented_value):
-                sent_value = ReservedBits(documented_value, place_by_name[field.name])
+                sent_value = ReservedBits(documented_value, bit_in_unused_by_name[field.name])
             case _:
                 sent_value = _sent_number(layout, field)
         yield Term(field, bits_of(layout, field), sent_value)
@@ -370,9 +380,9 @@ def _sent_number(layout: Layout, field: Field) -> Fixed | ValueOfField:
 
 
 def characters(field: Field) -> tuple[tuple[int, int], ...]:
-    """Return each character of a text field as its index in the text and the index of its byte in the frame.
+    """Return each character of a text as its index in the text and that of its byte: ``((0, 2), (1, 3))``.
 
-    If the characters do not fill whole bytes, return nothing.
+    If the characters do not fill whole bytes, or the field is not a text, return an empty tuple.
     """
     fills_whole_bytes = all(piece.right == 0 and piece.mask == 0xFF for piece in field.pieces)
     if not isinstance(field.kind, Text) or not fills_whole_bytes:
@@ -404,30 +414,31 @@ class ShiftedBits:
 
 
 def moved_bits(codec: Codec) -> tuple[ShiftedBits, ...]:
-    """Return the unused bits whose position is the same for every order code. Those with the same shift are one."""
+    """Return the unused bits whose position is fixed. Fields of a byte or word with the same shift are combined."""
     bits_by_shift: dict[tuple[int | None, int], ShiftedBits] = {}
     for reserved in codec.reserved:
         if not reserved.bits.are_fixed:
             continue
         for bits in _shifted_bits(reserved, codec.by_word):
-            key = (bits.byte, bits.shift)
-            earlier_bits = bits_by_shift.get(key)
+            byte_and_shift = (bits.byte, bits.shift)
+            earlier_bits = bits_by_shift.get(byte_and_shift)
             if earlier_bits is None:
-                bits_by_shift[key] = bits
+                bits_by_shift[byte_and_shift] = bits
             else:
                 mask, value = earlier_bits.mask | bits.mask, earlier_bits.value | bits.value
-                bits_by_shift[key] = replace(bits, mask=mask, value=value)
+                bits_by_shift[byte_and_shift] = replace(bits, mask=mask, value=value)
     return tuple(bits_by_shift.values())
 
 
 def _shifted_bits(reserved: Reserved, by_word: bool) -> Iterator[ShiftedBits]:
-    """Yield the bits of an unused field, in the word or byte by byte."""
+    """Yield the bits of an unused field: once for the word or, without ``by_word``, once for each byte."""
     value = reserved.value << reserved.place
     if by_word:
         shift = reserved.bits.low.constant - reserved.place
         yield ShiftedBits(byte=None, shift=shift, mask=reserved.mask, value=value)
         return
     for piece in reserved.bits.pieces:
+        # Position of the byte's lowest bit in ``unused``. A negative shift moves the bits up.
         place = reserved.place + piece.left
         mask = piece.mask << place
         yield ShiftedBits(byte=piece.byte, shift=piece.right - place, mask=mask, value=value & mask)

@@ -78,7 +78,7 @@ def reflect(value: int, width: int) -> int:
 
 
 def table(width: int, poly: int, reflected: bool = False) -> tuple[int, ...]:
-    """Return the remainder of each byte, shifted left by the width of the CRC.
+    """Return the remainder of each byte from 0 to 255, shifted left by the width of the CRC.
 
     With ``reflected``, the CRC register has its bits in reverse order, as needed for reflected input.
     """
@@ -209,6 +209,7 @@ def crc_functions(device: Device) -> Iterator[CrcFunction]:
         in_words = any(not layout.in_bytes and _has_crc(layout, crc) for _, layout in device.layouts())
         for carrier in crc_carriers:
             form = form_of(crc, carrier)
+            # Folding needs a frame of which the CRC covers everything.
             if carrier is Carrier.BITS and not checks_whole_words(device, crc):
                 form = Form.TABLE
             is_alone = len(crc_carriers) == 1
@@ -216,7 +217,7 @@ def crc_functions(device: Device) -> Iterator[CrcFunction]:
 
 
 def function_of(device: Device, layout: Layout, crc: Crc) -> CrcFunction:
-    """Return the function for a CRC at the end of a layout."""
+    """Return the function for a CRC at the end of a layout, which must be a CRC of the family."""
     functions = (function for function in crc_functions(device) if function.carrier is carrier_of(layout))
     return next(function for function in functions if function.crc == crc)
 
@@ -234,13 +235,16 @@ def fold_steps(crc: Crc, bits: int) -> tuple[FoldStep, ...]:
 
 
 def divides(crc: Crc, layout: Layout) -> bool:
-    """Return whether code checks a word, with its final XOR removed, by dividing it by the polynomial."""
+    """Return whether code checks a word, with its final XOR removed, by dividing it by the polynomial.
+
+    The CRC must be the remainder of the word, and be folded or have 8 to 32 bits.
+    """
     is_remainder_of_word = not layout.in_bytes and crc.init == 0 and not crc.refout
     return is_remainder_of_word and (folds(crc) or 8 <= crc.width <= 32)
 
 
 def form_of(crc: Crc, carrier: Carrier) -> Form:
-    """Return the form in which code computes a CRC over this carrier."""
+    """Return the form in which code computes a CRC over this carrier. A wide CRC is not folded."""
     if carrier is Carrier.BITS:
         return Form.FOLD if folds(crc) and crc.width <= _WIDEST_FOLD else Form.TABLE
     return Form.XOR if crc.is_xor else Form.TABLE

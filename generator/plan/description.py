@@ -186,7 +186,10 @@ def _unused(reserved: Reserved) -> Unused:
 
 
 def describe(codec: Codec, reporting: reports.Reporting | None = None) -> Description:
-    """Return the description of a frame or register. ``reporting`` contains the reports and the verdict of a frame."""
+    """Return the description of a frame or register. ``reporting`` contains the reports and the verdict of a frame.
+
+    Without it, ``tells`` and ``speaks`` are empty. ``speaks`` is also empty in a frame without the position.
+    """
     layout = codec.layout
     power_of_two_names = powers_of_two(codec)
     description = Description(
@@ -243,7 +246,7 @@ def _constant_ones(codec: Codec) -> Iterator[tuple[Place, int]]:
 
 
 def _column(field: Field, is_power: bool) -> Column:
-    """Return a field with the name of the operation that converts its bits."""
+    """Return a field with the operation that converts its bits. ``kind`` names it, and 0 may stand for a number."""
     column = Column(Name(field.name), field.low, field.width, power_of_two=is_power, scale=field.scale)
     match meaning_of(field):
         case Raw():
@@ -266,7 +269,7 @@ def _column(field: Field, is_power: bool) -> Column:
 
 
 def _check(check: PlannedCheck) -> Check:
-    """Return a check of the plan as data."""
+    """Return a check of the plan as data: the bits, and the values, the limits or the parity that they must have."""
     field, fault = check.field, check.fault
     match check:
         case AlwaysIs(value=value):
@@ -293,7 +296,7 @@ def _join(whole: Whole) -> Join:
 
 
 def _parity(parity_bit: Field, parity: ParityOf) -> Check:
-    """Return the parity that a parity bit must have."""
+    """Return the check that a parity bit matches the fields that it covers."""
     return Check(
         low=parity_bit.low,
         width=parity_bit.width,
@@ -309,7 +312,7 @@ def _places(fields: tuple[Field, ...]) -> tuple[Place, ...]:
 
 
 def _speaks(judgement: verdicts.Judgement) -> Iterator[Speaks]:
-    """Yield the causes of the verdict, those of the worst verdict first."""
+    """Yield the causes of the verdict as data, those of the worst verdict first."""
     for verdict, verdict_causes in judgement.worst_first:
         for verdict_cause in verdict_causes:
             cause = verdict_cause.by

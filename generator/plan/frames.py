@@ -54,7 +54,11 @@ class Dispatch:
 
 
 def dispatches(layouts: Sequence[Layout]) -> Iterator[Dispatch]:
-    """Yield a dispatch for each sender that sends more than one kind of frame on an interface."""
+    """Yield a dispatch for each sender on an interface whose frames are distinguished by a selector.
+
+    The first frame of a sender decides. If it has no selector, every frame of the sender is decoded as that one, and
+    there is nothing to distinguish.
+    """
     layouts_by_sender: dict[str, list[Layout]] = {}
     for layout in layouts:
         layouts_by_sender.setdefault(layout.sender, []).append(layout)
@@ -64,7 +68,10 @@ def dispatches(layouts: Sequence[Layout]) -> Iterator[Dispatch]:
 
 
 def _dispatch_of(sender: str, layouts: Sequence[Layout]) -> Dispatch:
-    """Return the dispatch of a sender. Frames after the first one without a selector are never chosen."""
+    """Return the dispatch of a sender. The first frame without a selector is the fallback.
+
+    Frames after the fallback are omitted, since it accepts all values that the frames before it do not.
+    """
     branches = []
     fallback = None
     for layout in layouts:
@@ -72,6 +79,7 @@ def _dispatch_of(sender: str, layouts: Sequence[Layout]) -> Dispatch:
             fallback = layout
             break
         branches.append(Branch(layout, layout.selects))
+    # The selector has the same position in all frames, so that of the first one applies.
     selector = layouts[0].field(layouts[0].selector)
     last_byte = max((piece.byte for piece in selector.pieces), default=0)
     return Dispatch(
@@ -93,7 +101,11 @@ class Reply:
 
 
 def reply_to(device: Device, interface: str, data_id: str) -> Reply | None:
-    """Return the encoder's reply to a request, or None if the spec has none."""
+    """Return the length and check of the encoder's reply to a request with a data ID.
+
+    Return None if the interface has no data IDs, the spec has no frame for the reply, or its length is not the same for
+    all order codes.
+    """
     rs485 = device.interface(interface)
     if not isinstance(rs485, Rs485):
         return None
@@ -106,7 +118,11 @@ def reply_to(device: Device, interface: str, data_id: str) -> Reply | None:
 
 
 def answer(interface: Rs485, data_id: int) -> Layout | None:
-    """Return the frame with which the encoder answers a data ID, or None if the spec has none."""
+    """Return the frame with which the encoder answers a data ID, or None if the spec has none.
+
+    It is the frame that the selector identifies by this ID, or the fallback. Without a selector, it is the only frame
+    that the encoder sends. Several frames without a selector are ambiguous, so the result is None.
+    """
     for dispatch in dispatches(interface.layouts):
         if dispatch.sender != "encoder":
             continue
@@ -144,9 +160,13 @@ def exchanges(interface: Interface) -> tuple[Exchanged, ...]:
 
 
 def _with_reply(exchange: Exchange, request: Layout, reply: Layout | None) -> Exchanged:
-    requested_byte = _contents_of_first_byte(request)
-    replied_byte = _contents_of_first_byte(reply) if reply is not None else frozenset()
-    repeats_first = bool(requested_byte) and requested_byte == replied_byte
+    """Return the exchange with its frames.
+
+    The reply repeats the first byte of the request if the same constants and fields have the same bits in both.
+    """
+    first_byte_of_request = _contents_of_first_byte(request)
+    first_byte_of_reply = _contents_of_first_byte(reply) if reply is not None else frozenset()
+    repeats_first = bool(first_byte_of_request) and first_byte_of_request == first_byte_of_reply
     return Exchanged(exchange=exchange, request=request, reply=reply, repeats_first=repeats_first)
 
 
@@ -161,7 +181,10 @@ class _ContentOfBits:
 
 
 def _contents_of_first_byte(layout: Layout) -> frozenset[_ContentOfBits]:
-    """Return the contents of the bits of the first byte, or nothing if some are neither data nor constant."""
+    """Return the contents of the first byte, or an empty set if any of its 8 bits is neither data nor constant.
+
+    The content is the value of a constant or the name of a data field.
+    """
     contents = []
     for field in layout.fields:
         if isinstance(field.kind, Constant):
@@ -209,7 +232,8 @@ class FrameSize:
 def received(device: Device, interface: Interface) -> Iterator[FrameSize]:
     """Yield the frames that the encoder sends as bits on this interface, by order code.
 
-    A frame whose length depends on a question that the manual leaves open is yielded once for each answer.
+    A frame whose length depends on a question that the manual leaves open is yielded once for each answer. Nothing is
+    yielded for an interface with a peripheral that receives bytes or words.
     """
     bits_around = _bits_around(interface)
     if bits_around is None:
@@ -228,13 +252,13 @@ def received(device: Device, interface: Interface) -> Iterator[FrameSize]:
         for variant, (answers, answered_parameters) in product(
             device.variants_over(interface.name), choices(questions)
         ):
-            bits = layout.sent_bits.value({**variant.parameters, **answered_parameters})
-            highest_bits = layout.widest if depends_on_registers else bits
+            length_in_bits = layout.sent_bits.value({**variant.parameters, **answered_parameters})
+            highest_bits = layout.widest if depends_on_registers else length_in_bits
             yield FrameSize(
                 variant=variant,
                 layout=layout,
-                bits=bits,
-                bytes=(bits_around + highest_bits + 7) // 8,
+                bits=length_in_bits,
+                bytes=(bits_around + highest_bits + 7) // 8,  # rounded up
                 depends_on_registers=depends_on_registers,
                 answers=answers,
             )
@@ -317,12 +341,15 @@ def held_parameters(device: Device) -> Iterator[HoldingRegister]:
         parameters_by_register.setdefault(parameter.register, []).append(parameter)
     for register_name, parameters in parameters_by_register.items():
         register = device.register(register_name)
-        placed_parameters = tuple(_held_parameter(register, parameter) for parameter in parameters)
-        yield HoldingRegister(register=register, parameters=placed_parameters)
+        held_in_register = tuple(_held_parameter(register, parameter) for parameter in parameters)
+        yield HoldingRegister(register=register, parameters=held_in_register)
 
 
 def _held_parameter(register: Register, parameter: Parameter) -> HeldParameter:
-    """Return a parameter with the bits of the register that hold it, and those of its limits that bits can exceed."""
+    """Return a parameter with the bits of the register that hold it, and its limits.
+
+    A limit is None if no value of the bits can exceed it, or if the bits are one of the parameter's codes.
+    """
     field = register.layout.field(parameter.field)
     bits = bits_of(register.layout, field)
     if parameter.by_code:
@@ -337,6 +364,7 @@ def _held_parameter(register: Register, parameter: Parameter) -> HeldParameter:
         )
     meaning = _unsigned_meaning(field)
     lowest_of_bits, highest_of_bits = 0, (1 << field.widest) - 1
+    # Bits that are 0 then stand for another number, so no value is below 1.
     if isinstance(meaning, ZeroMeans):
         lowest_of_bits, highest_of_bits = 1, max(highest_of_bits, meaning.number)
     low = parameter.min if parameter.min is not None and parameter.min > lowest_of_bits else None
@@ -353,7 +381,10 @@ def _held_parameter(register: Register, parameter: Parameter) -> HeldParameter:
 
 
 def _unsigned_meaning(field: Field) -> Raw | ZeroMeans:
-    """Return the meaning of bits that hold a parameter, which is never negative."""
+    """Return the conversion of bits to a parameter, which is never negative.
+
+    Apart from zero that stands for a number, the bits are the number itself.
+    """
     match meaning_of(field):
         case ZeroMeans() as meaning:
             return meaning

@@ -35,7 +35,7 @@ class Limits:
 
     @property
     def binding(self) -> tuple[tuple[str, Expression], ...]:
-        """``min`` and ``max``, each only if a value that fits can be outside it."""
+        """``("min", low)`` and ``("max", high)``, each only if a value that fits can be outside it."""
         binding_limits = []
         if self.low is not None and self.binds_low:
             binding_limits.append(("min", self.low))
@@ -45,7 +45,10 @@ class Limits:
 
 
 def limits_of(device: Device, register: Register, meaning: RegisterMeaning | None = None) -> Limits:
-    """Return the limits of a register, or of one of its meanings."""
+    """Return the limits of a register, or of one of its meanings.
+
+    ``binds_low`` and ``binds_high`` compare them with the numbers that fit in the bits, for every order code.
+    """
     low, high = (register.min, register.max) if meaning is None else (meaning.min, meaning.max)
     member = limited_member(register)
     fields = _limited_fields(register.layout, member)
@@ -57,6 +60,7 @@ def limits_of(device: Device, register: Register, meaning: RegisterMeaning | Non
     representable_ranges = []
     for variant in device.variants_over(register.interface):
         representable_ranges.append(_representable_range(width, signed, variant.parameters))
+    # 0 may encode a number that does not fit in the bits, such as 256 in 8 bits.
     zero_means = fields[0].number.zero_means if fields and not is_join else 0
     is_above_range = all(zero_means > representable.highest for representable in representable_ranges)
     return Limits(
@@ -223,7 +227,10 @@ Refusal = (
 
 
 def refusals(codec: Codec) -> Iterator[Refusal]:
-    """Yield the checks before encoding this layout, in order, without the limits of a register."""
+    """Yield the checks before encoding this layout, in the order of its fields, without the limits of a register.
+
+    The range of a position replaces the other checks of its field.
+    """
     range_checks = {check.field.name: check for check in codec.checks if isinstance(check, (NotAbove, IsBetween))}
     for part in codec.parts:
         match range_checks.get(part.field.name):
@@ -242,9 +249,9 @@ def powers_of_two(codec: Codec) -> frozenset[str]:
 
 
 def outside(codec: Codec, limits: Limits) -> OutsideLimits | None:
-    """Return the check of a register's limits if they apply to a member.
+    """Return the check of a register's limits if they apply to a member and a value that fits can be outside, or None.
 
-    A minimum of 1 is omitted if 0 is already rejected.
+    A minimum of 1 is omitted if 0 is already rejected: a field in which 0 encodes a number, or with powers of two.
     """
     if not limits.member:
         return None
@@ -279,10 +286,11 @@ def depends(refusal: Refusal) -> bool:
 
 def _field_refusals(layout: Layout, field: Field) -> Iterator[Refusal]:
     """Yield the checks of a field's value before it is encoded, without the range of a position."""
-    values = allowed_values(layout, field)
+    valid_values = allowed_values(layout, field)
     match field.kind:
-        case _ if values:
-            yield NotOneOf(field, values)
+        # A list of valid values, whatever the kind. A choice without one can have any value that fits.
+        case _ if valid_values:
+            yield NotOneOf(field, valid_values)
         case Number() as number:
             yield _number_refusal(field, number)
             if number.power_of_two:
@@ -301,6 +309,7 @@ def _field_refusals(layout: Layout, field: Field) -> Iterator[Refusal]:
 
 
 def _number_refusal(field: Field, number: Number) -> Refusal:
+    """Return the check that a number fits, as signed, as unsigned, or with 0 for another number."""
     if number.signed:
         return NotSigned(field)
     return NotZeroFor(field, number.zero_means) if number.zero_means else TooWide(field, field.width)

@@ -222,7 +222,7 @@ class Run:
 
     @cached_property
     def calls(self) -> tuple[Call, ...]:
-        """Return the operations that it needs from a master, without duplicates."""
+        """Operations that it needs from a master, without duplicates, in the order of ``Call``."""
         needed_calls = {call for operation in self.operations for call in operation.calls}
         return tuple(call for call in Call if call in needed_calls)
 
@@ -247,7 +247,7 @@ def run_of(device: Device, procedure: Procedure) -> Run:
 
 
 def _changes_frames(device: Device, write: Writes) -> bool:
-    """Return whether a write changes a parameter on which frames depend: one that a register holds at run time."""
+    """Return whether a write changes a parameter that a register holds at run time. Frames depend on these."""
     for parameter in device.run_time_parameters:
         writes_field = write.field is None or parameter.field == write.field.name
         if parameter.register == write.register.name and writes_field:
@@ -256,7 +256,7 @@ def _changes_frames(device: Device, write: Writes) -> bool:
 
 
 def _with_taught_parameters(device: Device, operations: Sequence[Operation]) -> Iterator[Operation]:
-    """Yield the operations, with the written parameters on which later limits depend."""
+    """Yield the operations. Those that write an argument to a whole register get ``teaches``, see ``Writes``."""
     for index, operation in enumerate(operations):
         if isinstance(operation, Writes) and operation.field is None and not isinstance(operation.value, FixedNumber):
             later_operations = operations[index + 1 :]
@@ -310,7 +310,7 @@ def _writes_same_place(write: Writes, earlier_write: Writes) -> bool:
 
 
 def _can_be_read_back(write: Writes) -> bool:
-    """Return whether the register still holds the written value afterwards, and its reserved bits can be masked."""
+    """Return whether a write can be verified: its register keeps the value, and its reserved bits have fixed places."""
     register = write.register
     unused_fields = [field for field in register.layout.fields if isinstance(field.kind, Unused)]
     has_fixed_unused_bits = all(field.is_fixed for field in unused_fields)
@@ -319,7 +319,7 @@ def _can_be_read_back(write: Writes) -> bool:
 
 
 def _meaningful_pieces(write: Writes) -> Iterator[Piece]:
-    """Yield the bytes with the written bits that have a meaning. Reserved bits can have any value when read."""
+    """Yield the pieces without reserved bits, which can have any value when read. A whole access keeps all bytes."""
     for piece in write.pieces:
         unused_in_piece = _unused_bits(write.register, piece.byte) >> piece.right
         meaningful_mask = piece.mask & ~unused_in_piece
@@ -335,7 +335,7 @@ def _unused_bits(register: Register, byte_index: int) -> int:
 
 
 def _operation_of_step(device: Device, procedure: Procedure, step: Step) -> Operation:
-    """Return the operation that a step of the manual is."""
+    """Return the operation of a step in the manual, with its register, its field and the bytes of these."""
     match step:
         case WaitStep():
             return Waits(step)
@@ -401,7 +401,7 @@ def _argument_of_source(value: Source) -> Argument | None:
 
 
 def _checked_argument(device: Device, argument: Argument, writes: Sequence[Writes]) -> CheckedArgument:
-    """Return an argument with those of the writes that write it, and the reasons to reject it."""
+    """Return an argument with the writes that use it, and the reasons to reject it, without duplicates."""
     writes_of_argument = tuple(write for write in writes if _argument_of_source(write.value) is argument)
     refusals: list[ArgumentRefusal] = []
     for write in writes_of_argument:
@@ -432,13 +432,13 @@ def _argument_refusals(device: Device, write: Writes, argument: Argument) -> Ite
 def field_refusals(
     device: Device, register: Register, field: Field, argument: Argument
 ) -> Iterator[TooWide | OutsideArgumentLimits | NotOneOf]:
-    """Yield the reasons to reject an argument for one field of a register. If a meaning is given, its limits apply."""
+    """Yield the reasons to reject an argument for one field: its width, the limits if they apply to it, its values."""
     yield TooWide(field, field.width)
     if argument.meant_as or limited_member(register) == field.name:
         yield from _limit_refusals(device, register, argument)
-    values = allowed_values(register.layout, field)
-    if values:
-        yield NotOneOf(field, values)
+    valid_values = allowed_values(register.layout, field)
+    if valid_values:
+        yield NotOneOf(field, valid_values)
 
 
 def _limit_refusals(device: Device, register: Register, argument: Argument) -> Iterator[OutsideArgumentLimits]:

@@ -41,7 +41,7 @@ def by_interface(device: Device, value: Callable[[Interface], T | None]) -> Case
             interfaces_by_value.setdefault(interface_value, []).append(interface.name)
             values_in_total += 1
     cases = [(case_value, tuple(names)) for case_value, names in interfaces_by_value.items()]
-    cases.sort(key=lambda case: len(case[1]))
+    cases.sort(key=lambda case: len(case[1]))  # by the number of interfaces
     return Cases(cases=tuple(cases), everywhere=values_in_total == len(device.interfaces))
 
 
@@ -64,9 +64,10 @@ class PositionRange:
 
 
 def position_ranges(device: Device, interface: Interface) -> tuple[PositionRange, ...]:
-    """Return the ranges of the position over an interface, or none without a measurement.
+    """Return the ranges of the position over an interface, or an empty tuple without a measurement.
 
-    There is only one unless the layouts differ.
+    Layouts share a range if ``_range_key`` is equal: the counts, the highest position, wrapping and the sign. If no
+    frame contains the position, all frames of the encoder share one range.
     """
     measurement = device.measurement_of(interface.name)
     if measurement is None:
@@ -81,17 +82,17 @@ def position_ranges(device: Device, interface: Interface) -> tuple[PositionRange
     ranges_by_key: dict[Hashable, PositionRange] = {}
     for layout in layouts_with_position:
         layout_range = _position_range(measurement, layout)
-        key = _range_key(layout_range)
-        earlier_range = ranges_by_key.get(key)
+        range_key = _range_key(layout_range)
+        earlier_range = ranges_by_key.get(range_key)
         if earlier_range is None:
-            ranges_by_key[key] = layout_range
+            ranges_by_key[range_key] = layout_range
         else:
-            ranges_by_key[key] = replace(earlier_range, layouts=(*earlier_range.layouts, layout))
+            ranges_by_key[range_key] = replace(earlier_range, layouts=(*earlier_range.layouts, layout))
     return tuple(ranges_by_key.values())
 
 
 def _position_range(measurement: Measurement, layout: Layout) -> PositionRange:
-    """Return the range of the position in one layout."""
+    """Return the range of the position in one layout, which the layout can narrow."""
     own_range = layout.position_range
     signed_fields = [field for field in layout.fields if field.name == measurement.of and field.number.signed]
     return PositionRange(
@@ -105,7 +106,7 @@ def _position_range(measurement: Measurement, layout: Layout) -> PositionRange:
 def _range_key(position_range: PositionRange) -> Hashable:
     """Return a key that is equal for layouts with the same range, whatever its sources.
 
-    If no highest position is known, the width of a signed field is its range.
+    If no highest position is known, the width of a signed field decides the range, and so is part of the key.
     """
     measurement, signed_field = position_range.measurement, position_range.signed_field
     deciding_width = None
@@ -125,35 +126,44 @@ def parameters_in_measurement(device: Device) -> frozenset[str]:
 
 
 def _equals_quantity(device: Device, parameter: Parameter) -> bool:
-    """Return whether a parameter equals the counts per revolution or the number of counts for every order code."""
+    """Return whether a parameter equals the counts per revolution or the number of counts for every order code.
+
+    It must equal the same of these two for all of them. Order codes without the parameter, or without a number of
+    counts, are ignored.
+    """
     equal_in_all: set[str] | None = None  # Quantities that equal the parameter for all order codes so far.
     for variant in device.variants:
         if parameter.interface not in ("", variant.interface):
             continue
-        value = variant.parameters.get(parameter.name)
+        parameter_value = variant.parameters.get(parameter.name)
         measurement = device.measurement_of(variant.interface)
         factors = counts(measurement) if measurement is not None else ()
-        if value is None or measurement is None or not factors:
+        if parameter_value is None or measurement is None or not factors:
             continue
+        # The quantity is not the same in all frames.
         if len(position_ranges(device, device.interface(variant.interface))) > 1:
             return False
+        # The order code alone does not determine the quantity.
         if any(name not in variant.parameters for factor in factors for name in factor.parameters):
             return False
         equal_quantities: set[str] = set()
         total = prod(factor.value(variant.parameters) for factor in factors)
-        counts_per_turn = total
+        counts_per_turn = total  # without revolutions
         if measurement.counts_per_turn is not None:
             counts_per_turn = measurement.counts_per_turn.value(variant.parameters)
-        if value == counts_per_turn:
+        if parameter_value == counts_per_turn:
             equal_quantities.add("counts per turn")
-        if value == total:
+        if parameter_value == total:
             equal_quantities.add("total")
         equal_in_all = equal_quantities if equal_in_all is None else equal_in_all & equal_quantities
     return bool(equal_in_all)
 
 
 def counts(measurement: Measurement) -> tuple[Expression, ...]:
-    """Return the factors of the number of counts after which a position wraps around, or none if it is unknown."""
+    """Return the factors of the number of counts after which a position wraps around.
+
+    Return an empty tuple if it is unknown. Factors that are 1 are omitted unless all are.
+    """
     if measurement.modulus is not None:
         return (measurement.modulus,)
     if measurement.counts_per_turn is None or measurement.turns is None:

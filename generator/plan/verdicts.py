@@ -86,7 +86,10 @@ class Judgement:
         return not self.judging_bits.is_constant
 
     def for_parameters(self, parameters: Mapping[str, int]) -> Judgement:
-        """Return the verdict for an order code with these parameters, without causes that its frames do not have."""
+        """Return the verdict for an order code with these parameters, without causes that its frames do not have.
+
+        If no bit of its frames judges the position, the verdict is UNKNOWN, which is worse than a warning.
+        """
         not_usable = tuple(cause for cause in self.not_usable if _has_bits(cause.by, parameters))
         if self.judging_bits.value(parameters) == 0:
             return Judgement(
@@ -99,7 +102,7 @@ class Judgement:
 
     @property
     def worst_first(self) -> tuple[tuple[Verdict, tuple[VerdictCause, ...]], ...]:
-        """Return the verdicts with their causes, worst first."""
+        """Verdicts that have causes, worst first, each with its causes."""
         verdicts_with_causes = []
         if self.not_usable:
             verdicts_with_causes.append((Verdict.NOT_USABLE, self.not_usable))
@@ -109,7 +112,10 @@ class Judgement:
 
 
 def _has_bits(cause: Cause, parameters: Mapping[str, int]) -> bool:
-    """Return whether the frames of an order code with these parameters have the bits of a cause."""
+    """Return whether the frames of an order code with these parameters have all bits of a cause.
+
+    The order code lacks a field whose width is 0.
+    """
     if isinstance(cause, Match):
         bits_of_cause = [part.bits for part, _ in cause.conditions]
     else:
@@ -118,13 +124,17 @@ def _has_bits(cause: Cause, parameters: Mapping[str, int]) -> bool:
 
 
 def judgement_of(codec: Codec) -> Judgement:
-    """Return the verdict on the position of a frame, with everything that it depends on."""
+    """Return the verdict on the position of a frame, with everything that it depends on.
+
+    If no order code has bits that judge the position, the verdict without an active cause is UNKNOWN. Causes of
+    warnings are then omitted, since UNKNOWN is worse.
+    """
     causes_by_verdict: dict[Verdict, list[VerdictCause]] = {verdict: [] for verdict in Verdict}
-    parts = {part.field.name: part for part in codec.parts}
+    part_by_name = {part.field.name: part for part in codec.parts}
     for cause in verdict_causes(codec):
         match cause.field.kind:
             case Flag():
-                for verdict, verdict_cause in _verdicts_of_flag(cause, parts):
+                for verdict, verdict_cause in _verdicts_of_flag(cause, part_by_name):
                     causes_by_verdict[verdict].append(verdict_cause)
             case Unused(makes_position=verdict):
                 causes_by_verdict[verdict].append(VerdictCause(cause, unless=()))
@@ -143,7 +153,10 @@ def judgement_of(codec: Codec) -> Judgement:
 
 
 def _verdicts_of_flag(cause: Cause, parts: Mapping[str, Part]) -> Iterator[tuple[Verdict, VerdictCause]]:
-    """Yield the verdicts to which a flag leads, each with its conditions on the order code and the user's answer."""
+    """Yield the verdicts to which a flag leads, each with its conditions on the order code and the user's answer.
+
+    A flag that combines others does not count while one of these is active (``unless``), since that one decides.
+    """
     for flag, only in _flag_by_order_code(cause.field):
         summed_parts = [parts[name] for name in flag.sums_up if name in parts]
         for verdict, chosen in _verdict_by_answer(flag):
@@ -153,19 +166,27 @@ def _verdicts_of_flag(cause: Cause, parts: Mapping[str, Part]) -> Iterator[tuple
 
 
 def _flag_by_order_code(field: Field) -> Iterator[tuple[Flag, Only | None]]:
-    """Yield the flag for each group of order codes with its own verdict, or once if all have the same verdict."""
-    flags = [(variant_field.kind, only) for variant_field, only in by_code(field)]
-    coded_flags = [(flag, only) for flag, only in flags if isinstance(flag, Flag)]
-    verdict_properties = {(flag.makes_position, flag.sums_up, flag.verdict_if_set) for flag, _ in coded_flags}
+    """Yield a flag with the order codes for which it leads to its verdict, or with None for all of them.
+
+    A flag that the manual explains only for some order codes is yielded twice, as explained and as unexplained, unless
+    both have the same verdicts and combine the same flags.
+    """
+    kinds_by_codes = [(variant_field.kind, only) for variant_field, only in by_code(field)]
+    # All of them are flags. The check is for the types.
+    flags_by_codes = [(kind, only) for kind, only in kinds_by_codes if isinstance(kind, Flag)]
+    verdict_properties = {(flag.makes_position, flag.sums_up, flag.verdict_if_set) for flag, _ in flags_by_codes}
     if len(verdict_properties) == 1:
-        first_flag, _ = coded_flags[0]
+        first_flag, _ = flags_by_codes[0]
         yield first_flag, None
     else:
-        yield from coded_flags
+        yield from flags_by_codes
 
 
 def _verdict_by_answer(flag: Flag) -> Iterator[tuple[Verdict, Only | None]]:
-    """Yield the verdicts of a flag, each with the condition on the answer that decides it."""
+    """Yield the verdicts of a flag, each with the condition on the user's answer, or with None if it always applies.
+
+    A flag in a frame without the position has none.
+    """
     if flag.makes_position is None:
         return
     if flag.verdict_if_set is None:
@@ -176,19 +197,25 @@ def _verdict_by_answer(flag: Flag) -> Iterator[tuple[Verdict, Only | None]]:
 
 
 def _always_leads_to(part: Part, verdict: Verdict, parts: Mapping[str, Part]) -> bool:
-    """Return whether a flag leads to ``verdict`` or a worse one, whatever the order code and the answers are."""
+    """Return whether a flag leads to ``verdict`` or a worse one, whatever the order code and the answers are.
+
+    Return false if the flag combines others of the frame, since it then has no verdict while one of them is active.
+    """
     flag = part.field.kind
     if not isinstance(flag, Flag) or flag.makes_position is None:
         return False
     has_conditions = bool(flag.only_while) or flag.verdict_if_set is not None
     has_summed_parts = not parts.keys().isdisjoint(flag.sums_up)
-    worst_first = list(Verdict)
+    worst_first = list(Verdict)  # The enumeration lists the verdicts from the worst to the best.
     is_as_bad = worst_first.index(flag.makes_position) <= worst_first.index(verdict)
     return is_as_bad and not has_conditions and not has_summed_parts
 
 
 def verdict_of(field: Field) -> Verdict | None:
-    """Return the verdict on the position while a flag is active or unused bits differ, or None without a position."""
+    """Return the verdict on the position while a flag is active or unused bits differ.
+
+    Return None for all other fields, and for those in a frame without the position.
+    """
     match field.kind:
         case Flag(makes_position=verdict) | Unused(makes_position=verdict):
             return verdict
@@ -199,16 +226,23 @@ def verdict_of(field: Field) -> Verdict | None:
 
 
 def verdict_causes(codec: Codec) -> Iterator[Cause]:
-    """Yield the flags, the reserved bits, and the values of a frame that can decide its verdict."""
+    """Yield the flags and the reserved bits of a frame, and the values that decide its verdict like a flag.
+
+    Flags without a verdict are included.
+    """
     yield from (part for part in codec.parts if isinstance(part.field.kind, Flag))
     yield from codec.reserved
-    parts = {part.field.name: part for part in codec.parts}
+    part_by_name = {part.field.name: part for part in codec.parts}
     for sign in codec.layout.signs:
-        yield Match(sign.flag, tuple((parts[name], value) for name, value in sign.conditions))
+        yield Match(sign.flag, tuple((part_by_name[name], value) for name, value in sign.conditions))
 
 
 def by_code(field: Field) -> Iterator[tuple[Field, Only | None]]:
-    """Yield the field. If the manual explains it only for some order codes, yield a separate one for the others."""
+    """Yield the field with the order codes for which it applies, or with None for all of them.
+
+    If the manual explains a flag only for some order codes, yield it with these, and then the unexplained flag with the
+    others.
+    """
     match field.kind:
         case Flag(only_while=parameter, only=codes) if parameter:
             yield field, Only(parameter, holds=True, codes=codes)
@@ -218,7 +252,7 @@ def by_code(field: Field) -> Iterator[tuple[Field, Only | None]]:
 
 
 def unexplained(field: Field) -> Field:
-    """Return a flag as it is for order codes for which the manual does not explain it."""
+    """Return a flag such as ``overheat``, named ``overheat_unexplained``, for order codes without an explanation."""
     return replace(field.unexplained, name=f"{field.name}_unexplained")
 
 
@@ -275,7 +309,8 @@ class Reporting:
 def reports_of(device: Device) -> tuple[Report, ...]:
     """Return all reports in the frames of a family, in the same order as in the spec.
 
-    Flags with the same name and meaning are one report. Otherwise the interface or the frame precedes the name.
+    Fields with the same name are one report if they also have the same kind, group and meaning. Otherwise the interface
+    or the frame precedes the name.
     """
     return tuple(dict.fromkeys(_reports(device).values()))
 
@@ -296,11 +331,13 @@ def reportings(device: Device) -> Iterator[Reporting]:
 
 
 def _sent_layouts(device: Device) -> Iterator[tuple[Interface, Layout]]:
+    """Yield the layouts of the frames that the encoder sends, each with its interface."""
     return ((interface, layout) for interface, layout in device.layouts() if layout.sender == "encoder")
 
 
 def explained(field: Field) -> Only | None:
     """Return the order codes for which the manual explains a flag, or None if it does so for all."""
+    # The first of them is the field as the manual explains it.
     _, explained_codes = next(by_code(field))
     return explained_codes
 
@@ -311,7 +348,10 @@ def sums_up(field: Field) -> tuple[str, ...]:
 
 
 def _is_reported(field: Field) -> bool:
-    """Return whether the field reports a problem. Those that leave the position usable do not."""
+    """Return whether the field reports a problem: a flag or reserved bits, unless they leave the position usable.
+
+    Those in a frame without the position have no verdict, and are reported.
+    """
     return isinstance(field.kind, (Flag, Unused)) and field.kind.makes_position is not Verdict.USABLE
 
 
@@ -342,6 +382,7 @@ def _reported_fields(device: Device) -> list[_ReportedField]:
     for interface, layout in _sent_layouts(device):
         for field, only in _fields_by_code(layout):
             reported_field = _ReportedField(interface.name, layout.name, field)
+            # ``holds`` is true for the order codes for which the manual explains the flag.
             if only is None or only.holds:
                 explained_fields.append(reported_field)
             else:
@@ -350,13 +391,19 @@ def _reported_fields(device: Device) -> list[_ReportedField]:
 
 
 def _reports(device: Device) -> Mapping[tuple[str, str], Report]:
-    """Return the reports by frame and field. Fields with the same name and meaning share a report."""
+    """Return the reports by the names of frame and field: ``{("status_frame", "overheat"): Report(...)}``.
+
+    Fields share a report if their report names are equal. ``_report_name`` gives them the name of the field if all
+    reported fields with this name have the same kind, group and meaning. Otherwise the name of the interface precedes
+    it, or if that is still ambiguous, the name of the frame.
+    """
     reported_fields = _reported_fields(device)
+    # By both candidates for a report name: that of the field, and that with the interface.
     meanings_by_name: dict[str, set[object]] = {}
     for reported in reported_fields:
-        for name in (reported.field.name, reported.name_with_interface):
+        for candidate_name in (reported.field.name, reported.name_with_interface):
             meaning = (reported.field.kind, reported.field.group, reported.field.meaning)
-            meanings_by_name.setdefault(name, set()).add(meaning)
+            meanings_by_name.setdefault(candidate_name, set()).add(meaning)
     reports_by_field: dict[tuple[str, str], Report] = {}
     reports_by_name: dict[str, Report] = {}
     for reported in reported_fields:
@@ -368,8 +415,11 @@ def _reports(device: Device) -> Mapping[tuple[str, str], Report]:
 
 
 def _report_name(reported: _ReportedField, meanings_by_name: Mapping[str, set[object]]) -> str:
-    """Return the shortest name with a single meaning: that of the field, preceded by the interface or the frame."""
-    for name in (reported.field.name, reported.name_with_interface):
-        if len(meanings_by_name[name]) == 1:
-            return name
+    """Return the first of these names with a single meaning: ``overheat``, ``biss_overheat``, ``status_overheat``.
+
+    They are the name of the field alone, with that of the interface, and with that of the frame.
+    """
+    for candidate_name in (reported.field.name, reported.name_with_interface):
+        if len(meanings_by_name[candidate_name]) == 1:
+            return candidate_name
     return f"{reported.frame}_{reported.field.name}"

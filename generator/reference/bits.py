@@ -81,7 +81,7 @@ def unused_bits(placed: PlacedLayout, number: int) -> int:
 
 
 def documented_bits(placed_field: PlacedField) -> int:
-    """Return the documented value of an unused field, cut to the width of the field for this order code."""
+    """Return the documented value of an unused field, cut to its width for this order code, or 0 for other fields."""
     kind = placed_field.field.kind
     if not isinstance(kind, Unused):
         return 0
@@ -89,7 +89,10 @@ def documented_bits(placed_field: PlacedField) -> int:
 
 
 def parity_bit(placed: PlacedLayout, parity: Parity, number: int) -> int:
-    """Return the parity bit that matches the other bits of the frame ``number``."""
+    """Return the parity bit that matches the other bits of the frame ``number``.
+
+    It covers the bits in ``mask`` of each of the fields ``of``.
+    """
     ones = 0
     for placed_field in placed.find_fields(parity.of):
         value = (number >> placed_field.low) & placed_field.mask
@@ -121,7 +124,10 @@ def binary_to_gray(binary: int) -> int:
 
 
 def from_gray(placed: PlacedLayout, number: int) -> int:
-    """Return the frame ``number`` with the fields that are sent in Gray code, if any, converted to binary."""
+    """Return the frame ``number`` with the fields that are sent in Gray code, if any, converted to binary.
+
+    The excess, which the encoder adds before it converts, is subtracted.
+    """
 
     def to_plain_binary(gray: int) -> int:
         return gray_to_binary(gray) - placed.gray_excess
@@ -130,7 +136,10 @@ def from_gray(placed: PlacedLayout, number: int) -> int:
 
 
 def to_gray(placed: PlacedLayout, number: int) -> int:
-    """Return the frame ``number`` with the fields that are sent in Gray code, if any, converted from binary."""
+    """Return the frame ``number`` with the fields that are sent in Gray code, if any, converted from binary.
+
+    The excess is added first.
+    """
     _, width = placed.place_of(placed.layout.gray_of)
     mask = (1 << width) - 1
 
@@ -158,7 +167,10 @@ def compute(crc: Crc, placed: PlacedLayout, number: int) -> int:
 
 
 def covered_bits(crc: Crc, placed: PlacedLayout, number: int) -> tuple[int, int]:
-    """Return the bits that the CRC covers as a number, in the order in which it processes them, and how many."""
+    """Return the bits that the CRC covers as a number, in the order in which it processes them, and how many.
+
+    In a frame of bytes, these are all bytes before the CRC, which are the last ones.
+    """
     if placed.layout.crc_covers_bytes:
         data = number_to_bytes(placed.layout, number, placed.bits)
         crc_length = crc.width // 8

@@ -90,7 +90,11 @@ class Decoded:
 def select(
     device: Device, variant: Variant, sender: str, data: bytes
 ) -> tuple[PlacedLayout | None, tuple[Problem, ...]]:
-    """Return the layout of ``data``, identified by the selector field, or the reason why there is none."""
+    """Return the layout of ``data`` and no problems, or None and the reason why there is none.
+
+    It is the first layout of the sender with the selector value in ``data``. A layout without a selector accepts any
+    data.
+    """
     layouts = [layout for layout in device.interface(variant.interface).layouts if layout.sender == sender]
     if not layouts:
         return None, (Problem(Fault.RANGE, field="", message=f"the {sender} sends no frames on this interface"),)
@@ -113,7 +117,10 @@ def select(
 
 
 def _selector_value(placed: PlacedLayout, data: bytes) -> int | None:
-    """Return the value of the selector field, or None if ``data`` ends before it. Data after it is not looked at."""
+    """Return the value of the selector field, or None if ``data`` ends before it, or the order code has no selector.
+
+    The bytes after the selector are ignored, so the frame may be incomplete or too long.
+    """
     selector = placed.find_field(placed.layout.selector)
     if selector is None:
         return None
@@ -121,6 +128,7 @@ def _selector_value(placed: PlacedLayout, data: bytes) -> int | None:
         needed_length = selector.high // 8 + 1
         missing_low_bits = 0
     else:
+        # The ignored bytes are the low bits of the frame. Without them, the selector is that much lower.
         needed_length = (placed.bits - selector.low + 7) // 8
         missing_low_bits = placed.bits - 8 * needed_length
     if len(data) < needed_length:
@@ -160,7 +168,10 @@ def _of_wrong_length(placed: PlacedLayout, number: int, needed_length: str, actu
 
 
 def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
-    """Decode ``number`` into all fields and the CRC, and find all errors."""
+    """Decode ``number``, the frame as it is sent, into all fields and the CRC, and find all errors.
+
+    Errors are in the order of ``Fault``. A number with more bits than the frame has the wrong length.
+    """
     if number >> placed.bits:
         return _of_wrong_length(placed, number, f"{placed.bits} bits", number.bit_length())
     problems: list[Problem] = []
@@ -179,8 +190,10 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
         problems.append(Problem(Fault.CRC, _name_of_crc_field(placed), message))
     fields += [_decode_join(placed, join, number, binary_number) for join in placed.layout.joins]
     if placed.layout.has_unused:
-        bits = unused_bits(placed, number)
-        fields.append(_computed_field(UNUSED, bits, bits, "unused bits that differ from the manual"))
+        differing_bits = unused_bits(placed, number)
+        fields.append(
+            _computed_field(UNUSED, differing_bits, differing_bits, "unused bits that differ from the manual")
+        )
     problems.sort(key=lambda problem: list(Fault).index(problem.fault))
     return Decoded(layout=placed, number=number, fields=tuple(fields), crc=crc, problems=tuple(problems))
 
@@ -188,7 +201,10 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
 def _problems_with_other_fields(
     placed: PlacedLayout, placed_field: PlacedField, sent_value: int, number: int
 ) -> Iterator[Problem]:
-    """Yield the problem of a parity bit that is wrong in the frame ``number``, or of a selector of another layout."""
+    """Yield the problem of a parity bit that is wrong in the frame ``number``, or of a selector of another layout.
+
+    The parity bit covers the bits as they are sent, so ``sent_value`` may be in Gray code.
+    """
     name, kind = placed_field.name, placed_field.field.kind
     if isinstance(kind, Parity):
         correct_bit = parity_bit(placed, kind, number)
@@ -200,7 +216,10 @@ def _problems_with_other_fields(
 
 
 def _problems_of_position(device: Device, placed: PlacedLayout, binary_number: int) -> Iterator[Problem]:
-    """Yield the problem if the frame has a position that this encoder does not have."""
+    """Yield the problem if the frame has a position that this encoder does not have.
+
+    ``binary_number`` is the frame with its Gray code converted to binary.
+    """
     position_range = device.range_in(placed.layout)
     if position_range is None:
         return
@@ -214,7 +233,7 @@ def _problems_of_position(device: Device, placed: PlacedLayout, binary_number: i
 
 
 def _range_message(position_range: PositionRange, placed_field: PlacedField, raw: int, placed: PlacedLayout) -> str:
-    """Return the error if the encoder does not have this position, or an empty string."""
+    """Return the error message if the encoder does not have this position, or an empty string if it does."""
     lowest = position_range.lowest.value(placed.parameters)
     highest = position_range.highest.value(placed.parameters)
     position = signed_or_plain(placed_field.field.number, raw, placed_field.width)
@@ -239,7 +258,10 @@ def _name_of_crc_field(placed: PlacedLayout) -> str:
 
 
 def _decode_join(placed: PlacedLayout, join: Join, number: int, binary_number: int) -> DecodedField:
-    """Return fields that form one number, such as multiturn and singleturn, as one field."""
+    """Return fields that form one number, such as multiturn and singleturn, as one field.
+
+    ``number`` is the frame as it is sent, and ``binary_number`` the frame with its Gray code converted to binary.
+    """
     field_names = " and ".join(field.name for field in placed.find_fields(join.fields))
     meaning = as_one_number(field_names) if len(join.fields) > 1 else ""
     value = join_value(placed, join, binary_number)
@@ -248,12 +270,15 @@ def _decode_join(placed: PlacedLayout, join: Join, number: int, binary_number: i
 
 
 def _computed_field(name: str, raw: int, value: int, meaning: str) -> DecodedField:
-    """Return a field that is computed from several others, and so has no bit positions."""
+    """Return a field that is computed from several others. Its bit positions are -1, since it has none of its own."""
     return DecodedField(name, raw=raw, value=value, unit="", meaning=meaning, high=-1, low=-1)
 
 
 def _decode_field(placed_field: PlacedField, sent_value: int, binary_value: int) -> Iterator[DecodedField]:
-    """Yield a decoded field, and then each run of its digits. ``sent_value`` may be in Gray code."""
+    """Yield a decoded field, and then each run of its decimal digits.
+
+    ``sent_value`` may be in Gray code. ``binary_value`` is the same value in binary.
+    """
     field, high, low = placed_field.field, placed_field.high, placed_field.low
     value, meaning = value_and_meaning(field, binary_value, placed_field.width)
     yield DecodedField(field.name, sent_value, value, field.unit, meaning, high, low, field.scale)
@@ -281,7 +306,7 @@ def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
     """Encode these values.
 
     Constants, parity and CRC are filled in. The value of a join can replace those of its fields. Unused bits are as in
-    the manual, except for those that ``unused`` inverts.
+    the manual, except for those that the value ``unused`` inverts.
 
     Raises:
         EncodeError: A value is missing, unknown, or does not fit.
@@ -291,25 +316,30 @@ def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
         if join.name in field_values:
             joined_value = checked_number(field_values.pop(join.name))
             field_values |= _split_join(placed, join, joined_value, field_values)
-    number = _encode_fields(device, placed, field_values)
+    frame_bits = _encode_fields(device, placed, field_values)
     if placed.layout.unused:
         inverted_bits = checked_number(field_values.pop(UNUSED, 0))
-        number |= _encode_unused(placed, inverted_bits)
+        frame_bits |= _encode_unused(placed, inverted_bits)
+    # What remains are names of fields: joins and ``unused`` have been removed.
     _check_names(placed, field_values)
-    number = to_gray(placed, number)
+    frame_bits = to_gray(placed, frame_bits)
     # The parity comes before the CRC, which covers it.
     for placed_field in placed.fields:
         if isinstance(placed_field.field.kind, Parity):
-            number |= parity_bit(placed, placed_field.field.kind, number) << placed_field.low
+            frame_bits |= parity_bit(placed, placed_field.field.kind, frame_bits) << placed_field.low
     crc_field, crc = placed.crc_field, device.crc_of(placed)
     if crc_field is not None and crc is not None:
-        number |= compute(crc, placed, number) << crc_field.low
-    return number
+        frame_bits |= compute(crc, placed, frame_bits) << crc_field.low
+    return frame_bits
 
 
 def _encode_fields(device: Device, placed: PlacedLayout, values: Values) -> int:
-    """Return the bits of all fields except parity, CRC and unused ones."""
-    number = 0
+    """Return the bits of all fields at their positions in the frame. Parity, CRC and unused bits are still 0.
+
+    Raises:
+        EncodeError: A value is missing, or does not fit, or the encoder does not have this position.
+    """
+    frame_bits = 0
     position_range = device.range_in(placed.layout)
     for placed_field in placed.fields:
         raw = _encode_field(placed, placed_field, values)
@@ -317,12 +347,16 @@ def _encode_fields(device: Device, placed: PlacedLayout, values: Values) -> int:
             problem = _range_message(position_range, placed_field, raw, placed)
             if problem:
                 raise EncodeError(problem)
-        number |= raw << placed_field.low
-    return number
+        frame_bits |= raw << placed_field.low
+    return frame_bits
 
 
 def _check_names(placed: PlacedLayout, values: Values) -> None:
-    """Check that each value belongs to a field, and that the fields that this order code lacks have none."""
+    """Check that each value belongs to a field, and that the fields that this order code lacks have none but 0.
+
+    Raises:
+        EncodeError: A name is unknown, or this order code has no such field.
+    """
     known_names: set[str] = set()
     for field in placed.layout.fields:
         known_names.add(field.name)
@@ -331,27 +365,43 @@ def _check_names(placed: PlacedLayout, values: Values) -> None:
         if name not in known_names:
             raise EncodeError(f"there is no field '{name}' in {placed.name}")
     for field in placed.layout.fields:
+        # The layout is that of all order codes. ``placed`` has the fields of this one.
         if values.get(field.name) and placed.find_field(field.name) is None:
             raise EncodeError(f"{field.name} {values[field.name]} does not fit: this order code has no such field")
 
 
 def _encode_unused(placed: PlacedLayout, inverted_bits: int) -> int:
-    """Return the unused bits at their positions in the frame: as in the manual, with ``inverted_bits`` inverted."""
-    number = 0
-    excess_bits = inverted_bits
-    for placed_field, low_bit in placed.unused:
-        inverted_in_field = (inverted_bits >> low_bit) & placed_field.mask
-        number |= (documented_bits(placed_field) ^ inverted_in_field) << placed_field.low
-        excess_bits &= ~(placed_field.mask << low_bit)
-    if excess_bits:
-        raise EncodeError(f"'{UNUSED}' has the bits {excess_bits:#x}, which are not unused bits of {placed.name}")
-    return number
+    """Return the unused bits at their positions in the frame: as in the manual, with some of them inverted.
+
+    ``inverted_bits`` is the number ``unused`` of a decoded frame, in which the unused fields are packed and each bit
+    that differs from the manual is 1.
+
+    Raises:
+        EncodeError: ``inverted_bits`` has bits that belong to no unused field.
+    """
+    frame_bits = 0
+    bits_of_no_field = inverted_bits
+    # ``low_in_unused`` is the field's lowest bit in ``inverted_bits``, and ``placed_field.low`` that in the frame.
+    for placed_field, low_in_unused in placed.unused:
+        inverted_in_field = (inverted_bits >> low_in_unused) & placed_field.mask
+        frame_bits |= (documented_bits(placed_field) ^ inverted_in_field) << placed_field.low
+        bits_of_no_field &= ~(placed_field.mask << low_in_unused)
+    if bits_of_no_field:
+        raise EncodeError(f"'{UNUSED}' has the bits {bits_of_no_field:#x}, which are not unused bits of {placed.name}")
+    return frame_bits
 
 
 def _split_join(placed: PlacedLayout, join: Join, joined_value: int, values: Values) -> dict[str, int]:
-    """Return the value of each field of a join. Values of these fields in ``values`` must be the same."""
+    """Return the value of each field of a join, by name. Values of these fields in ``values`` must be the same.
+
+    Fields that this order code lacks are 0.
+
+    Raises:
+        EncodeError: The value does not fit in the fields, or differs from theirs.
+    """
     value_by_field: dict[str, int] = {}
     remaining_bits = joined_value
+    # From the least significant field on.
     for name in reversed(join.fields):
         placed_field = placed.find_field(name)
         width = placed_field.width if placed_field is not None else 0
@@ -366,7 +416,10 @@ def _split_join(placed: PlacedLayout, join: Join, joined_value: int, values: Val
 
 
 def _encode_field(placed: PlacedLayout, placed_field: PlacedField, values: Values) -> int:
-    """Return the bits of one field. CRC and parity are computed later from the others."""
+    """Return the bits of one field, shifted down to bit 0. A selector with a single value needs none from the caller.
+
+    Return 0 for CRC and parity, which are computed later from the others, and for unused bits, which are added later.
+    """
     name, kind = placed_field.name, placed_field.field.kind
     if isinstance(kind, Constant):
         return kind.value

@@ -67,9 +67,13 @@ class Findings:
 
 
 def findings(device: Device, variant: Variant, decoded: Decoded) -> Findings:
-    """Return the findings in ``decoded``. An invalid frame has no findings, since none of its bits can be trusted."""
+    """Return the findings in ``decoded``, a frame of the encoder or a register.
+
+    An invalid frame has no findings, since none of its bits can be trusted. A frame of the master has none either.
+    """
     if decoded.problems or decoded.layout is None or decoded.layout.layout.sender == "master":
         return Findings()
+    # A layout without a sender is that of a register.
     layout = decoded.layout.layout
     decoded_fields = {field.name: field for field in decoded.fields}
     active_fields = _active_fields(decoded.layout, decoded_fields)
@@ -85,7 +89,10 @@ def findings(device: Device, variant: Variant, decoded: Decoded) -> Findings:
 
 
 def _active_fields(placed: PlacedLayout, decoded_fields: Mapping[str, DecodedField]) -> list[Field]:
-    """Return the active flags, the unused bits that differ from the manual, and the flags of active signs."""
+    """Return the active flags, the unused bits that differ from the manual, and the flags of active signs.
+
+    A sign is a combination of values with a verdict, like that of a flag. Registers have none.
+    """
     active_fields: list[Field] = []
     for placed_field in placed.fields:
         if _is_active_field(placed_field, decoded_fields[placed_field.name]):
@@ -106,7 +113,7 @@ def _reports_of_frame(device: Device, variant: Variant, active_fields: Sequence[
 def _reports_of_register(
     device: Device, variant: Variant, active_fields: Sequence[Field], register: str
 ) -> Iterator[Report]:
-    """Yield a report for each flag that is an alarm of the manual. Other flags may mean anything, such as "ready"."""
+    """Yield a report for each active field that is an alarm of the manual. Other flags may mean "ready" or the like."""
     for field in active_fields:
         alarm = _alarm_for(device, variant, field, register)
         if alarm is not None:
@@ -114,7 +121,10 @@ def _reports_of_register(
 
 
 def _alarm_for(device: Device, variant: Variant, field: Field, register: str) -> Alarm | None:
-    """Return the alarm of a flag if the manual has one for this order code. In a frame, ``register`` is empty."""
+    """Return the alarm of a flag, or None if the manual has none for this order code.
+
+    In a frame, ``register`` is empty.
+    """
     alarm = alarm_of(device, field, register)
     if alarm is None or not fits(alarm.only, variant.code):
         return None
@@ -122,7 +132,7 @@ def _alarm_for(device: Device, variant: Variant, field: Field, register: str) ->
 
 
 def _is_active_field(placed_field: PlacedField, decoded_field: DecodedField) -> bool:
-    """Return whether a flag is active or unused bits differ from the manual."""
+    """Return whether a flag is active or unused bits differ from the manual. No other field is ever active."""
     match placed_field.field.kind:
         case Flag():
             return bool(decoded_field.value)
@@ -166,7 +176,10 @@ def _report(field: Field, alarm: Alarm | None) -> Report:
 
 
 def _verdict(placed: PlacedLayout, active_fields: Sequence[Field]) -> Verdict:
-    """Return the worst verdict of the active fields, or that of the layout if none of them has one."""
+    """Return the worst verdict of the layout and the active fields.
+
+    The layout has UNKNOWN if no bit of its frames judges the position, and else USABLE.
+    """
     active_names = {field.name for field in active_fields}
     verdicts = [Verdict.USABLE if placed.tells_validity else Verdict.UNKNOWN]
     for field in active_fields:
@@ -189,6 +202,7 @@ def _differences(
         if documented is None:
             continue
         decoded_field = decoded_fields[placed_field.name]
+        # A documented string is a text or the name of a value. A number is that of the bits.
         actual = decoded_field.value if isinstance(documented, str) else decoded_field.raw
         if actual != documented:
             yield Difference(
@@ -234,7 +248,10 @@ def _addresses(register: Register) -> range:
 
 
 def compare_held(device: Device, variant: Variant, bytes_by_address: Mapping[int, int]) -> tuple[Difference, ...]:
-    """Return the registers whose contents contradict this order code. Other addresses are unknown."""
+    """Return the registers whose contents contradict this order code.
+
+    Bytes at addresses that ``bytes_by_address`` does not contain are unknown, and contradict nothing.
+    """
     differences: list[Difference] = []
     for register in _identity_registers(device, variant):
         differences += _compare_register(variant, register, bytes_by_address)
@@ -244,11 +261,14 @@ def compare_held(device: Device, variant: Variant, bytes_by_address: Mapping[int
 def _compare_register(
     variant: Variant, register: Register, bytes_by_address: Mapping[int, int]
 ) -> Iterator[Difference]:
-    """Yield the fields of a register whose known bytes are not those of the order code."""
+    """Yield the fields of a register whose known bytes are not those of the order code.
+
+    The message shows the whole field in hexadecimal, or dots for digits that are unknown.
+    """
     placed = register.layout.place(variant.parameters)
     register_bytes = bytes(bytes_by_address.get(address, 0) for address in _addresses(register))
     byte_masks = bytes(0xFF if address in bytes_by_address else 0 for address in _addresses(register))
-    number = number_from_bytes(register.layout, register_bytes)
+    content = number_from_bytes(register.layout, register_bytes)
     known_mask = number_from_bytes(register.layout, byte_masks)
     for placed_field in placed.fields:
         documented = placed_field.field.documented(variant.parameters)
@@ -256,7 +276,7 @@ def _compare_register(
             continue
         documented_bits = number_of_text(documented) if isinstance(documented, str) else documented
         known_bits = (known_mask >> placed_field.low) & placed_field.mask
-        actual_bits = (number >> placed_field.low) & known_bits
+        actual_bits = (content >> placed_field.low) & known_bits
         if actual_bits == documented_bits & known_bits:
             continue
         path = f"{register.name}.{placed_field.name}" if len(placed.fields) > 1 else register.name
@@ -272,7 +292,7 @@ def _compare_register(
 def _known_digits(value: int, known_bits: int, width: int) -> str:
     """Return the hexadecimal digits of a field, with dots for unknown digits, such as ``..A3h``."""
     digits = ""
-    highest_digit_shift = (width - 1) // 4 * 4
+    highest_digit_shift = (width - 1) // 4 * 4  # A digit is 4 bits. The highest one may have fewer.
     for shift in range(highest_digit_shift, -1, -4):
         is_known = (known_bits >> shift) & 0xF != 0
         digits += f"{(value >> shift) & 0xF:X}" if is_known else "."
@@ -280,7 +300,10 @@ def _known_digits(value: int, known_bits: int, width: int) -> str:
 
 
 def strange_values(device: Device, decoded: Decoded) -> Iterator[Difference]:
-    """Yield register values that are impossible in this edition, so that another edition must apply to the encoder."""
+    """Yield register values that are impossible in this edition, so that an older edition must apply to the encoder.
+
+    A value is impossible if it fails the test of an edition: the field ``run`` is not from ``min`` to ``max``.
+    """
     if decoded.layout is None or decoded.layout.layout.sender:
         return
     register = decoded.layout.name
@@ -295,7 +318,9 @@ def strange_values(device: Device, decoded: Decoded) -> Iterator[Difference]:
 
 
 def edition_by_registers(device: Device, match: Match, bytes_by_address: Mapping[int, int]) -> str:
-    """Return the latest edition with which the registers of an encoder are compatible.
+    """Return the revision of the latest edition with which the registers of an encoder are compatible.
+
+    It is the one before the first edition with a test that the registers fail, or that of the spec if they fail none.
 
     Raises:
         ValueError: ``bytes_by_address`` has no complete register that identifies the edition.
@@ -319,7 +344,7 @@ def edition_by_registers(device: Device, match: Match, bytes_by_address: Mapping
 
 
 def without_tests(device: Device, bytes_by_address: Mapping[int, int]) -> dict[int, int]:
-    """Return the registers except those that identify the edition."""
+    """Return the register bytes by address, except those of registers that identify the edition."""
     edition_addresses: set[int] = set()
     for name in _names_of_edition_registers(device):
         edition_addresses.update(_addresses(device.register(name)))
@@ -333,7 +358,10 @@ def _names_of_edition_registers(device: Device) -> list[str]:
 
 
 def _missing_registers_message(device: Device) -> str:
-    """Return the message with the options that state each register that identifies the edition."""
+    """Return the message with the command-line options for each register that identifies the edition.
+
+    Options for a register of two bytes are ``--register 0x10=0x.. --register 0x11=0x..``.
+    """
     names = _names_of_edition_registers(device)
     if not names:
         return f"no register of {device.name} identifies the edition"

@@ -53,6 +53,7 @@ def decode_register(device: Device, variant: Variant, name: str, data: bytes) ->
 
 def _unknown_register_message(device: Device, erratum: Erratum, name: str) -> str:
     """Return the message if an erratum says that this edition or overlay lacks a register, or else an empty string."""
+    # ``printed`` lists the registers that are not known, separated by commas.
     if erratum.used != NOT_KNOWN or name not in erratum.printed.split(", "):
         return ""
     # The family of the spec also has errata about its editions, which do not apply to it.
@@ -74,7 +75,8 @@ def register_writes(
 ) -> tuple[Write, ...]:
     """Return every byte that the procedure writes, in order, or the number if a register is written at once.
 
-    The limits of later steps take the written values into account.
+    The limits of later steps take the written values into account. A step that writes one field keeps the others as
+    the procedure has written them, or at their defaults.
 
     Raises:
         EncodeError: An argument is missing or does not fit its register.
@@ -106,7 +108,7 @@ def register_writes(
 
 
 def _value_of_step(step: WriteStep | ModifyStep, arguments: Mapping[str, int]) -> int:
-    """Return the fixed value of a step, or the argument that it names."""
+    """Return the fixed value of a step, or the argument that it names, which must be in ``arguments``."""
     if step.value is not None:
         return step.value
     if step.value_name not in arguments:
@@ -136,7 +138,11 @@ def _with_field_changed(placed: PlacedLayout, field_name: str, value: int, old_c
 
 
 def _content_for_argument(device: Device, register: Register, placed: PlacedLayout, value: int) -> int:
-    """Return the content of a register to which an argument is written."""
+    """Return the content of a register to which an argument is written: as its limited number, or as the whole content.
+
+    Raises:
+        EncodeError: The argument does not fit, or is not a valid content.
+    """
     name = bounded(register)
     names_of_numbers = {field.name for field in register.layout.fields if isinstance(field.kind, Number)}
     names_of_numbers |= {join.name for join in register.layout.joins}
@@ -150,7 +156,11 @@ def _content_for_argument(device: Device, register: Register, placed: PlacedLayo
 
 
 def _check_argument(register: Register, name: str, value: int, placed: PlacedLayout, limits: Limits) -> None:
-    """Check that an argument is a value of the field ``name``, and within the limits of the register."""
+    """Check that an argument is a value of the field ``name``, and within the limits if they apply to this field.
+
+    Raises:
+        EncodeError: It is not.
+    """
     fields = (field for field in register.layout.fields if field.name == name)
     allowed_values = [choice.value for field in fields for choice in field.values]
     if allowed_values and value not in allowed_values:

@@ -34,7 +34,10 @@ def number_of_text(text: str) -> int:
 
 
 def value_and_meaning(field: Field, raw: int, width: int) -> tuple[int | str | bool, str]:
-    """Return what a number in a field stands for. Numbers that are not valid stand for themselves."""
+    """Return the value and the meaning of a number in a field: ``("ready", "the encoder is ready")`` for a choice.
+
+    Numbers that are not valid stand for themselves.
+    """
     match field.kind:
         case Number() as number:
             return signed_or_plain(number, raw, width), field.meaning
@@ -65,7 +68,7 @@ def signed_or_plain(number: Number, raw: int, width: int) -> int:
 def encode_value(
     kind: Number | Flag | Choice | Text | Decimal, placed_field: PlacedField, value: int | str | bool
 ) -> int:
-    """Return the number that stands for a value of a field."""
+    """Return the number that stands for a value of a field. Named values and texts may also be given as numbers."""
     match kind:
         case Number():
             return _encode_number(kind, placed_field, checked_number(value))
@@ -82,7 +85,8 @@ def encode_value(
 
 
 def _encode_number(number: Number, placed_field: PlacedField, value: int) -> int:
-    """Return the bits of a number, which may be signed."""
+    """Return the bits of a number, which may be signed, or 0 for the number that 0 stands for."""
+    # A number that does not fit loses bits, so it is not decoded to itself.
     raw = 0 if value == number.zero_means else value & placed_field.mask
     if signed_or_plain(number, raw, placed_field.width) != value:
         raise EncodeError(report.too_wide(placed_field.name, f"{value}", f"{placed_field.width}"))

@@ -37,7 +37,7 @@ class ByLevels(ABC):
     def receive(self, data: bytes) -> None:
         """Take bytes that the master sends."""
         for byte in data:
-            if byte in b"01":
+            if byte in b"01":  # The lowest bit of the character is the level.
                 self._levels.append(ord("0") + self.clock(byte & 1))
             elif byte == CLOCK:
                 self.clock(0)
@@ -106,43 +106,51 @@ class BissLine(ByLevels):
         Returns:
             The CDS bit of this cycle, and its single cycle data.
         """
-        bits = self.cycle(cdm)
-        cds_index = self.acknowledge + 1
-        data_bits = bits[cds_index + 1 : cds_index + 1 + self.bits]
-        return bits[cds_index], int("".join(map(str, data_bits)), 2)
+        cycle_bits = self.cycle(cdm)
+        cds_index = self.acknowledge + 1  # after the acknowledge and the start bit, whatever the fault
+        data_bits = cycle_bits[cds_index + 1 : cds_index + 1 + self.bits]
+        return cycle_bits[cds_index], int("".join(map(str, data_bits)), 2)
 
     def cycle(self, cdm: int) -> list[int]:
-        """Return the bits of a cycle from the second rising edge of MA: acknowledge, start, CDS, data, stop."""
+        """Return the bits of a cycle from the second rising edge of MA: acknowledge, start, CDS, data, stop.
+
+        A fault is drawn, which may change them. The CDM bit of the previous cycle is taken even then.
+        """
         encoder, faults = self.encoder, self.encoder.faults
         fault = faults.draw()
         cds = self._exchange_control_bit(cdm)
         word = encoder.frame(encoder.layouts("encoder")[0])
-        data = [word >> shift & 1 for shift in reversed(range(self.bits))]
+        data_bits = [word >> shift & 1 for shift in reversed(range(self.bits))]
         fewest_late, most_late = _CLOCKS_LATE.get(fault, (0, 0))
         late_clocks = faults.random.randint(fewest_late, most_late)
         start_bit, stop_bit = 1, 0
-        bits = [*[0] * (self.acknowledge + late_clocks), start_bit, cds, *data, stop_bit]
+        cycle_bits = [*[0] * (self.acknowledge + late_clocks), start_bit, cds, *data_bits, stop_bit]
         if fault == "low":
-            bits = [0] * len(bits)
+            cycle_bits = [0] * len(cycle_bits)
         elif fault in ("high", "lost", "restart") or encoder.is_off():
-            bits = [1] * len(bits)
+            cycle_bits = [1] * len(cycle_bits)
         elif fault == "flip":
-            inverted_index = faults.random.randrange(self.acknowledge + 1, len(bits) - 1)
-            bits[inverted_index] ^= 1
+            # From the CDS bit to the last bit before the stop bit.
+            inverted_index = faults.random.randrange(self.acknowledge + 1, len(cycle_bits) - 1)
+            cycle_bits[inverted_index] ^= 1
         elif fault in ("short", "brownout"):
             # At least one of the lost bits is 0, so that the frame differs.
-            last_zero = len(data) - 1 - data[::-1].index(0) if 0 in data else 0
+            last_zero = len(data_bits) - 1 - data_bits[::-1].index(0) if 0 in data_bits else 0
+            # In the cycle, the data begin 2 bits after the acknowledge: the start bit and CDS come first.
             first_lost = faults.random.randint(self.acknowledge, self.acknowledge + 2 + last_zero)
-            bits[first_lost:] = [1] * (len(bits) - first_lost)
+            cycle_bits[first_lost:] = [1] * (len(cycle_bits) - first_lost)
         if fault in ("restart", "brownout"):
             encoder.restart()
             self._control_frame = None
         elif fault == "busy":
             encoder.be_busy(BUSY_S)
-        return bits
+        return cycle_bits
 
     def clock(self, ma: int) -> int:
-        """Set the level of MA, and return the resulting level of SLO."""
+        """Set the level of MA, and return the resulting level of SLO.
+
+        The first rising edge after a time-out begins a cycle. SLO is 0 after the last bit.
+        """
         is_rising_edge = ma and not self._ma
         if is_rising_edge:
             self._rising_edges += 1
@@ -161,7 +169,10 @@ class BissLine(ByLevels):
         return 1
 
     def _exchange_control_bit(self, cdm: int) -> int:
-        """Take the CDM bit of the previous cycle, and return the CDS bit of this one."""
+        """Take the CDM bit of the previous cycle, and return the CDS bit of this one.
+
+        ``ZEROS`` zeros abort a control frame. The first 1 after them begins the next one. Without one, CDS is 0.
+        """
         may_start = self._cdm_zeros >= ZEROS
         self._cdm_zeros = 0 if cdm else self._cdm_zeros + 1
         if self._cdm_zeros >= ZEROS:
@@ -178,7 +189,11 @@ class BissLine(ByLevels):
         return 0
 
     def _answer_control_frame(self) -> Generator[int, int, int]:
-        """Answer one control frame: yield CDS bits, receive the next CDM bit for each, and return the last CDS bit."""
+        """Answer one control frame: yield CDS bits, receive the next CDM bit for each, and return the last CDS bit.
+
+        The frame accesses registers: after the head, the read bit and the write bit choose what, and then bytes follow
+        as long as the master sends another start bit, each at the next address.
+        """
         memory = self.encoder.memory
         read_bit, head = yield from _receive_head()
         # CTS = 1 and slave ID 0 in 4 bits, 7 bits of the address, 4 bits of the CRC.
@@ -186,13 +201,16 @@ class BissLine(ByLevels):
         if cts_and_id != 0b1000 or received_crc != compute_bits(_CRC, head >> 4, 11):
             return 0
         write_bit = yield read_bit
+        # The access must be either a read or a write.
         if read_bit == write_bit:
             return write_bit
         is_accessible = memory.writable if write_bit else memory.readable
+        # The encoder rejects an access by sending the write bit inverted.
         if not is_accessible(address):
             return 1 - write_bit
         cdm = yield write_bit
         while cdm:
+            # The encoder delays its start bit while it is busy.
             while self.encoder.is_busy():
                 cdm = yield 0
                 if not cdm:
@@ -203,7 +221,7 @@ class BissLine(ByLevels):
                     return cdm
             else:
                 cdm = yield from self._read_byte(address)
-            is_last_of_bank = address & 0x3F == 0x3F
+            is_last_of_bank = address & 0x3F == 0x3F  # A bank has 64 bytes.
             if cdm or is_last_of_bank or not is_accessible(address + 1):
                 return 1
             address += 1
@@ -211,7 +229,11 @@ class BissLine(ByLevels):
         return 0
 
     def _write_byte(self, address: int) -> Generator[int, int, tuple[int, bool]]:
-        """Receive a byte and its CRC. Return the next CDM bit, and whether the CRC was correct and the byte written."""
+        """Receive a byte and its CRC. Return the next CDM bit, and whether the CRC was correct and the byte written.
+
+        CDS repeats each bit of CDM, one cycle later.
+        """
+        # The start bit, then 8 bits of the byte and 4 of the CRC.
         cdm = yield 1
         byte_and_crc = 0
         for _ in range(11):
@@ -226,7 +248,7 @@ class BissLine(ByLevels):
         return cdm, True
 
     def _read_byte(self, address: int) -> Generator[int, int, int]:
-        """Send a byte and its CRC, and return the next CDM bit."""
+        """Send the start bit, a byte and its CRC, and return the next CDM bit."""
         byte = self.encoder.memory.read(address) or 0
         byte_and_crc = byte << 4 | compute_bits(_CRC, byte, 8)
         cdm = yield 1
@@ -237,6 +259,7 @@ class BissLine(ByLevels):
 
 def _receive_head() -> Generator[int, int, tuple[int, int]]:
     """Receive the head of a control frame. Return the next CDM bit, which is the read bit, and the head."""
+    # CTS, 3 bits of the slave ID, 7 of the address and 4 of the CRC. CDS answers the start bit with 1.
     cdm, head = (yield 1), 0
     for _ in range(15):
         head = head << 1 | cdm
@@ -295,6 +318,7 @@ class SsiLine(ByLevels):
             if self._bits_left > 0:
                 self._bits_left -= 1
             self._data_level = self._word >> self._bits_left & 1
+            # Remove the bit that is sent, so that zeros follow the last one.
             self._word &= (1 << self._bits_left) - 1
         self._clock_level = level
         return self._data_level

@@ -112,7 +112,10 @@ class VirtualEncoder:
         return per_turn.value(self.variant.parameters) if per_turn is not None else 0
 
     def _counts(self, layout: Layout | None) -> int:
-        """Return the number of positions in frames with this layout."""
+        """Return the number of positions in frames with this layout.
+
+        Without a measurement, all values of the position fields count.
+        """
         measurement = self._measurement(layout)
         total = measurement.total if measurement is not None else None
         if total is not None:
@@ -120,7 +123,10 @@ class VirtualEncoder:
         return 1 << sum(placed_field.width for placed_field in self._position_fields(layout))
 
     def _lowest(self, layout: Layout | None) -> int:
-        """Return the lowest position in frames with this layout."""
+        """Return the lowest position in frames with this layout.
+
+        It is 0 unless the position is a single signed field. Without a highest position, half of them are negative.
+        """
         fields = self._position_fields(layout)
         if len(fields) != 1 or not fields[0].field.number.signed:
             return 0
@@ -150,17 +156,22 @@ class VirtualEncoder:
         return self.is_busy() and self.reports_busy
 
     def _wrap_into(self, layout: Layout | None, count: int) -> int:
-        """Return the position that frames with this layout contain for a count."""
+        """Return the position in frames with this layout for a count, which can be outside their range."""
         lowest = self._lowest(layout)
         return lowest + (count - lowest) % self._counts(layout)
 
     def parts_now(self, layout: Layout | None = None) -> dict[str, int]:
-        """Return the bits of each field of the current position in frames with a layout, by default the first one."""
+        """Return the bits of each field of the current position: ``{"multiturn": 3, "singleturn": 1024}``.
+
+        They are those in frames with ``layout`` if it has the position, and else in the first frame with one. They are
+        0 while the encoder is not ready.
+        """
         if layout is None or not self._carries_position(layout):
             layout = self._position_layout
         remaining_bits = 0
         if not self._reports_not_ready():
             remaining_bits = self._wrap_into(layout, self.raw_position() + self._offset)
+        # From the least significant field on.
         bits_by_field: dict[str, int] = {}
         for placed_field in reversed(self._position_fields(layout)):
             bits_by_field[placed_field.name] = remaining_bits & placed_field.mask
@@ -198,19 +209,23 @@ class VirtualEncoder:
         self.flags.difference_update(names)
 
     def reset(self, procedure: str) -> None:
-        """Carry out a reset: clear its alarms, and set the parts of the position that its name contains to 0."""
+        """Carry out a reset: clear its alarms, and set the parts of the position that its name contains to 0.
+
+        For example, ``reset_multiturn`` sets the field ``multiturn`` to 0.
+        """
         self.flags -= {alarm.name for alarm in self.device.alarms if procedure in alarm.cleared_by}
         # The position of another frame may be wider, so it stays as it is unless a part of it is reset.
         fields = self._position_fields(self._position_layout)
         if not any(placed_field.name in procedure for placed_field in fields):
             return
         position = self._wrap_into(self._position_layout, self.raw_position() + self._offset)
+        # Lowest bit of the field in the position, and after the loop, the number of bits of the position.
         low_bit = 0
         for placed_field in reversed(fields):
             if placed_field.name in procedure:
                 position &= ~(placed_field.mask << low_bit)
             low_bit += placed_field.width
-        self.set_position(position & (1 << low_bit) - 1)
+        self.set_position(position & (1 << low_bit) - 1)  # as an unsigned number
 
     def restart(self) -> None:
         """Switch the supply off and on again. Registers that were not saved are lost."""
@@ -241,7 +256,7 @@ class VirtualEncoder:
 
     def frame(self, layout: Layout, request_values: Mapping[str, int | str | bool] | None = None) -> int:
         """Return a frame with the current values as one number. The request determines ``request_values``."""
-        self._instant = self.clock()
+        self._instant = self.clock()  # ``_now`` returns it for all fields.
         try:
             return codec.encode(self.device, self.place(layout), self._values(layout, request_values or {}))
         finally:
@@ -257,7 +272,7 @@ class VirtualEncoder:
             self._offset -= distance
 
     def place(self, layout: Layout) -> PlacedLayout:
-        """Return a layout for this encoder with its current registers."""
+        """Return a layout for this encoder with its current registers. A write to these can replace ``variant``."""
         if self._placed_for is not self.variant:
             self._placed_for = self.variant
             self._placed_layouts = {}
@@ -275,7 +290,7 @@ class VirtualEncoder:
         return any(alternative.name not in self.answers for alternative in self.device.alternatives_of(layout))
 
     def is_active(self, field: Field) -> bool:
-        """Return whether a flag is active."""
+        """Return whether a flag is active: set, combining one that is set, or reporting that the encoder is busy."""
         assert isinstance(field.kind, Flag)
         if field.name in self.flags or any(name in self.flags for name in field.kind.sums_up):
             return True
@@ -291,7 +306,10 @@ class VirtualEncoder:
         return self.clock() if self._instant is None else self._instant
 
     def _values(self, layout: Layout, request_values: Mapping[str, int | str | bool]) -> dict[str, int | str | bool]:
-        """Return the value of each field that carries data. Those of the request come before the encoder's own."""
+        """Return the value of each field that carries data, from the first source that has one.
+
+        The sources are the request, the position, the active flags, and the documented value.
+        """
         position_bits = self.parts_now(layout)
         values: dict[str, int | str | bool] = {}
         for placed_field in self.place(layout).fields:
@@ -325,6 +343,7 @@ class VirtualEncoder:
         return measurement.of if measurement is not None else "position"
 
     def _carries_position(self, layout: Layout) -> bool:
+        """Return whether a layout has the position, as a join of several fields or as one field."""
         name = self._position_name
         is_joined = layout.names_in(name) != (name,)
         return is_joined or self.place(layout).find_field(name) is not None
@@ -337,7 +356,7 @@ class VirtualEncoder:
 
     @cached_property
     def _not_ready_flags(self) -> set[str]:
-        """Alarms that do not latch: active while the encoder is not ready."""
+        """Flags of alarms that do not latch. They are active while the encoder is not ready."""
         non_latching_alarms = [alarm.name for alarm in self.device.alarms if alarm.latch is False]
         return {name for name in non_latching_alarms if name in self._flag_names}
 
@@ -359,7 +378,11 @@ class VirtualEncoder:
         return field.width.value(self.variant.parameters) > 0 or not run_time_names.isdisjoint(needed_names)
 
     def _check_answers(self, variant: Variant) -> None:
-        """Check that each answer belongs to a question, and that each question about a position has an answer."""
+        """Check that each answer belongs to a question, and that each question about a position has an answer.
+
+        Raises:
+            ValueError: An answer is unknown or missing.
+        """
         options: list[str] = []
         for alternative in self.device.alternatives:
             options += [f"{alternative.name}={answer.name}" for answer in alternative.answers]
@@ -373,7 +396,7 @@ class VirtualEncoder:
                 self._check_choices(layout)
 
     def _check_choices(self, layout: Layout) -> None:
-        """Check that each question about a layout has an answer."""
+        """Raise a ValueError if a question about a layout has no answer."""
         for alternative in self.device.alternatives_of(layout):
             if alternative.name not in self.answers:
                 options = " or ".join(f"{alternative.name}={answer.name}" for answer in alternative.answers)

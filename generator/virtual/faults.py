@@ -97,7 +97,10 @@ class Faults:
         self._names_and_rates = [_parse_fault(interface, text) for text in fault_texts]
 
     def draw(self) -> str:
-        """Return the fault of the next reply, or an empty string."""
+        """Return the fault of the next reply, or an empty string.
+
+        Each fault is drawn with its rate, in the order given, until one occurs. A reply has at most one.
+        """
         for name, rate in self._names_and_rates:
             if self.random.random() < rate:
                 self.injected[name] += 1
@@ -105,10 +108,11 @@ class Faults:
         return ""
 
     def damaged(self, name: str, reply: bytes, request: bytes) -> bytes:
-        """Return the bytes that this fault puts on the line in place of the reply."""
+        """Return the bytes that this fault puts on the line in place of the reply. Other faults leave the reply."""
         if name == "lost":
             return b""
         if name in ("short", "brownout"):
+            # At least one byte is missing and, if the reply has several, one remains.
             shortest_length = min(1, len(reply) - 1)
             return reply[: self.random.randrange(shortest_length, len(reply))]
         if name == "doubled":
@@ -130,7 +134,8 @@ class Faults:
         return self.random.uniform(0.0001, 0.001)
 
     def cut(self, word: int, bits: int) -> int:
-        """Return a word whose last bits are all 1, at least one of which was 0, if there is one."""
+        """Return a word whose last bits are all 1, at least one of which was 0 if the word has a 0."""
+        # word + 1 sets the lowest 0 of the word and clears the ones below it, so & ~word leaves only that bit.
         lowest_zero = (~word & (word + 1)).bit_length() - 1
         fewest_missing = min(lowest_zero + 1, bits)
         missing_bits = self.random.randrange(fewest_missing, max(fewest_missing + 1, bits))
@@ -147,7 +152,10 @@ class _Host(Protocol):
 
 
 def word_with_fault(encoder: _Host, fault: str, word: int, bits: int) -> int:
-    """Return a word of ``bits`` bits as it arrives over a clocked line with this fault."""
+    """Return a word of ``bits`` bits as it arrives over a clocked line with this fault.
+
+    ``restart`` and ``brownout`` also restart the encoder. Without supply, all bits are 1.
+    """
     was_off = encoder.is_off()
     if fault in ("restart", "brownout"):
         encoder.restart()

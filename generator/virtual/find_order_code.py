@@ -32,8 +32,11 @@ def _is_special(device: Device, text: str) -> bool:
 def find_order_code(text: str, specs: tuple[Path, ...], edition: str) -> tuple[Device, Match]:
     """Return the family and the variant of an order code, or of an encoder in one line.
 
+    Families of the special model in the text come first. Others with a ``base`` are left out, since they share the
+    order codes of that family.
+
     Raises:
-        ValueError: There is no such order code or edition.
+        ValueError: There is no such order code or edition. The message is the last one that is ``close``, or the first.
     """
     if is_line(text):
         if edition:

@@ -78,7 +78,9 @@ class Memory:
         return number_from_bytes(self.registers[name].layout, bytes(self._bytes[name]))
 
     def hold(self, address: int, value: int) -> None:
-        """Set the byte at an address, even if the master cannot write it. It is the lowest byte if there is no other.
+        """Set the byte at an address, even if the master cannot write it, and save it.
+
+        In a register that is accessed whole, and so has a single address, this is the last byte.
 
         Raises:
             ValueError: There is no register at this address.
@@ -86,6 +88,7 @@ class Memory:
         register = self._readable_register_at(address) or self._writable_register_at(address)
         if register is None:
             raise ValueError(f"{self._encoder.variant.code} has no register at 0x{address:02X}")
+        # A negative index: -1 is the byte at the last address.
         index_from_end = address - register.last_address - 1
         self._bytes[register.name][index_from_end] = value
         self._saved_bytes[register.name] = bytes(self._bytes[register.name])
@@ -101,7 +104,10 @@ class Memory:
         return register is not None and self._is_open(register)
 
     def read(self, address: int) -> int | None:
-        """Return the byte at an address, or None if it cannot be read."""
+        """Return the byte at an address, or None if it cannot be read.
+
+        Reading the first byte updates the register. Its effects follow once the last byte has been read.
+        """
         register = self._readable_register_at(address)
         if register is None:
             return None
@@ -126,13 +132,13 @@ class Memory:
         register = self._writable_register_at(address)
         if register is None or not self._is_open(register):
             return False
-        bits_that_fit = value & (1 << 8 * register.length) - 1
+        bits_that_fit = value & (1 << 8 * register.length) - 1  # Python evaluates - before &.
         self._bytes[register.name][:] = register.bytes_of(bits_that_fit)
         self._react_to_write(register)
         return True
 
     def write(self, address: int, value: int) -> bool:
-        """Write the byte at an address, and return whether the encoder accepts it."""
+        """Write the byte at an address, and return whether the encoder accepts it. The last byte has the effects."""
         register = self._writable_register_at(address)
         if register is None or not self._is_open(register):
             return False
@@ -142,7 +148,7 @@ class Memory:
         return True
 
     def restart(self) -> None:
-        """Discard values that were not saved."""
+        """Discard values that were not saved: those of volatile registers."""
         for name, register in self.registers.items():
             if register.volatile:
                 self._bytes[name][:] = self._saved_bytes[name]
@@ -165,29 +171,35 @@ class Memory:
         """Yield the registers that have a byte at this address in the selected bank."""
         for register in self.registers.values():
             if register.address <= address <= register.last_address:
+                # Name of the register with the number of the selected bank, or "" for a register in no bank.
                 bank_selector = self._encoder.device.bank_selector(register)
                 if not bank_selector or self.value(bank_selector) == register.bank:
                     yield register
 
     def _default_bytes(self, register: Register) -> bytes:
-        """Return the default of a register, as stated or from the documented values of its fields."""
+        """Return the default of a register, as stated or from the documented values of its fields.
+
+        A field whose value cannot be encoded while all others are 0 is 0.
+        """
         if register.default is not None:
             return register.bytes_of(register.default)
         placed_layout = self._encoder.place(register.layout)
-        values: dict[str, int | str | bool] = {}
+        value_by_field: dict[str, int | str | bool] = {}
         for placed_field in placed_layout.fields:
             if placed_field.field.carries_data:
-                values[placed_field.name] = self._default_value(placed_field.field)
-        number = 0
-        for name, value in values.items():
-            only_this_value = {**dict.fromkeys(values, 0), name: value}
+                value_by_field[placed_field.name] = self._default_value(placed_field.field)
+        content = 0
+        # One field at a time, so that one that cannot be encoded does not prevent the others.
+        for name, value in value_by_field.items():
+            only_this_value = {**dict.fromkeys(value_by_field, 0), name: value}
             try:
-                number |= codec.encode(self._encoder.device, placed_layout, only_this_value)
+                content |= codec.encode(self._encoder.device, placed_layout, only_this_value)
             except codec.EncodeError:
                 continue  # such as a number for which 0 is not valid
-        return number_to_bytes(register.layout, number, 8 * register.length)
+        return number_to_bytes(register.layout, content, 8 * register.length)
 
     def _default_value(self, field: Field) -> int | str | bool:
+        """Return the documented value of a field, or else its default, or else false or 0."""
         documented_value = field.documented(self._encoder.variant.parameters)
         if documented_value is not None:
             return documented_value
@@ -196,7 +208,10 @@ class Memory:
         return field.default or 0
 
     def _is_open(self, register: Register) -> bool:
-        """Return whether another register has the value that allows writing to this one, if there is one."""
+        """Return whether the register that protects this one has the value that allows writing, if there is any.
+
+        The value is that of the field ``opened_by_field``, or of the first field if the spec names none.
+        """
         if not register.opened_by:
             return True
         opener = self.registers[register.opened_by]
@@ -210,19 +225,22 @@ class Memory:
         return _bits_of_field(self.value(opener.name), placed_field) == opening_value
 
     def _react_to_write(self, register: Register) -> None:
-        """Do what follows from the new value of a register: correct it, execute a command, or save it."""
-        number = self.value(register.name)
+        """Do what follows from the new value of a register: correct it, execute a command, and save it.
+
+        The constant bits keep their value. A number above the highest becomes the default if the encoder does so.
+        """
+        content = self.value(register.name)
         for placed_field in self._encoder.place(register.layout).fields:
             if isinstance(placed_field.field.kind, Constant):
-                number = _with_bits_of_field(number, placed_field, placed_field.field.kind.value)
+                content = _with_bits_of_field(content, placed_field, placed_field.field.kind.value)
         if register.above_max == "default" and register.max is not None and register.default is not None:
             highest = register.max.value(self._encoder.variant.parameters)
-            number = register.default if number > highest else number
-        self._store(register, number)
+            content = register.default if content > highest else content
+        self._store(register, content)
         for name in register.write_clears:
             self._store(self.registers[name], 0)
         if register.clears_itself or not register.readable:
-            self._execute_command(register, number)
+            self._execute_command(register, content)
         if register.clears_itself:
             self._store(register, register.default or 0)
         if not register.volatile:
@@ -233,33 +251,41 @@ class Memory:
         self._apply_to_parameters(register)
 
     def _apply_to_parameters(self, register: Register) -> None:
-        """Set the parameters of the encoder that the register holds, such as the width of a field."""
+        """Set the parameters of the encoder that the register holds, such as the width of a field.
+
+        If it holds none, nothing changes.
+        """
         encoder = self._encoder
         encoder.variant = after_write(encoder.device, encoder.variant, register, self.value(register.name))
 
     def _execute_command(self, register: Register, number: int) -> None:
-        """Execute a command, unless the previous one is still being executed."""
+        """Execute the command with this number, unless the previous one is still being executed.
+
+        The words in its name are its effects: ``save_all``, ``restore_defaults``, ``simulate_overheat``, where
+        ``overheat`` is a flag. A number without a name is not a command, and has no effect.
+        """
         command_names = [value.name for value in register.layout.fields[0].values if value.value == number]
         if not command_names:
             return
         now = self._encoder.clock()
+        # The master did not wait long enough, so the encoder ignores the command.
         if now < self._ready_at:
             self.too_early += 1
             return
         self._ready_at = now + (register.wait_at_least_ms or 0) / 1000
-        words = command_names[0].split("_")
-        if "restore" in words:
+        words_of_name = command_names[0].split("_")
+        if "restore" in words_of_name:
             self._restore_defaults()
-        if "activate" in words:
+        if "activate" in words_of_name:
             self._activate(register)
-        if not {"save", "restore", "activate"}.isdisjoint(words):
+        if not {"save", "restore", "activate"}.isdisjoint(words_of_name):
             self._saved_bytes = {register_name: bytes(data) for register_name, data in self._bytes.items()}
-        if "reset" in words:
+        if "reset" in words_of_name:
             self.restart()
-        if "simulate" in words:
-            self._encoder.flags.add(words[-1])
-        if "clear" in words:
-            self._encoder.flags.discard(words[-1])
+        if "simulate" in words_of_name:
+            self._encoder.flags.add(words_of_name[-1])
+        if "clear" in words_of_name:
+            self._encoder.flags.discard(words_of_name[-1])
         self._set_polled_fields(register, number)
 
     def _restore_defaults(self) -> None:
@@ -268,7 +294,10 @@ class Memory:
                 self._store(register, register.default or 0)
 
     def _activate(self, command_register: Register) -> None:
-        """Activate the register whose argument a procedure writes before an activating command."""
+        """Activate the last register to which a procedure writes an argument, if this command activates it.
+
+        That is the first procedure that writes to the command register a value with ``activate`` in its name.
+        """
         for procedure in self._encoder.device.procedures:
             write_steps = [step for step in procedure.steps if isinstance(step, WriteStep)]
             argument_steps = [step for step in write_steps if step.value is None]
@@ -279,33 +308,39 @@ class Memory:
                 return
 
     def _activate_argument(self, register: Register) -> None:
-        """Preset the position to the number in a register, or use it as an offset if the register means that now."""
+        """Preset the position to the number in a register, or use it as an offset if the register means that now.
+
+        The number is that of the field or join ``limits_of``, or of the whole register if it has no such field.
+        """
         placed_layout = self._encoder.place(register.layout)
-        number = self.value(register.name)
-        values = codec.decode(self._encoder.device, placed_layout, number).values
+        content = self.value(register.name)
+        values = codec.decode(self._encoder.device, placed_layout, content).values
         argument_name = register.limits_of or placed_layout.fields[-1].name
-        argument = int(values.get(argument_name, number))
+        argument = int(values.get(argument_name, content))
         if self._current_meaning(register) == "offset":
             self._encoder.add_offset(argument)
         else:
             self._encoder.set_position(argument)
 
     def _current_meaning(self, register: Register) -> str:
-        """Return the meaning that a register has while another one has its present value, or an empty string."""
+        """Return the meaning that a register has while a field of another has its present value, or an empty string.
+
+        ``meaning.when`` is the place of that field, such as ``mode.preset_type``, and ``meaning.value`` a named value.
+        """
         for meaning in register.meanings:
             deciding_register, _, deciding_field = meaning.when.partition(".")
             placed_layout = self._encoder.place(self.registers[deciding_register].layout)
             placed_field = placed_layout.find_field(deciding_field)
             if placed_field is None:
                 continue
-            number = _bits_of_field(self.value(deciding_register), placed_field)
-            value_names = [value.name for value in placed_field.field.values if value.value == number]
+            field_bits = _bits_of_field(self.value(deciding_register), placed_field)
+            value_names = [value.name for value in placed_field.field.values if value.value == field_bits]
             if meaning.value in value_names:
                 return meaning.name
         return ""
 
     def _set_polled_fields(self, command_register: Register, command: int) -> None:
-        """Set the fields for which a procedure polls after this command."""
+        """Set the fields for which procedures with this command poll, to the value that ends the polling."""
         for procedure in self._encoder.device.procedures:
             commands = [step.value for step in _command_steps(procedure, command_register)]
             if command not in commands:
@@ -320,22 +355,23 @@ class Memory:
             self._store(register, _with_bits_of_field(self.value(register.name), placed_field, value))
 
     def _refresh(self, register: Register) -> None:
-        """Update a read-only register that has flags or the position."""
+        """Update a register that has flags or the position, unless the master can write it."""
         if register.writable:
             return
-        number = self.value(register.name)
+        content = self.value(register.name)
         position_names = self._encoder.position_names()
         alarm_names = {alarm.field for alarm in self._encoder.device.alarms if alarm.register}
         for placed_field in self._encoder.place(register.layout).fields:
             if placed_field.name in position_names:
                 position_bits = self._encoder.position_now() & placed_field.mask
-                number = _with_bits_of_field(number, placed_field, position_bits)
+                content = _with_bits_of_field(content, placed_field, position_bits)
             elif placed_field.name in alarm_names:
                 is_active = placed_field.name in self._encoder.flags
                 is_active_low = getattr(placed_field.field.kind, "active_low", False)
                 alarm_bit = 1 << placed_field.low
-                number = number & ~alarm_bit if is_active == is_active_low else number | alarm_bit
-        self._bytes[register.name][:] = number_to_bytes(register.layout, number, 8 * register.length)
+                # Active and active low, or neither: the bit is 0.
+                content = content & ~alarm_bit if is_active == is_active_low else content | alarm_bit
+        self._bytes[register.name][:] = number_to_bytes(register.layout, content, 8 * register.length)
 
     def _react_to_read(self, register: Register) -> None:
         """Clear the alarms of a procedure that only reads, once its registers have been read in order."""
@@ -345,6 +381,7 @@ class Memory:
             # The last step reads whether the alarms are gone.
             registers_to_read = [step.register for step in read_steps[:-1]]
             only_reads = len(registers_to_read) + 1 == len(procedure.steps)
+            # The last reads must be these, in this order.
             have_been_read = list(self._last_reads)[-len(registers_to_read) :] == registers_to_read
             if only_reads and have_been_read:
                 alarms = self._encoder.device.alarms

@@ -83,7 +83,7 @@ class Rs485Line:
         self._memory_busy_until = 0.0
 
     def receive(self, data: bytes) -> None:
-        """Take bytes that the master sends now."""
+        """Take bytes that the master sends now, and answer each complete and valid request in them."""
         now = self.encoder.clock()
         if now - self._received_at > GAP_S:
             self._received = b""
@@ -99,7 +99,10 @@ class Rs485Line:
                 self._answer(request.data_id, request_bytes, request.values, request.reply)
 
     def _first_request(self) -> _ReceivedRequest | None:
-        """Return the request at the start of the received bytes, or None if it is not complete."""
+        """Return the request at the start of the received bytes, or None if it is not complete.
+
+        If no request begins there, return one byte to discard, with None for its values.
+        """
         request_formats = self._formats_by_data_id() if self._data_id_by_control else self._formats_of_exchanges()
         longest = 0
         for request_format in request_formats:
@@ -110,6 +113,7 @@ class Rs485Line:
                 continue
             decoded = codec.decode_placed(self.encoder.device, placed_layout, self._received[:length])
             values = None if decoded.problems else decoded.values
+            # The data ID alone identifies the request. If the rest is wrong, all of it is discarded.
             has_data_id = request_format.data_id is not None
             if has_data_id or (values is not None and self._is_for_this_encoder(request_format.layout, values)):
                 return _ReceivedRequest(length, values, request_format.data_id, request_format.reply)
@@ -119,7 +123,10 @@ class Rs485Line:
         return _ReceivedRequest(length=1, values=None, data_id=None, reply=None)
 
     def _formats_by_data_id(self) -> list[_RequestFormat]:
-        """Return the format of a request with the control byte that was received first, if there is such a request."""
+        """Return the format of the request whose control byte was received first, or an empty list if there is none.
+
+        A layout that depends on a question without an answer cannot be decoded.
+        """
         data_id = self._data_id_by_control.get(self._received[0])
         layout = self._layout_with(data_id, sender="master") if data_id is not None else None
         if data_id is None or layout is None or self.encoder.needs_answer(layout):
@@ -127,6 +134,7 @@ class Rs485Line:
         return [_RequestFormat(layout, data_id, reply=self._layout_with(data_id, sender="encoder"))]
 
     def _formats_of_exchanges(self) -> list[_RequestFormat]:
+        """Return the formats of all requests of an interface without data IDs."""
         layout_by_name = {layout.name: layout for layout in self.interface.layouts}
         formats: list[_RequestFormat] = []
         for exchange in self.interface.exchanges:
@@ -136,7 +144,10 @@ class Rs485Line:
 
     @staticmethod
     def _is_for_this_encoder(layout: Layout, values: Mapping[str, int | str | bool]) -> bool:
-        """Return whether a request has the values of this encoder, such as its address: the factory defaults."""
+        """Return whether a request has this encoder's values, such as its address.
+
+        These are the factory defaults in the layout. A field without a default can have any value.
+        """
         return all(field.default in (None, values.get(field.name)) for field in layout.fields)
 
     def due(self) -> float | None:
@@ -154,7 +165,7 @@ class Rs485Line:
         return b"".join(arrived_replies)
 
     def _layout_with(self, data_id: DataId, sender: str) -> Layout | None:
-        """Return the frame of the sender with a data ID, or the one without any data ID."""
+        """Return the first frame of the sender that has this data ID or no selector, or None if there is none."""
         for layout in self.encoder.layouts(sender):
             if not layout.selector or data_id.id in layout.selects:
                 return layout
@@ -163,7 +174,7 @@ class Rs485Line:
     def _answer(
         self, data_id: DataId | None, request: bytes, values: dict[str, int | str | bool], layout: Layout | None
     ) -> None:
-        """Carry out a request, and send the reply with this layout as the next fault leaves it."""
+        """Carry out a request, draw a fault for it, and schedule the reply with this layout as the fault leaves it."""
         encoder, faults = self.encoder, self.encoder.faults
         now = encoder.clock()
         fault = faults.draw()
@@ -178,14 +189,15 @@ class Rs485Line:
             return
         is_silent = encoder.is_busy() and not encoder.reports_busy
         if reply and not is_silent:
-            data = faults.damaged(fault, reply, request)
+            reply_bytes = faults.damaged(fault, reply, request)
             if now < self._outage_until:
+                # A line that stays high is idle, so no bytes arrive.
                 zeros = bytes(len(reply))
-                data = zeros if self._outage == "low" else b""
+                reply_bytes = zeros if self._outage == "low" else b""
             delay = faults.random.uniform(0.005, 0.04) if fault == "late" else 0.0
             # The line keeps the order of replies, but extra ones can come before or after the next reply.
             self._last_due = max(now + delay, self._last_due)
-            self._put(self._last_due, data)
+            self._put(self._last_due, reply_bytes)
             if fault in ("repeated", "second"):
                 self._put(self._last_due + faults.gap_s(), reply if fault == "repeated" else other_reply)
         if fault == "brownout":
@@ -193,7 +205,7 @@ class Rs485Line:
 
     def _put(self, due: float, data: bytes) -> None:
         """Add bytes that arrive at the master at a time. If it does not read, the first ones are lost."""
-        insort(self._arrivals, (due, data), key=itemgetter(0))
+        insort(self._arrivals, (due, data), key=itemgetter(0))  # by time
         del self._arrivals[:-_MOST_REPLIES]
 
     def _replies(
@@ -204,7 +216,10 @@ class Rs485Line:
         *,
         is_second: bool,
     ) -> tuple[bytes, bytes]:
-        """Carry out a request. Return the reply, or nothing, and that of a second encoder if there is one."""
+        """Carry out a request. Return the reply of the encoder, and that of a second one.
+
+        Both are empty if there is no reply. They are the same unless ``is_second`` is true.
+        """
         if layout is None or self.encoder.needs_answer(layout):
             return b"", b""
         request_values = {name: value for name, value in values.items() if name != codec.UNUSED}
@@ -213,11 +228,11 @@ class Rs485Line:
             if memory is None:
                 return b"", b""
             request_values |= memory
-        number, bits = self.encoder.frame(layout, request_values), self.encoder.place(layout).bits
-        other = self.encoder.frame_of_another(layout, request_values) if is_second else number
+        reply_number, bits = self.encoder.frame(layout, request_values), self.encoder.place(layout).bits
+        other_number = self.encoder.frame_of_another(layout, request_values) if is_second else reply_number
         if data_id is not None:
             self._count_reset_request(data_id)
-        return number_to_bytes(layout, number, bits), number_to_bytes(layout, other, bits)
+        return number_to_bytes(layout, reply_number, bits), number_to_bytes(layout, other_number, bits)
 
     def _memory(
         self, data_id: DataId, layout: Layout, request_values: dict[str, int | str | bool]
@@ -229,7 +244,7 @@ class Rs485Line:
         now = self.encoder.clock()
         sent_fields = [placed_field.field for placed_field in self.encoder.place(layout).fields]
         flags = [field.name for field in sent_fields if isinstance(field.kind, Flag)]
-        busy_flags = flags[:1]
+        busy_flags = flags[:1]  # The first flag of such a reply, if any, reports a busy EEPROM.
         if now < self._memory_busy_until:
             return {**dict.fromkeys(busy_flags, True), "data": 0} if busy_flags else None
         address = int(request_values["address"])
@@ -239,11 +254,14 @@ class Rs485Line:
         return {**dict.fromkeys(busy_flags, False), "data": self._eeprom.get(address, 0xFF)}
 
     def _count_reset_request(self, data_id: DataId) -> None:
-        """Count the requests of a reset, and carry it out after the last one."""
+        """Count the requests of a reset, and carry it out after the last one.
+
+        Any request that is not one of a reset starts the count again.
+        """
         for procedure in self.encoder.device.procedures:
             for step in procedure.steps:
                 if isinstance(step, SendStep) and step.request == bytes([data_id.control]):
-                    is_complete = self._is_last_request(data_id.control, step)
+                    is_complete = self._is_last_request(data_id.control, step)  # It also counts the request.
                     if is_complete:
                         self._carry_out_reset(data_id, procedure)
                     return
@@ -255,7 +273,7 @@ class Rs485Line:
         last_control, count, last_time = self._reset_requests
         is_too_soon = now - last_time < step.microseconds / 1e6 - _TOLERANCE_S
         count = 1 if last_control != control or is_too_soon else count + 1
-        self._reset_requests = (control, count % step.times, now)
+        self._reset_requests = (control, count % step.times, now)  # After the last one, the count is 0 again.
         return count >= step.times
 
     def _carry_out_reset(self, data_id: DataId, procedure: Procedure) -> None:
@@ -330,6 +348,7 @@ class SpiLine:
         while (word_bits := self._length_of_first_word()) is not None:
             byte_count = (word_bits + 7) // 8
             word_bytes, self._received = self._received[:byte_count], self._received[byte_count:]
+            # A length that is not whole bytes leaves unused bits at the top of the first one.
             word = int.from_bytes(word_bytes, "big") & (1 << word_bits) - 1
             self._answers += self.exchange(word, word_bits).to_bytes(byte_count, "big")
 
@@ -343,7 +362,10 @@ class SpiLine:
         return None
 
     def _length_of_first_word(self) -> int | None:
-        """Return the number of bits of the first word in the received bytes, or None if it is incomplete."""
+        """Return the number of bits of the first word in the received bytes, or None if it is incomplete.
+
+        It is the longest length with which the received bytes are a valid request, or else ``word_bits``.
+        """
         if len(self._lengths) > 1:
             for length in self._lengths:
                 word_bytes = self._received[: (length + 7) // 8]
@@ -372,13 +394,14 @@ class SpiLine:
             self._written_fields |= request_fields
             register_value = self._write()
         else:
+            # No register has the address -1.
             register_value = self.encoder.memory.read_whole(request_fields.get("address", -1))
         if register_value is None:
             return self._error_reply(length)
         return self.encoder.frame(layout, {**repeated_values, "data": register_value})
 
     def _write(self) -> int | None:
-        """Carry out a write whose address and data have come, and return the value of the register afterwards.
+        """Carry out a write once its address and data have come, and return the value of the register.
 
         Return None if there is no register, or it cannot be written.
         """
@@ -391,7 +414,10 @@ class SpiLine:
         return self.encoder.memory.read_whole(address)
 
     def _find_request(self, word: int, length: int) -> tuple[Exchange, dict[str, int | str | bool]] | None:
-        """Return the request in a word with its values. The second word of a write follows the first."""
+        """Return the request in a word with its values, or None if no possible request fits.
+
+        If a write has begun, only its later words are possible. Before that, they are not.
+        """
         later_words_of_write = self._write_exchanges[1:]
         if self._written_fields:
             possible_exchanges = later_words_of_write
@@ -406,7 +432,7 @@ class SpiLine:
         return None
 
     def _error_reply(self, length: int) -> int:
-        """Return the reply to a request of this length that is not valid, with its flags active."""
+        """Return the reply to an invalid request of this length: that of its last exchange, with all flags active."""
         parameters = self.encoder.variant.parameters
         exchanges_of_length: list[Exchange] = []
         for exchange in self.interface.exchanges:

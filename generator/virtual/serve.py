@@ -63,11 +63,12 @@ def terminal() -> _Port:
     tty.setraw(slave)
     os.set_blocking(master, False)
 
+    # Write as much as the terminal accepts within ``PATIENCE_S``, and discard the rest.
     def write(data: bytes) -> None:
-        end = monotonic() + PATIENCE_S
+        deadline = monotonic() + PATIENCE_S
         unwritten = data
         while unwritten:
-            _, writable, _ = select([], [master], [], max(0.0, end - monotonic()))
+            _, writable, _ = select([], [master], [], max(0.0, deadline - monotonic()))
             if not writable:
                 return
             try:
@@ -106,7 +107,10 @@ class _Clients:
         return (self._client or self._server).fileno()
 
     def read(self) -> bytes:
-        """Return data of the client, or accept the next one if there is none."""
+        """Return data of the client, or accept the next one if there is none, and return no data.
+
+        A client that has closed its connection is disconnected.
+        """
         if self._client is None:
             self._accept()
             return b""
@@ -151,7 +155,10 @@ def listener(server: socket.socket, name: str) -> _Port:
 
 
 def serve(encoder: VirtualEncoder, line: Line, port: _Port, stop: Event | None = None) -> None:
-    """Serve a line until ``stop`` is set. Without ``stop``, serve forever."""
+    """Serve a line until ``stop`` is set. Without ``stop``, serve forever.
+
+    It waits for requests, but no longer than until the next reply is due.
+    """
     while stop is None or not stop.is_set():
         due = line.due()
         wait_s = _TICK_S

@@ -13,6 +13,7 @@ from .encoder import VirtualEncoder
 def positions(encoder: VirtualEncoder) -> st.SearchStrategy[int]:
     """Return positions of an encoder, in which those near the ends are more frequent."""
     lowest, highest = encoder.lowest, encoder.lowest + encoder.counts - 1
+    # The ends, the middle, and 0 if the position is signed.
     frequent = {lowest, lowest + 1, (lowest + highest) // 2, highest, max(lowest, 0)}
     return st.one_of(st.sampled_from(sorted(frequent)), st.integers(lowest, highest))
 
@@ -56,7 +57,11 @@ def disturbed_frames(draw: st.DrawFn, encoder: VirtualEncoder, layout: str = "")
 
 
 def _frame_layout(encoder: VirtualEncoder, name: str) -> Layout:
-    """Return the frame with this name, or without a name the first one with a whole position."""
+    """Return the frame with this name, or without a name the first one with a whole position.
+
+    Raises:
+        ValueError: The encoder sends no such frame.
+    """
     layouts = encoder.layouts("encoder")
     measurement = encoder.device.measurement_of(encoder.variant.interface)
     position_name = measurement.of if measurement is not None else "position"
@@ -68,7 +73,10 @@ def _frame_layout(encoder: VirtualEncoder, name: str) -> Layout:
 
 
 def _frame_of(encoder: VirtualEncoder, layout: Layout) -> Any:
-    """Return the current frame with this layout as bytes over RS-485, otherwise as a number."""
+    """Return the current frame with this layout as bytes over RS-485, otherwise as a number.
+
+    The selector has the first of the values that identify the frame.
+    """
     selector_values = {layout.selector: layout.selects[0]} if layout.selector else {}
     number = encoder.frame(layout, selector_values)
     if layout.in_bytes:
