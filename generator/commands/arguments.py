@@ -66,7 +66,7 @@ class ShowVersion(argparse.Action):
 
 
 def parse(parser: argparse.ArgumentParser, words: Sequence[str]) -> argparse.Namespace:
-    """Parse the words of a command line. One too many is an error that shows the usage of its command."""
+    """Parse the words of a command line. An unknown word ends the process with an error and the command's usage."""
     arguments, extra_words = parser.parse_known_args(words)
     if extra_words:
         arguments.parser.error(_unexpected_message(arguments.parser, extra_words[0]))
@@ -74,7 +74,7 @@ def parse(parser: argparse.ArgumentParser, words: Sequence[str]) -> argparse.Nam
 
 
 def _unexpected_message(parser: argparse.ArgumentParser, argument: str) -> str:
-    """Return the message about an argument that the command does not have."""
+    """Return the message about an argument that the command does not have, with the nearest option or ``--specs``."""
     from ..language.problems import suggestion
 
     options = sorted(name for action in parser._actions for name in action.option_strings)
@@ -88,7 +88,10 @@ def _unexpected_message(parser: argparse.ArgumentParser, argument: str) -> str:
 
 
 def add_examples(parser: Parser, name: str, examples: Sequence[str]) -> None:
-    """Add the examples to the help of a command, and the parser to its arguments."""
+    """Add the examples to the help of the command ``name``, and wrap its description.
+
+    The parser also becomes an attribute of the parsed arguments, for ``parse``.
+    """
     parser.set_defaults(parser=parser)
     needs_spec = name not in ("new", "explain", "find")
     condition = ", with the spec that codewheel new my_encoder writes" if needs_spec else ""

@@ -103,9 +103,9 @@ class _Side:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Compare, print, and return the exit code: 1 for changes of the impact of ``--fail-on`` or more that count, else 0.
+    """Compare, print, and return the exit code: 1 if a change has the impact of ``--fail-on`` or a higher one, else 0.
 
-    Accepted changes do not count.
+    Accepted changes do not count. Without ``--fail-on``, all others do.
 
     Raises:
         Stop: Something cannot be read, or families that must not be released would be recorded.

@@ -125,7 +125,9 @@ def in_requested_edition(
 
 
 def _find_revision(device: Device, match: Match | None, wanted_edition: str, register_bytes: Mapping[int, int]) -> str:
-    """Return the revision of the requested edition, which the label or the registers may tell.
+    """Return the revision of the requested edition: inferred from registers or the label, or found by name or date.
+
+    ``match`` is None if the user named a family. Then nothing can be inferred.
 
     Raises:
         UnknownEdition: There is no such edition, or it cannot be inferred.
@@ -145,7 +147,7 @@ def _find_revision(device: Device, match: Match | None, wanted_edition: str, reg
 
 
 def _load_in_edition(specs: Sequence[Path], device: Device, revision: str) -> Device:
-    """Return the device as this edition of its manual describes it.
+    """Return the device as this edition of its manual describes it. The edition of its spec needs no change.
 
     Raises:
         Stop: The edition has problems, which are printed. The exit code is 1.
@@ -162,7 +164,9 @@ def _load_in_edition(specs: Sequence[Path], device: Device, revision: str) -> De
 
 
 def edition_devices(families: Iterable[Family], wanted_editions: Iterable[str], report: Report) -> list[Device]:
-    """Return the devices of families in the editions given by arguments such as ``FAMILY=1.6``.
+    """Return the devices of families in the editions given by arguments such as ``FAMILY=1.6``, each once.
+
+    Editions of a family whose spec has problems are left out. Problems of an edition are added to ``report``.
 
     Raises:
         Stop: An argument is malformed, or there is no such family or edition. The exit code is 2.
@@ -192,11 +196,12 @@ def edition_devices(families: Iterable[Family], wanted_editions: Iterable[str], 
 
 
 def check_editions(families: Iterable[Family], report: Report) -> None:
-    """Report the problems in all editions of the families."""
+    """Report the problems in all editions of the families, except those that are derived, have overlays or problems."""
     for family in families:
         # With an overlay, a family may lack the parts that an edition changes. A request for the edition reports that.
         if family.device.base or family.plain is not None or report.faults(family.document):
             continue
         for edition in family.device.editions:
             if edition.revision != family.device.manual.revision:
+                # Only its report is needed, not the family in that edition.
                 in_edition(family, edition.revision, report)

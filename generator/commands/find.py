@@ -28,7 +28,7 @@ _ABOUT = (
     "between the frames: a bit that never changes has no name. The exit code is 0 if there is a proposal, and 1 if all "
     "frames are equal."
 )
-#: Bits of the longest frame of a line.
+#: Bits of the longest frame, by interface. All others have the second limit.
 _LONGEST = {"rs485": 1024}
 _LONGEST_IN_BITS = 64
 
@@ -105,7 +105,11 @@ def _read_recording(arguments: argparse.Namespace) -> Recording:
 
 
 def _frame_texts(frame_arguments: Sequence[str]) -> list[str]:
-    """Return the text of each frame: an argument, a line of one, or for ``-`` a line of standard input."""
+    """Return the text of each frame.
+
+    A frame is an argument or, if it has several lines, one of them. If ``-`` is the only argument, it is a line of
+    standard input.
+    """
     from .decode.decoding import argument_lines
 
     if list(frame_arguments) == ["-"]:
@@ -124,7 +128,10 @@ class _Frame(NamedTuple):
 
 
 def _read_frame(interface: str, text: str, bits: int | None) -> _Frame:
-    """Return the frame that a text is. ``bits`` is its length if the user gave that.
+    """Return the frame in a text: ``0b`` with every bit, ``0x`` with hex digits or, also for RS-485, hex bytes.
+
+    ``bits`` is the length that the user gave, or None. It does not apply to ``0b``, and cuts the zeros in front of
+    others.
 
     Raises:
         Stop: The text is not a frame. The exit code is 2.
@@ -136,7 +143,7 @@ def _read_frame(interface: str, text: str, bits: int | None) -> _Frame:
     try:
         plain_text = undecorated(text)
         if interface != "rs485":
-            # A line that carries bits has a frame that is one number.
+            # A frame of bits may be one number, which has a prefix. RS-485 has only bytes.
             compact_text = re.sub(r"[\s_]", "", plain_text)
             digits = len(compact_text) - len("0b")
             if re.fullmatch(r"0[bB][01]+", compact_text):
@@ -152,10 +159,10 @@ def _read_frame(interface: str, text: str, bits: int | None) -> _Frame:
 
 
 def _with_stated_length(frame: _Frame, bits: int | None, text: str) -> _Frame:
-    """Return a frame with the length that the user gives, or as written without one.
+    """Return a frame with the length ``bits`` that the user gives, or as written if that is None.
 
     Raises:
-        Stop: The frame is longer. The exit code is 2.
+        Stop: The frame has ones above this length. The exit code is 2.
     """
     if bits is None:
         return frame
@@ -165,7 +172,7 @@ def _with_stated_length(frame: _Frame, bits: int | None, text: str) -> _Frame:
 
 
 def _read_positions(text: str, count: int) -> tuple[float, ...]:
-    """Return the positions in a text, one for each frame.
+    """Return the positions in a text such as ``0,45,90``. There must be ``count`` of them, one for each frame.
 
     Raises:
         Stop: It has other text, or another number of positions. The exit code is 2.
@@ -202,7 +209,7 @@ def _proposal_data(proposal: Answer) -> dict[str, Any]:
 
 
 def _text_lines(recording: Recording, proposals: Sequence[Answer], first_frame: str) -> Iterator[str]:
-    """Yield the proposals as lines of text, and the commands to go on with."""
+    """Yield the proposals as lines of text, and the commands to go on with the first one."""
     yield f"{counted(len(recording.frames), 'frame')} of {counted(recording.bits, 'bit')}, most likely layout first"
     for rank, proposal in enumerate(proposals, 1):
         yield ""

@@ -115,9 +115,9 @@ def _row(device: Device) -> Row:
 
 
 def without_repeated(own_rows: Sequence[Row] = (), packaged: Sequence[Row] = ()) -> list[Row]:
-    """Return the user's families and then the packaged ones, without those that the user's have too.
+    """Return the user's families and then the packaged ones, except those with a name or order code of the user's.
 
-    Report these on standard error.
+    The names of these are reported on standard error.
     """
     user_names = {row["family"] for row in own_rows}
     user_codes = {code for row in own_rows for code in row["order_codes"]}
@@ -144,14 +144,14 @@ def _with_interface_names(family: Row) -> dict[str, Any]:
 
 
 def _pattern_or_codes(family: Row) -> str:
-    """Return the pattern of the order codes, or the codes themselves if it is one part, such as ``{model}``."""
+    """Return the pattern of the order codes, or the codes themselves if it is only one part, such as ``{model}``."""
     pattern = family["pattern"]
     has_text_or_parts = not pattern.startswith("{") or pattern.count("{") > 1
     return pattern if has_text_or_parts else ", ".join(family["order_codes"])
 
 
 def as_text(families: Sequence[Row]) -> str:
-    """Return a few lines about each family."""
+    """Return a heading and four lines of facts about each family, at most 80 columns wide."""
     from ..say.plain_text import WIDTH, pairs, wrapped
 
     lines = []

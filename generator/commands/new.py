@@ -145,7 +145,7 @@ def _refuse_invalid_name(name: str) -> None:
     """Check the name of a family.
 
     Raises:
-        NameRefused: The name is not valid, or has another meaning.
+        NameRefused: The name is not valid, or is that of something else in the tool or in generated files.
     """
     from ..language.rules.names import TAKEN
 
@@ -158,7 +158,11 @@ def _refuse_invalid_name(name: str) -> None:
 
 
 def _write_new_files(text_by_path: dict[Path, str]) -> Iterator[Path]:
-    """Write files that must not exist, and yield the path of each."""
+    """Write each file, which must not exist, and yield its path. The first failure ends it.
+
+    Raises:
+        NotWritten: A file already exists or cannot be written.
+    """
     for path, text in text_by_path.items():
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -172,7 +176,7 @@ def _write_new_files(text_by_path: dict[Path, str]) -> Iterator[Path]:
 
 
 def _suggested_name(name: str) -> str:
-    """Return the name with underscores in place of other characters, or an example if that is not valid either."""
+    """Return the name in lowercase with underscores instead of other characters, or an example if that is not valid."""
     with_underscores = re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
     suggestion = with_underscores[:_LONGEST_NAME]
     is_valid = _NAME.fullmatch(suggestion) is not None
@@ -180,7 +184,7 @@ def _suggested_name(name: str) -> str:
 
 
 def _manufacturer_name(path: Path) -> str:
-    """Return the name in a manufacturer file, or that of the templates."""
+    """Return the name of the manufacturer in a file, or that of the templates if it has no valid one."""
     from ..language.problems import Report
     from ..language.read import read_document
 
@@ -198,12 +202,16 @@ def _schema_of_tool(kind: str) -> Path:
 
 
 def _in_one_checkout(folder: Path, kind: str) -> bool:
-    """Return whether a clone with the spec also has the tool's schema: both are in one checkout, outside a venv."""
+    """Return whether the folder and the tool's schema are in one git checkout. An installed tool is in none.
+
+    Then a spec can refer to the schema by a relative path, which every clone has.
+    """
     schema = _schema_of_tool(kind).resolve()
     if "site-packages" in schema.parts:
         return False
     real_folder = folder.resolve()
     for parent in (real_folder, *real_folder.parents):
+        # The nearest checkout around the folder decides.
         is_checkout = (parent / ".git").exists()
         if is_checkout:
             return schema.is_relative_to(parent)
@@ -223,7 +231,10 @@ def manufacturer_text(schema: str) -> str:
 
 
 def device_text(name: str, manufacturer: str, schema: str, like: str = "") -> str:
-    """Return the text of a spec of the family ``name``, with an example of one of ``LIKE``."""
+    """Return the text of a spec of the family ``name``: a template, with this name, its manufacturer and its schema.
+
+    ``like`` is one of ``LIKE``, or empty for a singleturn encoder over BiSS.
+    """
     text = _template_text(like or "biss-singleturn")
     text = text.replace(_SCHEMA_IN_TEMPLATES.format("device"), schema)
     text = text.replace(f"manufacturer: {_MANUFACTURER}\n", f"manufacturer: {manufacturer}\n")

@@ -24,7 +24,10 @@ _MOST_FAMILIES = 8
 
 
 def accepted_devices(target: str, devices: Sequence[Device], filters: FamilyFilters) -> tuple[Device, ...]:
-    """Return the devices that a target writes. An edition is written if its family is."""
+    """Return the devices that a target writes: those that its filter in the settings accepts, or all without one.
+
+    The filter looks at the family and its grade of evidence. An edition is written if its family is.
+    """
     if target not in filters:
         return tuple(devices)
     accepts = filters[target].accepts
@@ -55,7 +58,7 @@ _WIDTH = 79
 
 
 def targets_named(names: Iterable[str] | None = None, default_names: Iterable[str] = BUILT_IN) -> list[Target]:
-    """Return the named targets, each once. Without names, return those of ``default_names`` that can be loaded.
+    """Return the named targets, each once. Without names, return the default ones that do not lack their packages.
 
     Raises:
         Stop: There is no such target (exit code 2), or it cannot be loaded (exit code 1).
@@ -76,7 +79,7 @@ def targets_named(names: Iterable[str] | None = None, default_names: Iterable[st
 
 
 def are_built_in(targets: Iterable[Target], names: Iterable[str] | None) -> bool:
-    """Return whether these are exactly the built-in targets ``names``, none of which lacks its packages."""
+    """Return whether ``names``, or all built-in targets without names, are built in, and all of them were loaded."""
     wanted_names = list(dict.fromkeys(names or BUILT_IN))
     all_are_loaded = [target.name for target in targets] == wanted_names
     return all_are_loaded and set(wanted_names) <= set(BUILT_IN)
@@ -99,6 +102,7 @@ def options_named(settings: Iterable[str], targets: Sequence[Target]) -> dict[st
     targets_by_name = {target.name: target for target in targets}
     options = {target.name: dict(target.defaults) for target in targets}
     for setting in settings:
+        # A setting has the form TARGET.OPTION=VALUE.
         path, equals, value = setting.partition("=")
         target_name, dot, option = path.partition(".")
         if not equals or not dot:
@@ -113,7 +117,10 @@ def options_named(settings: Iterable[str], targets: Sequence[Target]) -> dict[st
 
 
 def _refuse_setting(target: Target, name: str, value: str) -> None:
-    """Raise ``Stop`` if the target has no such option or the option does not accept the value."""
+    """Raise ``Stop`` if the target has no such option or the option does not accept the value.
+
+    An option without a list of values accepts all.
+    """
     options = {option.name: option for option in target.options}
     if name not in options:
         hint = suggestion(name, options, "it has") if options else "; it has none"
@@ -140,9 +147,10 @@ def complete(
     report: Report,
     filters: FamilyFilters = NO_FILTERS,
 ) -> tuple[Device, ...]:
-    """Return the devices of families, and report the parts that these targets cannot express.
+    """Return the devices of families and of ``editions``, by name, and report the parts that targets cannot express.
 
-    ``editions`` are additional ones, such as ``FAMILY=1.6``. ``filters`` are as for ``report_unfit_parts``.
+    ``editions`` are additional editions of families, such as ``FAMILY=1.6``. ``filters`` are the conditions for the
+    families that each target must express.
 
     Raises:
         Stop: A target fails. The exit code is 1.
@@ -211,7 +219,7 @@ def rendered(
 
 
 def listing() -> str:
-    """Return the text about all targets and their options for ``--help``."""
+    """Return the text about all targets and their options for ``--help``. A target that fails has its error instead."""
     names = target_names()
     indent = " " * (max(map(len, names)) + 4)
     lines = [f"targets ({listed(BUILT_IN)} run by default):"]

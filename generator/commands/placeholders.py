@@ -19,7 +19,7 @@ class Placeholder:
 
 
 def placeholders_in(files: Iterable[str]) -> Iterator[Placeholder]:
-    """Yield the placeholders in these specs, in the order of their lines."""
+    """Yield the placeholders in these specs, spec by spec in the order of their lines. A repeated file counts once."""
     for file in dict.fromkeys(files):
         path = Path(file)
         if path.is_file() and b"TODO" in path.read_bytes():

@@ -249,7 +249,7 @@ class _Dump:
         return layout_data
 
     def _fields(self, layout: Layout, inherited: Sources) -> list[Item]:
-        """Return the fields of a layout, each with its highest bit. For an order code, those without bits are omitted."""
+        """Return the fields of a layout, each with its highest bit. An order code has only those that have bits."""
         fields_data: list[Item] = []
         if self.variant is None:
             for field in layout.fields:

@@ -60,7 +60,10 @@ def show_schema() -> JsonSchema:
 
 
 def _object_schema(part: Part) -> JsonSchema:
-    """Return the schema of an object with the members of a part."""
+    """Return the schema of an object with the members of a part. All are required except ``sources``.
+
+    Members without a shape are not in the data.
+    """
     members = [member for member in part.members if member.shape]
     required_members, optional_members = members, []
     if part.is_sourced:
@@ -117,7 +120,10 @@ def schema_text() -> str:
 
 
 def _lines(value: Any, indent: str) -> Iterator[str]:
-    """Yield the text of a schema, in which only objects and maps of schemas take several lines."""
+    """Yield pieces of the text of a schema, in which only object schemas and maps of schemas take several lines.
+
+    ``indent`` is the white space in front of the closing brace.
+    """
     is_object = isinstance(value, dict) and "properties" in value
     is_map_of_schemas = isinstance(value, dict) and all(isinstance(member, dict) for member in value.values())
     if not is_object and not is_map_of_schemas:
@@ -164,7 +170,7 @@ class DataMember:
 
     @property
     def empty(self) -> Any:
-        """Value that stands for a missing member."""
+        """Value for a missing member: an empty list or map, null, or for other values the default or an empty text."""
         if self.kind in (Kind.LIST, Kind.TEXTS, Kind.OBJECTS):
             return []
         if self.kind in (Kind.KEYED, Kind.MAP):
@@ -175,7 +181,10 @@ class DataMember:
 
 
 def filled(dumped: Mapping[str, Any], type_name: str) -> dict[str, Any]:
-    """Return an object with every member of its type, in schema order. Missing members are empty."""
+    """Return an object with every member of its type, in schema order, and then its sources.
+
+    A missing member has the value ``DataMember.empty``, which is an empty list, map or text, null, or the default.
+    """
     shape = show_schema()["$defs"][type_name]
     filled_members = {member.name: dumped.get(member.name, member.empty) for member in members(shape)}
     return filled_members | {name: dumped[name] for name in ("source", "sources") if name in dumped}
@@ -189,9 +198,9 @@ def members(shape: Shape) -> Iterator[DataMember]:
 
 
 def resolved(shape: Shape) -> tuple[Shape, str]:
-    """Return the shape to which a reference leads, and the name of the reference.
+    """Return the shape to which a reference leads, and its name, or the shape itself and an empty name.
 
-    The null alternative of an optional object is dropped.
+    Of a shape that may also be null, it is the other alternative.
     """
     for alternative in (shape, *shape.get("anyOf", ())):
         if "$ref" in alternative:
@@ -211,6 +220,7 @@ def _data_member(name: str, unresolved: Shape) -> DataMember:
     if "properties" in shape:
         return DataMember(name, Kind.OBJECT, shape, type_name)
     if "additionalProperties" in shape:
+        # With ``x-key``, the values are objects, and the keys of the map are a member of them.
         if "x-key" in shape:
             value_shape, value_type = resolved(shape["additionalProperties"])
             return DataMember(name, Kind.KEYED, {**value_shape, "x-key": shape["x-key"]}, value_type)
@@ -225,7 +235,7 @@ def _kind_of_list(value_shape: Shape, value_type: str) -> Kind:
 
 
 def types_of(shape: Shape) -> tuple[str, ...]:
-    """Return the JSON types of a value of this shape."""
+    """Return the JSON types of a value of this shape, such as ``("integer", "null")``. A list of words is a string."""
     if "type" not in shape:
         return ("integer",) if isinstance(shape.get("const"), int) else ("string",)
     json_types = shape["type"]

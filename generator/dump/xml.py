@@ -28,7 +28,7 @@ from .schema import DataMember, Kind, Shape, is_hexadecimal, members, resolved, 
 
 NAMESPACE = "urn:codewheel:device-description:1"
 XSD_NAME = "device-description.xsd"
-#: Sources of an object, each as pairs of key and value.
+#: Sources of an object, each as pairs of key and value: ``(("document", ""), ("section", "2.1"), ("page", 7))``.
 Sources = tuple[tuple[tuple[str, Any], ...], ...]
 _XSI = "http://www.w3.org/2001/XMLSchema-instance"
 _NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
@@ -45,7 +45,7 @@ def clean(text: str) -> str:
 
 
 def _scalar_text(value: object, *, as_hexadecimal: bool = False) -> str:
-    """Return a number, Boolean or string as in XML."""
+    """Return a number, Boolean or string as in XML. ``as_hexadecimal`` applies only to whole numbers: ``0x1F``."""
     if as_hexadecimal and isinstance(value, int):
         return f"0x{value:02X}"
     return str(value).lower() if isinstance(value, bool) else clean(str(value))
@@ -79,7 +79,15 @@ def _write_object(
     inherited_sources: Sources,
     hexadecimal_parameters: frozenset[str],
 ) -> None:
-    """Write the members of an object. ``hexadecimal_parameters`` are those that are written in hexadecimal."""
+    """Write the members of an object as attributes and children of ``element``, in the order of the schema.
+
+    Args:
+        element: The element of the object.
+        dumped: The object as plain data.
+        shape: The JSON Schema of the object.
+        inherited_sources: The sources of the parent. Only other sources are written.
+        hexadecimal_parameters: Names of parameters whose values are written in hexadecimal.
+    """
     sources = inherited_sources
     if "source" in shape["properties"]:
         sources = _sources_of(dumped)
@@ -119,7 +127,11 @@ def _is_omitted(member: DataMember, value: object) -> bool:
 def _write_content(
     element: Any, value: Any, member: DataMember, sources: Sources, hexadecimal_parameters: frozenset[str]
 ) -> None:
-    """Write a text, texts, a map or objects inside the element of their member."""
+    """Write a text, texts, a map or objects inside the element of their member.
+
+    ``sources`` are those of the parent, which the objects inherit. The keys of a keyed map are members of its objects,
+    so only the objects are written.
+    """
     if member.kind is Kind.TEXT:
         element.text = clean(value)
     elif member.kind is Kind.TEXTS:
@@ -137,7 +149,11 @@ def _write_content(
 def _write_map(
     element: Any, map_values: Mapping[Any, Any], member: DataMember, hexadecimal_parameters: frozenset[str]
 ) -> None:
-    """Write an ``entry`` element for each key of a map."""
+    """Write an ``entry`` element for each key of a map, such as ``<entry name="turns">4096</entry>``.
+
+    It has the type of its value if the values may have several. Numbers are in hexadecimal if the key is a hexadecimal
+    parameter.
+    """
     value_shape, _ = resolved(member.shape)
     value_types = types_of(value_shape)
     for key, value in map_values.items():
@@ -199,7 +215,7 @@ def _document(parent: Any, text: str) -> None:
 
 
 def _add_word_types(root: Any) -> None:
-    """Add the types of numbers, expressions and lists of words."""
+    """Add the types of expressions, hexadecimal and other numbers, and of lists of words and of numbers."""
     expression = _add(root, "simpleType", name="expression")
     _document(expression, show_schema()["$defs"]["expression"]["description"])
     _restrict_to_pattern(expression, base="xs:string", pattern=_EXPRESSION)
@@ -222,7 +238,7 @@ def _restrict_to_pattern(simple_type: Any, base: str, pattern: str) -> None:
 
 
 def _add_type(root: Any, name: str, shape: Shape, description: str) -> None:
-    """Add the type of an object, with an attribute or an element for each member."""
+    """Add the type of an object: its sources, and an attribute or an element for each member."""
     complex_type = _add(root, "complexType", name=name)
     _document(complex_type, description)
     sequence = _add(complex_type, "sequence")
@@ -234,6 +250,7 @@ def _add_type(root: Any, name: str, shape: Shape, description: str) -> None:
             _add_attribute(complex_type, member, description_of_member)
         else:
             _add_element(sequence, member, description_of_member)
+    # A type without elements has no sequence.
     if not len(sequence):
         complex_type.remove(sequence)
 
@@ -259,7 +276,7 @@ def _add_element(sequence: Any, member: DataMember, description: str) -> None:
 
 
 def _add_entry_element(inner_elements: Any, member: DataMember) -> None:
-    """Add the ``entry`` of a map, whose attributes are its name and, if the values have several types, its type."""
+    """Add the ``entry`` of a map. It contains a value, and has a name and, if values have several types, a type."""
     entry_element = _add(inner_elements, "element", name="entry", maxOccurs="unbounded")
     content = _add(_add(entry_element, "complexType"), "simpleContent")
     extension = _add(content, "extension", base=_entry_type(member))
@@ -270,21 +287,25 @@ def _add_entry_element(inner_elements: Any, member: DataMember) -> None:
 
 
 def _entry_type(member: DataMember) -> str:
-    """Return the type of the values of a map."""
+    """Return the XML type of the values of a map. Values of several types are strings."""
     if len(member.types) > 1:
         return "xs:string"
     return {"integer": "number", "array": "words"}.get(member.types[0], "xs:string")
 
 
 def _enumerate(parent: Any, values: Iterable[str]) -> None:
-    """Restrict an attribute to these values."""
+    """Restrict the attribute ``parent`` to these values."""
     restriction = _add(_add(parent, "simpleType"), "restriction", base="xs:string")
     for value in values:
         _add(restriction, "enumeration", value=value)
 
 
 def _add_attribute(complex_type: Any, member: DataMember, description: str) -> None:
-    """Add the attribute of a member that is a single value or a list of words or numbers."""
+    """Add the attribute of a member that is a single value or a list of words or numbers.
+
+    It has a default if the schema gives one, and is required if its value is never omitted, or if it is a name. Its
+    type is either a list of the possible words, without the empty one, or a named type.
+    """
     attribute = _add(complex_type, "attribute", name=member.name)
     if "default" in member.shape:
         attribute.set("default", str(member.shape["default"]).lower())
@@ -309,12 +330,12 @@ def _is_always_present(member: DataMember) -> bool:
 
 
 def _attribute_type(member: DataMember) -> str:
-    """Return the type of an attribute that does not list its words."""
-    types = [name for name in member.types if name != "null"]
+    """Return the XML type of an attribute that does not list its words. An expression is a number or a text in JSON."""
+    json_types = [name for name in member.types if name != "null"]
     if member.kind is Kind.LIST:
-        return "numbers" if types == ["integer"] else "words"
-    if len(types) > 1:
+        return "numbers" if json_types == ["integer"] else "words"
+    if len(json_types) > 1:
         return "expression"
     if is_hexadecimal(member.shape):
         return "hexadecimal"
-    return f"xs:{types[0].replace('number', 'decimal')}"
+    return f"xs:{json_types[0].replace('number', 'decimal')}"

@@ -36,7 +36,7 @@ def alarm(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
 
 
 def alarm_facts(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
-    """Yield the flag that shows an alarm, its cause, and the procedures that clear it."""
+    """Yield the flag that shows an alarm, its cause, duration and remedy, and the procedures that clear it."""
     if device_alarm.group:
         group = member_named(device.field_groups, device_alarm.group, "field group")
         yield statement(Code(device_alarm.field), " in ", Ref("group", group.name, title(group)), label="Flag")
@@ -61,7 +61,10 @@ def alarm_facts(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
 
 
 def alarm_of(device: Device, field: Field, register: str = "") -> Alarm | None:
-    """Return the alarm of a flag in a frame or register, if the manual has one."""
+    """Return the alarm of a flag, or None if the manual has none.
+
+    ``register`` is the register of the flag, or empty for a flag in a frame, whose alarm is found by its group.
+    """
     for alarm in device.alarms:
         if register:
             has_same_owner = alarm.register == register
@@ -81,7 +84,10 @@ def states(field: Field) -> tuple[str, str]:
 
 
 def meaning(field: Field, alarm: Alarm | None) -> str:
-    """Return the meaning of an active flag, or of unused bits that differ from the manual."""
+    """Return the meaning of an active flag, or of unused bits that differ from the manual.
+
+    For a flag, it is that of its active level with that of the field. Without both, it is that of the alarm.
+    """
     if isinstance(field.kind, Unused):
         difference = f"unused bits differ from the documented value {short(field.kind.value)}"
         return f"{difference}. {sentence(field.meaning)}" if field.meaning else difference
@@ -95,7 +101,10 @@ def meaning(field: Field, alarm: Alarm | None) -> str:
 
 
 def deciding(field: Field) -> str:
-    """Return the bits of a flag or an unused field that lead to its verdict, or an empty string for any other field."""
+    """Return the bits that lead to the verdict: ``1`` of a flag, ``not 5h`` of unused bits, or "" for other fields.
+
+    They are the active level of a flag, and anything but the documented value of an unused field.
+    """
     match field.kind:
         case Flag(active_low=is_active_low):
             return "0" if is_active_low else "1"
@@ -109,7 +118,10 @@ def deciding(field: Field) -> str:
 
 
 def conditions(values: Iterable[tuple[Field, int]]) -> Statement:
-    """Return the values that lead to a verdict together, with the bits of each field. 1 stands for an active flag."""
+    """Return the values that lead to a verdict together, such as ``error is 0 and mode is 5h (test)``.
+
+    In ``values``, 1 stands for an active flag. The text has its bit.
+    """
     phrases = [_condition(field, value) for field, value in values]
     return statement(*parted(phrases, " and "))
 

@@ -136,7 +136,7 @@ def _check(
 def _print_problems(
     family_names: Sequence[str], report: Report, coverage_data: dict[str, Any], arguments: argparse.Namespace
 ) -> None:
-    """Print the problems and, in JSON, also the counts of the coverage."""
+    """Print the problems as text or, in JSON, with ``coverage_data``, which is empty without ``--coverage``."""
     if arguments.json:
         print_json({"version": JSON_VERSION} | as_data(report) | coverage_data)
     else:
@@ -158,7 +158,7 @@ def as_data(report: Report) -> dict[str, Any]:
 def as_text(families: Sequence[str], report: Report, form: str = "text") -> str:
     """Return the problems as text, with the files read and a summary, or in a form for review tools.
 
-    ``families`` are the names of all families.
+    ``families`` are the names of all families. ``form`` is ``text``, or ``github`` or ``sarif``, which have no summary.
     """
     if form in ("github", "sarif"):
         return _review_text(report, form)

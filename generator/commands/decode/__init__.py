@@ -81,7 +81,9 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _request_of(arguments: argparse.Namespace) -> Request:
-    """Return the encoder as its registers, the edition and the user's answers determine it, with the options.
+    """Return the encoder as ``--edition``, ``--register`` and ``--choose`` determine it, with the options.
+
+    Register bytes that identify the order code do not change it. Those that contradict it become differences.
 
     Raises:
         Stop: As for ``run``.
