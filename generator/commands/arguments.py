@@ -95,7 +95,7 @@ def add_examples(parser: Parser, name: str, examples: Sequence[str]) -> None:
     parser.set_defaults(parser=parser)
     needs_spec = name not in ("new", "explain", "find")
     condition = ", with the spec that codewheel new my_encoder writes" if needs_spec else ""
-    example_lines = [f"examples{condition}:", *(f"  {line}" for line in examples)]
+    example_lines = [f"examples{condition}:", *(f"  {example}" for example in examples)]
     epilog_lines = [textwrap.fill(parser.epilog, _WIDTH), ""] if parser.epilog else []
     parser.epilog = "\n".join([*epilog_lines, *example_lines])
     parser.description = textwrap.fill(parser.description or "", _WIDTH)

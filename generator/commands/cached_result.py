@@ -102,14 +102,14 @@ def _names_and_contents(paths: Sequence[Path]) -> Iterator[bytes | str]:
         _NotStorable: A spec cannot be read, or is an overlay.
     """
     names_in_folder = functools.cache(os.listdir)
-    for path in paths:
-        specs: Sequence[Path] = (path,)
+    for spec_or_folder in paths:
+        specs: Sequence[Path] = (spec_or_folder,)
         skipped: Sequence[Path] = ()
-        if is_folder(path):
-            search_result = find_files(path)
+        if is_folder(spec_or_folder):
+            search_result = find_files(spec_or_folder)
             specs, skipped = search_result.specs, search_result.passed_over
         # The words between the lists ensure that no name can move from one to the next.
-        yield from (str(path), "specs", *map(str, specs), "skipped", *map(str, skipped), "content")
+        yield from (str(spec_or_folder), "specs", *map(str, specs), "skipped", *map(str, skipped), "content")
         for spec in specs:
             keys = top_keys(spec)
             if keys is None or not keys.isdisjoint(_OVERLAY_KEYS):

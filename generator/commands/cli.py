@@ -104,8 +104,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         release_streams()
         with suppress(OSError):
-            place = error.filename or "the output"
-            print(f"codewheel: cannot write {place}: {error.strerror or error}", file=sys.stderr, flush=True)
+            file_name = error.filename or "the output"
+            print(f"codewheel: cannot write {file_name}: {error.strerror or error}", file=sys.stderr, flush=True)
         release_streams()
         return 1
     except KeyboardInterrupt:

@@ -368,11 +368,11 @@ def _finding_at(change: Change, document: Document, path: SpecPath, file_names: 
     from ..changes.report import describe_effect
     from .review_formats import Finding
 
-    line, column = document.position(path)
+    line_number, column = document.position(path)
     file = document.file_of(path) or document.file
     return Finding(
         file=file_names.get(file, file),
-        line=line,
+        line=line_number,
         column=column,
         rule=change.rule.name,
         message=f"{change.text} ({change.impact.word}: {describe_effect(change)})",

@@ -64,23 +64,23 @@ def _lines_of_missing_history(old: Family, new: Family) -> Iterator[str]:
     An introduction precedes them. Nothing is yielded if the new revision is listed behind an older one.
     """
     name, revision = new.device.name, new.device.manual.revision
-    listed_revisions = [row["revision"] for row in new.document.data["manual"].get("history", ())]
+    listed_revisions = [history_row["revision"] for history_row in new.document.data["manual"].get("history", ())]
     # An edition describes encoders before a revision, so an older revision must be listed in front of it.
     if revision in listed_revisions[1:]:
         return
-    place = "history" if listed_revisions else "manual"
-    yield f"{name}: give the revisions in the history of the manual, under '{place}':"
+    key_of_rows = "history" if listed_revisions else "manual"
+    yield f"{name}: give the revisions in the history of the manual, under '{key_of_rows}':"
     yield ""
     if not listed_revisions:
         yield "  history:"
     for manual in (old.device.manual, new.device.manual):
         if manual.revision in listed_revisions:
             continue
-        row = {"revision": manual.revision}
+        history_row = {"revision": manual.revision}
         if manual.date:
-            row["date"] = manual.date
-        row["changes"] = "Not listed"
-        yield f"    - {_in_one_line(row)}"
+            history_row["date"] = manual.date
+        history_row["changes"] = "Not listed"
+        yield f"    - {_in_one_line(history_row)}"
     yield ""
 
 
@@ -91,9 +91,9 @@ def _lines_of_entry(new: Family, edition_changes: Iterable[Mapping[str, Any]]) -
     """
     name, revision = new.device.name, new.device.manual.revision
     has_editions = "editions" in new.document.data
-    place = ", under its editions" if has_editions else ""
+    where_to_add = ", under its editions" if has_editions else ""
     removal = f"{name}: edition {revision} removed these items."
-    yield f"{removal} To keep them for older encoders, add to its spec{place}, with their source:"
+    yield f"{removal} To keep them for older encoders, add to its spec{where_to_add}, with their source:"
     yield ""
     if not has_editions:
         yield "editions:"
@@ -150,8 +150,8 @@ def _order_code_changes(
         if example["name"] not in old_examples and example.get("order_code") in new_codes:
             reason = f"Edition {old_revision} lacks its order code"
             yield {"remove": f"examples.{example['name']}", "why": reason, "source": source}
-    for place, value in _changed_references(old_data, new_data, ""):
-        yield {"set": place, "to": value, "why": f"Order codes of edition {old_revision}", "source": source}
+    for place, old_reference in _changed_references(old_data, new_data, ""):
+        yield {"set": place, "to": old_reference, "why": f"Order codes of edition {old_revision}", "source": source}
 
 
 def _source_of_removed(data: Any, place: str, removed_node: Any) -> str:
@@ -197,8 +197,8 @@ def _selected_by(option: Mapping[str, Any]) -> Mapping[str, Any]:
 
 def _selects_any(variant: Variant, option_places: Iterable[str]) -> bool:
     """Return True if an order code has one of these options, such as ``order_code.parts.output.values.B``."""
-    for place in option_places:
-        option = _OPTION.fullmatch(place)
+    for option_place in option_places:
+        option = _OPTION.fullmatch(option_place)
         if option is not None and variant.parts.get(option["part"]) == option["label"]:
             return True
     return False
@@ -260,7 +260,7 @@ def _removed_nodes(old: Any, new: Any, place: str) -> Iterator[tuple[str, Any]]:
 
 def _in_one_line(node: Any) -> str:
     """Return a node as YAML in one line, such as ``{revision: '1.0', changes: Not listed}``."""
-    text: str = yaml.dump(
+    yaml_text: str = yaml.dump(
         _with_hexadecimal(node),
         Dumper=_Dumper,
         default_flow_style=True,
@@ -268,14 +268,14 @@ def _in_one_line(node: Any) -> str:
         sort_keys=False,
         allow_unicode=True,
     )
-    return text.strip()
+    return yaml_text.strip()
 
 
 def _with_hexadecimal(node: Any, key: str = "") -> Any:
     """Return a node in which the numbers that manuals print in hexadecimal are marked. ``key`` is the node's key."""
     if isinstance(node, dict):
-        return {name: _with_hexadecimal(value, name) for name, value in node.items()}
+        return {name: _with_hexadecimal(child, name) for name, child in node.items()}
     if isinstance(node, list):
-        return [_with_hexadecimal(value) for value in node]
+        return [_with_hexadecimal(child) for child in node]
     is_hexadecimal = key in HEXADECIMAL and type(node) is int
     return _Hexadecimal(node) if is_hexadecimal else node

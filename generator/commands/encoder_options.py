@@ -177,8 +177,8 @@ def edition_devices(families: Iterable[Family], wanted_editions: Iterable[str], 
         name, equals, revision_or_date = wanted_edition.partition("=")
         if not equals or name not in families_by_name:
             example = f"{next(iter(families_by_name), 'FAMILY')}=1.0"
-            names = ", ".join(families_by_name)
-            raise Stop(f"'{wanted_edition}' is not a family and an edition; write it like {example} ({names})", 2)
+            known_names = ", ".join(families_by_name)
+            raise Stop(f"'{wanted_edition}' is not a family and an edition; write it like {example} ({known_names})", 2)
         family = families_by_name[name]
         try:
             revision = revision_for(family.device, revision_or_date)

@@ -82,10 +82,10 @@ def _read_recording(arguments: argparse.Namespace) -> Recording:
     """
     from ..layout_search.frames import FEWEST, Recording
 
-    texts = _frame_texts(arguments.frame)
-    if len(texts) < FEWEST:
+    frame_texts = _frame_texts(arguments.frame)
+    if len(frame_texts) < FEWEST:
         raise Stop("one frame does not show a layout; give at least 2, and turn the shaft between them", 2)
-    frames = [_read_frame(arguments.interface, text, arguments.bits) for text in texts]
+    frames = [_read_frame(arguments.interface, frame_text, arguments.bits) for frame_text in frame_texts]
     lengths = sorted({frame.bits for frame in frames})
     if len(lengths) > 1:
         reason = f"the frames have {lengths[0]} to {lengths[-1]} bits; give frames of one length"
@@ -95,7 +95,7 @@ def _read_recording(arguments: argparse.Namespace) -> Recording:
         raise Stop(f"the frames have {lengths[0]} bits; a line has at most {longest}", 2)
     positions: tuple[float, ...] = ()
     if arguments.positions is not None:
-        positions = _read_positions(arguments.positions, len(texts))
+        positions = _read_positions(arguments.positions, len(frame_texts))
     return Recording(
         interface=arguments.interface,
         bits=lengths[0],
@@ -114,10 +114,10 @@ def _frame_texts(frame_arguments: Sequence[str]) -> list[str]:
 
     if list(frame_arguments) == ["-"]:
         return [line.text for line in argument_lines(frame_arguments)]
-    texts: list[str] = []
+    frame_texts: list[str] = []
     for frame_argument in frame_arguments:
-        texts += [line.text for line in argument_lines([frame_argument])]
-    return texts
+        frame_texts += [line.text for line in argument_lines([frame_argument])]
+    return frame_texts
 
 
 class _Frame(NamedTuple):
@@ -152,10 +152,10 @@ def _read_frame(interface: str, text: str, bits: int | None) -> _Frame:
                 return _with_stated_length(_Frame(int(compact_text, 16), 4 * digits), bits, text)
             if len(plain_text.split()) == 1:
                 raise Stop(f"'{plain_text[:40]}' is not a frame; write 0b... with every bit, 0x..., or hex bytes", 2)
-        data = frame_bytes(plain_text)
+        frame_data = frame_bytes(plain_text)
     except FrameTextError as error:
         raise Stop(str(error), 2) from None
-    return _with_stated_length(_Frame(int.from_bytes(data, "big"), 8 * len(data)), bits, text)
+    return _with_stated_length(_Frame(int.from_bytes(frame_data, "big"), 8 * len(frame_data)), bits, text)
 
 
 def _with_stated_length(frame: _Frame, bits: int | None, text: str) -> _Frame:

@@ -138,16 +138,16 @@ def _read_spec_file(path: Path) -> _SpecFile:
     """
     if not path.is_file():
         raise OSError
-    text = b"\n" + path.read_bytes()
-    keys = set(_KEY.findall(text))
-    device_names = _NAME.findall(text)
+    spec_text = b"\n" + path.read_bytes()
+    keys = set(_KEY.findall(spec_text))
+    device_names = _NAME.findall(spec_text)
     if not keys.isdisjoint(_OTHER_KINDS):
         return _SpecFile(path)
     if not keys.isdisjoint(_MASTER_KEYS):
         return _SpecFile(path, kind="" if b"device" in keys else _MASTER)
     if len(device_names) == 1:
         name = device_names[0].decode()
-        return _SpecFile(path, kind=_DEVICE, name=name, beginnings=_beginnings_in_text(text))
+        return _SpecFile(path, kind=_DEVICE, name=name, beginnings=_beginnings_in_text(spec_text))
     return _SpecFile(path, kind="" if b"device" in keys else _MANUFACTURER)
 
 
@@ -179,8 +179,8 @@ def _read_beginnings(spec: Path) -> tuple[str, ...]:
     section_text = order_code_section[0] if order_code_section else ""
     problems: list[object] = []
     try:
-        data, _ = parse(section_text, problems.append, problems.append)
-        prefixes = beginnings(code_grammar(data["order_code"]))
+        section_data, _ = parse(section_text, problems.append, problems.append)
+        prefixes = beginnings(code_grammar(section_data["order_code"]))
     except (Unreadable, LookupError, TypeError, ValueError, AttributeError):
         return ("",)
     has_unknown_part = any("{" in prefix for prefix in prefixes)

@@ -71,12 +71,12 @@ def _rows_of_specs(paths: Sequence[Path], cache: Cache) -> list[Row]:
     """Return the facts about the families of specs, from an earlier run if they have not changed."""
     from .cached_result import cached_result
 
-    result = cached_result(cache, "list", paths)
-    stored_rows: list[Row] | None = result.get()
+    cached_rows = cached_result(cache, "list", paths)
+    stored_rows: list[Row] | None = cached_rows.get()
     if stored_rows is not None:
         return stored_rows
     new_rows = rows(_devices(paths))
-    result.put(new_rows)
+    cached_rows.put(new_rows)
     return new_rows
 
 
@@ -129,8 +129,8 @@ def without_repeated(own_rows: Sequence[Row] = (), packaged: Sequence[Row] = ())
         else:
             other_rows.append(row)
     if repeated_names:
-        names = ", ".join(repeated_names)
-        print(f"codewheel: in your specs and in the packaged ones: {names}; yours are used", file=sys.stderr)
+        names_text = ", ".join(repeated_names)
+        print(f"codewheel: in your specs and in the packaged ones: {names_text}; yours are used", file=sys.stderr)
     return [*own_rows, *other_rows]
 
 

@@ -125,9 +125,9 @@ def _refuse_unknown_master(name: str | None, masters: Sequence[Master]) -> None:
     """
     from ..language.problems import suggestion
 
-    names = [master.name for master in masters]
-    if name is not None and name not in names:
-        hint = suggestion(name, names) or "; codewheel master lists them"
+    known_names = [master.name for master in masters]
+    if name is not None and name not in known_names:
+        hint = suggestion(name, known_names) or "; codewheel master lists them"
         raise Stop(f"there is no master '{name}'{hint}", 2)
 
 

@@ -105,11 +105,11 @@ def _apply_edits(edits: Sequence[Edit], path: Path) -> None:
 
     content = path.read_bytes()
     mark = _BYTE_ORDER_MARK if content.startswith(_BYTE_ORDER_MARK) else b""
-    text = edited(content.removeprefix(mark).decode("utf-8"), edits)
+    edited_text = edited(content.removeprefix(mark).decode("utf-8"), edits)
     real_path = path.resolve()
     new_path = real_path.with_name(f".{real_path.name}.new")
     try:
-        new_path.write_bytes(mark + text.encode("utf-8"))
+        new_path.write_bytes(mark + edited_text.encode("utf-8"))
         shutil.copymode(real_path, new_path)
         new_path.replace(real_path)
     except OSError as error:

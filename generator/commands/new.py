@@ -76,8 +76,8 @@ def run(arguments: argparse.Namespace) -> int:
             _refuse_invalid_name(arguments.name)
             print(text_of(arguments.name, _MANUFACTURER, "device.schema.json"), end="")
             return 0
-        for path in write_spec(arguments.name, arguments.output, text_of=text_of):
-            print(f"written    {path.as_posix()}")
+        for written_file in write_spec(arguments.name, arguments.output, text_of=text_of):
+            print(f"written    {written_file.as_posix()}")
     except NameRefused as error:
         raise Stop(str(error), 2) from None
     except NotWritten as error:
@@ -123,20 +123,22 @@ def write_spec(name: str, output: Path | None, like: str = "", text_of: DeviceTe
     """
     _refuse_invalid_name(name)
     file_name = f"{name}.yaml"
-    path = output or Path(file_name)
-    if path.is_dir():
-        path = path / file_name
-    if path.name != file_name:
-        raise NameRefused(f"the file of a spec has its family's name: {path.with_name(file_name)}, not {path}")
-    manufacturer_file = path.with_name("manufacturer.yaml")
+    spec_path = output or Path(file_name)
+    if spec_path.is_dir():
+        spec_path = spec_path / file_name
+    if spec_path.name != file_name:
+        raise NameRefused(
+            f"the file of a spec has its family's name: {spec_path.with_name(file_name)}, not {spec_path}"
+        )
+    manufacturer_file = spec_path.with_name("manufacturer.yaml")
     text_of = text_of or partial(device_text, like=like)
     manufacturer = _manufacturer_name(manufacturer_file)
-    text_by_path = {path: text_of(name, manufacturer, _schema_reference(path.parent, "device"))}
+    text_by_path = {spec_path: text_of(name, manufacturer, _schema_reference(spec_path.parent, "device"))}
     if not manufacturer_file.exists():
-        text_by_path[manufacturer_file] = manufacturer_text(_schema_reference(path.parent, "manufacturer"))
+        text_by_path[manufacturer_file] = manufacturer_text(_schema_reference(spec_path.parent, "manufacturer"))
     for kind in ("device", "manufacturer"):
-        schema_copy = path.with_name(f"{kind}.schema.json")
-        if not _in_one_checkout(path.parent, kind) and not schema_copy.exists():
+        schema_copy = spec_path.with_name(f"{kind}.schema.json")
+        if not _in_one_checkout(spec_path.parent, kind) and not schema_copy.exists():
             text_by_path[schema_copy] = _schema_of_tool(kind).read_text(encoding="utf-8")
     return list(_write_new_files(text_by_path))
 
@@ -235,11 +237,11 @@ def device_text(name: str, manufacturer: str, schema: str, like: str = "") -> st
 
     ``like`` is one of ``LIKE``, or empty for a singleturn encoder over BiSS.
     """
-    text = _template_text(like or "biss-singleturn")
-    text = text.replace(_SCHEMA_IN_TEMPLATES.format("device"), schema)
-    text = text.replace(f"manufacturer: {_MANUFACTURER}\n", f"manufacturer: {manufacturer}\n")
+    spec_text = _template_text(like or "biss-singleturn")
+    spec_text = spec_text.replace(_SCHEMA_IN_TEMPLATES.format("device"), schema)
+    spec_text = spec_text.replace(f"manufacturer: {_MANUFACTURER}\n", f"manufacturer: {manufacturer}\n")
     order_code = name.replace("_", "-").upper()
-    return text.replace("MY-ENCODER", order_code).replace("my_encoder", name)
+    return spec_text.replace("MY-ENCODER", order_code).replace("my_encoder", name)
 
 
 def _template_text(name: str) -> str:

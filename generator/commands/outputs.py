@@ -103,14 +103,14 @@ def options_named(settings: Iterable[str], targets: Sequence[Target]) -> dict[st
     options = {target.name: dict(target.defaults) for target in targets}
     for setting in settings:
         # A setting has the form TARGET.OPTION=VALUE.
-        path, equals, value = setting.partition("=")
-        target_name, dot, option = path.partition(".")
+        target_and_option, equals, value = setting.partition("=")
+        target_name, dot, option = target_and_option.partition(".")
         if not equals or not dot:
             raise Stop(f"'{setting}' is not a setting; write it like TARGET.OPTION=VALUE", 2)
         if target_name not in targets_by_name:
             if target_name not in target_names():
                 raise Stop(_unknown_target_message(target_name), 2)
-            raise Stop(f"'{path}' is for a target that does not run; add --target {target_name}", 2)
+            raise Stop(f"'{target_and_option}' is for a target that does not run; add --target {target_name}", 2)
         _refuse_setting(targets_by_name[target_name], option, value)
         options[target_name][option] = value
     return dict(options)
@@ -125,9 +125,9 @@ def _refuse_setting(target: Target, name: str, value: str) -> None:
     if name not in options:
         hint = suggestion(name, options, "it has") if options else "; it has none"
         raise Stop(f"the target '{target.name}' has no option '{name}'{hint}", 2)
-    values = options[name].values
-    if values and value not in values:
-        raise Stop(f"'{target.name}.{name}' cannot be '{value}'{suggestion(value, values, 'it can be')}", 2)
+    accepted_values = options[name].values
+    if accepted_values and value not in accepted_values:
+        raise Stop(f"'{target.name}.{name}' cannot be '{value}'{suggestion(value, accepted_values, 'it can be')}", 2)
 
 
 def load_for(paths: Sequence[Path], targets: Iterable[Target]) -> tuple[tuple[Device, ...], Report]:
@@ -182,8 +182,8 @@ def report_unfit_parts(
             document = valid_families[problem.device.name].document
             message = problem.message
             if problem.other:  # Another place of the spec, whose line is in the message.
-                line, _ = document.position(problem.other)
-                message = message.replace("{line}", str(line))
+                line_number, _ = document.position(problem.other)
+                message = message.replace("{line}", str(line_number))
             report.add(problem.rule, document, problem.place, message)
 
 
@@ -220,10 +220,10 @@ def rendered(
 
 def listing() -> str:
     """Return the text about all targets and their options for ``--help``. A target that fails has its error instead."""
-    names = target_names()
-    indent = " " * (max(map(len, names)) + 4)
+    known_names = target_names()
+    indent = " " * (max(map(len, known_names)) + 4)
     lines = [f"targets ({listed(BUILT_IN)} run by default):"]
-    for name in names:
+    for name in known_names:
         name_column = f"  {name}".ljust(len(indent))
         try:
             target = load_target(name)
@@ -233,8 +233,8 @@ def listing() -> str:
         lines += _wrapped(target.summary, first=name_column, indent=indent)
         for option in target.options:
             values = "|".join(option.values) or "VALUE"
-            text = f"--option {name}.{option.name}={values}: {option.summary} (default: {option.default})"
-            lines += _wrapped(text, first=indent, indent=indent + "  ")
+            option_text = f"--option {name}.{option.name}={values}: {option.summary} (default: {option.default})"
+            lines += _wrapped(option_text, first=indent, indent=indent + "  ")
     return "\n".join(lines)
 
 

@@ -63,8 +63,8 @@ def placeholder_line(files: Iterable[str]) -> str:
     if not placeholders:
         return ""
     first = placeholders[0]
-    number = _counted_placeholders(len(placeholders))
-    return f"{number}, the first at {first.file}:{first.line}; codewheel check lists them"
+    count_text = _counted_placeholders(len(placeholders))
+    return f"{count_text}, the first at {first.file}:{first.line}; codewheel check lists them"
 
 
 def _counted_placeholders(number: int) -> str:

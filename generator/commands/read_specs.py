@@ -202,9 +202,9 @@ def _output_with_specs(specs: Specs) -> str:
 def _example_of_packaged_family() -> str:
     """Return the name of the first packaged family, which is that of its file."""
     for folder in packaged_families():
-        for path in find_files(folder).specs:
-            if describes_encoders(path):
-                return path.stem
+        for spec in find_files(folder).specs:
+            if describes_encoders(spec):
+                return spec.stem
     raise LookupError("there are no packaged families")
 
 
@@ -425,9 +425,9 @@ def _packaged_text(
     """
     packaged_families_found = {path.stem for path in packaged_files}
     families_read = ", ".join(name for name in families if name in packaged_families_found)
-    text = f"read the packaged specs of {', '.join(packaged)}: {families_read}"
+    beginning = f"read the packaged specs of {', '.join(packaged)}: {families_read}"
     packaged_folders = {os.path.realpath(path.parent) for path in packaged_files}
     user_files = [file for file in report.files if os.path.dirname(os.path.realpath(file)) not in packaged_folders]
     if not user_files:
-        return text
-    return f"{text}, and {counted(len(user_files), 'spec')} of yours: {first_of(user_files, _MOST_FILES)}"
+        return beginning
+    return f"{beginning}, and {counted(len(user_files), 'spec')} of yours: {first_of(user_files, _MOST_FILES)}"

@@ -108,8 +108,8 @@ def _family_of_manual(specs: Sequence[Path], name: str | None, old: Manual) -> F
         return families_by_name[name.lower()]
     named_families = [family for family in families_by_name.values() if _is_named_first(family, old)]
     if len(named_families) != 1:
-        number = "several families" if named_families else "none of the families"
-        problem = f"cannot tell which family this manual describes: its first page names {number}"
+        named_count_text = "several families" if named_families else "none of the families"
+        problem = f"cannot tell which family this manual describes: its first page names {named_count_text}"
         raise Stop(f"{problem}; add --family NAME, one of {known_names}", 2)
     return named_families[0]
 
@@ -181,15 +181,15 @@ def _passage_lines(changed_passage: _ChangedPassage) -> Iterator[str]:
     """
     yield ""
     old_text, new_text = changed_passage.passage.shown
-    for name, text in (("old", old_text), ("new", new_text)):
-        if text:
-            yield f"  {name}: {_shortened(text)}"
+    for edition, passage_text in (("old", old_text), ("new", new_text)):
+        if passage_text:
+            yield f"  {edition}: {_shortened(passage_text)}"
     if not changed_passage.facts_of_section:
         yield "  no fact in the spec cites this place"
         return
     groups = _groups_of_equal_facts(changed_passage.facts)[:_MOST_FACTS]
     for first_fact, *other_facts in groups:
-        other_lines = [str(line) for line in sorted({fact.line for fact in other_facts})]
+        other_lines = [str(line_number) for line_number in sorted({fact.line for fact in other_facts})]
         noun = "line" if len(other_lines) == 1 else "lines"
         others_text = f", also in {noun} {joined_lines(other_lines)}" if other_lines else ""
         yield f"  {first_fact.shown}{others_text}"

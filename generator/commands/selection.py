@@ -220,9 +220,9 @@ def _find_packaged(arguments: argparse.Namespace, cache: Cache) -> tuple[tuple[P
     paths: list[Path] = []
     families_and_codes: list[str] = []
     for name in arguments.packaged:
-        specs, names = _packaged_specs(name, cache)
+        specs, names_in_specs = _packaged_specs(name, cache)
         paths += specs
-        families_and_codes += names
+        families_and_codes += names_in_specs
     return tuple(dict.fromkeys(paths)), _option_to_limit_c(arguments, families_and_codes)
 
 

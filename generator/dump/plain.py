@@ -203,16 +203,16 @@ class _Dump:
         if not is_dataclass(value) or isinstance(value, type):
             return value
         own_sources: Sources = getattr(value, "source", ()) or inherited
-        part = PARTS_BY_CLASS.get(type(value).__name__)
-        if part is None:
+        described_part = PARTS_BY_CLASS.get(type(value).__name__)
+        if described_part is None:
             names = [attribute.name for attribute in fields(value)]
             return {name: self.plain(getattr(value, name), own_sources) for name in names} | _cited(own_sources)
         plain_members = {}
-        for member in part.members:
+        for member in described_part.members:
             if member.shape and hasattr(value, member.attribute):
                 attribute = getattr(value, member.attribute)
                 plain_members[member.name] = self._member(member, attribute, own_sources)
-        return plain_members | _cited(own_sources) if part.is_sourced else plain_members
+        return plain_members | _cited(own_sources) if described_part.is_sourced else plain_members
 
     def _member(self, member: Member, value: Any, inherited: Sources) -> Any:
         """Return a member as plain data. A missing word, whose shape lists ``|`` and its words, is an empty text."""
@@ -307,8 +307,8 @@ class _Dump:
     def _register(self, register: Register) -> Item:
         """Return a register with its default as hex bytes, the condition for writing it, its joins and its fields."""
         register_data: Item = self.plain(register, ())
-        data = register.default_bytes()
-        register_data["default_bytes"] = data.hex(" ").upper() if data is not None else ""
+        default_bytes = register.default_bytes()
+        register_data["default_bytes"] = default_bytes.hex(" ").upper() if default_bytes is not None else ""
         register_data["opened_by"] = _opened_by(register) if register.opened_by else None
         register_data["other_bits"] = register.layout.gaps
         layout, citation = register.layout, _cited(register.source)

@@ -50,13 +50,13 @@ _SOURCES = Member("sources", "[source]", "All sources, if there are several.")
 @cache
 def show_schema() -> JsonSchema:
     """Return the JSON Schema of the output of ``show --json``."""
-    head = {
+    identity = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "$id": "urn:codewheel:show:1",
         "title": "Output of codewheel show --json, version 1",
     }
     definitions = _BASIC | {part.name: _object_schema(part) for part in PARTS}
-    return head | _object_schema(FAMILY) | {"$defs": definitions}
+    return identity | _object_schema(FAMILY) | {"$defs": definitions}
 
 
 def _object_schema(part: Part) -> JsonSchema:
@@ -94,8 +94,8 @@ def _schema_without_default(notation: str) -> JsonSchema:
     if notation.startswith("["):
         return {"type": "array", "items": _schema_of(notation[1:-1])}
     if notation.startswith("{"):
-        key, colon, value_notation = notation[1:-1].rpartition(":")
-        key_member = {"x-key": key} if colon else {}
+        key_name, colon, value_notation = notation[1:-1].rpartition(":")
+        key_member = {"x-key": key_name} if colon else {}
         return {"type": "object"} | key_member | {"additionalProperties": _schema_of(value_notation)}
     if notation.endswith("?"):
         return _schema_or_null(notation.removesuffix("?"))

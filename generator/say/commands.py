@@ -50,11 +50,11 @@ def about_procedure(sequence: Procedure) -> Iterator[Statement]:
 
 def argument(device: Device, parameter: Argument) -> Statement:
     """Return the meaning of an argument, the register to which it is written, and which of its meanings applies."""
-    parts: list[Part] = [f"{sentence(parameter.meaning)} Written to " if parameter.meaning else "Written to "]
-    parts.append(named(device, parameter.of))
+    sentence_parts: list[Part] = [f"{sentence(parameter.meaning)} Written to " if parameter.meaning else "Written to "]
+    sentence_parts.append(named(device, parameter.of))
     if parameter.meant_as:
-        parts += [" as its ", Code(parameter.meant_as)]
-    return statement(*parts)
+        sentence_parts += [" as its ", Code(parameter.meant_as)]
+    return statement(*sentence_parts)
 
 
 def step(device: Device, procedure_step: Step) -> Statement:

@@ -74,7 +74,7 @@ def paths_in_words(paths: str) -> str:
     """
     number_of_more = _MORE.search(paths)
     listed_paths = _MORE.sub("", paths).split(", ")
-    phrases = [_path_in_words(path.split(".")) for path in listed_paths]
+    phrases = [_path_in_words(listed_path.split(".")) for listed_path in listed_paths]
     if number_of_more is not None:
         phrases.append(number_of_more[1])
     return "".join(map(str, listed(phrases)))
@@ -82,11 +82,11 @@ def paths_in_words(paths: str) -> str:
 
 def change_in_words(printed: str) -> str:
     """Return a part and its value, such as ``bank.default: 50``, in words. Text without a path is unchanged."""
-    paths, colon, value = printed.partition(": ")
+    paths, colon, new_value = printed.partition(": ")
     # An index such as [0] becomes a step that counts from 1.
     numbered_paths = _INDEX.sub(lambda index: f".{int(index[1]) + 1}", paths)
     are_paths = all(map(_PATH.fullmatch, _MORE.sub("", numbered_paths).split(", ")))
-    return f"{paths_in_words(numbered_paths)}{colon}{value}" if are_paths else printed
+    return f"{paths_in_words(numbered_paths)}{colon}{new_value}" if are_paths else printed
 
 
 def _beginning_in_words(steps: Sequence[str]) -> tuple[str, Sequence[str]]:

@@ -76,11 +76,11 @@ def basis(device: Device) -> Iterator[Statement]:
     """
     evidence = device.evidence
     if evidence.grade != "manual":
-        for key, pages in evidence.documents.items():
-            yield statement(pages, label=f"Read in {key}")
-        for label, names in (("Implementations", evidence.implementations), ("Vectors", evidence.vectors)):
-            if names:
-                yield statement(", ".join(names), label=label)
+        for document_name, pages in evidence.documents.items():
+            yield statement(pages, label=f"Read in {document_name}")
+        for label, evidence_names in (("Implementations", evidence.implementations), ("Vectors", evidence.vectors)):
+            if evidence_names:
+                yield statement(", ".join(evidence_names), label=label)
     for fact in evidence.left_out:
         yield statement(fact, label="Left out")
 
@@ -164,7 +164,7 @@ def mentions(device: Device, interface: Interface, subject: Subject) -> bool:
     The texts are those about times, characteristics, tables and notes, not about frames and registers.
     """
     words_of_subject = re.compile(subject.value)
-    return any(words_of_subject.search(text) for text in _texts(device, interface))
+    return any(words_of_subject.search(manual_text) for manual_text in _texts(device, interface))
 
 
 def _texts(device: Device, interface: Interface) -> Iterator[str]:
@@ -176,7 +176,7 @@ def _texts(device: Device, interface: Interface) -> Iterator[str]:
         quantities = [value.quantity for value in characteristic.values]
         yield " ".join([_with_spaces(characteristic.name), characteristic.value, *quantities])
     for table in device.tables:
-        first_cells = [row[0] for row in table.rows if row]
+        first_cells = [table_row[0] for table_row in table.rows if table_row]
         yield " ".join([table.title, *table.columns, *first_cells, table.note])
     for connector in device.connectors:
         yield connector.note

@@ -135,18 +135,18 @@ def _gray_code(layout: Layout) -> Iterator[Statement]:
 
     Nothing is yielded for a frame without Gray code.
     """
-    number = Code(layout.gray_of)
+    number_name = Code(layout.gray_of)
     if layout.gray_when:
         parameter = Code(layout.gray_when)
-        yield statement(number, " is in Gray code while ", parameter, " is 1, and in binary while it is 0")
+        yield statement(number_name, " is in Gray code while ", parameter, " is 1, and in binary while it is 0")
         if has_excess(layout):
             excess = _excess_number_or_parameter(layout)
             yield statement("In Gray code, ", excess, " is added to it before it is sent (Gray excess)")
     elif has_excess(layout):
         excess = _excess_number_or_parameter(layout)
-        yield statement(number, " is in Gray excess: it is sent in Gray code after ", excess, " is added")
+        yield statement(number_name, " is in Gray excess: it is sent in Gray code after ", excess, " is added")
     elif layout.gray_of:
-        yield statement(number, " is in Gray code")
+        yield statement(number_name, " is in Gray code")
 
 
 def combination(layout: Layout, sign: Sign, value_combination: Combination) -> Statement:
@@ -154,13 +154,13 @@ def combination(layout: Layout, sign: Sign, value_combination: Combination) -> S
 
     ``sign`` has the values of the combination, ``{field name: value}`` as pairs. The remedy and the note follow.
     """
-    values = conditions((layout.field(name), value) for name, value in sign.conditions).parts
-    texts = (value_combination.meaning, value_combination.remedy, value_combination.note)
+    value_parts = conditions((layout.field(name), value) for name, value in sign.conditions).parts
+    manual_texts = (value_combination.meaning, value_combination.remedy, value_combination.note)
     # A statement has no full stop at its end.
-    description = " ".join(sentence(text) for text in texts if text).removesuffix(".")
+    description = " ".join(sentence(manual_text) for manual_text in manual_texts if manual_text).removesuffix(".")
     return statement(
         "While ",
-        *values,
+        *value_parts,
         f", {WORTH[value_combination.makes_position]}: ",
         description,
         label=value_combination.name,

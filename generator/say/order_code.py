@@ -124,15 +124,15 @@ def parameter_origin(device: Device, device_parameter: Parameter) -> Iterator[St
     if device_parameter.read_from:
         register_text = register_at(device.register(device_parameter.register))
         field_reference = register_field(device, device_parameter.read_from)
-        parts: list[Part] = [f"Read at run time from {register_text} (", field_reference, ")"]
+        origin_parts: list[Part] = [f"Read at run time from {register_text} (", field_reference, ")"]
         low, high = device_parameter.min, device_parameter.max
         range_parts = limits(
             Expression(low) if low is not None else None, Expression(high) if high is not None else None
         )
         # A register with a code lists its values below.
         if range_parts and not device_parameter.by_code:
-            parts += [", ", *range_parts]
-        yield statement(*parts)
+            origin_parts += [", ", *range_parts]
+        yield statement(*origin_parts)
     if device_parameter.by_code:
         code_meanings = []
         for coded in device_parameter.by_code:
@@ -387,17 +387,17 @@ def memory_access(access: MemoryAccess) -> Statement:
 
 def exchange(request: Exchange) -> Statement:
     """Return a request and its reply, with the effect of the request and the length of their words if it is fixed."""
-    parts: list[Part] = [Code(request.request)]
+    exchange_parts: list[Part] = [Code(request.request)]
     if request.reply:
-        parts += [" is answered by ", Code(request.reply)]
+        exchange_parts += [" is answered by ", Code(request.reply)]
     else:
-        parts.append(" has no reply")
+        exchange_parts.append(" has no reply")
     effect = PURPOSES[request.purpose]
     if effect:
-        parts.append(f", and {effect}")
+        exchange_parts.append(f", and {effect}")
     if request.word_bits is not None:
-        parts.append(f", in words of {word_lengths([request.word_bits])}")
-    return statement(*parts, source=request.source)
+        exchange_parts.append(f", in words of {word_lengths([request.word_bits])}")
+    return statement(*exchange_parts, source=request.source)
 
 
 def control_field(bits_field: ControlField) -> Statement:

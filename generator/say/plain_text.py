@@ -197,14 +197,14 @@ def wrapped(text: object, width: int, prefix: str = "", first: str | None = None
     if not words:
         return ""
     lines: list[str] = []
-    line = (prefix if first is None else first) + words[0]
+    current_line = (prefix if first is None else first) + words[0]
     for word in words[1:]:
-        if len(line) + 1 + len(word) > width:
-            lines.append(line)
-            line = prefix + word
+        if len(current_line) + 1 + len(word) > width:
+            lines.append(current_line)
+            current_line = prefix + word
         else:
-            line = f"{line} {word}"
-    return "\n".join([*lines, line])
+            current_line = f"{current_line} {word}"
+    return "\n".join([*lines, current_line])
 
 
 #: Most columns for the names in a table of pairs.

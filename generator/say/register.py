@@ -143,16 +143,16 @@ def _opening_condition(device: Device, register: Register) -> Statement:
     opening_register = device.register(register.opened_by)
     value_name = register.opened_by_value
     if register.opened_by_field:
-        path = f"{register.opened_by}.{register.opened_by_field}"
+        opener_path = f"{register.opened_by}.{register.opened_by_field}"
         opening_field = opening_register.layout.field(register.opened_by_field)
         value_text = f"{opening_field.value_named(value_name).value}"
     else:
         # Without a field, the value is that of the whole register.
-        path = register.opened_by
+        opener_path = register.opened_by
         opening_field = opening_register.layout.fields[0]
         digits = 2 * opening_register.length
         value_text = hexadecimal(opening_field.value_named(value_name).value, digits)
-    reference = register_field(device, path)
+    reference = register_field(device, opener_path)
     return statement("Can be written only while ", reference, f" is {value_text} (", Code(value_name), ")")
 
 
@@ -163,16 +163,16 @@ def _register_meaning(device: Device, register_meaning: RegisterMeaning) -> Stat
     """
     register_name, _, field_name = register_meaning.when.partition(".")
     selecting_field = device.register(register_name).layout.field(field_name)
-    number = selecting_field.value_named(register_meaning.value).value
+    selecting_value = selecting_field.value_named(register_meaning.value).value
     reference = register_field(device, register_meaning.when)
-    parts: list[Part] = ["While ", reference, f" is {number} (", Code(register_meaning.value)]
-    parts += ["), the register holds ", Code(register_meaning.name)]
+    meaning_parts: list[Part] = ["While ", reference, f" is {selecting_value} (", Code(register_meaning.value)]
+    meaning_parts += ["), the register holds ", Code(register_meaning.name)]
     range_parts = limits(register_meaning.min, register_meaning.max)
     if range_parts:
-        parts += [", ", *range_parts]
+        meaning_parts += [", ", *range_parts]
     if register_meaning.meaning:
-        parts.append(f": {register_meaning.meaning}")
-    return statement(*parts, source=register_meaning.source)
+        meaning_parts.append(f": {register_meaning.meaning}")
+    return statement(*meaning_parts, source=register_meaning.source)
 
 
 def field(device: Device, frame_field: Field) -> Iterator[Statement]:
@@ -210,7 +210,7 @@ def rules(device: Device, frame_field: Field) -> Iterator[Statement]:
     if frame_field.default is not None:
         yield statement(Expression(frame_field.default), label="Default")
     if frame_field.explained_by:
-        explaining_fields = [register_field(device, path) for path in frame_field.explained_by]
+        explaining_fields = [register_field(device, field_path) for field_path in frame_field.explained_by]
         yield statement("For the reason, see ", *listed(explaining_fields))
     yield from remedied(frame_field.remedy, frame_field.by_hand)
 
@@ -363,9 +363,9 @@ def value(named_value: Value, bits: int) -> Statement:
     manual_names = own_names(named_value)
     names_text = f" ({manual_names})" if manual_names else ""
     meaning_text = f": {named_value.meaning}" if named_value.meaning else ""
-    number = hexadecimal(named_value.value, _hex_digits_for(bits))
+    number_text = hexadecimal(named_value.value, _hex_digits_for(bits))
     name = Code(named_value.name)
-    return statement(f"{number} ", name, names_text, meaning_text, effect(named_value), source=named_value.source)
+    return statement(f"{number_text} ", name, names_text, meaning_text, effect(named_value), source=named_value.source)
 
 
 def effect(named_value: Value) -> str:

@@ -42,8 +42,8 @@ def alarm_facts(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
         yield statement(Code(device_alarm.field), " in ", Ref("group", group.name, title(group)), label="Flag")
     elif device_alarm.register:
         # Without a field, the whole register is the flag.
-        path = f"{device_alarm.register}.{device_alarm.field}".rstrip(".")
-        yield statement(register_field(device, path), label="Flag")
+        flag_path = f"{device_alarm.register}.{device_alarm.field}".rstrip(".")
+        yield statement(register_field(device, flag_path), label="Flag")
     if not device_alarm.implemented and "not implemented" not in device_alarm.meaning.lower():
         yield statement("Not implemented in this encoder")
     yield from spec_text(device_alarm.detected, label="Detected")

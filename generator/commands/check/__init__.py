@@ -80,11 +80,11 @@ def run(arguments: argparse.Namespace) -> int:
     # The counts of the coverage, and the problems of chosen targets, depend on more than the stored inputs.
     is_storable = not arguments.coverage and not arguments.target
     options = filters_as_texts(settings.only) if settings is not None else []
-    result = cached_result(cache if is_storable else NO_CACHE, "check", specs.paths, options)
-    if _print_stored(result, arguments):
+    cached_check = cached_result(cache if is_storable else NO_CACHE, "check", specs.paths, options)
+    if _print_stored(cached_check, arguments):
         # Only runs without problems are stored.
         return 0
-    return _check(specs.paths, settings, arguments, cache, result)
+    return _check(specs.paths, settings, arguments, cache, cached_check)
 
 
 def _print_stored(result: CachedResult, arguments: argparse.Namespace) -> bool:
@@ -172,8 +172,8 @@ def as_text(families: Sequence[str], report: Report, form: str = "text") -> str:
     if report:
         lines.append(counted(len(report.by_cause), "problem"))
     elif families:
-        number = "1 family" if len(families) == 1 else f"{len(families)} families"
-        lines.append(f"no problems in {number}: {', '.join(families)}")
+        family_count = "1 family" if len(families) == 1 else f"{len(families)} families"
+        lines.append(f"no problems in {family_count}: {', '.join(families)}")
     else:  # Some files define no family, such as those of masters.
         lines.append("no problems")
     return "\n".join(lines)

@@ -196,7 +196,7 @@ def _family_data(family_coverage: Coverage) -> dict[str, Any]:
         "family": family_coverage.family.device.name,
         "classes": {sort.value: _class_data(sort, count) for sort, count in family_coverage.counts.items()},
         "total": asdict(family_coverage.total),
-        "once": [_fact_data(family_coverage, sort, place) for sort, place in family_coverage.once],
+        "once": [_fact_data(family_coverage, sort, path) for sort, path in family_coverage.once],
     }
 
 
@@ -207,11 +207,11 @@ def _class_data(sort: Sort, times_read: TimesRead) -> dict[str, Any]:
 def _fact_data(family_coverage: Coverage, sort: Sort, place: SpecPath) -> dict[str, Any]:
     """Return the data about a fact that was read only once."""
     spec = family_coverage.spec
-    line, _ = spec.position(place)
+    line_number, _ = spec.position(place)
     return {
         "class": sort.value,
         "file": spec.file,
-        "line": line,
+        "line": line_number,
         "path": spec.name_path(place),
         "needed": sort.is_needed,
     }
@@ -256,9 +256,9 @@ def _lacking_lines(covered: Sequence[Coverage]) -> list[str]:
     lines = []
     for family_coverage in covered:
         spec = family_coverage.spec
-        for sort, place in family_coverage.lacking:
-            line, column = spec.position(place)
-            lines.append(f"{spec.file}:{line}:{column}: read once: {sort.value}, {spec.name_path(place)}")
+        for sort, path in family_coverage.lacking:
+            line_number, column = spec.position(path)
+            lines.append(f"{spec.file}:{line_number}:{column}: read once: {sort.value}, {spec.name_path(path)}")
     if lines:
         lines.append(f"{counted(len(lines), 'fact')} to read a second time")
     return lines

@@ -71,10 +71,10 @@ def argument_lines(arguments: Sequence[str]) -> Iterator[Line]:
             sys.stdin.reconfigure(errors="replace")
         yield from frame_lines(_bounded_lines(sys.stdin))
         return
-    text = " ".join(arguments)
-    lines = list(frame_lines(text.splitlines()))
+    joined_arguments = " ".join(arguments)
+    lines = list(frame_lines(joined_arguments.splitlines()))
     if not lines:
-        yield Line(None, "", text)
+        yield Line(None, "", joined_arguments)
     elif len(lines) == 1:
         yield lines[0]._replace(number=None)
     else:
@@ -83,10 +83,10 @@ def argument_lines(arguments: Sequence[str]) -> Iterator[Line]:
 
 def _bounded_lines(file: TextIO) -> Iterator[str]:
     """Yield the lines of a file, each cut after ``_LONGEST_LINE`` characters, which is more than any frame has."""
-    while line := file.readline(_LONGEST_LINE):
-        yield line
+    while beginning := file.readline(_LONGEST_LINE):
+        yield beginning
         # Skip the rest of a line that was cut.
-        line_continues = len(line) == _LONGEST_LINE and not line.endswith("\n")
+        line_continues = len(beginning) == _LONGEST_LINE and not beginning.endswith("\n")
         while line_continues:
             piece = file.readline(_LONGEST_LINE)
             line_continues = len(piece) == _LONGEST_LINE and not piece.endswith("\n")
@@ -131,8 +131,8 @@ class Decoding:
                 decoded, why = self._decode(line.text)
             except (FrameTextError, RegisterError, UndecidedError) as error:
                 self._codes.add(NO_FRAME)
-                place = f"line {line.number}: " if line.number is not None else ""
-                print(f"codewheel: {place}{error}", file=sys.stderr)
+                line_prefix = f"line {line.number}: " if line.number is not None else ""
+                print(f"codewheel: {line_prefix}{error}", file=sys.stderr)
                 continue
             frame_findings = self._findings(decoded)
             self._codes.add(_exit_code(decoded, frame_findings))
@@ -238,8 +238,8 @@ class Decoding:
         """
         if placed.name not in self._needed_answers:
             answers = self._request.answers
-            names = [alternative.name for alternative in self._request.device.alternatives_of(placed.layout)]
-            self._needed_answers[placed.name] = {name: answers[name] for name in names if name in answers}
+            question_names = [alternative.name for alternative in self._request.device.alternatives_of(placed.layout)]
+            self._needed_answers[placed.name] = {name: answers[name] for name in question_names if name in answers}
         return self._needed_answers[placed.name]
 
     def _decisive_answers(self, decoded: codec.Decoded) -> dict[str, str]:

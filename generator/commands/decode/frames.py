@@ -63,14 +63,14 @@ def frame_lines(lines: Iterable[str]) -> Iterator[Line]:
 
     Comments after ``#`` are removed, and empty lines are skipped. A time in front of a frame is not part of its text.
     """
-    for number, line in enumerate(lines, 1):
+    for line_number, line in enumerate(lines, 1):
         before_comment, _, _ = line.partition("#")
         time_and_frame = before_comment.strip()
         time = _TIME.match(time_and_frame)
         if time:
-            yield Line(number=number, time=time[1], text=time_and_frame[time.end() :])
+            yield Line(number=line_number, time=time[1], text=time_and_frame[time.end() :])
         elif time_and_frame:
-            yield Line(number=number, time="", text=time_and_frame)
+            yield Line(number=line_number, time="", text=time_and_frame)
 
 
 def undecorated(text: str) -> str:
@@ -101,7 +101,7 @@ def frame_bytes(text: str) -> bytes:
     Raises:
         FrameTextError: A piece is not hex, or has an odd number of digits.
     """
-    data = b""
+    frame = b""
     for piece in text.split():
         quoted_piece = quoted(visible(piece))
         if not _HEX.fullmatch(piece):
@@ -114,8 +114,8 @@ def frame_bytes(text: str) -> bytes:
             raise FrameTextError(say.one_digit(quoted_piece, digits))
         elif len(digits) % 2:
             raise FrameTextError(say.odd(quoted_piece))
-        data += bytes.fromhex(digits)
-    return data
+        frame += bytes.fromhex(digits)
+    return frame
 
 
 def placed_bytes(placed: PlacedLayout, variant: Variant, text: str) -> bytes:

@@ -79,7 +79,7 @@ def _other_position_lines(device: Device, variant: Variant, decoded: codec.Decod
         return
     from ...why.doubts import other_positions, position_name
 
-    readings = [f"{value} {reason}" for reason, value in other_positions(device, variant, decoded)]
+    readings = [f"{position} {reason}" for reason, position in other_positions(device, variant, decoded)]
     if readings:
         suggestion = say.looks_wrong(position_name(device, variant), ", ".join(readings))
         yield wrapped(sentence(suggestion), WIDTH, prefix="  ", first="")
@@ -132,11 +132,11 @@ def _layout_line(placed: PlacedLayout) -> str:
     layout = placed.layout
     title = layout.printed_name or words(placed.name)
     if layout.in_bytes:
-        size = counted(placed.bits // 8, "byte")
+        length = counted(placed.bits // 8, "byte")
     else:
-        size = counted(placed.bits, "bit")
+        length = counted(placed.bits, "bit")
     channel = f", data channel {layout.channel}" if layout.channel else ""
-    return f"{title}, {size}{channel}"
+    return f"{title}, {length}{channel}"
 
 
 def _answer_lines(device: Device, answers: Mapping[str, str]) -> Iterator[str]:
@@ -352,13 +352,13 @@ def _introduction(why: Diagnosis, chance: str) -> str:
 
 def _chance_and_values(explanation: Explanation) -> str:
     """Return how often a mistake matches by chance, and the values without it: ``…1 of 64 frames, and gives x 5``."""
-    texts = []
+    details = []
     if explanation.one_in > 1:
-        texts.append(f"matches by chance in {_frequency(explanation.one_in)} frames")
+        details.append(f"matches by chance in {_frequency(explanation.one_in)} frames")
     if explanation.reads:
-        values = ", ".join(f"{name} {value}" for name, value in explanation.reads.items())
-        texts.append(f"gives {values}")
-    return ", and ".join(texts)
+        values = ", ".join(f"{name} {number}" for name, number in explanation.reads.items())
+        details.append(f"gives {values}")
+    return ", and ".join(details)
 
 
 def _parts_of_recording(explanation: Explanation) -> str:
@@ -391,14 +391,14 @@ def _field_table(decoded: codec.Decoded) -> list[str]:
     column_widths = [max(map(len, column)) for column in columns]
     lines = []
     for row in rows:
-        head = "  ".join(cell.ljust(width) for cell, width in zip(row.cells, column_widths, strict=True))
-        indent = " " * (len(head) + 2)
+        columns_text = "  ".join(cell.ljust(width) for cell, width in zip(row.cells, column_widths, strict=True))
+        indent = " " * (len(columns_text) + 2)
         if not row.meaning:
-            lines.append(head.rstrip())
+            lines.append(columns_text.rstrip())
         elif len(indent) > _WIDEST_HEAD:
-            lines += [head.rstrip(), wrapped(row.meaning, WIDTH, prefix=" " * 6)]
+            lines += [columns_text.rstrip(), wrapped(row.meaning, WIDTH, prefix=" " * 6)]
         else:
-            lines.append(wrapped(row.meaning, WIDTH, prefix=indent, first=head + "  "))
+            lines.append(wrapped(row.meaning, WIDTH, prefix=indent, first=columns_text + "  "))
     return lines
 
 
@@ -407,8 +407,8 @@ def _field_row(placed: PlacedLayout, field: codec.DecodedField) -> _FieldRow:
     has_place = field.high >= 0  # A joined number has no place of its own.
     place = bit_place(placed.layout, placed.bits, field.high, field.low) if has_place else ""
     is_one_bit = has_place and field.high <= field.low
-    number = str(field.raw) if is_one_bit else f"{field.raw:#x}"
-    return _FieldRow(cells=(place, field.name, number, _value_text(field)), meaning=_meaning_text(placed, field))
+    number_text = str(field.raw) if is_one_bit else f"{field.raw:#x}"
+    return _FieldRow(cells=(place, field.name, number_text, _value_text(field)), meaning=_meaning_text(placed, field))
 
 
 def _meaning_text(placed: PlacedLayout, field: codec.DecodedField) -> str:
@@ -441,9 +441,9 @@ def other_frames_line(decoded: codec.Decoded, other_layouts: Sequence[PlacedLayo
     """Return a sentence with the other layouts that the frame matches, and how to choose one, or an empty string."""
     if not other_layouts:
         return ""
-    names = ", ".join(layout.name for layout in other_layouts)
+    layout_names = ", ".join(layout.name for layout in other_layouts)
     if not decoded.problems:
-        return f"{say.also_possible(names)} (choose with --layout)"
+        return f"{say.also_possible(layout_names)} (choose with --layout)"
     if is_frame_of_other_kind(decoded, other_layouts):
-        return f"{say.valid_other(names)}: add --layout {names}"
-    return f"{say.possible_instead(names)} (choose with --layout)"
+        return f"{say.valid_other(layout_names)}: add --layout {layout_names}"
+    return f"{say.possible_instead(layout_names)} (choose with --layout)"

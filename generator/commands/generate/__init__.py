@@ -119,10 +119,10 @@ def run(arguments: argparse.Namespace) -> int:
 
     cache = cache_for(arguments)
     selection = select_specs(arguments, cache)
-    result = _result_of_earlier_run(arguments, selection, cache)
-    if is_unchanged(arguments, result.get()):
+    cached_run = _result_of_earlier_run(arguments, selection, cache)
+    if is_unchanged(arguments, cached_run.get()):
         return 0
-    return _render_and_write(arguments, cache, selection, result)
+    return _render_and_write(arguments, cache, selection, cached_run)
 
 
 def _render_and_write(arguments: argparse.Namespace, cache: Cache, selection: Selection, result: CachedResult) -> int:

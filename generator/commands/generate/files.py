@@ -179,15 +179,15 @@ def changed_files(old: Sequence[Device], new: Sequence[Device], cache: Cache) ->
 
     It is None if a target cannot express a family or a template fails.
     """
-    parts = FamilyParts(cache, only_paths=unchanged_families(old, new))
+    family_parts = FamilyParts(cache, only_paths=unchanged_families(old, new))
     try:
-        old_files, new_files = _rendered_files(old, parts), _rendered_files(new, parts)
+        old_files, new_files = _rendered_files(old, family_parts), _rendered_files(new, family_parts)
     except (TargetError, TemplateFault):
         return None
-    names = sorted({*old_files, *new_files})
-    changed = tuple(name for name in names if old_files.get(name) != new_files.get(name))
+    paths = sorted({*old_files, *new_files})
+    changed_paths = tuple(path for path in paths if old_files.get(path) != new_files.get(path))
     changed_names = name_changes(old_files, new_files, {device.name for device in (*old, *new)})
-    return FileCounts(changed, len(names), changed_names)
+    return FileCounts(changed_paths, len(paths), changed_names)
 
 
 def unchanged_families(old: Sequence[Device], new: Sequence[Device]) -> frozenset[str]:

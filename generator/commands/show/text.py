@@ -145,11 +145,11 @@ def _value_lines(device: Device, parameters: Sequence[Parameter], variant: Varia
     values = [say_order_code.parameter_value(parameter, variant.parameters[parameter.name]) for parameter in parameters]
     name_width = max(len(parameter.name) for parameter in parameters)
     value_width = max(map(len, values))
-    rows = []
-    for parameter, value in zip(parameters, values, strict=True):
-        head = f"{parameter.name.ljust(name_width)}  {value.ljust(value_width)}"
-        rows.append((head, _about_parameter(device, parameter)))
-    return pairs(rows, indent=2)
+    rows_of_parameters = []
+    for parameter, value_text in zip(parameters, values, strict=True):
+        name_and_value = f"{parameter.name.ljust(name_width)}  {value_text.ljust(value_width)}"
+        rows_of_parameters.append((name_and_value, _about_parameter(device, parameter)))
+    return pairs(rows_of_parameters, indent=2)
 
 
 def _about_parameter(device: Device, parameter: Parameter) -> str:
@@ -211,8 +211,8 @@ def _whole_length(measurement: Measurement, parameters: Mapping[str, int] | None
     counts = measurement.modulus.value(parameters)
     millimetres = micrometres_per_count * counts / 1000  # a fraction
     three_decimals_are_exact = 1000 % millimetres.denominator == 0
-    number = f"{float(millimetres):,.3f}" if three_decimals_are_exact else decimal(millimetres)
-    return f", {number} mm in total"
+    length_text = f"{float(millimetres):,.3f}" if three_decimals_are_exact else decimal(millimetres)
+    return f", {length_text} mm in total"
 
 
 def _range_lines(device: Device, interface: str, parameters: Mapping[str, int] | None) -> list[str]:
@@ -241,8 +241,8 @@ def layout_lines(device: Device, interface: Interface, layout: Layout) -> list[s
     for field in layout.fields:
         name = field.group or field.name
         widths_by_name.setdefault(name, []).append(_width_text(field))
-    head = BY_NAME.sentence(say_layout.head(interface, layout, layout.name, device.alternatives))
-    lines = [wrapped(head, WIDTH, prefix="    ", first="  ")]
+    heading = BY_NAME.sentence(say_layout.head(interface, layout, layout.name, device.alternatives))
+    lines = [wrapped(heading, WIDTH, prefix="    ", first="  ")]
     width_rows = [(name, ", ".join(widths)) for name, widths in widths_by_name.items()]
     lines += pairs(width_rows, indent=4)
     for statement in (*say_layout.facts(interface, layout), *needed_answers(device, layout)):
@@ -274,16 +274,16 @@ def frame_lines(device: Device, layout: Layout, variant: Variant) -> list[str]:
     interface, placed = device.interface(variant.interface), layout.place(variant.parameters)
     style = style_with(variant.parameters)
     name = f"{layout.name} ({layout.printed_name})" if layout.printed_name else layout.name
-    head = style.sentence(say_layout.head(interface, layout, name, device.alternatives))
+    heading = style.sentence(say_layout.head(interface, layout, name, device.alternatives))
     notes = [style.sentence(fact) for fact in say_layout.carries(interface, layout)]
     notes += _notes_about_choices(device, layout, style)
     paths_of_widths = run_time_widths(device, layout)
     if paths_of_widths:
-        register_fields = " and ".join(field_at(device, path) for path in paths_of_widths)
+        register_fields = " and ".join(field_at(device, field_path) for field_path in paths_of_widths)
         notes.append(f"The widths are the {say_order_code.initial(device)} in {register_fields}.")
     if layout.gray_of:
         notes.append(_position_code_note(device, placed))
-    lines = [wrapped(head, WIDTH, prefix="  ", first=""), *picture(placed)]
+    lines = [wrapped(heading, WIDTH, prefix="  ", first=""), *picture(placed)]
     return lines + [wrapped(note, WIDTH, prefix="  ", first="  ") for note in notes]
 
 
@@ -299,15 +299,15 @@ def _position_code_note(device: Device, placed: PlacedLayout) -> str:
     """Return a sentence with the code of the position, Gray or binary, and with the registers that decide it."""
     layout = placed.layout
     code = "Gray code" if placed.gray else "binary"
-    text = f"{layout.gray_of} is in {code}"
+    code_text = f"{layout.gray_of} is in {code}"
     if placed.gray_excess:
-        text += f" with an excess of {placed.gray_excess}"
+        code_text += f" with an excess of {placed.gray_excess}"
     deciding_names = device.needed_parameters([layout.gray_when]) if layout.gray_when else ()
     deciding_parameters = [parameter for parameter in device.run_time_parameters if parameter.name in deciding_names]
     if not deciding_parameters:
-        return f"{text}."
+        return f"{code_text}."
     register_fields = ", ".join(field_at(device, parameter.read_from) for parameter in deciding_parameters)
-    return f"{text}, according to the factory default of {register_fields}."
+    return f"{code_text}, according to the factory default of {register_fields}."
 
 
 #: Columns of a picture before its first box, with the edges of the row.
@@ -319,14 +319,14 @@ def picture(placed: PlacedLayout) -> list[str]:
     rows_of_boxes: list[list[_Box]] = [[]]
     used_columns = _PICTURE_MARGIN
     for placed_field in placed.fields:
-        text = _box_text(placed_field.field)
-        place = bit_place(placed.layout, placed.bits, placed_field.high, placed_field.low)
-        width = max(len(text), len(place)) + 2  # with a space on each side
+        box_text = _box_text(placed_field.field)
+        place_text = bit_place(placed.layout, placed.bits, placed_field.high, placed_field.low)
+        width = max(len(box_text), len(place_text)) + 2  # with a space on each side
         width_with_edge = width + 1
         if rows_of_boxes[-1] and used_columns + width_with_edge > WIDTH:
             rows_of_boxes.append([])
             used_columns = _PICTURE_MARGIN
-        rows_of_boxes[-1].append(_Box(text=text.center(width), place=place.center(width)))
+        rows_of_boxes[-1].append(_Box(text=box_text.center(width), place=place_text.center(width)))
         used_columns += width_with_edge
     lines: list[str] = []
     for boxes in rows_of_boxes:
@@ -375,8 +375,8 @@ def register_lines(device: Device, variant: Variant | None) -> list[str]:
 def _lines_about_register(device: Device, register: Register, variant: Variant | None) -> list[str]:
     """Return the lines about a register: its facts, its fields (for an order code, if several), and its values."""
     style = style_with(variant.parameters if variant is not None else None)
-    head = style.sentence(say_register.head(device, register, register.name))
-    lines = [wrapped(head, WIDTH, prefix="    ", first="  ")]
+    heading = style.sentence(say_register.head(device, register, register.name))
+    lines = [wrapped(heading, WIDTH, prefix="    ", first="  ")]
     fields = register.layout.fields
     facts = list(say_register.facts(device, register))
     if len(fields) == 1:
@@ -441,8 +441,8 @@ def _errata_lines(device: Device) -> list[str]:
         if erratum.severity == "wording":
             wording_count += 1
             continue
-        head, *details = BY_NAME.lines(say_errata.erratum(erratum, whole=True))
-        lines += [wrapped(head, WIDTH, prefix="    ", first="  "), *map(_paragraph, details)]
+        heading, *details = BY_NAME.lines(say_errata.erratum(erratum, whole=True))
+        lines += [wrapped(heading, WIDTH, prefix="    ", first="  "), *map(_paragraph, details)]
     if wording_count:
         summary = f"and {wording_count} about wording only, listed by --json and the documentation"
         lines.append(wrapped(summary, WIDTH, prefix="    ", first="  "))
