@@ -44,7 +44,7 @@ class Parser(argparse.ArgumentParser):
         return f"{help_text}\n{self.more_help()}\n" if self.more_help is not None else help_text
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
-        """Reject a value that is not among the choices, with the nearest of them."""
+        """Raise ArgumentError if the value is not among the choices. The message has the nearest one, or else all."""
         if action.choices is not None and value not in action.choices:
             from ..language.problems import suggestion
 
@@ -159,7 +159,9 @@ def add_register_option(parser: argparse.ArgumentParser) -> None:
 
 
 def bytes_by_address(pairs: Sequence[str]) -> dict[int, int]:
-    """Return pairs such as ``0x56=0x10`` as bytes by address.
+    """Return pairs such as ``0x56=0x10`` as bytes by address: ``{0x56: 0x10}``.
+
+    Numbers may be decimal, or have a prefix. Of several pairs with one address, the last one counts.
 
     Raises:
         Stop: A pair is malformed. The exit code is 2.

@@ -63,7 +63,8 @@ def command_named(name: str) -> Command:
 def parser_for(arguments: Sequence[str]) -> argparse.ArgumentParser:
     """Return the parser for these arguments: with the command that they begin with, or else with all commands.
 
-    Only commands that are among the arguments have arguments of their own, because the others can only be listed.
+    Only commands that are among the arguments are imported and get arguments of their own, because the help only lists
+    the others.
     """
     parser = Parser(prog="codewheel", description=_DESCRIPTION)
     parser.add_argument("--version", action=ShowVersion, help="show the version and exit")
@@ -113,7 +114,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(arguments: Sequence[str] | None) -> int:
-    """Parse the arguments, run the command, and return its exit code."""
+    """Parse the arguments, run the command, and return its exit code, or that of ``Stop``, whose message is printed."""
     try:
         words = sys.argv[1:] if arguments is None else arguments
         parsed = parse(parser_for(words), words)

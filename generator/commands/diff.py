@@ -230,6 +230,8 @@ def _comparable_devices(side: _Side, other_side: _Side) -> tuple[Device, ...]:
 def _record(comparison: DiffResult, new: _Side) -> DiffResult:
     """Write the records, and return ``comparison`` with notices about them and with the version that was written.
 
+    Notices that it already has mean that a part was not compared. Then nothing is written.
+
     Raises:
         Stop: Part of a family could not be compared, or a file cannot be written.
     """

@@ -239,7 +239,7 @@ def _removed_nodes(old: Any, new: Any, place: str) -> Iterator[tuple[str, Any]]:
     """Yield the items of a spec that the new one lacks: the place to add each to, and the item.
 
     Items are named items of lists, added to their list, and keys of maps whose keys are names, added at that key.
-    Other keys may be left out freely, so a missing one is no removed item.
+    Other keys may be left out freely, so a missing one does not count.
     """
     if isinstance(old, dict) and isinstance(new, dict):
         for key, child in old.items():

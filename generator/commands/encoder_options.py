@@ -21,7 +21,10 @@ class UndecidedError(ValueError):
 
 
 def answers_of(device: Device, variant: Variant, pairs: Sequence[str]) -> dict[str, str]:
-    """Return pairs such as ``eeprom_address=as_printed`` as answers by the names of their alternatives.
+    """Return pairs such as ``eeprom_address=as_printed`` as ``{"eeprom_address": "as_printed"}``.
+
+    An alternative is a question that the manual leaves open, here for this order code. Each pair has its name and an
+    answer.
 
     Raises:
         Stop: This order code has no such alternative or answer, or an alternative has two. The exit code is 2.
@@ -60,9 +63,10 @@ def refuse_undecided(device: Device, layout: Layout, answers: Container[str]) ->
 def open_questions(
     device: Device, layout: Layout, answers: Container[str], predicate: str = "cannot be decoded"
 ) -> str:
-    """Return the questions to answer before a frame of this layout can be used, or an empty string if there are none.
+    """Return a message with the questions of a layout that ``answers`` does not answer, or "" if there are none.
 
-    ``predicate`` is the predicate of the message about the action that needs the answers.
+    ``answers`` has the names of the answered questions. ``predicate`` follows the name of the layout in the message:
+    ``'position' cannot be decoded until you decide. …``
     """
     unanswered = [alternative for alternative in device.alternatives_of(layout) if alternative.name not in answers]
     if not unanswered:

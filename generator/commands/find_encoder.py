@@ -312,7 +312,7 @@ def _group_has(paths: Sequence[Path], family: str, text: str, cache: Cache, *, a
 def _find_in_group(
     paths: Sequence[Path], text: str, cache: Cache, *, accepts_family: bool
 ) -> tuple[tuple[Device, Match | None] | None, Report | None]:
-    """Return a family with its match, or None, and the report if all specs had to be read and some have problems."""
+    """Return a family with its match, or None, and the report if all specs were read and some have problems."""
     possible_families = families_for(paths, text, cache)
     if possible_families is not None:
         # Several may share an order code by mistake, which only the check of all specs finds.
@@ -355,10 +355,10 @@ def _all_matches(devices: Sequence[Device], text: str, *, accepts_family: bool) 
 
 
 def _refuse_hidden(device: Device, reports_with_problems: Iterable[Report]) -> None:
-    """Refuse a packaged family if the user has a spec of that name, but with problems.
+    """Refuse a family if a file with problems has its name, such as the user's spec of a packaged family.
 
     Raises:
-        Stop: The exit code is 1.
+        Stop: There is such a file. The exit code is 1.
     """
     for report in reports_with_problems:
         if device.name in {Path(file).stem for file in report.faulty_files}:
@@ -392,7 +392,7 @@ def _no_such_encoder(specs: Specs, text: str, cache: Cache, *, accepts_family: b
 
 
 def find_among(devices: Sequence[Device], text: str) -> tuple[Device, Match]:
-    """Return the family and variant of an order code among ``devices``, with the shortest tail after the code.
+    """Return the family and match of an order code among ``devices``, of several that with the shortest tail.
 
     Raises:
         Stop: There is no such code. The exit code is 2.

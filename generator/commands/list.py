@@ -58,6 +58,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     cache = cache_for(arguments)
     specs = specs_to_read([*arguments.specs, *arguments.more_specs])
+    # The groups are the user's specs and the packaged ones. If there is only one group, nothing can be repeated.
     rows_of_groups = [_rows_of_specs(paths, cache) for paths in specs.groups]
     families = without_repeated(*rows_of_groups)
     if arguments.json:
@@ -81,10 +82,10 @@ def _rows_of_specs(paths: Sequence[Path], cache: Cache) -> list[Row]:
 
 
 def _devices(paths: Sequence[Path]) -> Sequence[Device]:
-    """Return the devices of the specs, and print problems to standard error.
+    """Return the devices of the specs.
 
     Raises:
-        Stop: There are problems. The exit code is 1.
+        Stop: There are problems, which are printed to standard error. The exit code is 1.
     """
     from ..loading.library import load_library
 

@@ -37,7 +37,7 @@ def accepted_devices(target: str, devices: Sequence[Device], filters: FamilyFilt
 def devices_by_target(
     targets: Iterable[str], devices: Sequence[Device], filters: FamilyFilters
 ) -> dict[str, tuple[Device, ...]]:
-    """Return the devices that each target writes.
+    """Return the devices that each target writes: those that its filter accepts, by the name of the target.
 
     Raises:
         Stop: A target writes no family. The exit code is 1.
@@ -193,7 +193,7 @@ def rendered(
     options: Mapping[str, Options],
     files_of: Callable[[Target, Library, Options], Mapping[str, str]] = files_of,
 ) -> dict[str, Mapping[str, str]]:
-    """Return the files of each target, as texts by path.
+    """Return the files of each target, as ``{target: {path: text}}``.
 
     Args:
         library: The devices, and the folder of the user's templates.

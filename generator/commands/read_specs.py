@@ -126,9 +126,9 @@ class Specs:
 def find_specs(named: Sequence[Path]) -> Specs:
     """Return the specs that a command reads.
 
-    These are the ones named on the command line. Without any, they are those in the settings of the project. Without
-    settings, they are those in the current folder and below it. A command that only reads also uses the packaged ones,
-    unless specs were named.
+    These are the ones named on the command line. Without any, they are those that the settings of the project list, or
+    all in the folder of the settings and below it. Without settings, they are those in the current folder and below it.
+    Unless specs were named, the result also has the packaged ones, which only commands that write or judge discard.
 
     Raises:
         Stop: A named path does not exist (exit code 2), or there are errors in the settings (exit code 1).
@@ -164,11 +164,14 @@ def find_settings() -> Configuration | None:
 def find_specs_to_judge(named: Sequence[Path], command: str) -> Specs:
     """Return the specs for a command that writes or judges. It never uses the packaged ones instead.
 
+    ``command`` has the words of the command for messages, such as ``generate`` or ``facts FAMILY``.
+
     Raises:
         Stop: There are no specs, or more than the search can find (exit code 2), or as for ``find_specs``.
     """
     specs = find_specs(named)
     folder = specs.settings.folder if specs.settings is not None else Path()
+    # These commands have other arguments, so specs need an option.
     option = " --specs" if command in ("reread OLD NEW", "facts FAMILY") else ""
     if not specs.is_complete:
         raise Stop(
@@ -380,6 +383,8 @@ _MOST_FILES = 8
 
 def specs_to_judge(named: Sequence[Path], command: str) -> Specs:
     """Return the specs for a command that writes or judges, after a check of the targets in the settings.
+
+    ``command`` has the words of the command for messages.
 
     Raises:
         Stop: As for ``find_specs_to_judge``, or there is no such target.

@@ -62,6 +62,7 @@ class Progress:
         self._end = ExitStack()
 
     def __enter__(self) -> Progress:
+        """Start a timer that shows the line after a second and updates it, if standard error is a terminal."""
         if sys.stderr.isatty():
             import signal
 
@@ -87,7 +88,7 @@ class Progress:
 
 
 def release_streams() -> None:
-    """Redirect streams that cannot be written, so that the interpreter does not fail on them at exit."""
+    """Flush the output streams, and redirect those that fail to the null device, so that Python can exit."""
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()

@@ -256,7 +256,10 @@ def _add_type(root: Any, name: str, shape: Shape, description: str) -> None:
 
 
 def _add_element(sequence: Any, member: DataMember, description: str) -> None:
-    """Add the element of a member that is a text, an object, or contains several texts, objects or entries."""
+    """Add the element of a member that is a text or an object, or that contains several elements.
+
+    These are texts, objects or the entries of a map, in any number.
+    """
     element = _add(sequence, "element", name=member.name, minOccurs="0")
     _document(element, description)
     if member.kind is Kind.TEXT:

@@ -196,7 +196,7 @@ class Commands:
             yield from (pin.name, pin.printed_name, pin.meaning, pin.low, pin.high, pin.note)
 
     def _request_texts(self) -> Iterator[str]:
-        """Yield the names and texts of the requests except resets."""
+        """Yield the names and meanings of T-format requests except resets, and the frames of other requests."""
         for request in self.requests:
             if not isinstance(request, DataId):
                 yield request.request

@@ -55,7 +55,7 @@ def titled_in_lists(device: Device) -> str:
 
 
 def placeholders(device: Device) -> str:
-    """Return the values that nobody has changed in the template, in one sentence, or an empty text without any."""
+    """Return a sentence with the values that are still those of the template, or an empty text if there are none."""
     names = device.evidence.placeholders
     if not names:
         return ""
@@ -133,7 +133,7 @@ def removals(device: Device) -> Iterator[Statement]:
 
 
 def edition_test(revision: str, test: EditionTest) -> Statement:
-    """Return the register test for an encoder older than an edition."""
+    """Return the register test for an encoder older than an edition: the digits, their range, and the conclusion."""
     register = Ref("register", test.register, words(test.register))
     return statement(
         register,

@@ -282,7 +282,7 @@ def _is_in_frame_with_position(device: Device, frame_field: Field) -> bool:
 
 
 def _number_rules(kind: Number) -> Iterator[Statement]:
-    """Yield how the bits of a number are read."""
+    """Yield what a number means beyond its binary value: its sign, the meaning of zero, and the powers of two."""
     if kind.signed:
         yield statement("Signed, in two's complement")
     if kind.zero_means:

@@ -184,7 +184,7 @@ def listed(items: Sequence[Part], last: str = " and ") -> Iterator[Part]:
 
 
 def parted(groups: Iterable[Sequence[Part]], between: str = ", ") -> Iterator[Part]:
-    """Yield the parts of all non-empty groups, with a separator between the groups."""
+    """Yield the parts of all non-empty groups, with the separator ``between`` after each group except the last."""
     is_first = True
     for group in groups:
         if not group:

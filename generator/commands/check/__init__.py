@@ -88,7 +88,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _print_stored(result: CachedResult, arguments: argparse.Namespace) -> bool:
-    """Print the result of an earlier run without problems, and return whether there is one."""
+    """Print the result of an earlier run with the same specs, and return whether there is one. It has no problems."""
     from ..cached_result import report_of
 
     specs_read = result.get()
@@ -105,7 +105,10 @@ def _check(
     cache: Cache,
     result: CachedResult,
 ) -> int:
-    """Check the specs, print and store the result, and return the exit code. ``settings`` are about all these specs."""
+    """Check the specs, print and store the result, and return the exit code.
+
+    ``settings`` are None if the user named specs. ``result`` is the place in the cache for a run without problems.
+    """
     from ...cache import NO_CACHE
     from ...targets.registry import WITH_PROBLEMS
     from ..cached_result import specs_read
@@ -128,6 +131,7 @@ def _check(
     _print_problems(family_names, checked.report, coverage_data, arguments)
     if arguments.coverage and not arguments.json:
         print(coverage.as_text(coverage_by_family, checked))
+    # With other targets, or without the packages of some, the next run may find other problems.
     if not checked.report and are_built_in(targets, WITH_PROBLEMS):
         result.put(specs_read(family_names, checked.report))
     return 0 if coverage.is_complete(coverage_by_family, checked.report) else 1

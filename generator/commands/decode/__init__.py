@@ -63,7 +63,9 @@ def add_arguments(parser: Parser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the frames decoded, and return the exit code.
+    """Print the frames decoded, and return the exit code, which is that of the worst frame.
+
+    For an encoder in a line, a command that writes it as a spec follows the frames of the arguments.
 
     Raises:
         Stop: There is no such order code or edition, or an answer or a register value is wrong.

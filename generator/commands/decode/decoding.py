@@ -325,10 +325,10 @@ def decoded_data(
     answers: Mapping[str, str] = NO_ANSWERS,
     other_layouts: Sequence[PlacedLayout] = (),
 ) -> dict[str, Any]:
-    """Return the result as plain data, in the shape of ``decode.schema.json``.
+    """Return a decoded frame as plain data, in the shape of ``decode.schema.json``.
 
-    ``line`` is the line of standard input, if any. ``answers`` are the answers used to decode the frame.
-    ``other_layouts`` are the other layouts that match the frame.
+    ``line`` is the line of standard input, if any. ``answers`` are the answers used to decode the frame, as
+    ``{question: answer}``. ``other_layouts`` are the other layouts with which the frame is valid.
     """
     return {
         "version": JSON_VERSION,

@@ -25,7 +25,7 @@ _GAPS = re.compile(r"[\s_]")
 _BITS = re.compile(r"0[bB][01]+")
 _NUMBER = re.compile(r"0[xX][0-9A-Fa-f]+")
 _ONE_BYTE = re.compile(r"(?:0x)?[0-9A-Fa-f]{2}", re.IGNORECASE)
-#: A number with a prefix and nothing else, such as ``0x1F``.
+#: Only a number with its prefix, such as ``0x1F``.
 _BARE = re.compile(r"0[xXbB][0-9A-Fa-f]+")
 #: Spellings of programs and logs, and their replacement. The page has the same list. In this order: ``b'..'`` of
 #: Python, ``\x1F``, brackets and quotes, ``1F-2A``, ``1Fh``, and ``0x1FUL`` of C.

@@ -382,7 +382,7 @@ _WIDEST_HEAD = 56
 
 
 def _field_table(decoded: codec.Decoded) -> list[str]:
-    """Return a line per field with its cells in columns, and its meaning next to them, or below if there is no room."""
+    """Return a line per field with its cells in columns, and its meaning next to them, or below if they are wide."""
     assert decoded.layout is not None
     # Each unused field has a line of its own, so the one for all of them, which has no place, is omitted.
     fields = [field for field in decoded.fields if field.name != codec.UNUSED or field.high >= 0]

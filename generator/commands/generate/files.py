@@ -122,7 +122,7 @@ def _print_changes(file_changes: Sequence[Change], arguments: argparse.Namespace
 
 
 def _print_summary(arguments: argparse.Namespace, count: int, changed: int) -> None:
-    """Print the number of files, or raise ``Stop`` if some of them were only compared and differ."""
+    """Print the number of files. With ``--check``, raise ``Stop`` with exit code 1 if ``changed`` of them differ."""
     if arguments.check and changed:
         raise Stop(f"{counted(changed, 'file')} out of date; run: {arguments.again}", 1)
     if arguments.check:
