@@ -205,7 +205,10 @@ def _without_accepted(
 
 
 def _compare(old: _Side, new: _Side, cache: Cache) -> DiffResult:
-    """Return the changes in the families that could be read on both sides, and in the files generated for them."""
+    """Return the changes in the families that could be read on both sides, with the notices of both.
+
+    Generated files are compared only if the families differ. Otherwise, and if they cannot be generated, they are None.
+    """
     from ..changes.families import compare
     from ..changes.report import DiffResult
     from ..changes.rules import packages

@@ -150,6 +150,7 @@ def _read_frame(interface: str, text: str, bits: int | None) -> _Frame:
                 return _Frame(int(compact_text, 2), digits)
             if re.fullmatch(r"0[xX][0-9A-Fa-f]+", compact_text):
                 return _with_stated_length(_Frame(int(compact_text, 16), 4 * digits), bits, text)
+            # Without a prefix, one piece could be decimal, hexadecimal or bits.
             if len(plain_text.split()) == 1:
                 raise Stop(f"'{plain_text[:40]}' is not a frame; write 0b... with every bit, 0x..., or hex bytes", 2)
         frame_data = frame_bytes(plain_text)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 EXAMPLES = ("codewheel reread manual-1.0.txt manual-1.1.txt --family my_encoder",)
 JSON_VERSION = 1
-#: Facts listed for a passage, and the longest text shown of it.
+#: Most facts listed for a passage (equal ones count once), and most characters shown of its text.
 _MOST_FACTS, _LONGEST = 10, 400
 _LIMITS = (
     "Only words and their order are compared. Changes in figures and in the arrangement of columns and tables are not "

@@ -334,7 +334,7 @@ class _Dump:
 
 
 def _flag_members(flag: Flag) -> Item:
-    """Return the members of a flag. A verdict that it does not have is an empty text."""
+    """Return the members of a flag, as the table of members names them. A missing verdict is an empty text."""
     return {
         "when_active": flag.when_active,
         "when_inactive": flag.when_inactive,

@@ -211,7 +211,7 @@ def resolved(shape: Shape) -> tuple[Shape, str]:
 
 
 def _data_member(name: str, unresolved: Shape) -> DataMember:
-    """Return a member with its form in XML. The shape of a list or of a keyed map is that of its values."""
+    """Return a member with its form in XML. For a list or a map, its shape and its type are those of the values."""
     shape, type_name = resolved(unresolved)
     if type_name == "text":
         return DataMember(name, Kind.TEXT, shape)

@@ -62,7 +62,7 @@ def size(layout: Layout, alternatives: Sequence[Alternative] = ()) -> tuple[Part
 
 
 def _number_of_bits(layout: Layout, alternatives: Sequence[Alternative]) -> Iterator[Part]:
-    """Yield the number of bits: an expression, or ``25 (a) or 26 (b)`` if answers to alternatives decide it.
+    """Yield the number of bits: ``25 (a) or 26 (b)`` if only answers to ``alternatives`` decide it, or an expression.
 
     ``a`` and ``b`` are the names of answers, several joined if several questions decide it.
     """
@@ -124,7 +124,7 @@ def facts(interface: Interface, layout: Layout) -> Iterator[Statement]:
         yield statement(f"Bits without a field are {layout.gaps}")
     yield from joins(layout)
     combinations = {value_combination.name: value_combination for value_combination in layout.combinations}
-    # Each combination is also a sign, with the values of the fields. Other signs are flags and named values.
+    # Each combination is also a sign, whose flag has the name of the combination. Other signs are of single fields.
     for sign in layout.signs:
         if sign.flag.name in combinations:
             yield combination(layout, sign, combinations[sign.flag.name])

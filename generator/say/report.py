@@ -86,7 +86,8 @@ def states(field: Field) -> tuple[str, str]:
 def meaning(field: Field, alarm: Alarm | None) -> str:
     """Return the meaning of an active flag, or of unused bits that differ from the manual.
 
-    For a flag, it is that of its active level with that of the field. Without both, it is that of the alarm.
+    For a flag, it is that of its active level with that of the field. Without both, it is that of the alarm or, at
+    last, ``active``. An active flag that is not implemented contradicts the manual unless that gives it a meaning.
     """
     if isinstance(field.kind, Unused):
         difference = f"unused bits differ from the documented value {short(field.kind.value)}"

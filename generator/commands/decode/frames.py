@@ -238,6 +238,7 @@ def text_decoder(device: Device, variant: Variant, sender: str, layout: str | No
     is_exact = have_lengths(layouts, sender)
 
     def decode(text: str) -> codec.Decoded:
+        """Return the frame decoded with the named layout or, without a name, with the one that it identifies."""
         frame_text = undecorated(text)
         if first_placed is None:
             raise FrameTextError(_no_layout_message(device, variant, sender, layout))

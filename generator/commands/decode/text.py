@@ -113,7 +113,7 @@ def label_lines(device: Device, match: Match) -> Iterator[str]:
 
 
 def label_differences(device: Device, match: Match) -> Iterator[str]:
-    """Yield how a label differs from the codes in the manual, in lines of at most 80 columns."""
+    """Yield how a label differs from the codes in the manual: made up, other spelling, unlisted, tail, or special."""
     for statement in not_on_label(device):
         yield wrapped(BY_NAME.sentence(statement), WIDTH, prefix="  ")
     if match.written_as_in:

@@ -259,7 +259,7 @@ def _width_text(field: Field) -> str:
 
 
 def _fixed_value_text(field: Field) -> str:
-    """Return the value that a field always has, such as ``, always 0x5``, or an empty string."""
+    """Return the fixed value of a field, such as ``, always 5`` or ``, unused, 1Fh in the manual``, or nothing."""
     match field.kind:
         case Constant(value):
             return f", always {say_field.short(value)}"
