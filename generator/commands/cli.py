@@ -87,7 +87,11 @@ def _possible_commands(arguments: Sequence[str]) -> Sequence[str]:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command and return its exit code. ``arguments`` default to those of the process."""
+    """Run one command and return its exit code. ``arguments`` default to those of the process.
+
+    The exit code is 1 if the output cannot be written. An end by the reader of the output or by the user has the code
+    of shells: 141 or 130.
+    """
     if arguments is None:
         # Models have no cycles, so a process that ends soon gains nothing from a search for them, not even at its end.
         gc.set_threshold(1_000_000, 50, 100)

@@ -276,9 +276,9 @@ def find_family_or_code(specs: Specs, text: str, cache: Cache) -> Located:
 
 
 def _find(specs: Specs, text: str, cache: Cache, *, accepts_family: bool) -> Located:
-    """Return the family or order code of the first group of specs that has it. A hit in a later group is reported.
+    """Return the family or order code of the first group of specs that has it, and report a later group with it.
 
-    Without ``accepts_family``, the text can only be an order code. Skipped specs with problems are reported too.
+    Without ``accepts_family``, the text must be an order code, or an encoder in one line, which needs no specs.
     """
     if is_line(text):
         device, match_of_line = encoder_in_line(text)
@@ -339,7 +339,7 @@ def _tail_length(family_and_code: tuple[Device, Match | None]) -> int:
 
 
 def _all_matches(devices: Sequence[Device], text: str, *, accepts_family: bool) -> list[tuple[Device, Match | None]]:
-    """Return only the family with this name (if ``accepts_family``), without a match, or all with the order code."""
+    """Return the family with this name alone, if ``accepts_family`` allows names, or each one with the order code."""
     from ..order_codes.labels import UnknownOrderCode
     from ..order_codes.labels import find as match_of
 
@@ -419,7 +419,7 @@ def _is_special_model(device: Device, code: str) -> bool:
 
 
 def _unknown_code_error(devices: Sequence[Device], text: str) -> Stop:
-    """Return the error that text is not an order code: the best reason, or else what it is instead, or near codes."""
+    """Return the error for an unknown code: why it misses a close one, that it names a family or file, near codes."""
     from ..language.files import SUFFIXES
     from ..order_codes import labels
     from ..order_codes.labels import NEAR, closest_reason, nearest_codes

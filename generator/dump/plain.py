@@ -145,7 +145,7 @@ class _Dump:
         }
 
     def _communication(self) -> Item:
-        """Return the frames and registers with their meanings."""
+        """Return the interfaces, frames and registers, and what belongs to them: CRCs, alarms, procedures and times."""
         device = self.device
         return {
             "interfaces": {interface.name: self._interface(interface) for interface in device.interfaces},

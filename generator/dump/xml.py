@@ -186,7 +186,7 @@ _EXPRESSION = r"-?(2\^)?[a-z0-9_]+( [+\-*] (2\^)?[a-z0-9_]+)*"
 
 @cache
 def schema_text() -> str:
-    """Return the text of the schema, which is written next to the descriptions in every output folder."""
+    """Return the text of the XML Schema of the descriptions, which is next to them in every output folder."""
     namespaces: Any = {"xs": _XS, None: NAMESPACE}
     root = etree.Element(f"{{{_XS}}}schema", nsmap=namespaces)
     root.set("targetNamespace", NAMESPACE)

@@ -251,7 +251,7 @@ DATA = "data"
 
 
 def box_colour(field: Field) -> str:
-    """Return the colour class of a field."""
+    """Return the colour class of a field in pictures, one for similar kinds of fields."""
     match field.kind:
         case Flag():
             return "flag"

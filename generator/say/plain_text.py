@@ -192,7 +192,10 @@ def plain(text: object) -> str:
 
 
 def wrapped(text: object, width: int, prefix: str = "", first: str | None = None) -> str:
-    """Return a paragraph of at most ``width`` columns. Lines start with ``prefix``, the first with ``first``."""
+    """Return a paragraph of at most ``width`` columns, or wider if a word needs that.
+
+    Lines start with ``prefix``, the first with ``first`` if it is given. A text without words is empty.
+    """
     words = [word for word in plain(text).split(" ") if word]
     if not words:
         return ""

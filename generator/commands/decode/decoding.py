@@ -96,6 +96,7 @@ class Decoding:
     """Decoder of one frame after another. ``code`` is the exit code so far."""
 
     def __init__(self, request: Request) -> None:
+        """Prepare to decode what is requested. Other layouts are tried too unless a layout or a register is named."""
         self._request = request
         device, variant, sender = request.device, request.match.variant, request.sender
         self._decode_frame = text_decoder(device, variant, sender, request.layout)

@@ -298,7 +298,7 @@ def _bit_name(bit: int, placed: PlacedLayout) -> str:
 
 
 def _mistake_lines(why: Diagnosis) -> list[str]:
-    """Return the mistakes that explain a frame, each with its chance, and the hints that follow them."""
+    """Return the mistakes that explain a frame, each with its chance, or that none does, and the hints that follow."""
     # From 0.5 % on, the number is rounded to at least 1.
     percent = f"{100 * why.coincidence:.0f}" if why.coincidence >= 0.005 else "less than 1"
     mistakes = counted(why.tried, "common mistake")
@@ -342,7 +342,7 @@ def together_lines(mistakes: Sequence[CommonMistake], failed_frames: int) -> Ite
 
 
 def _introduction(why: Diagnosis, chance: str) -> str:
-    """Return the sentence in front of the explanations. Without a CRC, they are uncertain and have no ``chance``."""
+    """Return the sentence in front of the explanations. Only with a CRC does it give their ``chance``."""
     if not why.has_crc:
         return f"{UNCERTAIN_READINGS}:"
     needs_two = why.explanations[-1].twice

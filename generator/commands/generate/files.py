@@ -150,7 +150,7 @@ def _print_targets_by_state(file_changes: Iterable[Change]) -> None:
 
 
 def _validate_idbiss(files: Mapping[str, str], output: Path, dtd: Path) -> None:
-    """Validate every idbiss file against the document type ``dtd``.
+    """Validate every idbiss file in ``files``, texts by path, against the document type ``dtd``.
 
     Raises:
         Stop: A file is not valid (exit code 1), or ``dtd`` cannot be used (exit code 2).
