@@ -58,11 +58,11 @@ def add_arguments(parser: Parser) -> None:
 
 
 def metres(text: str) -> int:
-    """Return a cable length in whole metres, rounded up. Text that is not a number is an error like a length of 0."""
+    """Return a cable length in whole metres, rounded up. Raise ArgumentTypeError unless it is 1 to 100,000 m."""
     try:
         length = math.ceil(float(text))
     except (ValueError, OverflowError):
-        length = 0
+        length = 0  # which is also an error
     if not 0 < length <= 100_000:
         raise argparse.ArgumentTypeError(f"'{text}' is not a length in metres, such as 30")
     return length

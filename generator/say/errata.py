@@ -81,7 +81,10 @@ def paths_in_words(paths: str) -> str:
 
 
 def change_in_words(printed: str) -> str:
-    """Return a part and its value, such as ``bank.default: 50``, in words. Text without a path is unchanged."""
+    """Return a part and its value in words: ``bank.default: 50`` becomes ``the default of register bank: 50``.
+
+    Text that does not begin with paths is unchanged.
+    """
     paths, colon, new_value = printed.partition(": ")
     # An index such as [0] becomes a step that counts from 1.
     numbered_paths = _INDEX.sub(lambda index: f".{int(index[1]) + 1}", paths)

@@ -96,7 +96,7 @@ def open_values(code_part: CodePart) -> Iterator[Statement]:
 
 
 def spelling(label_spelling: Spelling) -> Statement:
-    """Return another spelling found on labels."""
+    """Return the pattern of another spelling found on labels, and where it is used."""
     return statement(
         Code(label_spelling.pattern),
         f", as in {label_spelling.where}",

@@ -129,7 +129,7 @@ def reserved(user: str) -> Statement:
 
 
 def _registers_at_same_address(device: Device, register: Register) -> Iterator[Statement]:
-    """Yield each other register at the same address and bank. One is accessed by reads, the other by writes."""
+    """Yield which other register reads or writes of the same address and bank access instead of this one."""
     for other_register in device.registers:
         if other_register is register:
             continue

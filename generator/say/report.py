@@ -128,7 +128,10 @@ def conditions(values: Iterable[tuple[Field, int]]) -> Statement:
 
 
 def _condition(field: Field, value: int) -> tuple[Part, ...]:
-    """Return a field with its value. The value of a flag is 1 if it is active, but its bit may be 0 then."""
+    """Return a field with its bit or value: ``error is 0`` or ``mode is 5h (test)``.
+
+    ``value`` is 1 for an active flag, whose bit is 0 if it is active low.
+    """
     if isinstance(field.kind, Flag):
         is_active = bool(value)
         bit = int(is_active != field.kind.active_low)

@@ -191,7 +191,7 @@ def changed_files(old: Sequence[Device], new: Sequence[Device], cache: Cache) ->
 
 
 def unchanged_families(old: Sequence[Device], new: Sequence[Device]) -> frozenset[str]:
-    """Return the names of the families that have the same model on both sides."""
+    """Return the names of the families that are on both sides, with the same digest of their models."""
     new_by_name = {device.name: device for device in new}
     unchanged_names = set()
     for old_device in old:
