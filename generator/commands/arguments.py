@@ -44,7 +44,7 @@ class Parser(argparse.ArgumentParser):
         return f"{help_text}\n{self.more_help()}\n" if self.more_help is not None else help_text
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
-        """Reject a value that is not among the choices, with the nearest of them."""
+        """Raise ArgumentError if the value is not among the choices. The message has the nearest one, or else all."""
         if action.choices is not None and value not in action.choices:
             from ..language.problems import suggestion
 
@@ -66,7 +66,7 @@ class ShowVersion(argparse.Action):
 
 
 def parse(parser: argparse.ArgumentParser, words: Sequence[str]) -> argparse.Namespace:
-    """Parse the words of a command line. One too many is an error that shows the usage of its command."""
+    """Parse the words of a command line. An unknown word ends the process with an error and the command's usage."""
     arguments, extra_words = parser.parse_known_args(words)
     if extra_words:
         arguments.parser.error(_unexpected_message(arguments.parser, extra_words[0]))
@@ -74,7 +74,7 @@ def parse(parser: argparse.ArgumentParser, words: Sequence[str]) -> argparse.Nam
 
 
 def _unexpected_message(parser: argparse.ArgumentParser, argument: str) -> str:
-    """Return the message about an argument that the command does not have."""
+    """Return the message about an argument that the command does not have, with the nearest option or ``--specs``."""
     from ..language.problems import suggestion
 
     options = sorted(name for action in parser._actions for name in action.option_strings)
@@ -88,11 +88,14 @@ def _unexpected_message(parser: argparse.ArgumentParser, argument: str) -> str:
 
 
 def add_examples(parser: Parser, name: str, examples: Sequence[str]) -> None:
-    """Add the examples to the help of a command, and the parser to its arguments."""
+    """Add the examples to the help of the command ``name``, and wrap its description.
+
+    The parser also becomes an attribute of the parsed arguments, for ``parse``.
+    """
     parser.set_defaults(parser=parser)
     needs_spec = name not in ("new", "explain", "find")
     condition = ", with the spec that codewheel new my_encoder writes" if needs_spec else ""
-    example_lines = [f"examples{condition}:", *(f"  {line}" for line in examples)]
+    example_lines = [f"examples{condition}:", *(f"  {example}" for example in examples)]
     epilog_lines = [textwrap.fill(parser.epilog, _WIDTH), ""] if parser.epilog else []
     parser.epilog = "\n".join([*epilog_lines, *example_lines])
     parser.description = textwrap.fill(parser.description or "", _WIDTH)
@@ -156,7 +159,9 @@ def add_register_option(parser: argparse.ArgumentParser) -> None:
 
 
 def bytes_by_address(pairs: Sequence[str]) -> dict[int, int]:
-    """Return pairs such as ``0x56=0x10`` as bytes by address.
+    """Return pairs such as ``0x56=0x10`` as bytes by address: ``{0x56: 0x10}``.
+
+    Numbers may be decimal, or have a prefix. Of several pairs with one address, the last one counts.
 
     Raises:
         Stop: A pair is malformed. The exit code is 2.

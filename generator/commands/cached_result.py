@@ -53,7 +53,7 @@ class CachedResult:
 
 
 def cached_result(cache: Cache, command: str, paths: Sequence[Path], options: Sequence[str] = ()) -> CachedResult:
-    """Return the result of a command in the cache.
+    """Return the place in the cache for the result of a command. ``get`` returns the result, if there is one.
 
     Args:
         cache: The cache.
@@ -83,7 +83,10 @@ class _NotStorable(Exception):
 
 
 def _hash_of_inputs(paths: Sequence[Path], options: Sequence[str]) -> str:
-    """Return a hash of the options and of all files that a run reads, or an empty string if they are not known."""
+    """Return a hash of the folder, the options and all files that a run reads, or an empty string.
+
+    It is empty if the files are not known, for example because one of the specs is an overlay.
+    """
     try:
         options_and_files = chain([os.getcwd(), *options, ""], _names_and_contents(paths))
         return key_of("inputs", options_and_files)
@@ -92,21 +95,21 @@ def _hash_of_inputs(paths: Sequence[Path], options: Sequence[str]) -> str:
 
 
 def _names_and_contents(paths: Sequence[Path]) -> Iterator[bytes | str]:
-    """Yield the names and the content of all files that a run with these paths reads.
+    """Yield the names and the content of all files that a run with these paths reads, packaged masters included.
 
     Raises:
         OSError: A folder cannot be read.
         _NotStorable: A spec cannot be read, or is an overlay.
     """
     names_in_folder = functools.cache(os.listdir)
-    for path in paths:
-        specs: Sequence[Path] = (path,)
+    for spec_or_folder in paths:
+        specs: Sequence[Path] = (spec_or_folder,)
         skipped: Sequence[Path] = ()
-        if is_folder(path):
-            search_result = find_files(path)
+        if is_folder(spec_or_folder):
+            search_result = find_files(spec_or_folder)
             specs, skipped = search_result.specs, search_result.passed_over
         # The words between the lists ensure that no name can move from one to the next.
-        yield from (str(path), "specs", *map(str, specs), "skipped", *map(str, skipped), "content")
+        yield from (str(spec_or_folder), "specs", *map(str, specs), "skipped", *map(str, skipped), "content")
         for spec in specs:
             keys = top_keys(spec)
             if keys is None or not keys.isdisjoint(_OVERLAY_KEYS):

@@ -63,7 +63,8 @@ def command_named(name: str) -> Command:
 def parser_for(arguments: Sequence[str]) -> argparse.ArgumentParser:
     """Return the parser for these arguments: with the command that they begin with, or else with all commands.
 
-    Only commands that are among the arguments have arguments of their own, because the others can only be listed.
+    Only commands that are among the arguments are imported and get arguments of their own, because the help only lists
+    the others.
     """
     parser = Parser(prog="codewheel", description=_DESCRIPTION)
     parser.add_argument("--version", action=ShowVersion, help="show the version and exit")
@@ -86,7 +87,11 @@ def _possible_commands(arguments: Sequence[str]) -> Sequence[str]:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command and return its exit code. ``arguments`` default to those of the process."""
+    """Run one command and return its exit code. ``arguments`` default to those of the process.
+
+    The exit code is 1 if the output cannot be written. An end by the reader of the output or by the user has the code
+    of shells: 141 or 130.
+    """
     if arguments is None:
         # Models have no cycles, so a process that ends soon gains nothing from a search for them, not even at its end.
         gc.set_threshold(1_000_000, 50, 100)
@@ -104,8 +109,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         release_streams()
         with suppress(OSError):
-            place = error.filename or "the output"
-            print(f"codewheel: cannot write {place}: {error.strerror or error}", file=sys.stderr, flush=True)
+            file_name = error.filename or "the output"
+            print(f"codewheel: cannot write {file_name}: {error.strerror or error}", file=sys.stderr, flush=True)
         release_streams()
         return 1
     except KeyboardInterrupt:
@@ -113,7 +118,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(arguments: Sequence[str] | None) -> int:
-    """Parse the arguments, run the command, and return its exit code."""
+    """Parse the arguments, run the command, and return its exit code, or that of ``Stop``, whose message is printed."""
     try:
         words = sys.argv[1:] if arguments is None else arguments
         parsed = parse(parser_for(words), words)

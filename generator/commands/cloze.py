@@ -26,7 +26,9 @@ def add_arguments(parser: Parser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write the sheet of a family, and print the number of gaps to fill.
+    """Write the sheet of a family without overlays, and print the number of gaps to fill.
+
+    What an existing sheet has filled in is kept for texts that have not changed.
 
     Raises:
         Stop: There is no such family (exit code 2), it has problems, or its sheet cannot be read (exit code 1).

@@ -93,7 +93,7 @@ def _add_record_options(parser: Parser) -> None:
 class _Side:
     """One side of the comparison: the families that were read, and the names of those that could not be.
 
-    ``file_names`` has the original names of files from a git revision.
+    ``file_names`` has the original names of files from a git revision, by the names of the files that were read.
     """
 
     families: tuple[Family, ...]
@@ -103,7 +103,9 @@ class _Side:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Compare, print, and return the exit code.
+    """Compare, print, and return the exit code: 1 if a change has the impact of ``--fail-on`` or a higher one, else 0.
+
+    Accepted changes do not count. Without ``--fail-on``, all others do.
 
     Raises:
         Stop: Something cannot be read, or families that must not be released would be recorded.
@@ -130,7 +132,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _compare_sides(arguments: argparse.Namespace, cache: Cache) -> tuple[_Side, _Side, DiffResult]:
-    """Read and compare both sides, with a line on a terminal about what takes time."""
+    """Return both sides and their comparison. A line on the terminal shows the current step."""
     with Progress(f"codewheel: reading {arguments.old}") as progress:
         old = _load_side(arguments.old, cache, lenient=arguments.lenient, old_side=None)
         progress.text = f"codewheel: reading {arguments.new}"
@@ -140,7 +142,7 @@ def _compare_sides(arguments: argparse.Namespace, cache: Cache) -> tuple[_Side, 
 
 
 def _print_comparison(comparison: DiffResult, old: _Side, new: _Side, arguments: argparse.Namespace) -> None:
-    """Print the changes as JSON, Markdown or text."""
+    """Print the changes as JSON, Markdown or text. With ``--editions``, the entries for the spec follow the text."""
     if arguments.json or arguments.format == "json":
         from ..changes.report import as_data
 
@@ -180,6 +182,9 @@ def _without_accepted(
 ) -> tuple[Sequence[Change], Sequence[str]]:
     """Return the changes that count, and the notices about accepted ones.
 
+    The accepted changes are in the file of ``--accepted``, or else in a file of the usual name next to the new specs.
+    Without such a file, all changes count.
+
     Raises:
         Stop: The file with accepted changes is missing or not valid. The exit code is 2.
     """
@@ -200,7 +205,10 @@ def _without_accepted(
 
 
 def _compare(old: _Side, new: _Side, cache: Cache) -> DiffResult:
-    """Return the changes in the families that could be read on both sides."""
+    """Return the changes in the families that could be read on both sides, with the notices of both.
+
+    Generated files are compared only if the families differ. Otherwise, and if they cannot be generated, they are None.
+    """
     from ..changes.families import compare
     from ..changes.report import DiffResult
     from ..changes.rules import packages
@@ -225,6 +233,8 @@ def _comparable_devices(side: _Side, other_side: _Side) -> tuple[Device, ...]:
 def _record(comparison: DiffResult, new: _Side) -> DiffResult:
     """Write the records, and return ``comparison`` with notices about them and with the version that was written.
 
+    Notices that it already has mean that a part was not compared. Then nothing is written.
+
     Raises:
         Stop: Part of a family could not be compared, or a file cannot be written.
     """
@@ -245,8 +255,10 @@ def _record(comparison: DiffResult, new: _Side) -> DiffResult:
 
 
 def _load_side(text: str, cache: Cache, *, lenient: bool, old_side: _Side | None) -> _Side:
-    """Return the families of one side, given by its argument. Of the old side, those that can still be read.
+    """Return the families of one side. ``text`` is OLD or NEW of the command line.
 
+    If the specs have problems, ``lenient`` keeps all families without their faulty parts. Without it, the old side
+    keeps the families without problems, and the new side is not accepted. Both print the first problems.
     ``old_side`` is None while the old side itself is loaded.
 
     Raises:
@@ -277,10 +289,12 @@ def _load_side(text: str, cache: Cache, *, lenient: bool, old_side: _Side | None
 
 
 def _read_side(text: str, cache: Cache, old_side: _Side | None) -> tuple[Sequence[Family], Report, Mapping[str, str]]:
-    """Read specs from the disk or from a git revision, with the original names of files from the latter.
+    """Return the families, the report on them, and the original names of files from a git revision.
 
-    Specs of the old side are first migrated to the current language. Families that the new side shares with the old
-    one are not built again.
+    ``text`` is a path, or a revision and a path such as ``v1.0:specs``. Files of a revision are read from a temporary
+    folder. The names map each file there to its name in the revision, and are empty for a path on the disk.
+    Specs of the old side (``old_side`` is None) are first migrated to the current language. Families that the new side
+    shares with the old one are not built again.
 
     Raises:
         Stop: There is no such file, folder or revision. The exit code is 2.
@@ -320,7 +334,7 @@ def _print_first_problems(problems: Sequence[Problem]) -> None:
 
 
 def _not_comparable_error(text: str, problems: Sequence[Problem], *, is_old: bool) -> Stop:
-    """Print the first problems of a side, and return the ``Stop`` to raise."""
+    """Print the first problems of a side, and return the ``Stop`` to raise. For the old side, it suggests a remedy."""
     from ..say.plain_text import counted
 
     _print_first_problems(problems)
@@ -338,7 +352,10 @@ def _not_comparable_error(text: str, problems: Sequence[Problem], *, is_old: boo
 
 
 def _findings(changes: Sequence[Change], side: _Side) -> list[Finding]:
-    """Return the changes with their places in the new specs. A removed item is at the nearest place that is left."""
+    """Return the changes with their places in the new specs. A removed item is at the nearest place that is left.
+
+    A change in a family that the new specs lack is at the beginning of their first spec.
+    """
     documents = {family.device.name: family.document for family in side.families}
     if not documents:
         return []
@@ -356,11 +373,11 @@ def _finding_at(change: Change, document: Document, path: SpecPath, file_names: 
     from ..changes.report import describe_effect
     from .review_formats import Finding
 
-    line, column = document.position(path)
+    line_number, column = document.position(path)
     file = document.file_of(path) or document.file
     return Finding(
         file=file_names.get(file, file),
-        line=line,
+        line=line_number,
         column=column,
         rule=change.rule.name,
         message=f"{change.text} ({change.impact.word}: {describe_effect(change)})",
@@ -369,7 +386,10 @@ def _finding_at(change: Change, document: Document, path: SpecPath, file_names: 
 
 
 def _place_in_spec(document: Document, text: str) -> SpecPath:
-    """Return the place of a path of keys and names, as far as it exists."""
+    """Return the place of ``text``, a path of keys and names such as ``registers.mode.fields``, as far as it exists.
+
+    The result has indexes instead of the names of list items: ``("registers", 3, "fields")``.
+    """
     from ..language.schema_check import value_at
 
     path: SpecPath = ()
@@ -377,12 +397,17 @@ def _place_in_spec(document: Document, text: str) -> SpecPath:
         paths_to_step = list(_paths_to(step, value_at(document.data, path)))
         if not paths_to_step:
             break
+        # The first is the nearest: directly in the node, not in one of its values.
         path = (*path, *paths_to_step[0])
     return path
 
 
 def _paths_to(step: str, node: Any) -> Iterator[SpecPath]:
-    """Yield the paths to a key or name in a map or list, or in a list or map that is a value of the map."""
+    """Yield the paths from ``node`` to a key or name in it: directly, or one level deeper if it is a map.
+
+    Paths of changes leave out some keys, so ``position`` in ``{"fields": [{"name": "position"}]}`` is at
+    ``("fields", 0)``.
+    """
     yield from _children_named(step, node)
     if isinstance(node, dict):
         for key, inner_node in node.items():
@@ -390,7 +415,7 @@ def _paths_to(step: str, node: Any) -> Iterator[SpecPath]:
 
 
 def _children_named(step: str, node: Any) -> Iterator[SpecPath]:
-    """Yield the paths to a key of a map, or to the items of a list with this name."""
+    """Yield the path ``(index,)`` to each item of a list with this name, or ``(key,)`` if a map has this key."""
     from ..language.document import label_of
 
     if isinstance(node, list):

@@ -16,7 +16,7 @@ from ..model import Variant
 
 #: Parts of a spec that editions do not describe.
 _NOT_IN_EDITIONS = frozenset("manual errata examples editions documents lost_figures printed_defaults".split())
-#: Keys whose value is a map with names as keys.
+#: Keys whose value is a map with names as keys. A key that such a map lost is a removed item.
 _NAMED_MAPS = frozenset(("interfaces", "parameters", "values"))
 _OPTION = re.compile(r"order_code\.parts\.(?P<part>\w+)\.values\.(?P<label>[^.]+)")
 #: Keys whose values name options or whole order codes.
@@ -29,7 +29,7 @@ class _Hexadecimal(int):
 
 
 class _Dumper(yaml.SafeDumper):
-    """A writer of YAML that spells such numbers with 0x."""
+    """A writer of YAML that spells ``_Hexadecimal`` numbers with 0x."""
 
 
 def _represent_hexadecimal(dumper: _Dumper, number: _Hexadecimal) -> yaml.ScalarNode:
@@ -40,9 +40,10 @@ _Dumper.add_representer(_Hexadecimal, _represent_hexadecimal)
 
 
 def edition_entries(olds: Sequence[Family], news: Sequence[Family], changes: Sequence[Change]) -> Iterator[str]:
-    """Yield, for each family with a new edition that lacks items of the old one, the entry that keeps them.
+    """Yield the text of an entry for each family with a new edition of its manual that lacks items of the old one.
 
-    Renamed items are still there, except options of the order code: labels of older encoders have the old text.
+    The entry keeps these items for older encoders. Families are compared by name. Renamed items are not lost, except
+    options of the order code: labels of older encoders have the old text.
     """
     renamings = [change for change in changes if change.rule.name.endswith("-renamed") and isinstance(change.old, str)]
     old_families = {family.device.name: family for family in olds}
@@ -58,38 +59,45 @@ def edition_entries(olds: Sequence[Family], news: Sequence[Family], changes: Seq
 
 
 def _lines_of_missing_history(old: Family, new: Family) -> Iterator[str]:
-    """Yield the rows that the history of the new manual lacks, with an introduction."""
+    """Yield the rows that the history of the new manual lacks: one for each of the two revisions, if it is not listed.
+
+    An introduction precedes them. Nothing is yielded if the new revision is listed behind an older one.
+    """
     name, revision = new.device.name, new.device.manual.revision
-    listed_revisions = [row["revision"] for row in new.document.data["manual"].get("history", ())]
+    listed_revisions = [history_row["revision"] for history_row in new.document.data["manual"].get("history", ())]
     # An edition describes encoders before a revision, so an older revision must be listed in front of it.
     if revision in listed_revisions[1:]:
         return
-    place = "history" if listed_revisions else "manual"
-    yield f"{name}: give the revisions in the history of the manual, under '{place}':"
+    key_of_rows = "history" if listed_revisions else "manual"
+    yield f"{name}: give the revisions in the history of the manual, under '{key_of_rows}':"
     yield ""
     if not listed_revisions:
         yield "  history:"
     for manual in (old.device.manual, new.device.manual):
         if manual.revision in listed_revisions:
             continue
-        row = {"revision": manual.revision}
+        history_row = {"revision": manual.revision}
         if manual.date:
-            row["date"] = manual.date
-        row["changes"] = "Not listed"
-        yield f"    - {_in_one_line(row)}"
+            history_row["date"] = manual.date
+        history_row["changes"] = "Not listed"
+        yield f"    - {_in_one_line(history_row)}"
     yield ""
 
 
 def _lines_of_entry(new: Family, edition_changes: Iterable[Mapping[str, Any]]) -> Iterator[str]:
-    """Yield the lines of the entry for the old edition, with an introduction."""
+    """Yield the lines of the entry: the new revision, and the changes that apply before it, after an introduction.
+
+    If the spec has no editions yet, their key comes first.
+    """
     name, revision = new.device.name, new.device.manual.revision
     has_editions = "editions" in new.document.data
-    place = ", under its editions" if has_editions else ""
+    where_to_add = ", under its editions" if has_editions else ""
     removal = f"{name}: edition {revision} removed these items."
-    yield f"{removal} To keep them for older encoders, add to its spec{place}, with their source:"
+    yield f"{removal} To keep them for older encoders, add to its spec{where_to_add}, with their source:"
     yield ""
     if not has_editions:
         yield "editions:"
+    # In a list, YAML quotes a revision such as '1.0' without adding the mark for the end of a document.
     yield f"  - revision: {_in_one_line([revision]).removeprefix('[').removesuffix(']')}"
     yield "    before:"
     for edition_change in edition_changes:
@@ -97,12 +105,17 @@ def _lines_of_entry(new: Family, edition_changes: Iterable[Mapping[str, Any]]) -
 
 
 def _edition_changes(old: Family, new: Family, renamed_names: Container[str]) -> Iterator[Mapping[str, Any]]:
-    """Yield the changes that lead from the new edition to the old one, each as a map of an overlay."""
+    """Yield the changes that lead from the new edition to the old one, each as a map of an overlay.
+
+    Each removed item is added: ``{"add": place, "value": item, "why": reason, "source": source}``. If options of the
+    order code are among them, the changes that follow from these come last.
+    """
     old_data, new_data = old.document.data, new.document.data
     reason = f"Edition {old.device.manual.revision} has it, edition {new.device.manual.revision} does not"
     first_option_source = ""
     removed_options: list[tuple[str, Any]] = []
     for place, removed_node in _removed_nodes(old_data, new_data, ""):
+        # The place of a list item is that of its list, so it has the name itself. A value of a map has it in its place.
         _, _, last_step = place.rpartition(".")
         name = label_of(removed_node) or last_step
         if name in renamed_names:
@@ -119,7 +132,11 @@ def _edition_changes(old: Family, new: Family, renamed_names: Container[str]) ->
 def _order_code_changes(
     old: Family, new: Family, removed_options: Iterable[tuple[str, Any]], source: str
 ) -> Iterator[Mapping[str, Any]]:
-    """Yield the changes that follow from options of the order code that the new edition removed."""
+    """Yield the changes that follow from options of the order code that the new edition removed.
+
+    New labels of the same options are removed, and so are examples with these labels that the old edition lacks.
+    References to order codes get their old values. ``source`` is the source of each change.
+    """
     old_data, new_data = old.document.data, new.document.data
     old_revision, new_revision = old.device.manual.revision, new.device.manual.revision
     new_labels: list[str] = []
@@ -133,12 +150,15 @@ def _order_code_changes(
         if example["name"] not in old_examples and example.get("order_code") in new_codes:
             reason = f"Edition {old_revision} lacks its order code"
             yield {"remove": f"examples.{example['name']}", "why": reason, "source": source}
-    for place, value in _changed_references(old_data, new_data, ""):
-        yield {"set": place, "to": value, "why": f"Order codes of edition {old_revision}", "source": source}
+    for place, old_reference in _changed_references(old_data, new_data, ""):
+        yield {"set": place, "to": old_reference, "why": f"Order codes of edition {old_revision}", "source": source}
 
 
 def _source_of_removed(data: Any, place: str, removed_node: Any) -> str:
-    """Return the source of a removed node if that is a document other than the manual, else the table of revisions."""
+    """Return the source of a removed node if it names a document (``doc: 2.1``), else ``Document release``.
+
+    A place in the manual of the old edition is not in the new one, whose table of releases says what changed.
+    """
     nodes_on_path = []
     node = data
     for step in steps_of(place):
@@ -156,7 +176,10 @@ def _source_of_removed(data: Any, place: str, removed_node: Any) -> str:
 
 
 def _new_labels(place: str, removed_option: Any, old_data: Any, new_data: Any) -> Iterator[str]:
-    """Yield the option that only the new edition has, if it differs from a removed one only in its label."""
+    """Yield the place of the first option that only the new edition has and that selects the same as a removed one.
+
+    Such an option is the removed one with another label. Nothing is yielded if there is none.
+    """
     options_place, _, _ = place.rpartition(".")
     old_options = value_at(old_data, resolve(old_data, options_place))
     new_options = value_at(new_data, resolve(new_data, options_place))
@@ -167,28 +190,32 @@ def _new_labels(place: str, removed_option: Any, old_data: Any, new_data: Any) -
 
 
 def _selected_by(option: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return what an option selects, or its meaning if it selects nothing."""
+    """Return the interface, parameters and supply that an option selects, or its meaning if it selects none of them."""
     selects = {key: option[key] for key in ("interface", "sets", "supply") if key in option}
     return selects or {"meaning": option.get("meaning")}
 
 
 def _selects_any(variant: Variant, option_places: Iterable[str]) -> bool:
-    """Return True if an order code has one of these options."""
-    for place in option_places:
-        option = _OPTION.fullmatch(place)
+    """Return True if an order code has one of these options, such as ``order_code.parts.output.values.B``."""
+    for option_place in option_places:
+        option = _OPTION.fullmatch(option_place)
         if option is not None and variant.parts.get(option["part"]) == option["label"]:
             return True
     return False
 
 
 def _changed_references(old: Any, new: Any, place: str) -> Iterator[tuple[str, Any]]:
-    """Yield the places in both editions that refer to different order codes, and the value in the old one."""
+    """Yield the places in both editions that refer to different order codes, and the value in the old one.
+
+    ``old`` and ``new`` are the nodes of both specs at ``place``, which is empty for the whole specs.
+    """
     if isinstance(old, dict) and isinstance(new, dict):
         for key in [key for key in old if key in new]:
             child_place = f"{place}.{key}".removeprefix(".")
             if _is_reference(place, key):
                 if old[key] != new[key]:
                     yield child_place, old[key]
+            # Only at the top level, keys are parts of a spec. Of those not in editions, examples name order codes.
             elif place or key == "examples" or key not in _NOT_IN_EDITIONS:
                 yield from _changed_references(old[key], new[key], child_place)
     elif isinstance(old, list) and isinstance(new, list):
@@ -203,13 +230,17 @@ def _changed_references(old: Any, new: Any, place: str) -> Iterator[tuple[str, A
 
 
 def _is_reference(place: str, key: str) -> bool:
-    """Return whether the value of a key at a place names order codes or their options."""
+    """Return whether the value of a key at a place names order codes or their options. Top-level keys do not."""
     is_spelling = key == "values" and "also_written" in place
     return bool(place) and (key in _REFERENCES or is_spelling)
 
 
 def _removed_nodes(old: Any, new: Any, place: str) -> Iterator[tuple[str, Any]]:
-    """Yield the removed nodes of a spec: the place to add each to, and the node."""
+    """Yield the items of a spec that the new one lacks: the place to add each to, and the item.
+
+    Items are named items of lists, added to their list, and keys of maps whose keys are names, added at that key.
+    Other keys may be left out freely, so a missing one does not count.
+    """
     if isinstance(old, dict) and isinstance(new, dict):
         for key, child in old.items():
             child_place = f"{place}.{key}".removeprefix(".")
@@ -229,7 +260,7 @@ def _removed_nodes(old: Any, new: Any, place: str) -> Iterator[tuple[str, Any]]:
 
 def _in_one_line(node: Any) -> str:
     """Return a node as YAML in one line, such as ``{revision: '1.0', changes: Not listed}``."""
-    text: str = yaml.dump(
+    yaml_text: str = yaml.dump(
         _with_hexadecimal(node),
         Dumper=_Dumper,
         default_flow_style=True,
@@ -237,14 +268,14 @@ def _in_one_line(node: Any) -> str:
         sort_keys=False,
         allow_unicode=True,
     )
-    return text.strip()
+    return yaml_text.strip()
 
 
 def _with_hexadecimal(node: Any, key: str = "") -> Any:
-    """Return a node with its hexadecimal numbers marked."""
+    """Return a node in which the numbers that manuals print in hexadecimal are marked. ``key`` is the node's key."""
     if isinstance(node, dict):
-        return {name: _with_hexadecimal(value, name) for name, value in node.items()}
+        return {name: _with_hexadecimal(child, name) for name, child in node.items()}
     if isinstance(node, list):
-        return [_with_hexadecimal(value) for value in node]
+        return [_with_hexadecimal(child) for child in node]
     is_hexadecimal = key in HEXADECIMAL and type(node) is int
     return _Hexadecimal(node) if is_hexadecimal else node

@@ -21,7 +21,10 @@ class UndecidedError(ValueError):
 
 
 def answers_of(device: Device, variant: Variant, pairs: Sequence[str]) -> dict[str, str]:
-    """Return pairs such as ``eeprom_address=as_printed`` as answers by the names of their alternatives.
+    """Return pairs such as ``eeprom_address=as_printed`` as ``{"eeprom_address": "as_printed"}``.
+
+    An alternative is a question that the manual leaves open, here for this order code. Each pair has its name and an
+    answer.
 
     Raises:
         Stop: This order code has no such alternative or answer, or an alternative has two. The exit code is 2.
@@ -60,9 +63,10 @@ def refuse_undecided(device: Device, layout: Layout, answers: Container[str]) ->
 def open_questions(
     device: Device, layout: Layout, answers: Container[str], predicate: str = "cannot be decoded"
 ) -> str:
-    """Return the questions to answer before a frame of this layout can be used, or an empty string if there are none.
+    """Return a message with the questions of a layout that ``answers`` does not answer, or "" if there are none.
 
-    ``predicate`` is the predicate of the message about the action that needs the answers.
+    ``answers`` has the names of the answered questions. ``predicate`` follows the name of the layout in the message:
+    ``'position' cannot be decoded until you decide. …``
     """
     unanswered = [alternative for alternative in device.alternatives_of(layout) if alternative.name not in answers]
     if not unanswered:
@@ -125,7 +129,9 @@ def in_requested_edition(
 
 
 def _find_revision(device: Device, match: Match | None, wanted_edition: str, register_bytes: Mapping[int, int]) -> str:
-    """Return the revision of the requested edition, which the label or the registers may tell.
+    """Return the revision of the requested edition: inferred from registers or the label, or found by name or date.
+
+    ``match`` is None if the user named a family. Then nothing can be inferred.
 
     Raises:
         UnknownEdition: There is no such edition, or it cannot be inferred.
@@ -145,7 +151,7 @@ def _find_revision(device: Device, match: Match | None, wanted_edition: str, reg
 
 
 def _load_in_edition(specs: Sequence[Path], device: Device, revision: str) -> Device:
-    """Return the device as this edition of its manual describes it.
+    """Return the device as this edition of its manual describes it. The edition of its spec needs no change.
 
     Raises:
         Stop: The edition has problems, which are printed. The exit code is 1.
@@ -162,7 +168,9 @@ def _load_in_edition(specs: Sequence[Path], device: Device, revision: str) -> De
 
 
 def edition_devices(families: Iterable[Family], wanted_editions: Iterable[str], report: Report) -> list[Device]:
-    """Return the devices of families in the editions given by arguments such as ``FAMILY=1.6``.
+    """Return the devices of families in the editions given by arguments such as ``FAMILY=1.6``, each once.
+
+    Editions of a family whose spec has problems are left out. Problems of an edition are added to ``report``.
 
     Raises:
         Stop: An argument is malformed, or there is no such family or edition. The exit code is 2.
@@ -173,8 +181,8 @@ def edition_devices(families: Iterable[Family], wanted_editions: Iterable[str], 
         name, equals, revision_or_date = wanted_edition.partition("=")
         if not equals or name not in families_by_name:
             example = f"{next(iter(families_by_name), 'FAMILY')}=1.0"
-            names = ", ".join(families_by_name)
-            raise Stop(f"'{wanted_edition}' is not a family and an edition; write it like {example} ({names})", 2)
+            known_names = ", ".join(families_by_name)
+            raise Stop(f"'{wanted_edition}' is not a family and an edition; write it like {example} ({known_names})", 2)
         family = families_by_name[name]
         try:
             revision = revision_for(family.device, revision_or_date)
@@ -192,11 +200,12 @@ def edition_devices(families: Iterable[Family], wanted_editions: Iterable[str], 
 
 
 def check_editions(families: Iterable[Family], report: Report) -> None:
-    """Report the problems in all editions of the families."""
+    """Report the problems in all editions of the families, except those that are derived, have overlays or problems."""
     for family in families:
         # With an overlay, a family may lack the parts that an edition changes. A request for the edition reports that.
         if family.device.base or family.plain is not None or report.faults(family.document):
             continue
         for edition in family.device.editions:
             if edition.revision != family.device.manual.revision:
+                # Only its report is needed, not the family in that edition.
                 in_edition(family, edition.revision, report)

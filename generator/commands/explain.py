@@ -55,6 +55,8 @@ def run(arguments: argparse.Namespace) -> int:
 def explain(name: str | None) -> str:
     """Return the description of a rule, or without a name the list of all rules.
 
+    A name may be that of a rule of ``check`` and of one of ``diff``. Then both are described.
+
     Raises:
         Stop: There is no such rule. The exit code is 2.
     """
@@ -72,7 +74,7 @@ def explain(name: str | None) -> str:
 
 
 def rules_of_check() -> dict[str, Example]:
-    """Read the rules of ``check``, each with an example."""
+    """Return an example of each rule of ``check``, by the name of the rule. Rules about several files have none."""
     from importlib.resources import files
 
     rules_file = files("codewheel.language").joinpath("rules.json")
@@ -81,7 +83,7 @@ def rules_of_check() -> dict[str, Example]:
 
 
 def _list_rules(examples: dict[str, Example]) -> str:
-    """Return all rules: those of diff with their impacts, and the names of those of check."""
+    """Return all rules: those of diff with their impacts and conditions, and only the names of those of check."""
     from ..changes.rules import RULES
     from ..say.plain_text import WIDTH, wrapped
 
@@ -96,7 +98,7 @@ def _list_rules(examples: dict[str, Example]) -> str:
 
 
 def _describe_rule_of_check(name: str, examples: dict[str, Example]) -> list[str]:
-    """Return the description of a rule of check, or nothing if there is no such rule."""
+    """Return the description of a rule of check as one text, or an empty list if there is no such rule."""
     from ..say.plain_text import WIDTH, wrapped
 
     if name in _SEVERAL_FILES:
@@ -110,7 +112,7 @@ def _describe_rule_of_check(name: str, examples: dict[str, Example]) -> list[str
 
 
 def _describe_rule_of_diff(name: str) -> list[str]:
-    """Return the description of a rule of diff with its impact on each output, or nothing if there is no such rule."""
+    """Return a rule of diff with its impact on each output and its reason, or an empty list if there is none."""
     from ..changes.rules import OUTPUTS, RULES, TITLES
     from ..say.plain_text import WIDTH, wrapped
 

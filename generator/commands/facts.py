@@ -30,7 +30,7 @@ def add_arguments(parser: Parser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """List the facts that cite a page or a section. The exit code is 1 if there are none.
+    """List the facts that cite the page and the section, if both are given. The exit code is 1 if there are none.
 
     Raises:
         Stop: There is no such family, or neither page nor section was given.

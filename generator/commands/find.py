@@ -28,7 +28,7 @@ _ABOUT = (
     "between the frames: a bit that never changes has no name. The exit code is 0 if there is a proposal, and 1 if all "
     "frames are equal."
 )
-#: Bits of the longest frame of a line.
+#: Bits of the longest frame, by interface. All others have the second limit.
 _LONGEST = {"rs485": 1024}
 _LONGEST_IN_BITS = 64
 
@@ -82,10 +82,10 @@ def _read_recording(arguments: argparse.Namespace) -> Recording:
     """
     from ..layout_search.frames import FEWEST, Recording
 
-    texts = _frame_texts(arguments.frame)
-    if len(texts) < FEWEST:
+    frame_texts = _frame_texts(arguments.frame)
+    if len(frame_texts) < FEWEST:
         raise Stop("one frame does not show a layout; give at least 2, and turn the shaft between them", 2)
-    frames = [_read_frame(arguments.interface, text, arguments.bits) for text in texts]
+    frames = [_read_frame(arguments.interface, frame_text, arguments.bits) for frame_text in frame_texts]
     lengths = sorted({frame.bits for frame in frames})
     if len(lengths) > 1:
         reason = f"the frames have {lengths[0]} to {lengths[-1]} bits; give frames of one length"
@@ -95,7 +95,7 @@ def _read_recording(arguments: argparse.Namespace) -> Recording:
         raise Stop(f"the frames have {lengths[0]} bits; a line has at most {longest}", 2)
     positions: tuple[float, ...] = ()
     if arguments.positions is not None:
-        positions = _read_positions(arguments.positions, len(texts))
+        positions = _read_positions(arguments.positions, len(frame_texts))
     return Recording(
         interface=arguments.interface,
         bits=lengths[0],
@@ -105,15 +105,19 @@ def _read_recording(arguments: argparse.Namespace) -> Recording:
 
 
 def _frame_texts(frame_arguments: Sequence[str]) -> list[str]:
-    """Return the text of each frame: an argument, a line of one, or for ``-`` a line of standard input."""
+    """Return the text of each frame.
+
+    A frame is an argument or, if it has several lines, one of them. If ``-`` is the only argument, it is a line of
+    standard input.
+    """
     from .decode.decoding import argument_lines
 
     if list(frame_arguments) == ["-"]:
         return [line.text for line in argument_lines(frame_arguments)]
-    texts: list[str] = []
+    frame_texts: list[str] = []
     for frame_argument in frame_arguments:
-        texts += [line.text for line in argument_lines([frame_argument])]
-    return texts
+        frame_texts += [line.text for line in argument_lines([frame_argument])]
+    return frame_texts
 
 
 class _Frame(NamedTuple):
@@ -124,7 +128,10 @@ class _Frame(NamedTuple):
 
 
 def _read_frame(interface: str, text: str, bits: int | None) -> _Frame:
-    """Return the frame that a text is. ``bits`` is its length if the user gave that.
+    """Return the frame in a text: ``0b`` with every bit, ``0x`` with hex digits or, also for RS-485, hex bytes.
+
+    ``bits`` is the length that the user gave, or None. It does not apply to ``0b``, and cuts the zeros in front of
+    others.
 
     Raises:
         Stop: The text is not a frame. The exit code is 2.
@@ -136,26 +143,27 @@ def _read_frame(interface: str, text: str, bits: int | None) -> _Frame:
     try:
         plain_text = undecorated(text)
         if interface != "rs485":
-            # A line that carries bits has a frame that is one number.
+            # A frame of bits may be one number, which has a prefix. RS-485 has only bytes.
             compact_text = re.sub(r"[\s_]", "", plain_text)
             digits = len(compact_text) - len("0b")
             if re.fullmatch(r"0[bB][01]+", compact_text):
                 return _Frame(int(compact_text, 2), digits)
             if re.fullmatch(r"0[xX][0-9A-Fa-f]+", compact_text):
                 return _with_stated_length(_Frame(int(compact_text, 16), 4 * digits), bits, text)
+            # Without a prefix, one piece could be decimal, hexadecimal or bits.
             if len(plain_text.split()) == 1:
                 raise Stop(f"'{plain_text[:40]}' is not a frame; write 0b... with every bit, 0x..., or hex bytes", 2)
-        data = frame_bytes(plain_text)
+        frame_data = frame_bytes(plain_text)
     except FrameTextError as error:
         raise Stop(str(error), 2) from None
-    return _with_stated_length(_Frame(int.from_bytes(data, "big"), 8 * len(data)), bits, text)
+    return _with_stated_length(_Frame(int.from_bytes(frame_data, "big"), 8 * len(frame_data)), bits, text)
 
 
 def _with_stated_length(frame: _Frame, bits: int | None, text: str) -> _Frame:
-    """Return a frame with the length that the user gives, or as written without one.
+    """Return a frame with the length ``bits`` that the user gives, or as written if that is None.
 
     Raises:
-        Stop: The frame is longer. The exit code is 2.
+        Stop: The frame has ones above this length. The exit code is 2.
     """
     if bits is None:
         return frame
@@ -165,7 +173,7 @@ def _with_stated_length(frame: _Frame, bits: int | None, text: str) -> _Frame:
 
 
 def _read_positions(text: str, count: int) -> tuple[float, ...]:
-    """Return the positions in a text, one for each frame.
+    """Return the positions in a text such as ``0,45,90``. There must be ``count`` of them, one for each frame.
 
     Raises:
         Stop: It has other text, or another number of positions. The exit code is 2.
@@ -202,7 +210,7 @@ def _proposal_data(proposal: Answer) -> dict[str, Any]:
 
 
 def _text_lines(recording: Recording, proposals: Sequence[Answer], first_frame: str) -> Iterator[str]:
-    """Yield the proposals as lines of text, and the commands to go on with."""
+    """Yield the proposals as lines of text, and the commands to go on with the first one."""
     yield f"{counted(len(recording.frames), 'frame')} of {counted(recording.bits, 'bit')}, most likely layout first"
     for rank, proposal in enumerate(proposals, 1):
         yield ""

@@ -107,11 +107,11 @@ def has_family(paths: Sequence[Path], name: str) -> bool:
 
 
 def _device_files(paths: Sequence[Path]) -> list[_SpecFile]:
-    """Return the device files.
+    """Return the specs of devices that are next to their manufacturer's file. Files about masters are left out.
 
     Raises:
         OSError: A file cannot be read.
-        _NotSelectable: There is a file of another kind that can affect a family, other than its manufacturer's.
+        _NotSelectable: There is any other file except manufacturers' files. It may affect a family.
     """
     device_files = []
 
@@ -131,30 +131,30 @@ def _device_files(paths: Sequence[Path]) -> list[_SpecFile]:
 
 
 def _read_spec_file(path: Path) -> _SpecFile:
-    """Return the kind of a spec, and the name and the beginnings of order codes of a device.
+    """Return the kind that the top-level keys of a spec show, and a device's name and beginnings of order codes.
 
     Raises:
         OSError: The file cannot be read.
     """
     if not path.is_file():
         raise OSError
-    text = b"\n" + path.read_bytes()
-    keys = set(_KEY.findall(text))
-    device_names = _NAME.findall(text)
+    spec_text = b"\n" + path.read_bytes()
+    keys = set(_KEY.findall(spec_text))
+    device_names = _NAME.findall(spec_text)
     if not keys.isdisjoint(_OTHER_KINDS):
         return _SpecFile(path)
     if not keys.isdisjoint(_MASTER_KEYS):
         return _SpecFile(path, kind="" if b"device" in keys else _MASTER)
     if len(device_names) == 1:
         name = device_names[0].decode()
-        return _SpecFile(path, kind=_DEVICE, name=name, beginnings=_beginnings_in_text(text))
+        return _SpecFile(path, kind=_DEVICE, name=name, beginnings=_beginnings_in_text(spec_text))
     return _SpecFile(path, kind="" if b"device" in keys else _MANUFACTURER)
 
 
 def _beginnings_in_text(text: bytes) -> tuple[str, ...]:
-    """Return the text in front of the first part of each pattern, in capitals and without spaces.
+    """Return the text before the first part in each pattern: ``("X-24",)`` for ``X-24 {output}``, as in a label.
 
-    If the text of the spec does not show it for all patterns, the result is an empty beginning, which fits any label.
+    If the text of the spec does not show it for all patterns, the result is ``("",)``, which fits any label.
     """
     texts_before_part = _PATTERN.findall(text)
     if not texts_before_part or len(texts_before_part) != len(_PATTERN_KEY.findall(text)):
@@ -169,7 +169,7 @@ def _beginnings_in_text(text: bytes) -> tuple[str, ...]:
 def _read_beginnings(spec: Path) -> tuple[str, ...]:
     """Return the beginnings of order codes that begin with a part, from the data under ``order_code`` alone.
 
-    If these data have problems or refer to other data, the result matches any label.
+    If these data have problems or refer to other data, the result is ``("",)``, which fits any label.
     """
     from ..language.read import Unreadable, parse
     from ..loading.device import code_grammar
@@ -179,8 +179,8 @@ def _read_beginnings(spec: Path) -> tuple[str, ...]:
     section_text = order_code_section[0] if order_code_section else ""
     problems: list[object] = []
     try:
-        data, _ = parse(section_text, problems.append, problems.append)
-        prefixes = beginnings(code_grammar(data["order_code"]))
+        section_data, _ = parse(section_text, problems.append, problems.append)
+        prefixes = beginnings(code_grammar(section_data["order_code"]))
     except (Unreadable, LookupError, TypeError, ValueError, AttributeError):
         return ("",)
     has_unknown_part = any("{" in prefix for prefix in prefixes)
@@ -188,7 +188,7 @@ def _read_beginnings(spec: Path) -> tuple[str, ...]:
 
 
 def _load(spec: Path, cache: Cache, label: str = "") -> Sequence[Device]:
-    """Return the device of a spec, or nothing if it cannot have the order code ``label``.
+    """Return the device of a spec as one item, or no item if it cannot have the order code ``label``. "" is any.
 
     Raises:
         _NotSelectable: The spec has problems or overlays.
@@ -214,7 +214,7 @@ def _load(spec: Path, cache: Cache, label: str = "") -> Sequence[Device]:
 
 
 def _cached_beginnings(spec: Path, content: Sequence[bytes | str], cache: Cache) -> tuple[str, ...]:
-    """Return the beginnings of order codes of a spec with this content, from the cache if they are in it."""
+    """Return the beginnings of order codes of a spec, from the cache if it has them for this content."""
     stored = cache.get(_BEGINNINGS, content)
     if stored is not None:
         return tuple(stored)
@@ -231,7 +231,7 @@ Located = tuple["Device", "Match | None", Sequence[Path]]
 
 
 def find_order_code(specs: Specs, text: str, cache: Cache) -> tuple[Device, Match, Sequence[Path]]:
-    """Return the family and variant of an order code, and the specs with it. Few families are loaded if possible.
+    """Return the family of an order code, its match with the variant, and the specs among which it was found.
 
     The user's specs come first. If their text does not show which families are possible, all of them are loaded. Specs
     with problems are then omitted and listed.
@@ -246,7 +246,7 @@ def find_order_code(specs: Specs, text: str, cache: Cache) -> tuple[Device, Matc
 
 
 def find_requested(arguments: argparse.Namespace, specs: Specs, cache: Cache) -> tuple[Device, Match, dict[int, int]]:
-    """Return the family and variant of ``ORDER-CODE`` in the edition of ``--edition``, and the bytes of ``--register``.
+    """Return the family and match of ``ORDER-CODE`` in ``--edition``, and the bytes of ``--register`` by address.
 
     Registers that served to infer the edition are omitted.
 
@@ -267,7 +267,7 @@ def find_requested(arguments: argparse.Namespace, specs: Specs, cache: Cache) ->
 
 
 def find_family_or_code(specs: Specs, text: str, cache: Cache) -> Located:
-    """Return a family by its name, or the family and variant of an order code, like ``find_order_code``.
+    """Return a family named ``text`` without a match, or the result of ``find_order_code`` for the order code.
 
     Raises:
         Stop: As for ``find_order_code``.
@@ -276,9 +276,9 @@ def find_family_or_code(specs: Specs, text: str, cache: Cache) -> Located:
 
 
 def _find(specs: Specs, text: str, cache: Cache, *, accepts_family: bool) -> Located:
-    """Return the family or order code of the first group that has it, and report that a later group also has it.
+    """Return the family or order code of the first group of specs that has it, and report a later group with it.
 
-    Without ``accepts_family``, the text can only be an order code.
+    Without ``accepts_family``, the text must be an order code, or an encoder in one line, which needs no specs.
     """
     if is_line(text):
         device, match_of_line = encoder_in_line(text)
@@ -302,7 +302,7 @@ def _find(specs: Specs, text: str, cache: Cache, *, accepts_family: bool) -> Loc
 
 
 def _group_has(paths: Sequence[Path], family: str, text: str, cache: Cache, *, accepts_family: bool) -> bool:
-    """Return True if a group also has the family, or the order code or name."""
+    """Return True if a group of specs has a family of this name, or the order code or family that ``text`` names."""
     if has_family(paths, family):
         return True
     family_and_code, _ = _find_in_group(paths, text, cache, accepts_family=accepts_family)
@@ -312,7 +312,7 @@ def _group_has(paths: Sequence[Path], family: str, text: str, cache: Cache, *, a
 def _find_in_group(
     paths: Sequence[Path], text: str, cache: Cache, *, accepts_family: bool
 ) -> tuple[tuple[Device, Match | None] | None, Report | None]:
-    """Return the family or order code in a group of specs, or None, and the report if specs have problems."""
+    """Return a family with its match, or None, and the report if all specs were read and some have problems."""
     possible_families = families_for(paths, text, cache)
     if possible_families is not None:
         # Several may share an order code by mistake, which only the check of all specs finds.
@@ -328,7 +328,7 @@ def _find_in_group(
 
 
 def _best_match(devices: Sequence[Device], text: str, *, accepts_family: bool) -> tuple[Device, Match | None] | None:
-    """Return the family with this name, or the order code with the shortest tail after it, or None."""
+    """Return the family with this name, or the order code that leaves the shortest tail of the text, or None."""
     matches = _all_matches(devices, text, accepts_family=accepts_family)
     return min(matches, key=_tail_length, default=None)
 
@@ -339,7 +339,7 @@ def _tail_length(family_and_code: tuple[Device, Match | None]) -> int:
 
 
 def _all_matches(devices: Sequence[Device], text: str, *, accepts_family: bool) -> list[tuple[Device, Match | None]]:
-    """Return the family with this name, if ``accepts_family`` is true, or all families with the order code."""
+    """Return the family with this name alone, if ``accepts_family`` allows names, or each one with the order code."""
     from ..order_codes.labels import UnknownOrderCode
     from ..order_codes.labels import find as match_of
 
@@ -355,10 +355,10 @@ def _all_matches(devices: Sequence[Device], text: str, *, accepts_family: bool) 
 
 
 def _refuse_hidden(device: Device, reports_with_problems: Iterable[Report]) -> None:
-    """Refuse a packaged family if the user has a spec of that name, but with problems.
+    """Refuse a family if a file with problems has its name, such as the user's spec of a packaged family.
 
     Raises:
-        Stop: The exit code is 1.
+        Stop: There is such a file. The exit code is 1.
     """
     for report in reports_with_problems:
         if device.name in {Path(file).stem for file in report.faulty_files}:
@@ -372,7 +372,7 @@ def _print_skipped_files(report: Report) -> None:
 
 
 def _no_such_encoder(specs: Specs, text: str, cache: Cache, *, accepts_family: bool) -> Stop:
-    """Return the reason why no group has the text: problems in a spec, or the nearest codes of all families."""
+    """Return the error that no group has the text: a spec has problems, or it is unknown, with the nearest codes."""
     from ..language.files import packaged_families
     from ..loading.library import load_sound
 
@@ -392,7 +392,7 @@ def _no_such_encoder(specs: Specs, text: str, cache: Cache, *, accepts_family: b
 
 
 def find_among(devices: Sequence[Device], text: str) -> tuple[Device, Match]:
-    """Return the family and variant of an order code among ``devices``, with the shortest tail after the code.
+    """Return the family and match of an order code among ``devices``, of several that with the shortest tail.
 
     Raises:
         Stop: There is no such code. The exit code is 2.
@@ -419,7 +419,7 @@ def _is_special_model(device: Device, code: str) -> bool:
 
 
 def _unknown_code_error(devices: Sequence[Device], text: str) -> Stop:
-    """Return the reason why text is not an order code of any of these families."""
+    """Return the error for an unknown code: why it misses a close one, that it names a family or file, near codes."""
     from ..language.files import SUFFIXES
     from ..order_codes import labels
     from ..order_codes.labels import NEAR, closest_reason, nearest_codes

@@ -40,6 +40,7 @@ def checked_line(text: str) -> Line:
     Raises:
         Stop: The line has problems, which are printed. The exit code is 2.
     """
+    # For its error only. The parser does not find all problems.
     encoder_in_line(text)
     return parse_line(text)
 
@@ -54,7 +55,7 @@ def line_problems(error: LineError) -> Stop:
 
 
 def refuse_line(text: str, action: str) -> None:
-    """Check that a text is not a line, for what needs a spec.
+    """Check that a text is not a line, for what needs a spec. ``action`` is the reason, such as ``has no editions``.
 
     Raises:
         Stop: It is a line. The exit code is 2.

@@ -58,6 +58,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     cache = cache_for(arguments)
     specs = specs_to_read([*arguments.specs, *arguments.more_specs])
+    # The groups are the user's specs and the packaged ones. If there is only one group, nothing can be repeated.
     rows_of_groups = [_rows_of_specs(paths, cache) for paths in specs.groups]
     families = without_repeated(*rows_of_groups)
     if arguments.json:
@@ -71,20 +72,20 @@ def _rows_of_specs(paths: Sequence[Path], cache: Cache) -> list[Row]:
     """Return the facts about the families of specs, from an earlier run if they have not changed."""
     from .cached_result import cached_result
 
-    result = cached_result(cache, "list", paths)
-    stored_rows: list[Row] | None = result.get()
+    cached_rows = cached_result(cache, "list", paths)
+    stored_rows: list[Row] | None = cached_rows.get()
     if stored_rows is not None:
         return stored_rows
     new_rows = rows(_devices(paths))
-    result.put(new_rows)
+    cached_rows.put(new_rows)
     return new_rows
 
 
 def _devices(paths: Sequence[Path]) -> Sequence[Device]:
-    """Return the devices of the specs, and print problems to standard error.
+    """Return the devices of the specs.
 
     Raises:
-        Stop: There are problems. The exit code is 1.
+        Stop: There are problems, which are printed to standard error. The exit code is 1.
     """
     from ..loading.library import load_library
 
@@ -115,9 +116,9 @@ def _row(device: Device) -> Row:
 
 
 def without_repeated(own_rows: Sequence[Row] = (), packaged: Sequence[Row] = ()) -> list[Row]:
-    """Return the user's families and then the packaged ones, without those that the user's have too.
+    """Return the user's families and then the packaged ones, except those with a name or order code of the user's.
 
-    Report these on standard error.
+    The names of these are reported on standard error.
     """
     user_names = {row["family"] for row in own_rows}
     user_codes = {code for row in own_rows for code in row["order_codes"]}
@@ -129,8 +130,8 @@ def without_repeated(own_rows: Sequence[Row] = (), packaged: Sequence[Row] = ())
         else:
             other_rows.append(row)
     if repeated_names:
-        names = ", ".join(repeated_names)
-        print(f"codewheel: in your specs and in the packaged ones: {names}; yours are used", file=sys.stderr)
+        names_text = ", ".join(repeated_names)
+        print(f"codewheel: in your specs and in the packaged ones: {names_text}; yours are used", file=sys.stderr)
     return [*own_rows, *other_rows]
 
 
@@ -144,14 +145,14 @@ def _with_interface_names(family: Row) -> dict[str, Any]:
 
 
 def _pattern_or_codes(family: Row) -> str:
-    """Return the pattern of the order codes, or the codes themselves if it is one part, such as ``{model}``."""
+    """Return the pattern of the order codes, or the codes themselves if it is only one part, such as ``{model}``."""
     pattern = family["pattern"]
     has_text_or_parts = not pattern.startswith("{") or pattern.count("{") > 1
     return pattern if has_text_or_parts else ", ".join(family["order_codes"])
 
 
 def as_text(families: Sequence[Row]) -> str:
-    """Return a few lines about each family."""
+    """Return a heading and four lines of facts about each family, at most 80 columns wide."""
     from ..say.plain_text import WIDTH, pairs, wrapped
 
     lines = []

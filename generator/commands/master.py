@@ -58,18 +58,20 @@ def add_arguments(parser: Parser) -> None:
 
 
 def metres(text: str) -> int:
-    """Return a cable length in metres, rounded up."""
+    """Return a cable length in whole metres, rounded up. Raise ArgumentTypeError unless it is 1 to 100,000 m."""
     try:
         length = math.ceil(float(text))
     except (ValueError, OverflowError):
-        length = 0
+        length = 0  # which is also an error
     if not 0 < length <= 100_000:
         raise argparse.ArgumentTypeError(f"'{text}' is not a length in metres, such as 30")
     return length
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the masters or, with an order code, its settings or a file with them.
+    """Print the masters or, with an order code, its settings or a file with them, and return the exit code.
+
+    It is 1 if the named master refuses the encoder, or if something keeps every master from reading it.
 
     Raises:
         Stop: There is no such master, order code or edition, or there are no settings for it.
@@ -105,7 +107,7 @@ def _refuse_incomplete_options(arguments: argparse.Namespace) -> None:
     """Check that the order code and the master are given if an option needs them.
 
     Raises:
-        Stop: They do not. The exit code is 2.
+        Stop: One of them is missing. The exit code is 2.
     """
     has_format_option = arguments.format or arguments.device is not None
     if has_format_option and (arguments.master is None or arguments.order_code is None):
@@ -123,14 +125,14 @@ def _refuse_unknown_master(name: str | None, masters: Sequence[Master]) -> None:
     """
     from ..language.problems import suggestion
 
-    names = [master.name for master in masters]
-    if name is not None and name not in names:
-        hint = suggestion(name, names) or "; codewheel master lists them"
+    known_names = [master.name for master in masters]
+    if name is not None and name not in known_names:
+        hint = suggestion(name, known_names) or "; codewheel master lists them"
         raise Stop(f"there is no master '{name}'{hint}", 2)
 
 
 def _requested_record(arguments: argparse.Namespace) -> tuple[Device, Match, Record]:
-    """Return the order code with its settings for any master.
+    """Return the family and match of the order code, and the record of the settings that masters need for it.
 
     Raises:
         Stop: There is no such order code or edition, or there are no settings for it.
@@ -160,7 +162,9 @@ def _requested_record(arguments: argparse.Namespace) -> tuple[Device, Match, Rec
 def _file_for_master(
     arguments: argparse.Namespace, device: Device, masters: Sequence[Master], encoder_record: Record
 ) -> str:
-    """Return the text of a file for the master in the format that the user chose.
+    """Return the text of a file for ``--master`` in the ``--format`` that the user chose.
+
+    It is for ``--device``, or for the first device of the master that has the format.
 
     Raises:
         Stop: There is no such format or device, or the master cannot use the encoder. The exit code is 2.
@@ -184,10 +188,10 @@ def _file_for_master(
 
 
 def _chosen_format(arguments: argparse.Namespace, master: Master, masters: Sequence[Master]) -> Any:
-    """Return the file format of the master that the user chose.
+    """Return the description of the file format that the user chose, one of those in ``master.files``.
 
     Raises:
-        Stop: The master has no such format. The exit code is 2.
+        Stop: The master has no such format, or JSON is wanted too. The exit code is 2.
     """
     from ..language.problems import listed
 

@@ -30,7 +30,10 @@ def add_arguments(parser: Parser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Migrate specs with their second readings, print each change and each decision, and return the exit code.
+    """Migrate specs with their second readings, print each change, and return the exit code.
+
+    Then print what only a person can decide. With ``--check``, only count the changes. The exit code is 1 if there are
+    decisions or, with ``--check``, changes.
 
     Raises:
         Stop: There are no specs, or a file cannot be written.
@@ -48,7 +51,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _print_decisions(paths: Sequence[Path], changes: int) -> int:
-    """Print the problems that remain after the changes, and return the exit code."""
+    """Print the problems that remain after ``changes`` changes, and return the exit code: 1 if there are any."""
     from .check.specs import check_specs
     from .outputs import targets_named
 
@@ -75,7 +78,10 @@ def _specs_and_second_readings(paths: Iterable[Path]) -> Iterator[Path]:
 
 
 def _migrate_file(path: Path, *, only_check: bool) -> int:
-    """Print and apply the changes to one file, and return their number."""
+    """Print the changes to one file, apply them unless ``only_check`` is set, and return their number.
+
+    A file that cannot be read has no changes.
+    """
     from ..language.migrate import migrate
     from ..language.problems import Report
     from ..language.read import read_document
@@ -90,7 +96,7 @@ def _migrate_file(path: Path, *, only_check: bool) -> int:
 
 
 def _apply_edits(edits: Sequence[Edit], path: Path) -> None:
-    """Replace the file at once by one with the changes.
+    """Write a new file with the changes next to the old one, and rename it. A byte order mark and the mode are kept.
 
     Raises:
         Stop: It cannot be written. The exit code is 1.
@@ -99,11 +105,11 @@ def _apply_edits(edits: Sequence[Edit], path: Path) -> None:
 
     content = path.read_bytes()
     mark = _BYTE_ORDER_MARK if content.startswith(_BYTE_ORDER_MARK) else b""
-    text = edited(content.removeprefix(mark).decode("utf-8"), edits)
+    edited_text = edited(content.removeprefix(mark).decode("utf-8"), edits)
     real_path = path.resolve()
     new_path = real_path.with_name(f".{real_path.name}.new")
     try:
-        new_path.write_bytes(mark + text.encode("utf-8"))
+        new_path.write_bytes(mark + edited_text.encode("utf-8"))
         shutil.copymode(real_path, new_path)
         new_path.replace(real_path)
     except OSError as error:

@@ -60,10 +60,10 @@ def add_arguments(parser: Parser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write the spec, and print the names of the files.
+    """Write the spec, and print the names of the files. With ``-o -``, only print the spec.
 
     Raises:
-        Stop: The name is not valid (exit code 2), or a file exists or cannot be written (exit code 1).
+        Stop: The name or the line is not valid (exit code 2), or a file exists or cannot be written (exit code 1).
     """
     if arguments.line is not None and arguments.like:
         raise Stop("--line and --like describe two encoders; leave one of them out", 2)
@@ -76,8 +76,8 @@ def run(arguments: argparse.Namespace) -> int:
             _refuse_invalid_name(arguments.name)
             print(text_of(arguments.name, _MANUFACTURER, "device.schema.json"), end="")
             return 0
-        for path in write_spec(arguments.name, arguments.output, text_of=text_of):
-            print(f"written    {path.as_posix()}")
+        for written_file in write_spec(arguments.name, arguments.output, text_of=text_of):
+            print(f"written    {written_file.as_posix()}")
     except NameRefused as error:
         raise Stop(str(error), 2) from None
     except NotWritten as error:
@@ -123,20 +123,22 @@ def write_spec(name: str, output: Path | None, like: str = "", text_of: DeviceTe
     """
     _refuse_invalid_name(name)
     file_name = f"{name}.yaml"
-    path = output or Path(file_name)
-    if path.is_dir():
-        path = path / file_name
-    if path.name != file_name:
-        raise NameRefused(f"the file of a spec has its family's name: {path.with_name(file_name)}, not {path}")
-    manufacturer_file = path.with_name("manufacturer.yaml")
+    spec_path = output or Path(file_name)
+    if spec_path.is_dir():
+        spec_path = spec_path / file_name
+    if spec_path.name != file_name:
+        raise NameRefused(
+            f"the file of a spec has its family's name: {spec_path.with_name(file_name)}, not {spec_path}"
+        )
+    manufacturer_file = spec_path.with_name("manufacturer.yaml")
     text_of = text_of or partial(device_text, like=like)
     manufacturer = _manufacturer_name(manufacturer_file)
-    text_by_path = {path: text_of(name, manufacturer, _schema_reference(path.parent, "device"))}
+    text_by_path = {spec_path: text_of(name, manufacturer, _schema_reference(spec_path.parent, "device"))}
     if not manufacturer_file.exists():
-        text_by_path[manufacturer_file] = manufacturer_text(_schema_reference(path.parent, "manufacturer"))
+        text_by_path[manufacturer_file] = manufacturer_text(_schema_reference(spec_path.parent, "manufacturer"))
     for kind in ("device", "manufacturer"):
-        schema_copy = path.with_name(f"{kind}.schema.json")
-        if not _in_one_checkout(path.parent, kind) and not schema_copy.exists():
+        schema_copy = spec_path.with_name(f"{kind}.schema.json")
+        if not _in_one_checkout(spec_path.parent, kind) and not schema_copy.exists():
             text_by_path[schema_copy] = _schema_of_tool(kind).read_text(encoding="utf-8")
     return list(_write_new_files(text_by_path))
 
@@ -145,7 +147,7 @@ def _refuse_invalid_name(name: str) -> None:
     """Check the name of a family.
 
     Raises:
-        NameRefused: The name is not valid, or has another meaning.
+        NameRefused: The name is not valid, or is that of something else in the tool or in generated files.
     """
     from ..language.rules.names import TAKEN
 
@@ -158,7 +160,11 @@ def _refuse_invalid_name(name: str) -> None:
 
 
 def _write_new_files(text_by_path: dict[Path, str]) -> Iterator[Path]:
-    """Write files that must not exist, and yield the path of each."""
+    """Write each file, which must not exist, and yield its path. The first failure ends it.
+
+    Raises:
+        NotWritten: A file already exists or cannot be written.
+    """
     for path, text in text_by_path.items():
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -172,7 +178,7 @@ def _write_new_files(text_by_path: dict[Path, str]) -> Iterator[Path]:
 
 
 def _suggested_name(name: str) -> str:
-    """Return the name with underscores in place of other characters, or an example if that is not valid either."""
+    """Return the name in lowercase with underscores instead of other characters, or an example if that is not valid."""
     with_underscores = re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
     suggestion = with_underscores[:_LONGEST_NAME]
     is_valid = _NAME.fullmatch(suggestion) is not None
@@ -180,7 +186,7 @@ def _suggested_name(name: str) -> str:
 
 
 def _manufacturer_name(path: Path) -> str:
-    """Return the name in a manufacturer file, or that of the templates."""
+    """Return the name of the manufacturer in a file, or that of the templates if it has no valid one."""
     from ..language.problems import Report
     from ..language.read import read_document
 
@@ -198,12 +204,16 @@ def _schema_of_tool(kind: str) -> Path:
 
 
 def _in_one_checkout(folder: Path, kind: str) -> bool:
-    """Return whether a clone with the spec also has the tool's schema: both are in one checkout, outside a venv."""
+    """Return whether the folder and the tool's schema are in one git checkout. An installed tool is in none.
+
+    Then a spec can refer to the schema by a relative path, which every clone has.
+    """
     schema = _schema_of_tool(kind).resolve()
     if "site-packages" in schema.parts:
         return False
     real_folder = folder.resolve()
     for parent in (real_folder, *real_folder.parents):
+        # The nearest checkout around the folder decides.
         is_checkout = (parent / ".git").exists()
         if is_checkout:
             return schema.is_relative_to(parent)
@@ -223,12 +233,15 @@ def manufacturer_text(schema: str) -> str:
 
 
 def device_text(name: str, manufacturer: str, schema: str, like: str = "") -> str:
-    """Return the text of a spec of the family ``name``, with an example of one of ``LIKE``."""
-    text = _template_text(like or "biss-singleturn")
-    text = text.replace(_SCHEMA_IN_TEMPLATES.format("device"), schema)
-    text = text.replace(f"manufacturer: {_MANUFACTURER}\n", f"manufacturer: {manufacturer}\n")
+    """Return the text of a spec of the family ``name``: a template, with this name, its manufacturer and its schema.
+
+    ``like`` is one of ``LIKE``, or empty for a singleturn encoder over BiSS.
+    """
+    spec_text = _template_text(like or "biss-singleturn")
+    spec_text = spec_text.replace(_SCHEMA_IN_TEMPLATES.format("device"), schema)
+    spec_text = spec_text.replace(f"manufacturer: {_MANUFACTURER}\n", f"manufacturer: {manufacturer}\n")
     order_code = name.replace("_", "-").upper()
-    return text.replace("MY-ENCODER", order_code).replace("my_encoder", name)
+    return spec_text.replace("MY-ENCODER", order_code).replace("my_encoder", name)
 
 
 def _template_text(name: str) -> str:

@@ -24,7 +24,10 @@ _MOST_FAMILIES = 8
 
 
 def accepted_devices(target: str, devices: Sequence[Device], filters: FamilyFilters) -> tuple[Device, ...]:
-    """Return the devices that a target writes. An edition is written if its family is."""
+    """Return the devices that a target writes: those that its filter in the settings accepts, or all without one.
+
+    The filter looks at the family and its grade of evidence. An edition is written if its family is.
+    """
     if target not in filters:
         return tuple(devices)
     accepts = filters[target].accepts
@@ -34,7 +37,7 @@ def accepted_devices(target: str, devices: Sequence[Device], filters: FamilyFilt
 def devices_by_target(
     targets: Iterable[str], devices: Sequence[Device], filters: FamilyFilters
 ) -> dict[str, tuple[Device, ...]]:
-    """Return the devices that each target writes.
+    """Return the devices that each target writes: those that its filter accepts, by the name of the target.
 
     Raises:
         Stop: A target writes no family. The exit code is 1.
@@ -55,7 +58,7 @@ _WIDTH = 79
 
 
 def targets_named(names: Iterable[str] | None = None, default_names: Iterable[str] = BUILT_IN) -> list[Target]:
-    """Return the named targets, each once. Without names, return those of ``default_names`` that can be loaded.
+    """Return the named targets, each once. Without names, return the default ones that do not lack their packages.
 
     Raises:
         Stop: There is no such target (exit code 2), or it cannot be loaded (exit code 1).
@@ -76,7 +79,7 @@ def targets_named(names: Iterable[str] | None = None, default_names: Iterable[st
 
 
 def are_built_in(targets: Iterable[Target], names: Iterable[str] | None) -> bool:
-    """Return whether these are exactly the built-in targets ``names``, none of which lacks its packages."""
+    """Return whether ``names``, or all built-in targets without names, are built in, and all of them were loaded."""
     wanted_names = list(dict.fromkeys(names or BUILT_IN))
     all_are_loaded = [target.name for target in targets] == wanted_names
     return all_are_loaded and set(wanted_names) <= set(BUILT_IN)
@@ -99,28 +102,32 @@ def options_named(settings: Iterable[str], targets: Sequence[Target]) -> dict[st
     targets_by_name = {target.name: target for target in targets}
     options = {target.name: dict(target.defaults) for target in targets}
     for setting in settings:
-        path, equals, value = setting.partition("=")
-        target_name, dot, option = path.partition(".")
+        # A setting has the form TARGET.OPTION=VALUE.
+        target_and_option, equals, value = setting.partition("=")
+        target_name, dot, option = target_and_option.partition(".")
         if not equals or not dot:
             raise Stop(f"'{setting}' is not a setting; write it like TARGET.OPTION=VALUE", 2)
         if target_name not in targets_by_name:
             if target_name not in target_names():
                 raise Stop(_unknown_target_message(target_name), 2)
-            raise Stop(f"'{path}' is for a target that does not run; add --target {target_name}", 2)
+            raise Stop(f"'{target_and_option}' is for a target that does not run; add --target {target_name}", 2)
         _refuse_setting(targets_by_name[target_name], option, value)
         options[target_name][option] = value
     return dict(options)
 
 
 def _refuse_setting(target: Target, name: str, value: str) -> None:
-    """Raise ``Stop`` if the target has no such option or the option does not accept the value."""
+    """Raise ``Stop`` if the target has no such option or the option does not accept the value.
+
+    An option without a list of values accepts all.
+    """
     options = {option.name: option for option in target.options}
     if name not in options:
         hint = suggestion(name, options, "it has") if options else "; it has none"
         raise Stop(f"the target '{target.name}' has no option '{name}'{hint}", 2)
-    values = options[name].values
-    if values and value not in values:
-        raise Stop(f"'{target.name}.{name}' cannot be '{value}'{suggestion(value, values, 'it can be')}", 2)
+    accepted_values = options[name].values
+    if accepted_values and value not in accepted_values:
+        raise Stop(f"'{target.name}.{name}' cannot be '{value}'{suggestion(value, accepted_values, 'it can be')}", 2)
 
 
 def load_for(paths: Sequence[Path], targets: Iterable[Target]) -> tuple[tuple[Device, ...], Report]:
@@ -140,9 +147,10 @@ def complete(
     report: Report,
     filters: FamilyFilters = NO_FILTERS,
 ) -> tuple[Device, ...]:
-    """Return the devices of families, and report the parts that these targets cannot express.
+    """Return the devices of families and of ``editions``, by name, and report the parts that targets cannot express.
 
-    ``editions`` are additional ones, such as ``FAMILY=1.6``. ``filters`` are as for ``report_unfit_parts``.
+    ``editions`` are additional editions of families, such as ``FAMILY=1.6``. ``filters`` are the conditions for the
+    families that each target must express.
 
     Raises:
         Stop: A target fails. The exit code is 1.
@@ -174,8 +182,8 @@ def report_unfit_parts(
             document = valid_families[problem.device.name].document
             message = problem.message
             if problem.other:  # Another place of the spec, whose line is in the message.
-                line, _ = document.position(problem.other)
-                message = message.replace("{line}", str(line))
+                line_number, _ = document.position(problem.other)
+                message = message.replace("{line}", str(line_number))
             report.add(problem.rule, document, problem.place, message)
 
 
@@ -185,7 +193,7 @@ def rendered(
     options: Mapping[str, Options],
     files_of: Callable[[Target, Library, Options], Mapping[str, str]] = files_of,
 ) -> dict[str, Mapping[str, str]]:
-    """Return the files of each target, as texts by path.
+    """Return the files of each target, as ``{target: {path: text}}``.
 
     Args:
         library: The devices, and the folder of the user's templates.
@@ -211,11 +219,11 @@ def rendered(
 
 
 def listing() -> str:
-    """Return the text about all targets and their options for ``--help``."""
-    names = target_names()
-    indent = " " * (max(map(len, names)) + 4)
+    """Return the text about all targets and their options for ``--help``. A target that fails has its error instead."""
+    known_names = target_names()
+    indent = " " * (max(map(len, known_names)) + 4)
     lines = [f"targets ({listed(BUILT_IN)} run by default):"]
-    for name in names:
+    for name in known_names:
         name_column = f"  {name}".ljust(len(indent))
         try:
             target = load_target(name)
@@ -225,8 +233,8 @@ def listing() -> str:
         lines += _wrapped(target.summary, first=name_column, indent=indent)
         for option in target.options:
             values = "|".join(option.values) or "VALUE"
-            text = f"--option {name}.{option.name}={values}: {option.summary} (default: {option.default})"
-            lines += _wrapped(text, first=indent, indent=indent + "  ")
+            option_text = f"--option {name}.{option.name}={values}: {option.summary} (default: {option.default})"
+            lines += _wrapped(option_text, first=indent, indent=indent + "  ")
     return "\n".join(lines)
 
 

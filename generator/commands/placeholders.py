@@ -19,7 +19,7 @@ class Placeholder:
 
 
 def placeholders_in(files: Iterable[str]) -> Iterator[Placeholder]:
-    """Yield the placeholders in these specs, in the order of their lines."""
+    """Yield the placeholders in these specs, spec by spec in the order of their lines. A repeated file counts once."""
     for file in dict.fromkeys(files):
         path = Path(file)
         if path.is_file() and b"TODO" in path.read_bytes():
@@ -63,8 +63,8 @@ def placeholder_line(files: Iterable[str]) -> str:
     if not placeholders:
         return ""
     first = placeholders[0]
-    number = _counted_placeholders(len(placeholders))
-    return f"{number}, the first at {first.file}:{first.line}; codewheel check lists them"
+    count_text = _counted_placeholders(len(placeholders))
+    return f"{count_text}, the first at {first.file}:{first.line}; codewheel check lists them"
 
 
 def _counted_placeholders(number: int) -> str:

@@ -40,10 +40,12 @@ _NEEDED = b"tool.codewheel"
 
 
 def configuration_above() -> Configuration | None:
-    """Return the settings that hold for the current folder, or None if there are none.
+    """Return the settings of the nearest folder that has them, or None if there are none.
+
+    The search goes up from the current folder, and ends at the root of its repository.
 
     Raises:
-        Faulty: There are errors in the settings.
+        Faulty: There are errors in the settings, or a folder has two files with settings.
     """
     for folder in _folders_above():
         files = [path for path in (folder / PYPROJECT, folder / CONFIGURATION) if _has_settings(path)]
@@ -52,6 +54,7 @@ def configuration_above() -> Configuration | None:
         if files:
             from ..loading.configuration_file import read_configuration
 
+            # None if a pyproject.toml has no section for codewheel.
             configuration = read_configuration(files[0])
             if configuration is not None:
                 return configuration
@@ -61,7 +64,7 @@ def configuration_above() -> Configuration | None:
 
 
 def _folders_above() -> Iterator[Path]:
-    """Yield the current folder and those above it, relative to it, so that messages have short paths."""
+    """Yield the current folder and those above it, as relative paths for messages: ``.``, ``..``, ``../..``."""
     try:
         number_above = len(Path.cwd().parents)
     except OSError:  # The current folder has been removed.
@@ -74,7 +77,9 @@ def _folders_above() -> Iterator[Path]:
 
 
 def _has_settings(file: Path) -> bool:
-    """Return True if a file may have settings.
+    """Return True if a file may have settings: the configuration file unless it is a spec, or a fitting pyproject.toml.
+
+    A pyproject.toml must contain the name of the section. Only the parser finds out whether that is a section.
 
     Raises:
         Faulty: The file cannot be read.
@@ -121,9 +126,9 @@ class Specs:
 def find_specs(named: Sequence[Path]) -> Specs:
     """Return the specs that a command reads.
 
-    These are the ones named on the command line. Without any, they are those in the settings of the project. Without
-    settings, they are those in the current folder and below it. A command that only reads also uses the packaged ones,
-    unless specs were named.
+    These are the ones named on the command line. Without any, they are those that the settings of the project list, or
+    all in the folder of the settings and below it. Without settings, they are those in the current folder and below it.
+    Unless specs were named, the result also has the packaged ones, which only commands that write or judge discard.
 
     Raises:
         Stop: A named path does not exist (exit code 2), or there are errors in the settings (exit code 1).
@@ -159,11 +164,14 @@ def find_settings() -> Configuration | None:
 def find_specs_to_judge(named: Sequence[Path], command: str) -> Specs:
     """Return the specs for a command that writes or judges. It never uses the packaged ones instead.
 
+    ``command`` has the words of the command for messages, such as ``generate`` or ``facts FAMILY``.
+
     Raises:
         Stop: There are no specs, or more than the search can find (exit code 2), or as for ``find_specs``.
     """
     specs = find_specs(named)
     folder = specs.settings.folder if specs.settings is not None else Path()
+    # These commands have other arguments, so specs need an option.
     option = " --specs" if command in ("reread OLD NEW", "facts FAMILY") else ""
     if not specs.is_complete:
         raise Stop(
@@ -187,7 +195,7 @@ def find_specs_to_judge(named: Sequence[Path], command: str) -> Specs:
 
 
 def _output_with_specs(specs: Specs) -> str:
-    """Return the part of a message that says that the output folder has specs, or an empty string."""
+    """Return a clause for an error message if the output folder has specs, which are not searched, else nothing."""
     output = specs.settings.output if specs.settings is not None else None
     if output is None or not is_folder(output) or not find_files(output).specs:
         return ""
@@ -195,25 +203,30 @@ def _output_with_specs(specs: Specs) -> str:
 
 
 def _example_of_packaged_family() -> str:
-    """Return the name of the first packaged family."""
+    """Return the name of the first packaged family, which is that of its file."""
     for folder in packaged_families():
-        for path in find_files(folder).specs:
-            if describes_encoders(path):
-                return path.stem
+        for spec in find_files(folder).specs:
+            if describes_encoders(spec):
+                return spec.stem
     raise LookupError("there are no packaged families")
 
 
 def _real_folder(path: Path) -> str:
-    """Return the real path of a folder with a separator at its end."""
+    """Return the real path of a folder with a separator at its end, so that paths in it begin with this text."""
     return os.path.join(os.path.realpath(path), "")
 
 
 def _report_not_entered(specs: Specs, folder: Path) -> None:
-    """Report the folders that may contain specs but are not searched, so that a user does not take them for checked."""
+    """Report the folders that may contain specs but are not searched, so that a user does not take them for checked.
+
+    ``folder`` is the one that was searched if no folders are among the specs. A link to a folder inside a searched
+    one is not reported, and neither is a folder that cannot be read below a folder among the specs.
+    """
     folders = [path for path in specs.paths if is_folder(path)]
     searched_folders = tuple(_real_folder(path) for path in folders or [folder])
     not_entered = list(specs.not_entered)
     for searched_folder in folders:
+        # It takes no file as a spec, since only the folders that it does not enter are needed.
         search_result = find_files(searched_folder, lambda _: False)
         not_entered += [(path, reason) for path, reason in search_result.not_entered if reason != UNREADABLE]
     paths_with_reasons = []
@@ -251,7 +264,7 @@ def _output_paths(settings: Configuration) -> list[str]:
 
 
 def _specs_without_output(settings: Configuration) -> Iterator[Path]:
-    """Yield the specs in the settings. A folder that contains the output folder is replaced by its specs."""
+    """Yield the specs in the settings. A folder around the output folder is replaced by its specs outside of that."""
     output_paths = _output_paths(settings)
     for path in settings.specs:
         contains_output = any(output.startswith(_real_folder(path)) for output in output_paths)
@@ -262,7 +275,10 @@ def _specs_without_output(settings: Configuration) -> Iterator[Path]:
 
 
 def _search_folder(folder: Path, outputs: Sequence[str]) -> Specs:
-    """Return the specs in a folder and below it, if at least one of them is about an encoder."""
+    """Return the specs in a folder and below it, except unreadable ones and those in ``outputs``.
+
+    The paths are empty if none of the specs describes encoders.
+    """
     search_result = find_files(folder, outputs=outputs, most_names=MOST_NAMES)
     unreadable_paths = {path for path, reason in search_result.not_entered if reason == UNREADABLE}
     specs = tuple(path for path in search_result.specs if path not in unreadable_paths)
@@ -275,7 +291,11 @@ def _search_folder(folder: Path, outputs: Sequence[str]) -> Specs:
 
 
 def _packaged_except(paths: Sequence[Path]) -> Iterator[Path]:
-    """Yield the packaged specs without those among ``paths``, which may be the same files."""
+    """Yield the folders of packaged specs, so that no spec that is also at the user's ``paths`` comes twice.
+
+    A folder at or below one of these paths is left out. If only some of its files are among the paths, its other
+    specs are yielded instead of the folder.
+    """
     user_paths = [os.path.realpath(path) for path in paths]
     for folder in packaged_families():
         packaged_folder = _real_folder(folder)
@@ -299,7 +319,7 @@ def refuse_unknown_targets(settings: Configuration | None) -> None:
     """
     if settings is None or not (settings.targets or settings.only):
         return
-    # Each target that is not built in, with its place in the settings.
+    # Each target that is not built in, with its place in the settings, such as ("targets", 0) or ("only", "html").
     registered_targets: list[tuple[str, Place]] = []
     for index, name in enumerate(settings.targets):
         if name not in BUILT_IN:
@@ -320,7 +340,10 @@ def refuse_unknown_targets(settings: Configuration | None) -> None:
 def _report_unknown_targets(
     file: Path, unknown_targets: Iterable[tuple[str, Place]], known_names: Iterable[str]
 ) -> Report:
-    """Return a report with an error for each target, at its place in the settings."""
+    """Return a report with an error for each target, at its place in the settings.
+
+    Under ``targets``, a name is an item of the list. Under ``only``, it is a key, and the error is at that.
+    """
     from ..language.problems import Report, suggestion
     from ..loading.configuration_file import add_error
 
@@ -344,7 +367,7 @@ def report_unknown_families(settings: Configuration | None, family_names: Iterab
     from ..language.problems import suggestion
     from ..loading.configuration_file import add_error
 
-    # A spec with problems may have no family yet. Its name is that of its file.
+    # A spec with problems may have no family yet, so its file counts as a family of this name.
     spec_names = [Path(file).stem for file in report.files] if report else []
     known_names = list(family_names)
     for target, family_filter in settings.only.items():
@@ -360,6 +383,8 @@ _MOST_FILES = 8
 
 def specs_to_judge(named: Sequence[Path], command: str) -> Specs:
     """Return the specs for a command that writes or judges, after a check of the targets in the settings.
+
+    ``command`` has the words of the command for messages.
 
     Raises:
         Stop: As for ``find_specs_to_judge``, or there is no such target.
@@ -387,6 +412,7 @@ def read_line(
 
     ``packaged`` are the names given with ``--packaged``, and ``packaged_files`` the specs of these names.
     """
+    # A file that was passed over in one folder may have been read by its own name.
     skipped_files = [file for file in report.passed_over if file not in report.files]
     skipped_text = f"; skipped: {first_of(skipped_files, _MOST_FILES)}" if skipped_files else ""
     if packaged:
@@ -397,12 +423,16 @@ def read_line(
 def _packaged_text(
     families: Iterable[str], report: Report, packaged: Sequence[str], packaged_files: Sequence[Path]
 ) -> str:
-    """Return the names of the packaged families that were read, and the specs of the user next to them."""
-    family_names = {path.stem for path in packaged_files}
-    families_read = ", ".join(name for name in families if name in family_names)
-    text = f"read the packaged specs of {', '.join(packaged)}: {families_read}"
+    """Return text about the packaged families that were read, and about the specs of the user among the files.
+
+    ``packaged`` are the names on the command line, of families or manufacturers. Files outside the folders of
+    ``packaged_files`` are the user's.
+    """
+    packaged_families_found = {path.stem for path in packaged_files}
+    families_read = ", ".join(name for name in families if name in packaged_families_found)
+    beginning = f"read the packaged specs of {', '.join(packaged)}: {families_read}"
     packaged_folders = {os.path.realpath(path.parent) for path in packaged_files}
     user_files = [file for file in report.files if os.path.dirname(os.path.realpath(file)) not in packaged_folders]
     if not user_files:
-        return text
-    return f"{text}, and {counted(len(user_files), 'spec')} of yours: {first_of(user_files, _MOST_FILES)}"
+        return beginning
+    return f"{beginning}, and {counted(len(user_files), 'spec')} of yours: {first_of(user_files, _MOST_FILES)}"

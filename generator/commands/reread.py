@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 EXAMPLES = ("codewheel reread manual-1.0.txt manual-1.1.txt --family my_encoder",)
 JSON_VERSION = 1
-#: Facts listed for a passage, and the longest text shown of it.
+#: Most facts listed for a passage (equal ones count once), and most characters shown of its text.
 _MOST_FACTS, _LONGEST = 10, 400
 _LIMITS = (
     "Only words and their order are compared. Changes in figures and in the arrangement of columns and tables are not "
@@ -57,7 +57,7 @@ class _ChangedPassage:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Compare two texts. The exit code is 1 if they differ.
+    """Print the passages in which two texts differ, with the facts that cite them. The exit code is 1 if there are any.
 
     Raises:
         Stop: A manual cannot be read, or the family is not known.
@@ -108,14 +108,14 @@ def _family_of_manual(specs: Sequence[Path], name: str | None, old: Manual) -> F
         return families_by_name[name.lower()]
     named_families = [family for family in families_by_name.values() if _is_named_first(family, old)]
     if len(named_families) != 1:
-        number = "several families" if named_families else "none of the families"
-        problem = f"cannot tell which family this manual describes: its first page names {number}"
+        named_count_text = "several families" if named_families else "none of the families"
+        problem = f"cannot tell which family this manual describes: its first page names {named_count_text}"
         raise Stop(f"{problem}; add --family NAME, one of {known_names}", 2)
     return named_families[0]
 
 
 def _is_named_first(family: Family, manual: Manual) -> bool:
-    """Return whether the first section has all words of the title of the family's manual."""
+    """Return whether the first section of a manual has all words of the title of the family's manual, in any case."""
     from ..reread.sections import WORD
 
     first_words = {word.casefold() for section in manual.sections[:1] for word in section.words}
@@ -123,7 +123,10 @@ def _is_named_first(family: Family, manual: Manual) -> bool:
 
 
 def _unnumbered_sections(family: Family) -> Mapping[int, str]:
-    """Return the sections without a number by their pages, because their titles depend on the language."""
+    """Return the titles of the sections without a number, by their pages: ``{12: "Annex"}``.
+
+    Facts cite these titles, but the text may have them in another language. The page is the same.
+    """
     contents = family.document.data["manual"].get("contents", {})
     headings = [(title, heading) for title, heading in contents.items() if not title[0].isdigit()]
     return {heading["page"]: title for title, heading in headings if "page" in heading}
@@ -132,7 +135,11 @@ def _unnumbered_sections(family: Family) -> Mapping[int, str]:
 def _with_facts(
     passage: Passage, touched_facts: TouchedFacts, old: Manual, titles_by_page: Mapping[int, str]
 ) -> _ChangedPassage:
-    """Return a changed passage with the facts that cite its section, under any name that facts use for the section."""
+    """Return a changed passage with the facts of its section that it concerns, and the number of all of them.
+
+    Facts may cite the section by its number, by that of a following one without a heading in the text, or by the title
+    of an unnumbered section on its page.
+    """
     section = passage.section
     section_names = {section.number} | old.without_heading_after(section.number)
     section_names.add(titles_by_page.get(section.page or 0, section.number))
@@ -143,7 +150,10 @@ def _with_facts(
 def _text_lines(
     family: Family, changed_passages: Sequence[_ChangedPassage], facts: Sequence[Citing], *, compares_words: bool
 ) -> Iterator[str]:
-    """Yield the changed passages by section, each with its facts, and how many facts they concern."""
+    """Yield the changed passages by section, each with its facts, and how many of all ``facts`` cite these sections.
+
+    ``compares_words`` is false if only numbers were compared, because the texts have few words in common.
+    """
     note = "" if compares_words else "; the texts have few words in common, so only numbers are compared"
     yield f"facts of {family.document.file}{note}"
     if not changed_passages:
@@ -165,18 +175,21 @@ def _text_lines(
 
 
 def _passage_lines(changed_passage: _ChangedPassage) -> Iterator[str]:
-    """Yield the old and the new text, and the facts that cite the place."""
+    """Yield the old and the new text of a passage, and the facts that cite the place.
+
+    Equal facts are one line with the lines of the others. The rest of the section's facts are only counted.
+    """
     yield ""
     old_text, new_text = changed_passage.passage.shown
-    for name, text in (("old", old_text), ("new", new_text)):
-        if text:
-            yield f"  {name}: {_shortened(text)}"
+    for edition, passage_text in (("old", old_text), ("new", new_text)):
+        if passage_text:
+            yield f"  {edition}: {_shortened(passage_text)}"
     if not changed_passage.facts_of_section:
         yield "  no fact in the spec cites this place"
         return
     groups = _groups_of_equal_facts(changed_passage.facts)[:_MOST_FACTS]
     for first_fact, *other_facts in groups:
-        other_lines = [str(line) for line in sorted({fact.line for fact in other_facts})]
+        other_lines = [str(line_number) for line_number in sorted({fact.line for fact in other_facts})]
         noun = "line" if len(other_lines) == 1 else "lines"
         others_text = f", also in {noun} {joined_lines(other_lines)}" if other_lines else ""
         yield f"  {first_fact.shown}{others_text}"
@@ -198,6 +211,7 @@ def _groups_of_equal_facts(facts: Sequence[Citing]) -> list[list[Citing]]:
 
 
 def _shortened(text: str) -> str:
+    """Return the text with at most ``_LONGEST`` characters."""
     return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
 
 

@@ -57,7 +57,7 @@ def _sarif(findings: Sequence[Finding]) -> dict[str, object]:
 
 def _sarif_result(finding: Finding) -> dict[str, object]:
     """Return a finding as a result of SARIF."""
-    place = {
+    location = {
         "artifactLocation": {"uri": _uri(finding.file)},
         "region": {"startLine": finding.line, "startColumn": finding.column},
     }
@@ -65,7 +65,7 @@ def _sarif_result(finding: Finding) -> dict[str, object]:
         "ruleId": finding.rule,
         "level": _LEVELS[finding.level],
         "message": {"text": finding.message},
-        "locations": [{"physicalLocation": place}],
+        "locations": [{"physicalLocation": location}],
     }
 
 

@@ -47,7 +47,11 @@ class Selection:
     only: FamilyFilters
 
     def options_for(self, families: Sequence[str]) -> tuple[str, ...]:
-        """Return the options for the families that were read. The limit of ``--packaged`` keeps those of the user."""
+        """Return the options for the families that were read.
+
+        If ``--packaged`` limits C to order codes, the last option is ``c.only=`` with their names. The user's own
+        families are added to it, so that the limit does not exclude them.
+        """
         if not self.is_narrowed:
             return self.options
         packaged_names = {path.stem for path in self.packaged}
@@ -63,7 +67,7 @@ class Selection:
 
 
 def select_specs(arguments: argparse.Namespace, cache: Cache) -> Selection:
-    """Return the specs and options of a run, and fill in its output folder and targets.
+    """Return the specs and options of a run. Set its output folder, targets, and ``again``, the command to repeat it.
 
     Raises:
         Stop: There are no specs, a name is unknown (exit code 2), or there are errors in the settings (exit code 1).
@@ -104,19 +108,20 @@ def select_specs(arguments: argparse.Namespace, cache: Cache) -> Selection:
 
 
 def _command_with(families: Sequence[str], user_arguments: argparse.Namespace, settings: Configuration | None) -> str:
-    """Return the command of the user that also reads these families.
+    """Return the command of the user that also reads ``families``, such as ``maker/my_encoder``.
 
-    A packaged family is named with ``--packaged``. For others, ``FOLDER`` is a place that the user fills in.
+    A packaged family is named with ``--packaged``. For others, ``FOLDER`` is a place that the user fills in. The specs
+    that the user named stay. Those that are read without names are named too, since any name would exclude them.
     """
     packaged = [family for family in families if _is_packaged(family)]
     needs_folder = not packaged or len(packaged) < len(families)
     folders = ["FOLDER"] if needs_folder else []
     if user_arguments.specs or user_arguments.more_specs:
-        # The user named some of the specs in the settings. Without names, all of them are read.
+        # The user named some specs, and the settings list all. Without names, the command reads all of those.
         if settings is not None and settings.specs and not packaged:
             return "codewheel generate"
     elif not user_arguments.packaged:
-        # Without names, the command reads the user's own specs, which a name would exclude.
+        # The command has no names and reads the user's own specs, which a name would exclude.
         folders = [*_own_specs(settings), *folders]
     elif needs_folder:
         folders = _own_specs(settings) or folders
@@ -150,7 +155,10 @@ def _is_packaged(family: str) -> bool:
 
 
 def _own_specs(settings: Configuration | None) -> list[str]:
-    """Return the arguments that name the specs that are read if the user names none."""
+    """Return the arguments that name the specs that are read if the user names none.
+
+    These are the ones in the settings, or the folder of the settings or the current one, if any specs are found.
+    """
     if settings is not None and settings.specs:
         return [path.as_posix() for path in settings.specs]
     folder = settings.folder if settings is not None else Path()
@@ -158,7 +166,7 @@ def _own_specs(settings: Configuration | None) -> list[str]:
 
 
 def _refuse_missing(named: Sequence[Path], cache: Cache) -> None:
-    """Check that all paths exist, and explain ``--packaged`` if one of them is the name of a packaged encoder.
+    """Check that all paths exist. The error explains ``--packaged`` if a missing one is the name of a packaged encoder.
 
     Raises:
         Stop: A path does not exist. The exit code is 2.
@@ -205,18 +213,24 @@ def _filters_for(output: Path, settings: Configuration | None) -> FamilyFilters:
 
 
 def _find_packaged(arguments: argparse.Namespace, cache: Cache) -> tuple[tuple[Path, ...], tuple[str, ...]]:
-    """Return the packaged specs with the names of ``--packaged``, and the option that limits the C headers to them."""
+    """Return the packaged specs with the names of ``--packaged``, and the option that limits the C headers to them.
+
+    The option is one text, such as ``("c.only=X-24,my_encoder",)``, or there is none if no name is an order code.
+    """
     paths: list[Path] = []
     families_and_codes: list[str] = []
     for name in arguments.packaged:
-        specs, names = _packaged_specs(name, cache)
+        specs, names_in_specs = _packaged_specs(name, cache)
         paths += specs
-        families_and_codes += names
+        families_and_codes += names_in_specs
     return tuple(dict.fromkeys(paths)), _option_to_limit_c(arguments, families_and_codes)
 
 
 def _packaged_specs(name: str, cache: Cache) -> tuple[Sequence[Path], Sequence[str]]:
-    """Return the packaged specs of a manufacturer, a family or an order code, and their families or the order code.
+    """Return the packaged specs that a name stands for, and the names to which C is limited.
+
+    The name is that of a manufacturer (all specs and families), a family, or an order code (its spec and the code).
+    A code that the manual does not list has no code of its own in C, so its family counts.
 
     Raises:
         Stop: There is none of this name. The exit code is 2.
@@ -263,7 +277,10 @@ def _no_packaged_error(name: str, stop: Stop, folders: Mapping[str, Path]) -> St
 
 
 def _option_to_limit_c(arguments: argparse.Namespace, families_and_codes: Sequence[str]) -> tuple[str, ...]:
-    """Return the option that limits the C headers to order codes, unless the user gave it."""
+    """Return the option that limits the C headers to these families and order codes, or no option.
+
+    There is none if the user gave it, if C is not written, or if there are only families, which C writes in full.
+    """
     has_option = any(setting.startswith("c.only=") for setting in arguments.option)
     writes_c = not arguments.target or "c" in arguments.target
     # Order codes are in capitals, and names of families are not.

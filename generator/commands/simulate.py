@@ -68,7 +68,7 @@ def add_arguments(parser: Parser) -> None:
 
 
 def _more_help() -> str:
-    """Return how to use the port, and the faults of each interface."""
+    """Return the end of the help: how to use the port, and the faults of each interface."""
     from textwrap import fill
 
     from ..model import INTERFACES
@@ -97,6 +97,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     paths: Sequence[Path] = ()
     if is_line(arguments.order_code):
+        # Only for its error if the line has problems.
         encoder_in_line(arguments.order_code)
     else:
         _, _, paths = find_order_code(specs_to_read(arguments.specs), arguments.order_code, cache_for(arguments))
@@ -120,7 +121,9 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _virtual_encoder(arguments: argparse.Namespace, paths: Sequence[Path]) -> VirtualEncoder:
-    """Return the encoder with its position, flags and registers.
+    """Return the encoder with the position, flags, registers and faults of the arguments.
+
+    ``paths`` are the specs with its order code, or empty for an encoder in a line.
 
     Raises:
         ValueError: An argument is wrong.

@@ -39,6 +39,7 @@ def prepare_streams(as_json: bool = False) -> None:
         if getattr(sys, name) is None:
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 (open for as long as we run)
     if sys.stdin is None:
+        # Reading it raises Stop.
         sys.stdin = _ClosedInput()
     # A byte that does not decode is shown as an escape, and so rejected as not being a frame.
     _configure(sys.stdin, None, "backslashreplace")
@@ -61,6 +62,7 @@ class Progress:
         self._end = ExitStack()
 
     def __enter__(self) -> Progress:
+        """Start a timer that shows the line after a second and updates it, if standard error is a terminal."""
         if sys.stderr.isatty():
             import signal
 
@@ -86,7 +88,7 @@ class Progress:
 
 
 def release_streams() -> None:
-    """Redirect streams that cannot be written, so that the interpreter does not fail on them at exit."""
+    """Flush the output streams, and redirect those that fail to the null device, so that Python can exit."""
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()
@@ -114,10 +116,14 @@ class _ClosedInput(io.StringIO):
 
 
 def _replace_in_text(error: UnicodeError) -> tuple[str | bytes, int]:
-    """Handle an encoding error in text: return an ASCII replacement, or the raw byte of a file name."""
+    """Handle an encoding error in text: return a replacement for one character, and the index at which to continue.
+
+    The replacement is in ASCII, ``?`` at worst, or the raw byte of a file name.
+    """
     if not isinstance(error, UnicodeEncodeError):
         raise error
     character = error.object[error.start]
+    # Python represents a byte of a file name that does not decode by one of these characters.
     if "\udc80" <= character <= "\udcff":
         return bytes([ord(character) - 0xDC00]), error.start + 1
     base_letters = unicodedata.normalize("NFKD", character).encode("ascii", "ignore").decode()
@@ -125,7 +131,10 @@ def _replace_in_text(error: UnicodeError) -> tuple[str | bytes, int]:
 
 
 def _replace_in_json(error: UnicodeError) -> tuple[str, int]:
-    """Handle an encoding error in JSON by an escape. All such characters are in strings."""
+    """Handle an encoding error in JSON: return an escape for one character, and the index at which to continue.
+
+    An escape is valid for all such characters, because they are in strings.
+    """
     if not isinstance(error, UnicodeEncodeError):
         raise error
     character = error.object[error.start]

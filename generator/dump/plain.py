@@ -63,7 +63,10 @@ def device_dump(device: Device) -> Item:
 
 
 def variant_dump(device: Device, match: Match) -> Item:
-    """Return one order code as plain data, with expressions resolved and without the other interfaces."""
+    """Return one order code as plain data, with expressions resolved and without the other interfaces.
+
+    Of the device, only what applies to the order code is left. ``match`` also says how the label differs from it.
+    """
     variant = match.variant
     label = {
         "code": variant.code,
@@ -73,6 +76,7 @@ def variant_dump(device: Device, match: Match) -> Item:
         "written_as_in": match.written_as_in,
     }
     reduced_device = reduced_to_codes(for_interface(device, variant.interface), [variant.code])
+    # A parameter without an interface belongs to all of them.
     interfaces = ("", variant.interface)
     parameters = tuple(parameter for parameter in reduced_device.parameters if parameter.interface in interfaces)
     measurement = reduced_device.measurement_of(variant.interface)
@@ -98,7 +102,13 @@ class _Dump:
     variant: Variant | None
 
     def whole(self, variants: Iterable[Variant], parameters: Mapping[str, int], label: Item | None) -> Item:
-        """Return all data. ``label`` has those about the label of an order code."""
+        """Return all data of the device: the members of the four groups below, in this order, in one map.
+
+        Args:
+            variants: The order codes to list.
+            parameters: The values of the parameters of the order code. Empty for a family.
+            label: How the label differs from the order code, or None for a family.
+        """
         identity, order_codes = self._identity(label), self._order_codes(variants, parameters)
         return identity | order_codes | self._communication() | self._surroundings()
 
@@ -135,7 +145,7 @@ class _Dump:
         }
 
     def _communication(self) -> Item:
-        """Return the frames and registers with their meanings."""
+        """Return the interfaces, frames and registers, and what belongs to them: CRCs, alarms, procedures and times."""
         device = self.device
         return {
             "interfaces": {interface.name: self._interface(interface) for interface in device.interfaces},
@@ -175,7 +185,11 @@ class _Dump:
         }
 
     def plain(self, value: Any, inherited: Sources) -> Any:
-        """Return any part of the model as plain data. A part without a source inherits that of its parent."""
+        """Return any part of the model as plain data: maps, lists, texts, numbers, Booleans and None.
+
+        The members of a dataclass are those that ``model/members`` lists for its class, or else all attributes.
+        ``inherited`` are the sources of the parent, which a part without a source inherits.
+        """
         if isinstance(value, Expression):
             return self._number(value)
         if isinstance(value, Verdict):
@@ -189,28 +203,29 @@ class _Dump:
         if not is_dataclass(value) or isinstance(value, type):
             return value
         own_sources: Sources = getattr(value, "source", ()) or inherited
-        part = PARTS_BY_CLASS.get(type(value).__name__)
-        if part is None:
+        described_part = PARTS_BY_CLASS.get(type(value).__name__)
+        if described_part is None:
             names = [attribute.name for attribute in fields(value)]
             return {name: self.plain(getattr(value, name), own_sources) for name in names} | _cited(own_sources)
         plain_members = {}
-        for member in part.members:
+        for member in described_part.members:
             if member.shape and hasattr(value, member.attribute):
                 attribute = getattr(value, member.attribute)
                 plain_members[member.name] = self._member(member, attribute, own_sources)
-        return plain_members | _cited(own_sources) if part.is_sourced else plain_members
+        return plain_members | _cited(own_sources) if described_part.is_sourced else plain_members
 
     def _member(self, member: Member, value: Any, inherited: Sources) -> Any:
-        """Return a member as plain data. A missing word is an empty text."""
+        """Return a member as plain data. A missing word, whose shape lists ``|`` and its words, is an empty text."""
         return "" if value is None and member.shape.startswith("|") else self.plain(value, inherited)
 
     def _number(self, expression: Expression) -> int | str:
+        """Return the number for an order code. For a family, it may be a text, such as ``48 - singleturn_bits``."""
         if self.variant is not None:
             return expression.value(self.variant.parameters)
         return expression.constant if expression.is_constant else expression.render()
 
     def _interface(self, interface: Interface) -> Item:
-        """Return an interface with the names of its layouts."""
+        """Return an interface with its kind and the names of its layouts. Members that it lacks have their defaults."""
         interface_data: Item = self.plain(interface, interface.source)
         # In the data, these objects are a word, and their source is a member of the interface.
         for name, word_member in (("alignment", "end"), ("output_code", "code")):
@@ -223,8 +238,9 @@ class _Dump:
         return filled(interface_data, "interface")
 
     def _layout(self, layout: Layout, interface: str, inherited: Sources) -> Item:
-        """Return a frame of an interface with its fields."""
+        """Return a frame with its interface, the questions that it depends on, its joined numbers and its fields."""
         own_sources = layout.source or inherited
+        # The fields are added at the end, in a shape of their own.
         layout_data: Item = self.plain(replace(layout, fields=()), own_sources)
         layout_data |= {"carried_as": layout.carried_as, "interface": interface}
         layout_data["alternatives"] = [alternative.name for alternative in self.device.alternatives_of(layout)]
@@ -233,7 +249,7 @@ class _Dump:
         return layout_data
 
     def _fields(self, layout: Layout, inherited: Sources) -> list[Item]:
-        """Return the fields. For an order code, fields that it lacks are left out."""
+        """Return the fields of a layout, each with its highest bit. An order code has only those that have bits."""
         fields_data: list[Item] = []
         if self.variant is None:
             for field in layout.fields:
@@ -246,6 +262,7 @@ class _Dump:
 
     def _field(self, field: Field, high: Expression, inherited: Sources) -> Item:
         """Return a field with the name and the members of its kind, which are members of the field in the data."""
+        # A plain number has no members that would get in the way of those of the real kind.
         field_data: Item = self.plain(replace(field, kind=Number()), inherited)
         field_data["high"] = self._number(high)
         if isinstance(field.equals, str):
@@ -256,7 +273,7 @@ class _Dump:
         return filled(field_data | members_of_kind, "field")
 
     def _kind(self, kind: Kind, inherited: Sources) -> tuple[str, Item]:
-        """Return the name of a kind and its own members."""
+        """Return the name of a kind in the data, and its own members: ``("unused", {"unused": 0, …})``."""
         match kind:
             case Number(signed, zero_means, power_of_two):
                 return "number", {"signed": signed, "zero_means": zero_means, "power_of_two": power_of_two}
@@ -281,16 +298,17 @@ class _Dump:
                 assert_never(kind)
 
     def _join(self, join: Join, layout: Layout) -> Item:
+        """Return a number that is joined from fields, with the sum of their widths."""
         width = Expression(0)
         for name in join.fields:
             width += layout.field(name).width
         return {"name": join.name, "fields": list(join.fields), "width": self._number(width)}
 
     def _register(self, register: Register) -> Item:
-        """Return a register with its fields and its default."""
+        """Return a register with its default as hex bytes, the condition for writing it, its joins and its fields."""
         register_data: Item = self.plain(register, ())
-        data = register.default_bytes()
-        register_data["default_bytes"] = data.hex(" ").upper() if data is not None else ""
+        default_bytes = register.default_bytes()
+        register_data["default_bytes"] = default_bytes.hex(" ").upper() if default_bytes is not None else ""
         register_data["opened_by"] = _opened_by(register) if register.opened_by else None
         register_data["other_bits"] = register.layout.gaps
         layout, citation = register.layout, _cited(register.source)
@@ -306,7 +324,7 @@ class _Dump:
         return filled({"from": "encoder"} | self.plain(example, ()), "example")
 
     def _timings(self) -> list[Item]:
-        """Return the times of the device, and those of each interface."""
+        """Return the times of the device, whose ``interface`` is empty, and those of each interface."""
         timings = [self.plain(timing, ()) | {"interface": ""} for timing in self.device.timings]
         for interface in self.device.interfaces:
             for timing in interface.timings:
@@ -316,7 +334,7 @@ class _Dump:
 
 
 def _flag_members(flag: Flag) -> Item:
-    """Return the members of a flag. A verdict that it does not have is an empty text."""
+    """Return the members of a flag, as the table of members names them. A missing verdict is an empty text."""
     return {
         "when_active": flag.when_active,
         "when_inactive": flag.when_inactive,
@@ -335,7 +353,7 @@ def _opened_by(register: Register) -> Item:
 
 
 def _cited(sources: Sources) -> Item:
-    """Return ``source`` with the first source, and ``sources`` with all if there are several."""
+    """Return ``{"source": first}``, where None means no source, and also ``"sources"`` with all if they are several."""
     sources_data = [_source_data(source) for source in sources]
     if len(sources_data) < 2:
         return {"source": sources_data[0] if sources_data else None}

@@ -50,17 +50,20 @@ _SOURCES = Member("sources", "[source]", "All sources, if there are several.")
 @cache
 def show_schema() -> JsonSchema:
     """Return the JSON Schema of the output of ``show --json``."""
-    head = {
+    identity = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "$id": "urn:codewheel:show:1",
         "title": "Output of codewheel show --json, version 1",
     }
     definitions = _BASIC | {part.name: _object_schema(part) for part in PARTS}
-    return head | _object_schema(FAMILY) | {"$defs": definitions}
+    return identity | _object_schema(FAMILY) | {"$defs": definitions}
 
 
 def _object_schema(part: Part) -> JsonSchema:
-    """Return the schema of an object with the members of a part."""
+    """Return the schema of an object with the members of a part. All are required except ``sources``.
+
+    Members without a shape are not in the data.
+    """
     members = [member for member in part.members if member.shape]
     required_members, optional_members = members, []
     if part.is_sourced:
@@ -91,8 +94,8 @@ def _schema_without_default(notation: str) -> JsonSchema:
     if notation.startswith("["):
         return {"type": "array", "items": _schema_of(notation[1:-1])}
     if notation.startswith("{"):
-        key, colon, value_notation = notation[1:-1].rpartition(":")
-        key_member = {"x-key": key} if colon else {}
+        key_name, colon, value_notation = notation[1:-1].rpartition(":")
+        key_member = {"x-key": key_name} if colon else {}
         return {"type": "object"} | key_member | {"additionalProperties": _schema_of(value_notation)}
     if notation.endswith("?"):
         return _schema_or_null(notation.removesuffix("?"))
@@ -103,6 +106,7 @@ def _schema_without_default(notation: str) -> JsonSchema:
 
 def _schema_or_null(notation: str) -> JsonSchema:
     """Return the schema of an optional type, of which null is another value."""
+    # A number or a text already has several types.
     if notation == "expression":
         return {"type": ["integer", "string", "null"]}
     shape = _schema_without_default(notation)
@@ -117,7 +121,10 @@ def schema_text() -> str:
 
 
 def _lines(value: Any, indent: str) -> Iterator[str]:
-    """Yield the text of a schema, in which only objects and maps of schemas take several lines."""
+    """Yield pieces of the text of a schema, in which only object schemas and maps of schemas take several lines.
+
+    ``indent`` is the white space in front of the closing brace.
+    """
     is_object = isinstance(value, dict) and "properties" in value
     is_map_of_schemas = isinstance(value, dict) and all(isinstance(member, dict) for member in value.values())
     if not is_object and not is_map_of_schemas:
@@ -164,7 +171,7 @@ class DataMember:
 
     @property
     def empty(self) -> Any:
-        """Value that stands for a missing member."""
+        """Value for a missing member: an empty list or map, null, or for other values the default or an empty text."""
         if self.kind in (Kind.LIST, Kind.TEXTS, Kind.OBJECTS):
             return []
         if self.kind in (Kind.KEYED, Kind.MAP):
@@ -175,7 +182,10 @@ class DataMember:
 
 
 def filled(dumped: Mapping[str, Any], type_name: str) -> dict[str, Any]:
-    """Return an object with every member of its type, in schema order. Missing members are empty."""
+    """Return an object with every member of its type, in schema order, and then its sources.
+
+    A missing member has the value ``DataMember.empty``, which is an empty list, map or text, null, or the default.
+    """
     shape = show_schema()["$defs"][type_name]
     filled_members = {member.name: dumped.get(member.name, member.empty) for member in members(shape)}
     return filled_members | {name: dumped[name] for name in ("source", "sources") if name in dumped}
@@ -189,9 +199,9 @@ def members(shape: Shape) -> Iterator[DataMember]:
 
 
 def resolved(shape: Shape) -> tuple[Shape, str]:
-    """Return the shape to which a reference leads, and the name of the reference.
+    """Return the shape to which a reference leads, and its name, or the shape itself and an empty name.
 
-    The null alternative of an optional object is dropped.
+    Of a shape that may also be null, it is the other alternative.
     """
     for alternative in (shape, *shape.get("anyOf", ())):
         if "$ref" in alternative:
@@ -201,7 +211,7 @@ def resolved(shape: Shape) -> tuple[Shape, str]:
 
 
 def _data_member(name: str, unresolved: Shape) -> DataMember:
-    """Return a member with its form in XML. The shape of a list or of a keyed map is that of its values."""
+    """Return a member with its form in XML. For a list or a map, its shape and its type are those of the values."""
     shape, type_name = resolved(unresolved)
     if type_name == "text":
         return DataMember(name, Kind.TEXT, shape)
@@ -211,6 +221,7 @@ def _data_member(name: str, unresolved: Shape) -> DataMember:
     if "properties" in shape:
         return DataMember(name, Kind.OBJECT, shape, type_name)
     if "additionalProperties" in shape:
+        # With ``x-key``, the values are objects, and the keys of the map are a member of them.
         if "x-key" in shape:
             value_shape, value_type = resolved(shape["additionalProperties"])
             return DataMember(name, Kind.KEYED, {**value_shape, "x-key": shape["x-key"]}, value_type)
@@ -225,7 +236,7 @@ def _kind_of_list(value_shape: Shape, value_type: str) -> Kind:
 
 
 def types_of(shape: Shape) -> tuple[str, ...]:
-    """Return the JSON types of a value of this shape."""
+    """Return the JSON types of a value of this shape, such as ``("integer", "null")``. A list of words is a string."""
     if "type" not in shape:
         return ("integer",) if isinstance(shape.get("const"), int) else ("string",)
     json_types = shape["type"]

@@ -49,16 +49,16 @@ def about_procedure(sequence: Procedure) -> Iterator[Statement]:
 
 
 def argument(device: Device, parameter: Argument) -> Statement:
-    """Return the meaning of an argument and the register to which it is written."""
-    parts: list[Part] = [f"{sentence(parameter.meaning)} Written to " if parameter.meaning else "Written to "]
-    parts.append(named(device, parameter.of))
+    """Return the meaning of an argument, the register to which it is written, and which of its meanings applies."""
+    sentence_parts: list[Part] = [f"{sentence(parameter.meaning)} Written to " if parameter.meaning else "Written to "]
+    sentence_parts.append(named(device, parameter.of))
     if parameter.meant_as:
-        parts += [" as its ", Code(parameter.meant_as)]
-    return statement(*parts)
+        sentence_parts += [" as its ", Code(parameter.meant_as)]
+    return statement(*sentence_parts)
 
 
 def step(device: Device, procedure_step: Step) -> Statement:
-    """Return a step as an instruction."""
+    """Return a step as an instruction, such as ``Wait at least 20 ms`` or ``Write save to command, address 77h``."""
     match procedure_step:
         case WaitStep():
             return statement(f"Wait at least {microseconds(procedure_step.microseconds)}")
@@ -74,12 +74,12 @@ def _repetition_text(send_step: SendStep) -> str:
     """Return how often a request is sent, and at which interval, or an empty string if it is sent once."""
     if send_step.times <= 1:
         return ""
-    text = f" {send_step.times} times"
+    repetition_text = f" {send_step.times} times"
     if send_step.microseconds:
-        text += f", at least {microseconds(send_step.microseconds)} apart"
+        repetition_text += f", at least {microseconds(send_step.microseconds)} apart"
     if send_step.in_succession:
-        text += ", with no other request between them"
-    return text
+        repetition_text += ", with no other request between them"
+    return repetition_text
 
 
 def read_back(device: Device, register: Register, field: str) -> Statement:
@@ -91,7 +91,10 @@ def read_back(device: Device, register: Register, field: str) -> Statement:
 
 
 def _register_access(device: Device, procedure_step: RegisterStep) -> Iterator[Part]:
-    """Yield the parts of the instruction to read, poll or write a register or a field of it."""
+    """Yield the parts of the instruction to read, poll or write a register or a field of it.
+
+    Only a fixed value of a whole register is also given in bytes.
+    """
     register = device.register(procedure_step.register)
     address_text = f", {register_at(register)}"
     match procedure_step:
@@ -113,7 +116,7 @@ def _register_access(device: Device, procedure_step: RegisterStep) -> Iterator[P
 
 
 def _value_or_argument(name: str, value: int | None) -> tuple[Part, ...]:
-    """Return a named value by its name, or the argument of this name that the caller passes."""
+    """Return the name of a value or, if ``value`` is None, ``the argument`` with the name of what the caller passes."""
     return ("the argument ", Code(name)) if value is None else (Code(name),)
 
 
@@ -174,10 +177,14 @@ class Commands:
         return tuple(request for request in self.requests if isinstance(request, DataId) and request.purpose == "reset")
 
     def _texts(self) -> Iterator[str]:
-        """Yield the names and texts of everything except requests, and except procedures that only send resets."""
+        """Yield the names and texts of procedures, registers and inputs, but not of procedures that only send resets.
+
+        A procedure that sends no requests at all is left out too.
+        """
         resets = {request.name for request in self.resets}
         for procedure in self.procedures:
             requests_sent = {step.data_id for step in procedure.steps if isinstance(step, SendStep)}
+            # Also true if it sends nothing. Its writes are found among the registers.
             only_resets = requests_sent <= resets
             if not only_resets:
                 yield from (procedure.name, procedure.title, procedure.result, procedure.note)
@@ -189,7 +196,7 @@ class Commands:
             yield from (pin.name, pin.printed_name, pin.meaning, pin.low, pin.high, pin.note)
 
     def _request_texts(self) -> Iterator[str]:
-        """Yield the names and texts of the requests except resets."""
+        """Yield the names and meanings of T-format requests except resets, and the frames of other requests."""
         for request in self.requests:
             if not isinstance(request, DataId):
                 yield request.request
@@ -198,7 +205,11 @@ class Commands:
 
 
 def commands_over(device: Device, interface: Interface) -> Commands:
-    """Return everything with which a user can change something over an interface or at an input."""
+    """Return everything with which a user can change something over an interface or at an input.
+
+    These are procedures that write or send something, writable registers, requests that do not only read, inputs, and
+    commands of the protocol. The register that selects a bank is left out.
+    """
     # A register that only opens another one for writing is a setting.
     openers = {register.opened_by for register in device.registers}
     bank_select = interface.bank_select if isinstance(interface, Biss) else None
@@ -247,7 +258,7 @@ def _requests(interface: Interface) -> Iterator[DataId | Exchange]:
 
 
 def remedied(text: str, names: Sequence[str]) -> Iterator[Statement]:
-    """Yield the remedy with references to its manual steps."""
+    """Yield the remedy ``text`` with references to manual steps, of which ``names`` are the names."""
     if not names:
         yield from spec_text(text, label="Remedy")
         return
@@ -257,7 +268,7 @@ def remedied(text: str, names: Sequence[str]) -> Iterator[Statement]:
 
 
 def with_steps(text: str, names: Sequence[str]) -> str:
-    """Return the remedy as plain text with the titles of its steps on the hardware page."""
+    """Return the remedy as plain text with the titles of its manual steps, which the hardware page describes."""
     if not names:
         return text
     titles = " or ".join(map(heading, names))

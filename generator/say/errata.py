@@ -68,26 +68,36 @@ _MORE = re.compile(r" and ([0-9]+ more)$")
 
 
 def paths_in_words(paths: str) -> str:
-    """Return paths such as ``registers.bank.default, supply and 2 more`` in words."""
+    """Return paths such as ``registers.bank.default, supply and 2 more`` in words.
+
+    The result is ``the default of register bank, the supply and 2 more``.
+    """
     number_of_more = _MORE.search(paths)
     listed_paths = _MORE.sub("", paths).split(", ")
-    phrases = [_path_in_words(path.split(".")) for path in listed_paths]
+    phrases = [_path_in_words(listed_path.split(".")) for listed_path in listed_paths]
     if number_of_more is not None:
         phrases.append(number_of_more[1])
     return "".join(map(str, listed(phrases)))
 
 
 def change_in_words(printed: str) -> str:
-    """Return a part and its value, such as ``bank.default: 50``, in words. Text without a path is unchanged."""
-    paths, colon, value = printed.partition(": ")
+    """Return a part and its value in words: ``bank.default: 50`` becomes ``the default of register bank: 50``.
+
+    Text that does not begin with paths is unchanged.
+    """
+    paths, colon, new_value = printed.partition(": ")
     # An index such as [0] becomes a step that counts from 1.
     numbered_paths = _INDEX.sub(lambda index: f".{int(index[1]) + 1}", paths)
     are_paths = all(map(_PATH.fullmatch, _MORE.sub("", numbered_paths).split(", ")))
-    return f"{paths_in_words(numbered_paths)}{colon}{value}" if are_paths else printed
+    return f"{paths_in_words(numbered_paths)}{colon}{new_value}" if are_paths else printed
 
 
 def _beginning_in_words(steps: Sequence[str]) -> tuple[str, Sequence[str]]:
-    """Return the words for the first steps of a path that are described together, and the other steps."""
+    """Return the words for the first steps of a path that are described together, and the other steps.
+
+    ``["bank", "default"]`` gives ``("register bank", ["default"])``. If no steps are described together, the words are
+    empty and all steps are left.
+    """
     match steps:
         case ["order_code", "parts", part, "values", value, *other_steps]:
             return f"order codes with {part} {value}", other_steps
@@ -103,7 +113,11 @@ def _beginning_in_words(steps: Sequence[str]) -> tuple[str, Sequence[str]]:
 
 
 def _path_in_words(steps: Sequence[str]) -> str:
-    """Return one path in words, from the outermost step inwards. A step for which there are no words is kept."""
+    """Return one path in words, such as ``the note on field status of register command``.
+
+    The words begin with the outermost step, and each further step is put in front of them or around them. A step for
+    which there are no words is kept.
+    """
     if len(steps) == 1 and steps[0] in _TOP:
         return _TOP[steps[0]]
     words, remaining_steps = _beginning_in_words(steps)
@@ -135,10 +149,10 @@ _SHORT = 100
 def errata(
     device: Device, *paths: str, without: Collection[str] = (), exactly: Collection[str] = (), wording: bool = False
 ) -> tuple[Erratum, ...]:
-    """Return the errata about these parts of the spec or anything inside them, except the parts ``without``.
+    """Return the errata about the parts ``paths`` of the spec or anything inside them, except the parts ``without``.
 
-    An erratum about a part in ``exactly`` is about that part as a whole. Errata about wording are included only on
-    request, for pages that show the text of a manual.
+    Errata about a part in ``exactly`` as a whole are included even if it is in ``without``. Those about wording are
+    included only on request, for pages that show the text of a manual.
     """
 
     def is_about(affected_path: str) -> bool:
@@ -158,9 +172,9 @@ def _is_within(path: str, parts: Collection[str]) -> bool:
 def erratum(correction: Erratum, *, whole: bool = False) -> Statement:
     """Return an erratum in three labelled parts: the printed text, the value used, and the reason.
 
-    The reason is omitted if it is long, unless ``whole`` is set or wrong bytes could be sent. A change by an overlay
-    or another edition always has its reason. The short form has the first sentence on what is used, and all of them if
-    wrong bytes could be sent and the erratum is open.
+    The reason is omitted if it is longer than ``_SHORT``, unless ``whole`` is set or wrong bytes could be sent. A
+    change by an overlay or another edition always has its reason. ``brief`` is the form in one line. It has the first
+    sentence on what is used, and all of them if wrong bytes could be sent and the erratum is open.
     """
     if correction.overlay or correction.edition:
         return _change_statement(correction)
@@ -201,7 +215,7 @@ def _labelled_statements(labelled_texts: Iterable[tuple[str, str]]) -> Iterator[
 
 
 def _change_statement(correction: Erratum) -> Statement:
-    """Return a change by an overlay, by another edition, or by the editions before one."""
+    """Return a change by an overlay, by another edition, or by the editions before one, with its reason below it."""
     # The code is correct for an edition, and the header of a file says where the differences are.
     brief = "" if correction.edition else None
     return Statement(
@@ -214,7 +228,11 @@ def _change_statement(correction: Erratum) -> Statement:
 
 
 def changed(correction: Erratum) -> Iterator[tuple[str, str]]:
-    """Yield a change by an overlay or another edition as labelled texts: the part, and its changed content."""
+    """Yield a change by an overlay or another edition as labelled texts: the part, and its changed content.
+
+    For example ``("In the spec", "the default of register bank: 50")`` and ``("With the overlay", "20")``. A part that
+    is removed or not known has only one text. A changed note is labelled as the text that replaces it.
+    """
     change = change_in_words(correction.printed)
     if correction.used == NOT_KNOWN:
         yield "Not known", change
@@ -240,7 +258,7 @@ def answer(choice: Answer) -> Statement:
 
 
 def needed_answers(device: Device, layout: Layout) -> Iterator[Statement]:
-    """Yield the choices that are needed to read or write a frame of this layout."""
+    """Yield a statement for each choice that is needed to read or write a frame of this layout, with its answers."""
     for alternative in device.alternatives_of(layout):
         answers = listed([Code(choice.name) for choice in alternative.answers], " or ")
         choice = Ref("alternative", alternative.name, alternative.name)
@@ -253,7 +271,10 @@ def answer_names(answers: Sequence[Answer]) -> Iterator[Part]:
 
 
 def deciding_alternatives(alternatives: Sequence[Alternative], parameters: Set[str]) -> list[Alternative]:
-    """Return the alternatives whose answers set some of the parameters, or none unless they set all of them."""
+    """Return the alternatives whose answers set some of the parameters, if together they set all of them.
+
+    Otherwise the answers do not decide what depends on the parameters, and the list is empty.
+    """
     deciding: list[Alternative] = []
     decided_parameters: set[str] = set()
     for alternative in alternatives:

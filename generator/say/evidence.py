@@ -31,10 +31,10 @@ GRADES = tuple(_MEANING)
 def grade(device: Device) -> Statement:
     """Return the grade of the evidence, with its meaning, and the values that are still the template's."""
     grade_name = device.evidence.grade
-    text = f"{grade_name} ({_MEANING[grade_name]})"
+    grade_text = f"{grade_name} ({_MEANING[grade_name]})"
     if device.evidence.placeholders:
-        text = f"{text}. {placeholders(device)}"
-    return statement(text, label="Evidence")
+        grade_text = f"{grade_text}. {placeholders(device)}"
+    return statement(grade_text, label="Evidence")
 
 
 def lowest_grade() -> str:
@@ -55,7 +55,7 @@ def titled_in_lists(device: Device) -> str:
 
 
 def placeholders(device: Device) -> str:
-    """Return the values that are still the template's in one sentence, or an empty text if there are none."""
+    """Return a sentence with the values that are still those of the template, or an empty text if there are none."""
     names = device.evidence.placeholders
     if not names:
         return ""
@@ -69,20 +69,24 @@ def document(device: Device) -> str:
 
 
 def basis(device: Device) -> Iterator[Statement]:
-    """Yield what the grade rests on, unless it is the manual as a whole, and the facts that are left out."""
+    """Yield the basis of the grade, and the facts that are left out.
+
+    The basis is the pages read in each document, the implementations and the test vectors. The grade ``manual`` needs
+    none, because the whole manual was read.
+    """
     evidence = device.evidence
     if evidence.grade != "manual":
-        for key, pages in evidence.documents.items():
-            yield statement(pages, label=f"Read in {key}")
-        for label, names in (("Implementations", evidence.implementations), ("Vectors", evidence.vectors)):
-            if names:
-                yield statement(", ".join(names), label=label)
+        for document_name, pages in evidence.documents.items():
+            yield statement(pages, label=f"Read in {document_name}")
+        for label, evidence_names in (("Implementations", evidence.implementations), ("Vectors", evidence.vectors)):
+            if evidence_names:
+                yield statement(", ".join(evidence_names), label=label)
     for fact in evidence.left_out:
         yield statement(fact, label="Left out")
 
 
 def origin(device: Device) -> Iterator[Statement]:
-    """Yield how the family differs from its manual, if at all."""
+    """Yield how the family differs from its manual: as a special model, as another edition, and by overlays."""
     specials = [overlay.special for overlay in device.overlays if overlay.special]
     if specials:
         suffix = Code(f"/{specials[0]}")
@@ -115,7 +119,11 @@ def other_editions(device: Device, where: str = "inline") -> Iterator[Statement]
 
 
 def removals(device: Device) -> Iterator[Statement]:
-    """Yield those changes by overlays and editions that removed the part where they would otherwise be noted."""
+    """Yield the changes by overlays and editions that removed a part, so that they cannot be noted next to it.
+
+    The change of an edition has a place if the device is the family itself (no base) and the change affects parts in
+    it. Changes of wording are left out.
+    """
     for correction in device.errata:
         is_change = correction.overlay or correction.edition
         has_no_place = device.base or correction.overlay or not correction.affects
@@ -125,7 +133,7 @@ def removals(device: Device) -> Iterator[Statement]:
 
 
 def edition_test(revision: str, test: EditionTest) -> Statement:
-    """Return the register test for an encoder older than an edition."""
+    """Return the register test for an encoder older than an edition: the digits, their range, and the conclusion."""
     register = Ref("register", test.register, words(test.register))
     return statement(
         register,
@@ -151,13 +159,16 @@ class Subject(Enum):
 
 
 def mentions(device: Device, interface: Interface, subject: Subject) -> bool:
-    """Return whether anything about the device or this interface may be about the subject."""
+    """Return whether a text about the device or this interface has words of the subject.
+
+    The texts are those about times, characteristics, tables and notes, not about frames and registers.
+    """
     words_of_subject = re.compile(subject.value)
-    return any(words_of_subject.search(text) for text in _texts(device, interface))
+    return any(words_of_subject.search(manual_text) for manual_text in _texts(device, interface))
 
 
 def _texts(device: Device, interface: Interface) -> Iterator[str]:
-    """Yield the texts of the manual that are not about a frame or a register."""
+    """Yield the texts that are not about a frame or a register. Of the cells of tables, only the first column is."""
     yield interface.note
     for timing in (*interface.timings, *device.timings):
         yield f"{_with_spaces(timing.name)}: {timing.symbol} {timing.meaning}"
@@ -165,7 +176,7 @@ def _texts(device: Device, interface: Interface) -> Iterator[str]:
         quantities = [value.quantity for value in characteristic.values]
         yield " ".join([_with_spaces(characteristic.name), characteristic.value, *quantities])
     for table in device.tables:
-        first_cells = [row[0] for row in table.rows if row]
+        first_cells = [table_row[0] for table_row in table.rows if table_row]
         yield " ".join([table.title, *table.columns, *first_cells, table.note])
     for connector in device.connectors:
         yield connector.note

@@ -45,20 +45,27 @@ def head(interface: Interface, layout: Layout, name: Part, alternatives: Sequenc
 
 
 def size(layout: Layout, alternatives: Sequence[Alternative] = ()) -> tuple[Part, ...]:
-    """Return the length and the transmission order of a frame as parts of a statement."""
+    """Return the length and the transmission order of a frame as parts of a statement.
+
+    For example ``25 bits, most significant first``, ``4 bytes, low byte first``, or ``45 bits in 6 bytes, …``.
+    ``alternatives`` are the questions of which each answer's length is given.
+    """
     if not layout.in_bytes:
         return *_number_of_bits(layout, alternatives), " bits, most significant first"
     length_text = counted(layout.widest // 8, "byte")
     if layout.widest > 8:
         length_text += f", {layout.byte_order.replace('_', ' ')}"
-    # A frame may not fill its bytes.
+    # The bits on the line may be fewer than those of the bytes.
     if layout.sent_bits != layout.bits:
         return layout.sent_bits, f" bits in {length_text}"
     return (length_text,)
 
 
 def _number_of_bits(layout: Layout, alternatives: Sequence[Alternative]) -> Iterator[Part]:
-    """Yield the number of bits: an expression, or ``25 (a) or 26 (b)`` if answers to alternatives decide it."""
+    """Yield the number of bits: ``25 (a) or 26 (b)`` if only answers to ``alternatives`` decide it, or an expression.
+
+    ``a`` and ``b`` are the names of answers, several joined if several questions decide it.
+    """
     deciding = deciding_alternatives(alternatives, set(layout.bits.parameters))
     if not deciding:
         yield layout.bits
@@ -90,7 +97,7 @@ def has_excess(layout: Layout) -> bool:
 
 
 def _has_parity_over_gray(layout: Layout) -> bool:
-    """Return True if a parity bit covers bits that can be in Gray code."""
+    """Return True if a parity bit covers a field that can be in Gray code."""
     gray_names = set(layout.names_in(layout.gray_of))
     for field in layout.fields:
         if isinstance(field.kind, Parity) and not gray_names.isdisjoint(field.kind.of):
@@ -99,13 +106,16 @@ def _has_parity_over_gray(layout: Layout) -> bool:
 
 
 def _excess_number_or_parameter(layout: Layout) -> str | Code:
-    """Return the number that is added before the position is sent in Gray code, or the parameter that holds it."""
+    """Return the number that is added before the position is sent in Gray code, or the parameter that holds it.
+
+    Without an excess, it is ``0``.
+    """
     excess = layout.gray_excess or Expression(0)
     return str(excess.constant) if excess.is_constant else Code(excess.render())
 
 
 def facts(interface: Interface, layout: Layout) -> Iterator[Statement]:
-    """Yield the selector of a frame, its code, its gaps, its joined numbers and its combinations of values."""
+    """Yield the selector of a frame, its Gray code, its gaps, its joined numbers and its combinations of values."""
     yield from carries(interface, layout)
     yield from _gray_code(layout)
     if _has_parity_over_gray(layout):
@@ -114,35 +124,43 @@ def facts(interface: Interface, layout: Layout) -> Iterator[Statement]:
         yield statement(f"Bits without a field are {layout.gaps}")
     yield from joins(layout)
     combinations = {value_combination.name: value_combination for value_combination in layout.combinations}
+    # Each combination is also a sign, whose flag has the name of the combination. Other signs are of single fields.
     for sign in layout.signs:
         if sign.flag.name in combinations:
             yield combination(layout, sign, combinations[sign.flag.name])
 
 
 def _gray_code(layout: Layout) -> Iterator[Statement]:
-    """Yield the number that is in Gray code, with the parameter that decides it and the excess, if there are any."""
-    number = Code(layout.gray_of)
+    """Yield the number that is in Gray code, with the parameter that decides it and the excess, if there are any.
+
+    Nothing is yielded for a frame without Gray code.
+    """
+    number_name = Code(layout.gray_of)
     if layout.gray_when:
         parameter = Code(layout.gray_when)
-        yield statement(number, " is in Gray code while ", parameter, " is 1, and in binary while it is 0")
+        yield statement(number_name, " is in Gray code while ", parameter, " is 1, and in binary while it is 0")
         if has_excess(layout):
             excess = _excess_number_or_parameter(layout)
             yield statement("In Gray code, ", excess, " is added to it before it is sent (Gray excess)")
     elif has_excess(layout):
         excess = _excess_number_or_parameter(layout)
-        yield statement(number, " is in Gray excess: it is sent in Gray code after ", excess, " is added")
+        yield statement(number_name, " is in Gray excess: it is sent in Gray code after ", excess, " is added")
     elif layout.gray_of:
-        yield statement(number, " is in Gray code")
+        yield statement(number_name, " is in Gray code")
 
 
 def combination(layout: Layout, sign: Sign, value_combination: Combination) -> Statement:
-    """Return the values of a combination with their meaning and the verdict on the position."""
-    values = conditions((layout.field(name), value) for name, value in sign.conditions).parts
-    texts = (value_combination.meaning, value_combination.remedy, value_combination.note)
-    description = " ".join(sentence(text) for text in texts if text).removesuffix(".")
+    """Return a statement such as ``While a is 1 and b is 0, the position is not usable: …``, with the meaning.
+
+    ``sign`` has the values of the combination, ``{field name: value}`` as pairs. The remedy and the note follow.
+    """
+    value_parts = conditions((layout.field(name), value) for name, value in sign.conditions).parts
+    manual_texts = (value_combination.meaning, value_combination.remedy, value_combination.note)
+    # A statement has no full stop at its end.
+    description = " ".join(sentence(manual_text) for manual_text in manual_texts if manual_text).removesuffix(".")
     return statement(
         "While ",
-        *values,
+        *value_parts,
         f", {WORTH[value_combination.makes_position]}: ",
         description,
         label=value_combination.name,
@@ -151,20 +169,23 @@ def combination(layout: Layout, sign: Sign, value_combination: Combination) -> S
 
 
 def carries(interface: Interface, layout: Layout) -> Iterator[Statement]:
-    """Yield the selector values that identify the frame."""
+    """Yield the selector values that identify the frame, in hexadecimal and with the names of data IDs, if it has any.
+
+    For example ``Its data_id is 0 (position) or 1``.
+    """
     if not layout.selects:
         return
-    name_by_value: dict[int, str] = {}
+    data_id_names: dict[int, str] = {}
     if isinstance(interface, Rs485):
-        name_by_value = {data_id.id: data_id.name for data_id in interface.data_ids}
-    values = []
+        data_id_names = {data_id.id: data_id.name for data_id in interface.data_ids}
+    selector_values = []
     for value in layout.selects:
-        values.append(f"{value:X} ({name_by_value[value]})" if value in name_by_value else f"{value:X}")
-    yield statement("Its ", Code(layout.selector), " is ", *listed(values, " or "))
+        selector_values.append(f"{value:X} ({data_id_names[value]})" if value in data_id_names else f"{value:X}")
+    yield statement("Its ", Code(layout.selector), " is ", *listed(selector_values, " or "))
 
 
 def joins(layout: Layout) -> Iterator[Statement]:
-    """Yield the numbers that are joined from fields."""
+    """Yield the numbers that are joined from fields, without those that only are one field of the same name."""
     for joined_number in layout.joins:
         is_one_field = joined_number.fields == (joined_number.name,)
         if not is_one_field:
@@ -212,7 +233,7 @@ def crc_reflected(device: Device, checksum: Crc) -> str:
 
 
 def crc_sent(checksum: Crc) -> str:
-    """Return how the remainder of a CRC is changed before it is sent."""
+    """Return how the remainder of a CRC is changed before it is sent: inverted if all its bits are, else the XOR."""
     if checksum.xorout == checksum.mask:
         return "sent inverted"
     return f"sent after an XOR with 0x{checksum.xorout:X}" if checksum.xorout else "sent unchanged"
@@ -230,7 +251,7 @@ DATA = "data"
 
 
 def box_colour(field: Field) -> str:
-    """Return the colour class of a field."""
+    """Return the colour class of a field in pictures, one for similar kinds of fields."""
     match field.kind:
         case Flag():
             return "flag"
@@ -252,7 +273,10 @@ def is_reserved(field: Field) -> bool:
 
 
 def box_label(field: Field) -> str:
-    """Return the name of a field, with the value of a constant."""
+    """Return the text in the box of a field: its name as words, for a constant with its value, such as ``mode = 1``.
+
+    Unnamed zeros have only ``unused`` or, for a constant or padding, ``0``.
+    """
     match field.kind:
         case Unused(value=value) if not field.printed_name and value == 0:
             return "unused"

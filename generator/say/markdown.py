@@ -45,6 +45,7 @@ def _code_span(code_text: str) -> str:
     longest_run = max(map(len, re.findall("`+", code_text)), default=0)
     fence = "`" * (longest_run + 1)
     touches_fence = code_text.startswith("`") or code_text.endswith("`")
+    # A space, which Markdown removes, separates backticks of the text from the fence.
     space = " " if touches_fence else ""
     return f"{fence}{space}{code_text}{space}{fence}".replace("|", "\\|")
 
@@ -106,7 +107,7 @@ def anchor(name: str) -> str:
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return a table of Markdown cells without empty columns, or an empty string if all are empty."""
+    """Return a table of Markdown cells without the columns that are empty in all rows, or "" if no column is left."""
     row_lists = [list(row) for row in rows]
     filled_columns = [column for column in range(len(head)) if _has_text(row_lists, column)]
     if not filled_columns:

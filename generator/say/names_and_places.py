@@ -134,7 +134,11 @@ def bits(high: int, low: int) -> str:
 
 
 def frame_bytes(layout: Layout, length: int, high: int, low: int) -> str:
-    """Return the bytes of a ``length``-bit frame that contain these bits: ``byte 1, bits 7:1`` or ``bytes 2 to 4``."""
+    """Return the bytes of a ``length``-bit frame that contain these bits: ``byte 1, bits 7:1`` or ``bytes 2 to 4``.
+
+    ``high`` and ``low`` are bits of the frame as one number. Bytes count from 0 in the order sent. Bits of several
+    bytes that they do not fill are given as those of the number.
+    """
     first_byte, last_byte = low // 8, high // 8
     if layout.byte_order != "low_byte_first":
         # The byte with the highest bits is sent first.
@@ -149,7 +153,11 @@ def frame_bytes(layout: Layout, length: int, high: int, low: int) -> str:
 
 
 def bit_place(layout: Layout, bits: int, high: int, low: int) -> str:
-    """Return a field's position as people write it: ``46:31``, or ``byte 2.7:4`` with the first byte as 0."""
+    """Return a field's position as people write it: ``46:31``, or ``byte 2.7:4`` with the first byte as 0.
+
+    ``high`` and ``low`` are bits of the frame of ``bits`` bits as one number. ``bytes 1.3-2.7`` is the place from bit 3
+    of byte 1 to bit 7 of byte 2.
+    """
     is_one_bit = high == low
     if not layout.in_bytes:
         return f"{high}" if is_one_bit else f"{high}:{low}"
@@ -174,7 +182,8 @@ def bit_place(layout: Layout, bits: int, high: int, low: int) -> str:
 def field_place(layout: Layout, field: Field, alternatives: Sequence[Alternative] = ()) -> Iterator[Part]:
     """Yield the location of a field with its padding, in bytes for a frame of bytes, otherwise in bits.
 
-    If the location depends on ``alternatives``, each possible location is followed by its answer.
+    If the location depends only on ``alternatives``, each possible location is followed by its answer. If it depends on
+    other parameters, only its lowest bit is given, as an expression.
     """
     width_with_padding = Expression(field.container) if field.container else field.width
     high = field.low + width_with_padding - Expression(1)
@@ -184,7 +193,7 @@ def field_place(layout: Layout, field: Field, alternatives: Sequence[Alternative
         yield from ("starting at bit ", field.low)
         return
     possible_places: list[list[Part]] = []
-    # Without alternatives, there is one place, without answers.
+    # If nothing decides, there is one place, without answers.
     for answers, answered_parameters in choices(deciding):
         place = _place_text(layout, high.value(answered_parameters), field.low.value(answered_parameters))
         explanation: list[Part] = [" (", *answer_names(answers), ")"] if answers else []

@@ -79,13 +79,13 @@ def not_on_label(device: Device) -> Iterator[Statement]:
 
 
 def part(code_part: CodePart) -> Statement:
-    """Return the meaning and the values of a part."""
+    """Return the meaning of a part, and its values with theirs: ``Output: A = SSI; B = BiSS``."""
     values = parted([_value_with_meaning(value) for value in code_part.values], "; ")
     return statement(f"{code_part.meaning}: ", *values, label=code_part.name)
 
 
 def _value_with_meaning(value: CodeValue) -> tuple[Part, ...]:
-    """Return a value of a part of the order code, and its meaning if it has one."""
+    """Return a value of a part of the order code, with its meaning if it has one: ``A = SSI``."""
     return (Code(value.text), f" = {value.meaning}") if value.meaning else (Code(value.text),)
 
 
@@ -96,7 +96,7 @@ def open_values(code_part: CodePart) -> Iterator[Statement]:
 
 
 def spelling(label_spelling: Spelling) -> Statement:
-    """Return another spelling found on labels."""
+    """Return the pattern of another spelling found on labels, and where it is used."""
     return statement(
         Code(label_spelling.pattern),
         f", as in {label_spelling.where}",
@@ -113,7 +113,10 @@ def parameter(device: Device, device_parameter: Parameter) -> Iterator[Statement
 
 
 def parameter_origin(device: Device, device_parameter: Parameter) -> Iterator[Statement]:
-    """Yield where the value of a parameter comes from if no order code sets it."""
+    """Yield where the value of a parameter comes from: another parameter, a choice of the user, or a register.
+
+    Nothing is yielded if the order code sets it.
+    """
     if device_parameter.equals is not None:
         yield statement("Equals ", device_parameter.equals)
     if device_parameter.alternative:
@@ -121,15 +124,15 @@ def parameter_origin(device: Device, device_parameter: Parameter) -> Iterator[St
     if device_parameter.read_from:
         register_text = register_at(device.register(device_parameter.register))
         field_reference = register_field(device, device_parameter.read_from)
-        parts: list[Part] = [f"Read at run time from {register_text} (", field_reference, ")"]
+        origin_parts: list[Part] = [f"Read at run time from {register_text} (", field_reference, ")"]
         low, high = device_parameter.min, device_parameter.max
         range_parts = limits(
             Expression(low) if low is not None else None, Expression(high) if high is not None else None
         )
         # A register with a code lists its values below.
         if range_parts and not device_parameter.by_code:
-            parts += [", ", *range_parts]
-        yield statement(*parts)
+            origin_parts += [", ", *range_parts]
+        yield statement(*origin_parts)
     if device_parameter.by_code:
         code_meanings = []
         for coded in device_parameter.by_code:
@@ -138,9 +141,13 @@ def parameter_origin(device: Device, device_parameter: Parameter) -> Iterator[St
 
 
 def _choice_with_values(device: Device, device_parameter: Parameter) -> Iterator[Part]:
-    """Yield a reference to the alternative that sets a parameter. If it has a default, the values follow."""
+    """Yield a reference to the alternative that sets a parameter. If it has a default, the values follow.
+
+    They are the value that each answer sets, the default first: ``: 0 for low (default), 1 for high``.
+    """
     name = device_parameter.alternative
     yield Ref("alternative", name, name)
+    # Only alternatives with a default are optional.
     for alternative in device.optional_alternatives:
         if alternative.name != name:
             continue
@@ -154,7 +161,10 @@ def _choice_with_values(device: Device, device_parameter: Parameter) -> Iterator
 
 
 def initial(device: Device) -> str:
-    """Return the kind of the values that apply until registers are read, in the plural."""
+    """Return the name for parameter values that apply until registers are read, in the plural.
+
+    They are ``factory defaults``, or ``values of the order code`` if no such register has a known default.
+    """
     register_names = {run_time_parameter.register for run_time_parameter in device.run_time_parameters}
     # A device of one interface lacks the registers of the others.
     defaults = [register.default for register in device.registers if register.name in register_names]
@@ -168,7 +178,7 @@ def parameter_value(device_parameter: Parameter, count: int) -> str:
 
 
 def timing(printed_time: Timing) -> Statement:
-    """Return a time with its meaning, labelled with the symbol in the manual or with our name."""
+    """Return the limits of a time with its meaning and order codes, labelled with the manual's symbol or our name."""
     description = f": {printed_time.meaning}" if printed_time.meaning else ""
     if printed_time.only:
         description += f" (only with {printed_time.only})"
@@ -177,21 +187,21 @@ def timing(printed_time: Timing) -> Statement:
 
 
 def bounds_with_codes(printed_time: Timing) -> str:
-    """Return the duration as text, with the order codes to which it applies unless these are all."""
+    """Return the duration, such as ``at least 12 µs (only with X-24)``. Without ``only``, it applies to all codes."""
     duration = bounds(printed_time)
     return f"{duration} (only with {printed_time.only})" if printed_time.only else duration
 
 
 def bounds(printed_time: Timing) -> str:
-    """Return the duration as text, such as ``at least 12 µs``."""
-    texts = []
+    """Return the limits of a duration and its typical value as text, such as ``at least 12 µs, typically 20 µs``."""
+    limit_texts = []
     if printed_time.at_least_us is not None:
-        texts.append(f"at least {microseconds(printed_time.at_least_us)}")
+        limit_texts.append(f"at least {microseconds(printed_time.at_least_us)}")
     if printed_time.typical_us is not None:
-        texts.append(f"typically {microseconds(printed_time.typical_us)}")
+        limit_texts.append(f"typically {microseconds(printed_time.typical_us)}")
     if printed_time.at_most_us is not None:
-        texts.append(f"at most {microseconds(printed_time.at_most_us)}")
-    return ", ".join(texts)
+        limit_texts.append(f"at most {microseconds(printed_time.at_most_us)}")
+    return ", ".join(limit_texts)
 
 
 _ALIGNMENT = {
@@ -217,7 +227,7 @@ def interface(device: Device, line: Interface) -> Iterator[Statement]:
 
 
 def facts(device: Device, line: Interface) -> Iterator[Statement]:
-    """Yield the settings and times of an interface, and the requests and control data sent over it."""
+    """Yield the settings and times of an interface, and the requests or control data that are sent over it, if any."""
     yield from settings(device, line)
     yield from map(timing, line.timings)
     match line:
@@ -237,7 +247,7 @@ def facts(device: Device, line: Interface) -> Iterator[Statement]:
 
 
 def settings(device: Device, line: Interface) -> Iterator[Statement]:
-    """Yield the settings and the electrical characteristics."""
+    """Yield the settings and electrical characteristics of an interface, each with its label, such as ``Clock``."""
     for fact in line.facts():
         label, content = _label_and_content(device, fact)
         yield statement(content, label=label, source=fact.source)
@@ -267,7 +277,7 @@ def _label_and_content(device: Device, fact: Fact) -> tuple[str, Part]:
 
 
 def _label_and_text(fact: Signals | Alignment | OutputCode | Profile | DescriptionFile) -> tuple[str, str]:
-    """Return a fact that is a word or a text in the spec as a label and its text."""
+    """Return a label and a text for a fact that the spec states as a word or a text, such as ``Code`` and ``Gray``."""
     match fact:
         case Signals(text):
             return "Signals", text
@@ -282,16 +292,19 @@ def _label_and_text(fact: Signals | Alignment | OutputCode | Profile | Descripti
 
 
 def clock_words(clock: Clock) -> str:
-    """Return the limits, then the clocks in use with the limits that are not known."""
+    """Return the limits, and if clocks in use are known, also these and which limits are not known.
+
+    For example ``up to 5 MHz, 1 MHz is in use, the lowest clock is not known``.
+    """
     range_text = _clock_range(clock.min_hz, clock.max_hz)
     if not clock.used_hz:
         return range_text or "not known"
-    texts = [range_text, clocks_in_use(clock.used_hz), unknown_limits(clock)]
-    return ", ".join(text for text in texts if text)
+    clauses = [range_text, clocks_in_use(clock.used_hz), unknown_limits(clock)]
+    return ", ".join(clause for clause in clauses if clause)
 
 
 def _clock_range(lowest: int | None, highest: int | None) -> str:
-    """Return the limits of a clock as text, or an empty string without limits."""
+    """Return the limits of a clock in Hz as text, such as ``100 kHz to 4 MHz``, or an empty string without limits."""
     if lowest is not None and highest is not None:
         return f"{hertz(lowest)} to {hertz(highest)}"
     if lowest is not None:
@@ -318,7 +331,7 @@ def unknown_limits(clock: Clock) -> str:
 
 
 def _word_format_words(fact: WordFormat) -> str:
-    """Return the lengths of SPI words, the mode of the clock, and the word in which the encoder replies."""
+    """Return the lengths of SPI words, the clock mode, and which word has the encoder's reply, separated by commas."""
     # Bit 1 of an SPI mode is the polarity of the clock, and bit 0 its phase.
     polarity, phase = fact.mode >> 1, fact.mode & 1
     idle_level = "high" if polarity else "low"
@@ -333,13 +346,15 @@ def word_lengths(lengths: Iterable[Expression]) -> str:
 
 
 def _timeout_with_examples(timeout: Timeout) -> str:
-    """Return the rule with its limits, followed by the values that the manual calculates from it."""
-    text = timeout_words(timeout)
-    # Without a number of clock periods, the printed values are the rule.
+    """Return the rule with its limits, followed in brackets by the values that the manual calculates from it.
+
+    Without a number of clock periods, the printed values are already the rule.
+    """
+    rule = timeout_words(timeout)
     if timeout.half_clock_periods is None or not timeout.printed:
-        return text
+        return rule
     printed_timeouts = ", ".join(map(printed_timeout_words, timeout.printed))
-    return f"{text} ({printed_timeouts})"
+    return f"{rule} ({printed_timeouts})"
 
 
 def _port_words(port: Port) -> str:
@@ -356,7 +371,7 @@ def _network_words(network: Network) -> str:
 
 
 def data_id(request: DataId) -> Statement:
-    """Return a T-format request with its control field, its purpose and its meaning."""
+    """Return a T-format request: its control field, such as ``1Ah``, purpose and meaning, labelled with its ID."""
     meaning_text = f": {request.meaning}" if request.meaning else ""
     return statement(
         f"{request.control:02X}h, {request.purpose}{meaning_text}",
@@ -371,18 +386,18 @@ def memory_access(access: MemoryAccess) -> Statement:
 
 
 def exchange(request: Exchange) -> Statement:
-    """Return a request with its reply."""
-    parts: list[Part] = [Code(request.request)]
+    """Return a request and its reply, with the effect of the request and the length of their words if it is fixed."""
+    exchange_parts: list[Part] = [Code(request.request)]
     if request.reply:
-        parts += [" is answered by ", Code(request.reply)]
+        exchange_parts += [" is answered by ", Code(request.reply)]
     else:
-        parts.append(" has no reply")
+        exchange_parts.append(" has no reply")
     effect = PURPOSES[request.purpose]
     if effect:
-        parts.append(f", and {effect}")
+        exchange_parts.append(f", and {effect}")
     if request.word_bits is not None:
-        parts.append(f", in words of {word_lengths([request.word_bits])}")
-    return statement(*parts, source=request.source)
+        exchange_parts.append(f", in words of {word_lengths([request.word_bits])}")
+    return statement(*exchange_parts, source=request.source)
 
 
 def control_field(bits_field: ControlField) -> Statement:
@@ -396,7 +411,7 @@ def control_field(bits_field: ControlField) -> Statement:
 
 
 def input_facts(device: Device, hardware_input: Input) -> Iterator[Statement]:
-    """Yield the meaning of each level of a hardware input, its effect, and the rules for its use."""
+    """Yield the meaning of the levels of a hardware input, its shortest pulse, effect, and the rules for its use."""
     yield from spec_text(hardware_input.low, label="Low level")
     yield from spec_text(hardware_input.high, label="High level")
     if hardware_input.pulse_at_least_us is not None:

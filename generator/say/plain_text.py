@@ -31,10 +31,10 @@ def decimal(value: Fraction) -> str:
     decimals = _ROUNDED if exact_decimals is None else exact_decimals
     whole_number, fraction = divmod(round(abs(value) * 10**decimals), 10**decimals)
     sign = "-" if value < 0 else ""
-    text = f"{sign}{whole_number:,}"
+    decimal_text = f"{sign}{whole_number:,}"
     if decimals:
-        text += f".{fraction:0{decimals}}"
-    return f"≈ {text}" if exact_decimals is None else text
+        decimal_text += f".{fraction:0{decimals}}"
+    return f"≈ {decimal_text}" if exact_decimals is None else decimal_text
 
 
 def quantity(scale: Scale, value: int) -> str:
@@ -66,7 +66,10 @@ def _sum_text(text: str, number: int) -> str:
 
 
 def _factor_text(numerator: int, denominator: int) -> str:
-    """Return a factor after a value, such as `` × 0.5``, with a decimal if one of the numbers is a power of ten."""
+    """Return a factor after a value: `` × 5 / 3``, or `` × 0.5`` or `` / 2.5`` if a power of ten makes that possible.
+
+    It is empty for a factor of 1.
+    """
     if numerator == denominator:
         return ""
     if denominator == 1:
@@ -83,8 +86,9 @@ def _is_power_of_ten(number: int) -> bool:
 
 
 def _divided_by_power_of_ten(number: int, power_of_ten: int) -> str:
-    """Return the quotient with its decimals, without zeros at its end."""
+    """Return the quotient with its decimals, without zeros at its end: 2776 by 1000 is ``2.776``."""
     decimals = len(str(power_of_ten)) - 1
+    # At least one digit is in front of the point.
     digits = f"{number:0{decimals + 1}}"
     point = len(digits) - decimals
     return f"{digits[:point]}.{digits[point:]}".rstrip("0").rstrip(".")
@@ -157,7 +161,10 @@ STAND_INS: Mapping[str, str] = {
 
 
 def in_ascii(text: str, replacements: Mapping[str, str]) -> str:
-    """Return the text with ``replacements``, then those above, then letters without accents, then ``?``."""
+    """Return the text with signs replaced by ``replacements`` or else by ``STAND_INS``.
+
+    Letters lose their accents, and signs without a replacement become ``?``.
+    """
     if text.isascii():
         return text
     stand_ins = {**STAND_INS, **replacements}
@@ -185,19 +192,22 @@ def plain(text: object) -> str:
 
 
 def wrapped(text: object, width: int, prefix: str = "", first: str | None = None) -> str:
-    """Return a paragraph of at most ``width`` columns. Lines start with ``prefix``, the first with ``first``."""
+    """Return a paragraph of at most ``width`` columns, or wider if a word needs that.
+
+    Lines start with ``prefix``, the first with ``first`` if it is given. A text without words is empty.
+    """
     words = [word for word in plain(text).split(" ") if word]
     if not words:
         return ""
     lines: list[str] = []
-    line = (prefix if first is None else first) + words[0]
+    current_line = (prefix if first is None else first) + words[0]
     for word in words[1:]:
-        if len(line) + 1 + len(word) > width:
-            lines.append(line)
-            line = prefix + word
+        if len(current_line) + 1 + len(word) > width:
+            lines.append(current_line)
+            current_line = prefix + word
         else:
-            line = f"{line} {word}"
-    return "\n".join([*lines, line])
+            current_line = f"{current_line} {word}"
+    return "\n".join([*lines, current_line])
 
 
 #: Most columns for the names in a table of pairs.
@@ -205,7 +215,10 @@ _WIDEST_NAME = 40
 
 
 def pairs(rows: Iterable[tuple[str, str]], indent: int) -> list[str]:
-    """Return the rows as lines with two columns. The second column is wrapped."""
+    """Return the rows as lines with two columns: a name and a text, which is wrapped and may be empty.
+
+    The second column is ``indent`` and the longest name to the right, but not further than for a name of 40 characters.
+    """
     row_list = list(rows)
     longest_name = max((len(name) for name, _ in row_list), default=0)
     name_width = min(longest_name, _WIDEST_NAME)

@@ -63,7 +63,7 @@ def register(device: Device, device_register: Register) -> Iterator[Statement]:
 
 
 def facts(device: Device, register: Register) -> Iterator[Statement]:
-    """Yield the content of a register, and the rules for reading and writing it."""
+    """Yield the content of a register, the rules for reading and writing it, and what it means in each mode."""
     yield from _content_facts(register)
     yield from needed_answers(device, register.layout)
     yield from _access_rules(device, register)
@@ -71,7 +71,7 @@ def facts(device: Device, register: Register) -> Iterator[Statement]:
 
 
 def _content_facts(register: Register) -> Iterator[Statement]:
-    """Yield the byte order, the default and the limits of a register."""
+    """Yield the byte order of a register of several bytes, its default, and its limits, as far as it has them."""
     if register.last_address > register.address:
         byte_at_lowest_address = "low" if register.byte_order == "low_byte_first" else "high"
         order_text = f"{byte_at_lowest_address} byte first, at {hexadecimal(register.address)}"
@@ -83,13 +83,14 @@ def _content_facts(register: Register) -> Iterator[Statement]:
     # Each meaning has limits of its own.
     if has_limits and not register.meanings:
         range_parts = limits(register.min, register.max)
+        # The limits may be those of one field.
         if register.limits_of != register.name:
             range_parts = (*range_parts, " for ", Code(register.limits_of))
         yield statement(*range_parts, label="Limits")
 
 
 def limits(low: Expression | None, high: Expression | None) -> tuple[Part, ...]:
-    """Return a range, or an empty tuple without limits."""
+    """Return a range as parts of a statement: ``(0, " to ", 7)``, ``("at least ", 0)``, or ``()`` without limits."""
     if low is not None and high is not None:
         return low, " to ", high
     if low is not None:
@@ -100,7 +101,7 @@ def limits(low: Expression | None, high: Expression | None) -> tuple[Part, ...]:
 
 
 def _access_rules(device: Device, register: Register) -> Iterator[Statement]:
-    """Yield the rules for reading and writing a register."""
+    """Yield the rules for access to a register: what to do before and after it, and what it changes."""
     yield from _registers_at_same_address(device, register)
     if register.bank is not None:
         facts_of_interface = device.interface(register.interface).facts()
@@ -128,7 +129,7 @@ def reserved(user: str) -> Statement:
 
 
 def _registers_at_same_address(device: Device, register: Register) -> Iterator[Statement]:
-    """Yield the other register at the same address, which differs only in the direction of access."""
+    """Yield which other register reads or writes of the same address and bank access instead of this one."""
     for other_register in device.registers:
         if other_register is register:
             continue
@@ -138,37 +139,40 @@ def _registers_at_same_address(device: Device, register: Register) -> Iterator[S
 
 
 def _opening_condition(device: Device, register: Register) -> Statement:
-    """Return the value that another register must hold before this one can be written."""
+    """Return the condition for writing a register: the value that another one, or a field of it, must hold."""
     opening_register = device.register(register.opened_by)
     value_name = register.opened_by_value
     if register.opened_by_field:
-        path = f"{register.opened_by}.{register.opened_by_field}"
+        opener_path = f"{register.opened_by}.{register.opened_by_field}"
         opening_field = opening_register.layout.field(register.opened_by_field)
         value_text = f"{opening_field.value_named(value_name).value}"
     else:
         # Without a field, the value is that of the whole register.
-        path = register.opened_by
+        opener_path = register.opened_by
         opening_field = opening_register.layout.fields[0]
         digits = 2 * opening_register.length
         value_text = hexadecimal(opening_field.value_named(value_name).value, digits)
-    reference = register_field(device, path)
+    reference = register_field(device, opener_path)
     return statement("Can be written only while ", reference, f" is {value_text} (", Code(value_name), ")")
 
 
 def _register_meaning(device: Device, register_meaning: RegisterMeaning) -> Statement:
-    """Return one meaning of a register and the field value that selects it."""
+    """Return one meaning of a register, with its limits, and the value of a field elsewhere that selects it.
+
+    ``register_meaning.when`` is that field, such as ``mode.output``, and ``register_meaning.value`` a name of a value.
+    """
     register_name, _, field_name = register_meaning.when.partition(".")
     selecting_field = device.register(register_name).layout.field(field_name)
-    number = selecting_field.value_named(register_meaning.value).value
+    selecting_value = selecting_field.value_named(register_meaning.value).value
     reference = register_field(device, register_meaning.when)
-    parts: list[Part] = ["While ", reference, f" is {number} (", Code(register_meaning.value)]
-    parts += ["), the register holds ", Code(register_meaning.name)]
+    meaning_parts: list[Part] = ["While ", reference, f" is {selecting_value} (", Code(register_meaning.value)]
+    meaning_parts += ["), the register holds ", Code(register_meaning.name)]
     range_parts = limits(register_meaning.min, register_meaning.max)
     if range_parts:
-        parts += [", ", *range_parts]
+        meaning_parts += [", ", *range_parts]
     if register_meaning.meaning:
-        parts.append(f": {register_meaning.meaning}")
-    return statement(*parts, source=register_meaning.source)
+        meaning_parts.append(f": {register_meaning.meaning}")
+    return statement(*meaning_parts, source=register_meaning.source)
 
 
 def field(device: Device, frame_field: Field) -> Iterator[Statement]:
@@ -179,7 +183,7 @@ def field(device: Device, frame_field: Field) -> Iterator[Statement]:
 
 
 def meaning(named_item: Named, text: str) -> Iterator[Statement]:
-    """Yield the meaning, labelled with the name used in the manual, or the name alone if there is no meaning."""
+    """Yield the meaning ``text``, labelled with the manual's name of a part, or the name alone if it is empty."""
     manual_name = printed(named_item)
     if text:
         yield statement(text, label=manual_name)
@@ -188,7 +192,7 @@ def meaning(named_item: Named, text: str) -> Iterator[Statement]:
 
 
 def rules(device: Device, frame_field: Field) -> Iterator[Statement]:
-    """Yield how the bits of a field are read, and the rules for its use."""
+    """Yield how the bits of a field are read (unit, scale, kind), its default, and the rules for its use."""
     yield from spec_text(frame_field.unit, label="Unit")
     scale = frame_field.scale
     if scale is not None:
@@ -206,13 +210,13 @@ def rules(device: Device, frame_field: Field) -> Iterator[Statement]:
     if frame_field.default is not None:
         yield statement(Expression(frame_field.default), label="Default")
     if frame_field.explained_by:
-        explaining_fields = [register_field(device, path) for path in frame_field.explained_by]
+        explaining_fields = [register_field(device, field_path) for field_path in frame_field.explained_by]
         yield statement("For the reason, see ", *listed(explaining_fields))
     yield from remedied(frame_field.remedy, frame_field.by_hand)
 
 
 def _rules_of_kind(device: Device, frame_field: Field) -> Iterator[Statement]:
-    """Yield the interpretation of the bits of a field."""
+    """Yield the meaning of the bits of a field, as its kind determines it."""
     match frame_field.kind:
         case Number() as number:
             yield from _number_rules(number)
@@ -260,7 +264,7 @@ def _names_as_code(names: Iterable[str]) -> list[Part]:
 
 
 def _unused_rules(device: Device, frame_field: Field, unused: Unused) -> Iterator[Statement]:
-    """Yield the documented value of unused bits, and the effect of other values."""
+    """Yield the documented value of unused bits, and the effect of other values: a verdict if there is a position."""
     yield statement(f"Unused, documented as {short(unused.value)}")
     if _is_in_frame_with_position(device, frame_field):
         verdict = Code(unused.makes_position.value)
@@ -278,7 +282,7 @@ def _is_in_frame_with_position(device: Device, frame_field: Field) -> bool:
 
 
 def _number_rules(kind: Number) -> Iterator[Statement]:
-    """Yield how the bits of a number are read."""
+    """Yield what a number means beyond its binary value: its sign, the meaning of zero, and the powers of two."""
     if kind.signed:
         yield statement("Signed, in two's complement")
     if kind.zero_means:
@@ -288,7 +292,10 @@ def _number_rules(kind: Number) -> Iterator[Statement]:
 
 
 def _flag_rules(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
-    """Yield the levels of a flag, the flags that it combines, and its verdict on the position."""
+    """Yield the levels of a flag, the flags that it combines, and its verdict on the position.
+
+    A flag that only some order codes have has a different verdict for the others, for which its meaning is not known.
+    """
     yield from _flag_levels(flag, is_implemented=is_implemented)
     if flag.sums_up:
         yield statement("Combines ", *listed([Code(name) for name in flag.sums_up]))
@@ -303,7 +310,7 @@ def _flag_rules(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
 
 
 def _flag_verdict(flag: Flag) -> Iterator[Statement]:
-    """Yield the effect of an active flag on the position, also for another answer of the user."""
+    """Yield the verdict of an active flag on the position, and the one that applies if the user sets a parameter."""
     if flag.makes_position is Verdict.USABLE:
         yield statement("It does not affect the position")
     elif flag.makes_position:
@@ -316,7 +323,7 @@ def _flag_verdict(flag: Flag) -> Iterator[Statement]:
 
 
 def _flag_levels(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
-    """Yield the meaning of each level of a flag. A flag that is not implemented may have none in the manual."""
+    """Yield the meaning of each level of a flag. Nothing if it is not implemented and the manual gives none."""
     has_meaning = bool(flag.when_active or flag.when_inactive)
     if not is_implemented and not has_meaning:
         return
@@ -328,7 +335,7 @@ def _flag_levels(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
 
 
 def _run_of_digits(run: Digits) -> tuple[Part, ...]:
-    """Return the name of a run of digits, their number and their meaning."""
+    """Return the name of a run of digits, their number and their meaning, such as ``year 2 (of manufacture)``."""
     meaning_text = f" ({run.meaning})" if run.meaning else ""
     return Code(run.name), f" {run.digits}", meaning_text
 
@@ -346,19 +353,19 @@ def _expected_value(value: Expression | int | str, bits: int) -> Part:
 
 
 def choices(values: tuple[Value, ...]) -> Statement:
-    """Return all named values in one statement."""
+    """Return all named values in one statement, such as ``0 off, 1 on, 1Fh test``."""
     numbers_and_names = [(f"{short(named_value.value)} ", Code(named_value.name)) for named_value in values]
     return statement(*parted(numbers_and_names), label="Values")
 
 
 def value(named_value: Value, bits: int) -> Statement:
-    """Return a named value of a field of ``bits`` bits."""
+    """Return a value of a field of ``bits`` bits: its number, names, meaning and verdict: ``1Fh test (TST): …``."""
     manual_names = own_names(named_value)
     names_text = f" ({manual_names})" if manual_names else ""
     meaning_text = f": {named_value.meaning}" if named_value.meaning else ""
-    number = hexadecimal(named_value.value, _hex_digits_for(bits))
+    number_text = hexadecimal(named_value.value, _hex_digits_for(bits))
     name = Code(named_value.name)
-    return statement(f"{number} ", name, names_text, meaning_text, effect(named_value), source=named_value.source)
+    return statement(f"{number_text} ", name, names_text, meaning_text, effect(named_value), source=named_value.source)
 
 
 def effect(named_value: Value) -> str:
@@ -372,7 +379,11 @@ def short(number: int) -> str:
 
 
 def measurement(unit_and_range: Measurement) -> Statement:
-    """Return the counts and revolutions, or the step, and the range."""
+    """Return the resolution and the range of a position, as far as they are given.
+
+    These are counts per revolution and revolutions, or the length of a count, and then the whole counts and the
+    highest position.
+    """
     quantities: list[tuple[Part, ...]] = []
     if unit_and_range.counts_per_turn is not None:
         quantities.append((Amount(unit_and_range.counts_per_turn, "counts"), " per revolution"))
@@ -393,7 +404,7 @@ def measurement(unit_and_range: Measurement) -> Statement:
 
 
 def position_range(layout_range: LayoutRange) -> Statement:
-    """Return the range of the position in one layout."""
+    """Return the range of the position in one layout: that it never wraps, or its revolutions, counts and maximum."""
     if not layout_range.wraps:
         return statement("never wraps around", source=layout_range.source)
     quantities: list[tuple[Part, ...]] = []

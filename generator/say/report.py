@@ -36,14 +36,14 @@ def alarm(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
 
 
 def alarm_facts(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
-    """Yield the flag that shows an alarm, its cause, and the procedures that clear it."""
+    """Yield the flag that shows an alarm, its cause, duration and remedy, and the procedures that clear it."""
     if device_alarm.group:
         group = member_named(device.field_groups, device_alarm.group, "field group")
         yield statement(Code(device_alarm.field), " in ", Ref("group", group.name, title(group)), label="Flag")
     elif device_alarm.register:
         # Without a field, the whole register is the flag.
-        path = f"{device_alarm.register}.{device_alarm.field}".rstrip(".")
-        yield statement(register_field(device, path), label="Flag")
+        flag_path = f"{device_alarm.register}.{device_alarm.field}".rstrip(".")
+        yield statement(register_field(device, flag_path), label="Flag")
     if not device_alarm.implemented and "not implemented" not in device_alarm.meaning.lower():
         yield statement("Not implemented in this encoder")
     yield from spec_text(device_alarm.detected, label="Detected")
@@ -61,7 +61,10 @@ def alarm_facts(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
 
 
 def alarm_of(device: Device, field: Field, register: str = "") -> Alarm | None:
-    """Return the alarm of a flag in a frame or register, if the manual has one."""
+    """Return the alarm of a flag, or None if the manual has none.
+
+    ``register`` is the register of the flag, or empty for a flag in a frame, whose alarm is found by its group.
+    """
     for alarm in device.alarms:
         if register:
             has_same_owner = alarm.register == register
@@ -81,7 +84,11 @@ def states(field: Field) -> tuple[str, str]:
 
 
 def meaning(field: Field, alarm: Alarm | None) -> str:
-    """Return the meaning of an active flag, or of unused bits that differ from the manual."""
+    """Return the meaning of an active flag, or of unused bits that differ from the manual.
+
+    For a flag, it is that of its active level with that of the field. Without both, it is that of the alarm or, at
+    last, ``active``. An active flag that is not implemented contradicts the manual unless that gives it a meaning.
+    """
     if isinstance(field.kind, Unused):
         difference = f"unused bits differ from the documented value {short(field.kind.value)}"
         return f"{difference}. {sentence(field.meaning)}" if field.meaning else difference
@@ -95,7 +102,10 @@ def meaning(field: Field, alarm: Alarm | None) -> str:
 
 
 def deciding(field: Field) -> str:
-    """Return the bits of a flag or an unused field that lead to its verdict, or an empty string for any other field."""
+    """Return the bits that lead to the verdict: ``1`` of a flag, ``not 5h`` of unused bits, or "" for other fields.
+
+    They are the active level of a flag, and anything but the documented value of an unused field.
+    """
     match field.kind:
         case Flag(active_low=is_active_low):
             return "0" if is_active_low else "1"
@@ -109,13 +119,19 @@ def deciding(field: Field) -> str:
 
 
 def conditions(values: Iterable[tuple[Field, int]]) -> Statement:
-    """Return the values that lead to a verdict together, with the bits of each field. 1 stands for an active flag."""
+    """Return the values that lead to a verdict together, such as ``error is 0 and mode is 5h (test)``.
+
+    In ``values``, 1 stands for an active flag. The text has its bit.
+    """
     phrases = [_condition(field, value) for field, value in values]
     return statement(*parted(phrases, " and "))
 
 
 def _condition(field: Field, value: int) -> tuple[Part, ...]:
-    """Return a field with its value. The value of a flag is 1 if it is active, but its bit may be 0 then."""
+    """Return a field with its bit or value: ``error is 0`` or ``mode is 5h (test)``.
+
+    ``value`` is 1 for an active flag, whose bit is 0 if it is active low.
+    """
     if isinstance(field.kind, Flag):
         is_active = bool(value)
         bit = int(is_active != field.kind.active_low)

@@ -32,7 +32,7 @@ _LANGUAGES = {
 
 
 def hertz(value: int) -> str:
-    """Return a frequency in its shortest unit."""
+    """Return a frequency in the largest unit of which it has at least one, such as ``2.5 MHz``."""
     for factor, unit in ((1_000_000, "MHz"), (1_000, "kHz")):
         if value >= factor:
             return f"{value / factor:g} {unit}"
@@ -44,7 +44,7 @@ def volts(millivolts: int) -> str:
 
 
 def microseconds(value: int) -> str:
-    """Return a time in the largest unit in which it is a whole number."""
+    """Return a time in the largest unit in which it is a whole number: 1500 is ``1500 µs``, and 2000 is ``2 ms``."""
     for factor, unit in ((1_000_000, "s"), (1_000, "ms")):
         if value >= factor and value % factor == 0:
             return f"{value // factor} {unit}"
@@ -52,7 +52,7 @@ def microseconds(value: int) -> str:
 
 
 def nanoseconds(value: int) -> str:
-    """Return a time in ns, or in µs if it is longer than one."""
+    """Return a time in ns or, if it is at least 1 µs, in µs. Whole numbers of µs may also be in ms or s."""
     if value % 1000 == 0:
         return microseconds(value // 1000)
     return f"{value / 1000:g} µs" if value > 1000 else f"{value} ns"
@@ -64,19 +64,22 @@ def printed_timeout_words(printed: PrintedTimeout) -> str:
 
 
 def timeout_words(timeout: Timeout) -> str:
-    """Return the rule and limits of a time-out."""
+    """Return the rule and limits of a time-out, such as ``1.5 clock periods, at most 20 µs``.
+
+    Without a number of clock periods, the values in the manual follow.
+    """
     if timeout.half_clock_periods is None:
-        texts = [_RULE.get(timeout.rule, timeout.rule)]
+        rule_and_limits = [_RULE.get(timeout.rule, timeout.rule)]
     else:
-        texts = [f"{timeout.half_clock_periods / 2:g} clock periods"]
+        rule_and_limits = [f"{timeout.half_clock_periods / 2:g} clock periods"]
     if timeout.typical_ns is not None:
-        texts.append(f"typically {nanoseconds(timeout.typical_ns)}")
+        rule_and_limits.append(f"typically {nanoseconds(timeout.typical_ns)}")
     if timeout.at_most_ns is not None:
-        texts.append(f"at most {nanoseconds(timeout.at_most_ns)}")
+        rule_and_limits.append(f"at most {nanoseconds(timeout.at_most_ns)}")
     if timeout.half_clock_periods is None:
         # Without a rule, only the values printed in the manual are known.
-        texts += [printed_timeout_words(printed) for printed in timeout.printed]
-    return ", ".join(texts)
+        rule_and_limits += [printed_timeout_words(printed) for printed in timeout.printed]
+    return ", ".join(rule_and_limits)
 
 
 def language(key: str) -> str:
@@ -181,7 +184,7 @@ def listed(items: Sequence[Part], last: str = " and ") -> Iterator[Part]:
 
 
 def parted(groups: Iterable[Sequence[Part]], between: str = ", ") -> Iterator[Part]:
-    """Yield the parts of all non-empty groups, with a separator between the groups."""
+    """Yield the parts of all non-empty groups, with the separator ``between`` after each group except the last."""
     is_first = True
     for group in groups:
         if not group:
@@ -213,7 +216,10 @@ class Style:
         return "".join(map(self._part, statement.parts))
 
     def sentence(self, statement: Statement) -> str:
-        """Return the statement as a sentence: ``Clock: 100 kHz to 4 MHz [5.3].``"""
+        """Return the statement as a sentence: ``Clock: 100 kHz to 4 MHz [5.3].``
+
+        The full stop is at the very end. It is left out if the text in front of the source already ends with one.
+        """
         if statement.below:
             return " ".join(self.lines(statement))
         label = f"{self.text(statement.label)}: " if statement.label else ""
@@ -238,7 +244,7 @@ class Style:
         return " ".join(filter(None, map(self.sentence, items)))
 
     def number(self, expression: Expression) -> str:
-        """Return a number, or an expression as code."""
+        """Return a number, or as code an expression that still has parameters after known values are filled in."""
         resolved = self.resolve(expression)
         if resolved.is_constant:
             return number(resolved.constant)

@@ -80,15 +80,15 @@ def run(arguments: argparse.Namespace) -> int:
     # The counts of the coverage, and the problems of chosen targets, depend on more than the stored inputs.
     is_storable = not arguments.coverage and not arguments.target
     options = filters_as_texts(settings.only) if settings is not None else []
-    result = cached_result(cache if is_storable else NO_CACHE, "check", specs.paths, options)
-    if _print_stored(result, arguments):
+    cached_check = cached_result(cache if is_storable else NO_CACHE, "check", specs.paths, options)
+    if _print_stored(cached_check, arguments):
         # Only runs without problems are stored.
         return 0
-    return _check(specs.paths, settings, arguments, cache, result)
+    return _check(specs.paths, settings, arguments, cache, cached_check)
 
 
 def _print_stored(result: CachedResult, arguments: argparse.Namespace) -> bool:
-    """Print the result of an earlier run without problems, and return whether there is one."""
+    """Print the result of an earlier run with the same specs, and return whether there is one. It has no problems."""
     from ..cached_result import report_of
 
     specs_read = result.get()
@@ -105,7 +105,10 @@ def _check(
     cache: Cache,
     result: CachedResult,
 ) -> int:
-    """Check the specs, print and store the result, and return the exit code. ``settings`` are about all these specs."""
+    """Check the specs, print and store the result, and return the exit code.
+
+    ``settings`` are None if the user named specs. ``result`` is the place in the cache for a run without problems.
+    """
     from ...cache import NO_CACHE
     from ...targets.registry import WITH_PROBLEMS
     from ..cached_result import specs_read
@@ -128,6 +131,7 @@ def _check(
     _print_problems(family_names, checked.report, coverage_data, arguments)
     if arguments.coverage and not arguments.json:
         print(coverage.as_text(coverage_by_family, checked))
+    # With other targets, or without the packages of some, the next run may find other problems.
     if not checked.report and are_built_in(targets, WITH_PROBLEMS):
         result.put(specs_read(family_names, checked.report))
     return 0 if coverage.is_complete(coverage_by_family, checked.report) else 1
@@ -136,7 +140,7 @@ def _check(
 def _print_problems(
     family_names: Sequence[str], report: Report, coverage_data: dict[str, Any], arguments: argparse.Namespace
 ) -> None:
-    """Print the problems and, in JSON, also the counts of the coverage."""
+    """Print the problems as text or, in JSON, with ``coverage_data``, which is empty without ``--coverage``."""
     if arguments.json:
         print_json({"version": JSON_VERSION} | as_data(report) | coverage_data)
     else:
@@ -158,7 +162,7 @@ def as_data(report: Report) -> dict[str, Any]:
 def as_text(families: Sequence[str], report: Report, form: str = "text") -> str:
     """Return the problems as text, with the files read and a summary, or in a form for review tools.
 
-    ``families`` are the names of all families.
+    ``families`` are the names of all families. ``form`` is ``text``, or ``github`` or ``sarif``, which have no summary.
     """
     if form in ("github", "sarif"):
         return _review_text(report, form)
@@ -172,8 +176,8 @@ def as_text(families: Sequence[str], report: Report, form: str = "text") -> str:
     if report:
         lines.append(counted(len(report.by_cause), "problem"))
     elif families:
-        number = "1 family" if len(families) == 1 else f"{len(families)} families"
-        lines.append(f"no problems in {number}: {', '.join(families)}")
+        family_count = "1 family" if len(families) == 1 else f"{len(families)} families"
+        lines.append(f"no problems in {family_count}: {', '.join(families)}")
     else:  # Some files define no family, such as those of masters.
         lines.append("no problems")
     return "\n".join(lines)

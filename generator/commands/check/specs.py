@@ -65,6 +65,7 @@ def check_specs(paths: Sequence[Path], targets: Iterable[Target], cache: Cache =
     to_check: list[Family] = []
     for family in families:
         has_overlay = family.plain is not None
+        # The content of an overlay is not part of the content that the cache knows.
         if has_overlay or family.document.file not in clean_files:
             to_check.append(family)
     check_editions(to_check, report)
@@ -85,7 +86,7 @@ def check_specs(paths: Sequence[Path], targets: Iterable[Target], cache: Cache =
 
 
 def _read_second_of(files_to_check: Sequence[str], family: Family, report: Report) -> SecondReading | None:
-    """Read the second reading of a family that must be checked. For others, only list it as read."""
+    """Return the second reading of a family that must be checked, or None. For others, only list its file as read."""
     if family.document.file in files_to_check:
         return read_beside(family, report)
     second_path = second_reading_path(Path(family.document.file))
@@ -95,7 +96,7 @@ def _read_second_of(files_to_check: Sequence[str], family: Family, report: Repor
 
 
 def _read_sheet_of(files_to_check: Sequence[str], family: Family, report: Report) -> Document | None:
-    """Read the sheet of turning words of a family that must be checked. For others, only list it as read."""
+    """Return the word sheet of a family that must be checked, or None. For others, only list its file as read."""
     if family.document.file in files_to_check:
         return read_sheet(family, report)
     sheet_path = word_sheet_path(Path(family.document.file))
@@ -112,6 +113,9 @@ def check_families(
     read_words: SheetReader = read_sheet,
 ) -> Checked:
     """Check families against the targets, and against the second readings and sheets of words next to their specs.
+
+    ``read`` and ``read_words`` return the second reading and the sheet of a family, or None if it has none. Problems
+    are added to ``report``. The readings of the result are the coverage of each family with a second reading.
 
     Raises:
         Stop: A target fails. The exit code is 1.
@@ -130,7 +134,10 @@ _OUT_OF_DATE = "the counts do not match the readings; update them with codewheel
 
 
 def check_counts(checked: Checked, *, write: bool) -> None:
-    """Report the counts next to the specs that are out of date, or write them all."""
+    """Report files with counts of readings, next to the specs, that are out of date. With ``write``, write them all.
+
+    A family without such a file has no counts to report.
+    """
     for family_coverage in checked.readings:
         counts_path = coverage_path(Path(family_coverage.spec.file))
         counts = counts_text(family_coverage.total)
@@ -189,7 +196,7 @@ def _family_data(family_coverage: Coverage) -> dict[str, Any]:
         "family": family_coverage.family.device.name,
         "classes": {sort.value: _class_data(sort, count) for sort, count in family_coverage.counts.items()},
         "total": asdict(family_coverage.total),
-        "once": [_fact_data(family_coverage, sort, place) for sort, place in family_coverage.once],
+        "once": [_fact_data(family_coverage, sort, path) for sort, path in family_coverage.once],
     }
 
 
@@ -200,18 +207,21 @@ def _class_data(sort: Sort, times_read: TimesRead) -> dict[str, Any]:
 def _fact_data(family_coverage: Coverage, sort: Sort, place: SpecPath) -> dict[str, Any]:
     """Return the data about a fact that was read only once."""
     spec = family_coverage.spec
-    line, _ = spec.position(place)
+    line_number, _ = spec.position(place)
     return {
         "class": sort.value,
         "file": spec.file,
-        "line": line,
+        "line": line_number,
         "path": spec.name_path(place),
         "needed": sort.is_needed,
     }
 
 
 def as_text(covered: Sequence[Coverage], checked: Checked) -> str:
-    """Return the coverage as text: by class, by family, and the facts that need a second reading."""
+    """Return the coverage as text: a table of counts by class and by family, and the facts to read a second time.
+
+    ``covered`` are the families in the table. Other families that were checked are listed as not read twice.
+    """
     covered_names = {family_coverage.family.device.name for family_coverage in covered}
     family_names = [family.device.name for family in checked.families]
     uncovered_names = [name for name in family_names if name not in covered_names]
@@ -225,7 +235,7 @@ def as_text(covered: Sequence[Coverage], checked: Checked) -> str:
 
 
 def _rows_of_table(covered: Sequence[Coverage]) -> Iterator[tuple[str, TimesRead]]:
-    """Yield the counts of each class, of each family, and of several families together."""
+    """Yield a name and counts for each class of facts, with ``*`` if it needs two readings, each family, and all."""
     for sort in Sort:
         name = f"{sort.value} *" if sort.is_needed else sort.value
         yield name, added(family_coverage.counts[sort] for family_coverage in covered)
@@ -246,9 +256,9 @@ def _lacking_lines(covered: Sequence[Coverage]) -> list[str]:
     lines = []
     for family_coverage in covered:
         spec = family_coverage.spec
-        for sort, place in family_coverage.lacking:
-            line, column = spec.position(place)
-            lines.append(f"{spec.file}:{line}:{column}: read once: {sort.value}, {spec.name_path(place)}")
+        for sort, path in family_coverage.lacking:
+            line_number, column = spec.position(path)
+            lines.append(f"{spec.file}:{line_number}:{column}: read once: {sort.value}, {spec.name_path(path)}")
     if lines:
         lines.append(f"{counted(len(lines), 'fact')} to read a second time")
     return lines

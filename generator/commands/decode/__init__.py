@@ -63,7 +63,9 @@ def add_arguments(parser: Parser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the frames decoded, and return the exit code.
+    """Print the frames decoded, and return the exit code, which is that of the worst frame.
+
+    For an encoder in a line, a command that writes it as a spec follows the frames of the arguments.
 
     Raises:
         Stop: There is no such order code or edition, or an answer or a register value is wrong.
@@ -81,7 +83,9 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _request_of(arguments: argparse.Namespace) -> Request:
-    """Return the encoder as its registers, the edition and the user's answers determine it, with the options.
+    """Return the encoder as ``--edition``, ``--register`` and ``--choose`` determine it, with the options.
+
+    Register bytes that identify the order code do not change it. Those that contradict it become differences.
 
     Raises:
         Stop: As for ``run``.

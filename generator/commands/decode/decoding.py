@@ -61,16 +61,20 @@ class Request:
 
 
 def argument_lines(arguments: Sequence[str]) -> Iterator[Line]:
-    """Yield the frames in the arguments, or for ``-`` those on standard input, one per line."""
+    """Yield the frames in the arguments, or for ``-`` those on standard input, one per line.
+
+    The arguments form one text, in which each line is a frame. A single frame has no line number. Arguments without
+    a frame yield their text as it is, which the decoder then rejects.
+    """
     if list(arguments) == ["-"]:
         if isinstance(sys.stdin, io.TextIOWrapper):
             sys.stdin.reconfigure(errors="replace")
         yield from frame_lines(_bounded_lines(sys.stdin))
         return
-    text = " ".join(arguments)
-    lines = list(frame_lines(text.splitlines()))
+    joined_arguments = " ".join(arguments)
+    lines = list(frame_lines(joined_arguments.splitlines()))
     if not lines:
-        yield Line(None, "", text)
+        yield Line(None, "", joined_arguments)
     elif len(lines) == 1:
         yield lines[0]._replace(number=None)
     else:
@@ -78,10 +82,11 @@ def argument_lines(arguments: Sequence[str]) -> Iterator[Line]:
 
 
 def _bounded_lines(file: TextIO) -> Iterator[str]:
-    """Yield the lines of a file. The rest of a line that is longer than any frame is skipped."""
-    while line := file.readline(_LONGEST_LINE):
-        yield line
-        line_continues = len(line) == _LONGEST_LINE and not line.endswith("\n")
+    """Yield the lines of a file, each cut after ``_LONGEST_LINE`` characters, which is more than any frame has."""
+    while beginning := file.readline(_LONGEST_LINE):
+        yield beginning
+        # Skip the rest of a line that was cut.
+        line_continues = len(beginning) == _LONGEST_LINE and not beginning.endswith("\n")
         while line_continues:
             piece = file.readline(_LONGEST_LINE)
             line_continues = len(piece) == _LONGEST_LINE and not piece.endswith("\n")
@@ -91,6 +96,7 @@ class Decoding:
     """Decoder of one frame after another. ``code`` is the exit code so far."""
 
     def __init__(self, request: Request) -> None:
+        """Prepare to decode what is requested. Other layouts are tried too unless a layout or a register is named."""
         self._request = request
         device, variant, sender = request.device, request.match.variant, request.sender
         self._decode_frame = text_decoder(device, variant, sender, request.layout)
@@ -102,7 +108,7 @@ class Decoding:
         self._needed_answers: dict[str, dict[str, str]] = {}
         self._codes = {FAULT} if request.register_differences else set()
         self._is_first = True
-        #: The last frames with an error, each with its explanations.
+        #: The last frames with an error: the text, the decoded frame and its explanations.
         self._failed_frames: deque[tuple[str, codec.Decoded, Diagnosis]] = deque(maxlen=MOST_FRAMES)
 
     @property
@@ -114,7 +120,11 @@ class Decoding:
         return DONE
 
     def run(self, lines: Iterable[Line]) -> None:
-        """Print each frame decoded. Report text that is not a frame, and continue."""
+        """Print each frame decoded, and then the mistakes that explain several frames with an error.
+
+        Text that cannot be decoded is reported on standard error, and the next line follows. ``code`` changes with
+        each line.
+        """
         for count, line in enumerate(lines):
             if count == MANY and self._request.register is None:
                 self._suggest_package()
@@ -122,13 +132,14 @@ class Decoding:
                 decoded, why = self._decode(line.text)
             except (FrameTextError, RegisterError, UndecidedError) as error:
                 self._codes.add(NO_FRAME)
-                place = f"line {line.number}: " if line.number is not None else ""
-                print(f"codewheel: {place}{error}", file=sys.stderr)
+                line_prefix = f"line {line.number}: " if line.number is not None else ""
+                print(f"codewheel: {line_prefix}{error}", file=sys.stderr)
                 continue
             frame_findings = self._findings(decoded)
             self._codes.add(_exit_code(decoded, frame_findings))
             other_layouts = self._other_layouts(line.text, decoded)
             if is_frame_of_other_kind(decoded, other_layouts):
+                # The frame is valid with the other layout, so there is no mistake to explain.
                 why = None
             if why is not None and decoded.problems:
                 self._failed_frames.append((line.text, decoded, why))
@@ -147,7 +158,10 @@ class Decoding:
         print(f"codewheel: {notice}", file=sys.stderr)
 
     def _mistakes_in_all(self) -> list[CommonMistake]:
-        """Return the mistakes that explain the most frames with an error: single ones, or else two at once."""
+        """Return the mistakes that explain the most of the last frames with an error, or an empty list for one frame.
+
+        If no single mistake explains all of them, pairs of mistakes are tried too.
+        """
         failed_frames = self._failed_frames
         if len(failed_frames) < 2:
             return []
@@ -161,7 +175,13 @@ class Decoding:
         return judge_together([why for why in whys if why is not None])
 
     def _decode(self, text: str) -> tuple[codec.Decoded, Diagnosis | None]:
-        """Decode a frame, and explain it if it is wrong, or decode the value of a register."""
+        """Return a decoded frame with its explanations (None if it needs none), or a decoded register value with None.
+
+        Raises:
+            FrameTextError: The text cannot be read as a frame.
+            RegisterError: There is no such register, or it has another length.
+            UndecidedError: The layout of the frame depends on a question that the user has not answered.
+        """
         device, variant = self._request.device, self._request.match.variant
         if self._request.register is not None:
             decoded = decode_register_text(device, variant, self._request.register, text)
@@ -172,17 +192,25 @@ class Decoding:
         return decoded, why_text(device, variant, self._request.sender, text, decoded)
 
     def _refuse_undecided(self, decoded: codec.Decoded) -> None:
-        """Raise ``UndecidedError`` if the layout needs an answer. A layout is checked only once."""
+        """Raise ``UndecidedError`` if the layout needs an answer that the user has not given.
+
+        A layout that needs no further answer is not checked again for later frames.
+        """
         placed = decoded.layout
         if placed is None or placed.name in self._decided_layouts:
             return
-        # A word is only bits, and even its length depends on the answers.
+        # Bytes of the wrong length have no fields, so no answer matters. For a frame of bits, even the length
+        # depends on the answers.
         if decoded.fields or not placed.layout.in_bytes:
             refuse_undecided(self._request.device, placed.layout, self._request.answers)
             self._decided_layouts.add(placed.name)
 
     def _findings(self, decoded: codec.Decoded) -> Findings:
-        """Return the findings, with those in the registers of ``--register`` and those about the edition."""
+        """Return the verdict and the reports on a decoded frame, with all values that differ from the manual.
+
+        These are, in this order, values of ``--register`` that contradict the order code, values in the frame that the
+        manual does not allow, and register values that are impossible in this edition of the manual.
+        """
         request = self._request
         frame_findings = findings(request.device, request.match.variant, decoded)
         edition_differences = tuple(strange_values(request.device, decoded))
@@ -196,21 +224,30 @@ class Decoding:
         return self._other_frames.layouts_of(text, decoded) if self._other_frames is not None else ()
 
     def _answers_used(self, decoded: codec.Decoded) -> dict[str, str]:
-        """Return the answers that were used to decode a frame, with the defaults of those that decide its verdict."""
+        """Return the answers that the result for a frame depends on, as ``{question: answer}``.
+
+        These are the answers that place its fields, and those that decide its verdict, with their defaults.
+        """
         if decoded.layout is None:
             return {}
         return self._answers_for(decoded.layout) | self._decisive_answers(decoded)
 
     def _answers_for(self, placed: PlacedLayout) -> dict[str, str]:
-        """Return the answers that the places of the fields depend on."""
+        """Return the user's answers that the places of the fields depend on, as ``{question: answer}``.
+
+        They are the same for each frame of a layout, so they are kept by its name.
+        """
         if placed.name not in self._needed_answers:
             answers = self._request.answers
-            names = [alternative.name for alternative in self._request.device.alternatives_of(placed.layout)]
-            self._needed_answers[placed.name] = {name: answers[name] for name in names if name in answers}
+            question_names = [alternative.name for alternative in self._request.device.alternatives_of(placed.layout)]
+            self._needed_answers[placed.name] = {name: answers[name] for name in question_names if name in answers}
         return self._needed_answers[placed.name]
 
     def _decisive_answers(self, decoded: codec.Decoded) -> dict[str, str]:
-        """Return the answers, or their defaults, that decide the verdict of an active flag of the frame."""
+        """Return the answers, or their defaults, that decide the verdict of an active flag of the frame.
+
+        The result is empty for a frame with an error, which has no verdict.
+        """
         if decoded.problems or decoded.layout is None:
             return {}
         verdict_parameters: set[str] = set()
@@ -233,7 +270,7 @@ class Decoding:
         why: Diagnosis | None,
         other_layouts: Sequence[PlacedLayout],
     ) -> str:
-        """Return a decoded frame as text or as JSON, with a blank line between the texts of several."""
+        """Return a frame as text, after a blank line except for the first, or as JSON, in one line for one of many."""
         request, answers = self._request, self._answers_used(decoded)
         if request.as_json:
             data = decoded_data(
@@ -266,7 +303,10 @@ class Decoding:
 
 
 def _exit_code(decoded: codec.Decoded, frame_findings: Findings) -> int:
-    """Return the exit code for one frame. A register that contradicts the order code is an error."""
+    """Return the exit code for one frame: 1 for errors, 3 if the position is not usable, else 0.
+
+    A register that contradicts the order code counts as an error.
+    """
     if decoded.problems or any(difference.is_register for difference in frame_findings.differences):
         return FAULT
     return NOT_USABLE if frame_findings.verdict is Verdict.NOT_USABLE else DONE
@@ -286,10 +326,10 @@ def decoded_data(
     answers: Mapping[str, str] = NO_ANSWERS,
     other_layouts: Sequence[PlacedLayout] = (),
 ) -> dict[str, Any]:
-    """Return the result as plain data, in the shape of ``decode.schema.json``.
+    """Return a decoded frame as plain data, in the shape of ``decode.schema.json``.
 
-    ``line`` is the line of standard input, if any. ``answers`` are the answers used to decode the frame.
-    ``other_layouts`` are the other layouts that match the frame.
+    ``line`` is the line of standard input, if any. ``answers`` are the answers used to decode the frame, as
+    ``{question: answer}``. ``other_layouts`` are the other layouts with which the frame is valid.
     """
     return {
         "version": JSON_VERSION,
@@ -342,13 +382,16 @@ def _field_data(field: codec.DecodedField) -> dict[str, Any]:
 
 
 def _quantity_data(scale: Scale, number: int | str | bool) -> dict[str, Any]:
-    """Return the quantity that a number stands for, as decimal and as fraction, for JSON."""
-    exact = scale.quantity(int(number))
+    """Return the quantity that a number stands for, such as 21.5 °C, as decimal and as fraction, for JSON.
+
+    ``exact`` is false if the decimal is rounded.
+    """
+    fraction = scale.quantity(int(number))
     return {
         "decimal": scale.decimal(int(number)),
         "exact": scale.is_exact(int(number)),
-        "numerator": exact.numerator,
-        "denominator": exact.denominator,
+        "numerator": fraction.numerator,
+        "denominator": fraction.denominator,
         "unit": scale.unit,
     }
 

@@ -25,9 +25,10 @@ _GAPS = re.compile(r"[\s_]")
 _BITS = re.compile(r"0[bB][01]+")
 _NUMBER = re.compile(r"0[xX][0-9A-Fa-f]+")
 _ONE_BYTE = re.compile(r"(?:0x)?[0-9A-Fa-f]{2}", re.IGNORECASE)
-#: A number that no program has decorated.
+#: Only a number with its prefix, such as ``0x1F``.
 _BARE = re.compile(r"0[xXbB][0-9A-Fa-f]+")
-#: Spellings of programs and logs, and their replacement. The page has the same list.
+#: Spellings of programs and logs, and their replacement. The page has the same list. In this order: ``b'..'`` of
+#: Python, ``\x1F``, brackets and quotes, ``1F-2A``, ``1Fh``, and ``0x1FUL`` of C.
 _PASTED = (
     (re.compile(r"\bb(?=['\"])"), ""),
     (re.compile(r"\\x([0-9A-Fa-f]{2})"), r" 0x\1 "),
@@ -50,7 +51,7 @@ class FrameTextError(ValueError):
 
 
 class Line(NamedTuple):
-    """A frame as text, with its line number (None if it is the only one) and its leading timestamp."""
+    """A frame as text, with its line number (None if it is the only one) and its leading timestamp, or ``""``."""
 
     number: int | None
     time: str
@@ -58,19 +59,24 @@ class Line(NamedTuple):
 
 
 def frame_lines(lines: Iterable[str]) -> Iterator[Line]:
-    """Yield the frames in lines. Comments after ``#`` and empty lines are skipped."""
-    for number, line in enumerate(lines, 1):
+    """Yield the frames in lines, one per line, with their line numbers from 1 and their times.
+
+    Comments after ``#`` are removed, and empty lines are skipped. A time in front of a frame is not part of its text.
+    """
+    for line_number, line in enumerate(lines, 1):
         before_comment, _, _ = line.partition("#")
-        text = before_comment.strip()
-        time = _TIME.match(text)
+        time_and_frame = before_comment.strip()
+        time = _TIME.match(time_and_frame)
         if time:
-            yield Line(number=number, time=time[1], text=text[time.end() :])
-        elif text:
-            yield Line(number=number, time="", text=text)
+            yield Line(number=line_number, time=time[1], text=time_and_frame[time.end() :])
+        elif time_and_frame:
+            yield Line(number=line_number, time="", text=time_and_frame)
 
 
 def undecorated(text: str) -> str:
     """Return the text of a frame without brackets, quotes and other marks of the program that it was copied from.
+
+    ``{0x1Fu, 2Ah}`` becomes ``0x1F  0x2A``. A plain number with a prefix, such as ``0x1F2A``, stays as it is.
 
     Raises:
         FrameTextError: The text is empty or longer than any frame.
@@ -88,12 +94,14 @@ def undecorated(text: str) -> str:
 
 
 def frame_bytes(text: str) -> bytes:
-    """Return the bytes of hex text, in pieces of whole bytes.
+    """Return the bytes of hex text, such as ``1F 2A`` or ``1F2A``. Each piece between spaces has whole bytes.
+
+    A piece may begin with ``0x``. A single digit is a byte only after ``0x``.
 
     Raises:
         FrameTextError: A piece is not hex, or has an odd number of digits.
     """
-    data = b""
+    frame = b""
     for piece in text.split():
         quoted_piece = quoted(visible(piece))
         if not _HEX.fullmatch(piece):
@@ -106,8 +114,8 @@ def frame_bytes(text: str) -> bytes:
             raise FrameTextError(say.one_digit(quoted_piece, digits))
         elif len(digits) % 2:
             raise FrameTextError(say.odd(quoted_piece))
-        data += bytes.fromhex(digits)
-    return data
+        frame += bytes.fromhex(digits)
+    return frame
 
 
 def placed_bytes(placed: PlacedLayout, variant: Variant, text: str) -> bytes:
@@ -120,6 +128,7 @@ def placed_bytes(placed: PlacedLayout, variant: Variant, text: str) -> bytes:
     without_gaps = text.replace("_", "")
     if not line_carries_bits or not _BITS.fullmatch(without_gaps):
         return frame_bytes(text)
+    # The line may carry fewer bits than the bytes of the frame have. The missing ones are the first, and zero.
     bits, length = placed.layout.sent_bits.value(placed.parameters), placed.bits // 8
     written_bits = len(without_gaps) - len("0b")
     if written_bits != bits:
@@ -129,9 +138,12 @@ def placed_bytes(placed: PlacedLayout, variant: Variant, text: str) -> bytes:
 
 
 def frame_number(placed: PlacedLayout, text: str, *, exact: bool = False) -> TypedFrame:
-    """Return one number given as ``0b`` with all leading zeros, or as ``0x`` or hex bytes, which imply them.
+    """Return a frame written as one number: ``0b`` and every bit, ``0x`` and hex digits, or bytes such as ``01 2A``.
 
-    With ``exact``, bytes imply no zeros, because frames of the sender have different lengths.
+    ``0b`` gives the exact number of bits. Hex digits do not, because the frame may begin with further zeros. With
+    ``exact``, which means that frames of the sender have different lengths, hex bytes give it too if they are more or
+    fewer than the layout has. Digits without a prefix are accepted only as all bits of the frame, and only if no other
+    reading of them fits.
 
     Raises:
         FrameTextError: The text has another form.
@@ -143,8 +155,9 @@ def frame_number(placed: PlacedLayout, text: str, *, exact: bool = False) -> Typ
     pieces = text.split()
     are_bytes = len(pieces) > 1 and all(map(_ONE_BYTE.fullmatch, pieces))
     if are_bytes:
+        # Raises an error if the pieces may also be pairs of bits.
         _refuse_bits_in_pairs(pieces, text)
-        # A byte may have a prefix of its own.
+        # The last two characters of a piece are its digits. A byte may have a prefix of its own.
         without_gaps = "0x" + "".join(piece[-2:] for piece in pieces)
         if exact and len(pieces) != (placed.bits + 7) // 8:
             bits = 8 * len(pieces)
@@ -165,7 +178,10 @@ def frame_number(placed: PlacedLayout, text: str, *, exact: bool = False) -> Typ
 
 
 def _refuse_bits_in_pairs(pieces: Sequence[str], text: str) -> None:
-    """Raise FrameTextError if the pieces, such as ``10 01 11``, may be bits as well as bytes."""
+    """Raise FrameTextError if the pieces, such as ``10 01 11``, may be bits as well as bytes.
+
+    They may if all of them are two digits without a prefix, and all digits are 0 or 1.
+    """
     have_no_prefix = all(len(piece) == 2 for piece in pieces)
     are_zeros_and_ones = set("".join(pieces)) <= {"0", "1"}
     if have_no_prefix and are_zeros_and_ones:
@@ -173,8 +189,13 @@ def _refuse_bits_in_pairs(pieces: Sequence[str], text: str) -> None:
 
 
 def _possible_meanings(digits: str, bits: int) -> Iterator[str]:
-    """Yield the possible meanings of digits without a prefix that fit into the bits. The page has the same rule."""
+    """Yield how to write digits without a prefix, for each meaning that they can have in a frame of ``bits`` bits.
+
+    For ``10``: ``0xA if it is decimal``, ``0x10 if it is hex``, ``0b10 if it is bits``. A decimal or hexadecimal number
+    must fit into the frame. Bits may be of any number, since the length is checked later. The page has the same rule.
+    """
     largest = (1 << bits) - 1
+    # A decimal number has no leading zero. More than 40 digits are not read as any of the three.
     if re.fullmatch(r"0|[1-9][0-9]{0,39}", digits) and int(digits) <= largest:
         yield say.if_decimal(f"0x{int(digits):X}")
     if re.fullmatch(r"[0-9A-Fa-f]{1,40}", digits) and int(digits, 16) <= largest:
@@ -205,7 +226,11 @@ def decode_text(device: Device, variant: Variant, sender: str, text: str, layout
 
 
 def text_decoder(device: Device, variant: Variant, sender: str, layout: str | None) -> Callable[[str], codec.Decoded]:
-    """Return a function that decodes many frames, each like ``decode_text``."""
+    """Return a function that decodes the text of one frame, with the layout that ``decode_text`` would choose.
+
+    ``layout`` is the name of the layout, or None to let each frame identify its own. If there is no such layout, the
+    function raises FrameTextError for every frame.
+    """
     layouts = _layouts_of(device, variant, sender)
     candidates = [candidate for candidate in layouts if layout is None or candidate.name == layout]
     first_placed = candidates[0].place(variant.parameters) if candidates else None
@@ -213,6 +238,7 @@ def text_decoder(device: Device, variant: Variant, sender: str, layout: str | No
     is_exact = have_lengths(layouts, sender)
 
     def decode(text: str) -> codec.Decoded:
+        """Return the frame decoded with the named layout or, without a name, with the one that it identifies."""
         frame_text = undecorated(text)
         if first_placed is None:
             raise FrameTextError(_no_layout_message(device, variant, sender, layout))
@@ -220,6 +246,7 @@ def text_decoder(device: Device, variant: Variant, sender: str, layout: str | No
             return decode_as(device, variant, first_placed, frame_text, exact=is_exact)
         if first_placed.layout.in_bytes:
             data = placed_bytes(first_placed, variant, frame_text)
+            # It finds the layout by the selector in the bytes, or by their number.
             return codec.decode_bytes(device, variant, sender, data)
         placed = _layout_of_length(frame_text, first_placed, layouts, variant) if is_exact else first_placed
         return decode_as(device, variant, placed, frame_text, exact=is_exact)
@@ -228,11 +255,15 @@ def text_decoder(device: Device, variant: Variant, sender: str, layout: str | No
 
 
 def _layouts_of(device: Device, variant: Variant, sender: str) -> list[Layout]:
+    """Return the layouts of the frames that the sender, encoder or master, sends over the interface of the variant."""
     return [layout for layout in device.interface(variant.interface).layouts if layout.sender == sender]
 
 
 def _no_layout_message(device: Device, variant: Variant, sender: str, name: str | None) -> str:
-    """Return the message about a sender without frames, or without a layout of this name."""
+    """Return the message about a sender without frames, or without a layout of this name.
+
+    If the other sender has a layout of this name, the message says how to choose that sender.
+    """
     interface = device.interface(variant.interface)
     known_layouts = _layouts_of(device, variant, sender)
     if not known_layouts:
@@ -254,7 +285,10 @@ def decode_register_text(device: Device, variant: Variant, name: str, text: str)
 
 
 def _layout_of_length(text: str, first: PlacedLayout, layouts: Sequence[Layout], variant: Variant) -> PlacedLayout:
-    """Return the only layout that has the length of the text, or ``first`` if that fits or several do."""
+    """Return the layout that has the length of the text: ``first`` if it has it, else the only other one that has it.
+
+    If no other layout or several have this length, it is also ``first``. The decoder then reports the wrong length.
+    """
     if _has_length(first, text):
         return first
     candidates = [layout.place(variant.parameters) for layout in layouts]
@@ -263,14 +297,20 @@ def _layout_of_length(text: str, first: PlacedLayout, layouts: Sequence[Layout],
 
 
 def _has_length(placed: PlacedLayout, text: str) -> bool:
-    """Return whether bits or bytes are as many as the layout has. A number in hex can have leading zeros."""
+    """Return whether the text can be a frame of this layout by its number of bits.
+
+    ``0b`` and hex bytes of another number must have exactly the bits of the layout. Other hex may have fewer, because
+    its leading zeros may be missing.
+    """
     frame = frame_number(placed, text, exact=True)
     bits = placed.layout.sent_bits.value(placed.parameters)
     return frame.bits == bits if frame.exact else frame.bits <= bits
 
 
 def decode_as(device: Device, variant: Variant, placed: PlacedLayout, text: str, *, exact: bool) -> codec.Decoded:
-    """Decode ``undecorated`` text with a known layout. ``exact`` is that of ``frame_number``.
+    """Decode text that ``undecorated`` returned, with a known layout.
+
+    ``exact`` means that frames of the sender have different lengths, so that hex bytes have no further zeros in front.
 
     Raises:
         FrameTextError: The text cannot be read as a frame.
@@ -286,9 +326,11 @@ def decode_as(device: Device, variant: Variant, placed: PlacedLayout, text: str,
 def why_text(
     device: Device, variant: Variant, sender: str, text: str, decoded: codec.Decoded, *, with_pairs: bool = False
 ) -> Diagnosis | None:
-    """Return explanations of a frame whose CRC, length or constant is wrong. ``decoded`` is its ``decode_text``.
+    """Return explanations of a frame whose CRC, length or constant is wrong, or None if nothing explains it.
 
-    ``with_pairs`` also lists pairs of mistakes if a single one matches.
+    A frame in bytes whose layout is not known is also explained. ``_why_bits`` has the rule for frames of bits.
+    ``decoded`` is the result of ``decode_text`` for the text. ``with_pairs`` also lists pairs of mistakes if a single
+    one matches.
     """
     placed = decoded.layout
     if placed is not None and not placed.layout.in_bytes:
@@ -315,11 +357,16 @@ def _why_bits(
     *,
     with_pairs: bool,
 ) -> Diagnosis | None:
-    """Return explanations of a frame of bits. One without a CRC, or with equal bits, is explained even if valid."""
+    """Return explanations of a frame of bits, or None if it needs none or nothing explains it.
+
+    ``explain_bits`` gets frames with a wrong CRC or length, and those whose bits are all equal, as on a dead line.
+    It also gets valid frames without a CRC, but explains them only if all their bits are equal. ``explain_constant``
+    gets the other frames with a wrong constant. Other faults are not explained.
+    """
     faults = {problem.fault for problem in decoded.problems}
-    has_no_crc = not faults and decoded.crc is None
+    is_valid_without_crc = not faults and decoded.crc is None
     has_equal_bits = decoded.number in (0, (1 << placed.bits) - 1)
-    is_suspicious = has_no_crc or has_equal_bits or bool(faults & _TRANSMISSION_FAULTS)
+    is_suspicious = is_valid_without_crc or has_equal_bits or bool(faults & _TRANSMISSION_FAULTS)
     if not is_suspicious and Fault.CONSTANT not in faults:
         return None
     from ...why.explain import explain_bits, explain_constant
@@ -332,7 +379,10 @@ def _why_bits(
 
 
 class OtherFrames:
-    """The layouts of a sender, each a candidate for a frame that was decoded as one of them."""
+    """The layouts of a sender, each a candidate for a frame that was decoded as one of them.
+
+    There are no candidates if the sender has only one layout, or if a selector in each frame identifies its layout.
+    """
 
     def __init__(self, device: Device, variant: Variant, sender: str) -> None:
         layouts = _layouts_of(device, variant, sender)
@@ -344,16 +394,22 @@ class OtherFrames:
             self._candidates = [layout.place(variant.parameters) for layout in layouts]
 
     def layouts_of(self, text: str, decoded: codec.Decoded) -> tuple[PlacedLayout, ...]:
-        """Return the other layouts with which the text is a valid frame. ``decoded`` is its ``decode_text``."""
+        """Return the other layouts with which the text is a valid frame.
+
+        ``decoded`` is the result of ``decode_text`` for the text, with one of the layouts.
+        """
         return tuple(candidate for candidate in self._candidates if self._is_valid_as(candidate, text, decoded))
 
     def _is_valid_as(self, candidate: PlacedLayout, text: str, decoded: codec.Decoded) -> bool:
-        """Return whether the text, which was decoded with another layout, is a valid frame of the candidate."""
+        """Return whether the text, which was decoded with another layout, is a valid frame of the candidate.
+
+        A frame of the right length is not tried as a layout with another number of bits.
+        """
         if decoded.layout is None or candidate.name == decoded.layout.name:
             return False
         if candidate.layout.in_bytes != decoded.layout.layout.in_bytes:
             return False  # its text has another form
-        # Hex digits imply leading zeros, so without this, a short frame would be valid as a long one.
+        # Hex digits may lack leading zeros, so without this check, a short frame would be valid as a long one.
         has_other_length = any(problem.fault is Fault.LENGTH for problem in decoded.problems)
         if candidate.bits != decoded.layout.bits and not has_other_length:
             return False
@@ -366,7 +422,10 @@ class OtherFrames:
 
 
 def is_frame_of_other_kind(decoded: codec.Decoded, other_layouts: Sequence[PlacedLayout]) -> bool:
-    """Return whether a wrong frame is a valid one of another kind, whose check bits match, so it has no mistake."""
+    """Return whether a frame with errors is really a valid frame of the only layout in ``other_layouts``.
+
+    That layout must have a constant, a CRC or a parity, because any bits are valid in a layout without them.
+    """
     if not decoded.problems or len(other_layouts) != 1:
         return False
     kinds = [placed_field.field.kind for placed_field in other_layouts[0].fields]

@@ -74,23 +74,23 @@ def explain(
 
 
 def _other_position_lines(device: Device, variant: Variant, decoded: codec.Decoded) -> Iterator[str]:
-    """Yield other readings of a position that nothing in the frame can contradict."""
+    """Yield a line with other readings of the position, for a frame without errors and without a CRC to prove it."""
     if decoded.problems or decoded.crc is not None:
         return
     from ...why.doubts import other_positions, position_name
 
-    readings = [f"{value} {reason}" for reason, value in other_positions(device, variant, decoded)]
+    readings = [f"{position} {reason}" for reason, position in other_positions(device, variant, decoded)]
     if readings:
         suggestion = say.looks_wrong(position_name(device, variant), ", ".join(readings))
         yield wrapped(sentence(suggestion), WIDTH, prefix="  ", first="")
 
 
 def _line_prefix(line: Line) -> str:
-    """Return the number and the time of a line of standard input, or an empty string."""
-    number = f"line {line.number}" if line.number is not None else ""
-    time = f"at {line.time}" if line.time else ""
-    prefix = f"{number} {time}".strip()
-    return f"{prefix}: " if prefix else ""
+    """Return the number and the time of a line of input, such as ``line 3 at 0.125: ``, or an empty string."""
+    number_text = f"line {line.number}" if line.number is not None else ""
+    time_text = f"at {line.time}" if line.time else ""
+    number_and_time = f"{number_text} {time_text}".strip()
+    return f"{number_and_time}: " if number_and_time else ""
 
 
 def _heading(device: Device, variant: Variant, sender: str, decoded: codec.Decoded) -> str:
@@ -100,19 +100,20 @@ def _heading(device: Device, variant: Variant, sender: str, decoded: codec.Decod
 
 
 def label_lines(device: Device, match: Match) -> Iterator[str]:
-    """Yield the state that registers decide, and how the label differs from the codes in the manual."""
+    """Yield the parameters read from registers, how the label differs from the manual, and where the spec is from."""
     variant = match.variant
-    names = [parameter.name for parameter in parameters_of(device, variant.interface) if parameter.read_from]
-    if names:
-        state = ", ".join(f"{name} = {variant.parameters[name]}" for name in names)
+    names_read = [parameter.name for parameter in parameters_of(device, variant.interface) if parameter.read_from]
+    if names_read:
+        state = ", ".join(f"{name} = {variant.parameters[name]}" for name in names_read)
         yield wrapped(f"with {state} (from registers; --register changes them)", WIDTH, prefix="  ")
+    # Text after the order code does not matter for decoding.
     yield from label_differences(device, replace(match, tail=""))
     for statement in origin(device):
         yield wrapped(BY_NAME.sentence(statement), WIDTH, prefix="  ")
 
 
 def label_differences(device: Device, match: Match) -> Iterator[str]:
-    """Yield how a label differs from the codes in the manual, in lines of at most 80 columns."""
+    """Yield how a label differs from the codes in the manual: made up, other spelling, unlisted, tail, or special."""
     for statement in not_on_label(device):
         yield wrapped(BY_NAME.sentence(statement), WIDTH, prefix="  ")
     if match.written_as_in:
@@ -131,15 +132,15 @@ def _layout_line(placed: PlacedLayout) -> str:
     layout = placed.layout
     title = layout.printed_name or words(placed.name)
     if layout.in_bytes:
-        size = counted(placed.bits // 8, "byte")
+        length = counted(placed.bits // 8, "byte")
     else:
-        size = counted(placed.bits, "bit")
+        length = counted(placed.bits, "bit")
     channel = f", data channel {layout.channel}" if layout.channel else ""
-    return f"{title}, {size}{channel}"
+    return f"{title}, {length}{channel}"
 
 
 def _answer_lines(device: Device, answers: Mapping[str, str]) -> Iterator[str]:
-    """Yield the answers to questions that the manual leaves open, and how to choose others than the defaults."""
+    """Yield the meaning of the answers used, ``{question: answer}``, and how to choose others than the defaults."""
     for alternative in device.alternatives:
         for index, answer in enumerate(alternative.answers):
             is_used = answers.get(alternative.name) == answer.name
@@ -148,6 +149,7 @@ def _answer_lines(device: Device, answers: Mapping[str, str]) -> Iterator[str]:
             yield wrapped(
                 f"decoded with {alternative.name} = {answer.name}: {answer.meaning}", WIDTH, prefix="  ", first=""
             )
+            # The default of an alternative, if it has one, is its first answer.
             is_default = bool(alternative.default) and index == 0
             if is_default:
                 options = " or ".join(_other_options(alternative))
@@ -171,7 +173,7 @@ def _crc_line(crc: Crc, crc_result: codec.CrcResult) -> str:
 
 
 def _problem_lines(decoded: codec.Decoded, findings: Findings) -> Iterator[str]:
-    """Yield the errors of the frame and what differs from the manual or, without errors, also the last lines."""
+    """Yield the errors of a frame and its differences from the manual. Without errors, the encoder's reports follow."""
     for problem in decoded.problems:
         yield wrapped(f"{problem.fault.value} error: {problem.message}", WIDTH, prefix="  ", first="")
     for difference in findings.differences:
@@ -181,7 +183,7 @@ def _problem_lines(decoded: codec.Decoded, findings: Findings) -> Iterator[str]:
 
 
 def _report_lines(decoded: codec.Decoded, findings: Findings) -> Iterator[str]:
-    """Yield the last lines about a valid frame or register: the encoder's reports, or that there is no error."""
+    """Yield the encoder's reports and their verdict, or else one line: no error, no CRC (of a frame), the verdict."""
     if findings.reports:
         yield "the encoder reports:"
         for report in findings.reports:
@@ -221,10 +223,7 @@ def _report_text(report: Report) -> str:
 
 
 def _position_text(device: Device, variant: Variant, decoded: codec.Decoded, verdict: Verdict | None) -> str:
-    """Return the position in degrees or micrometres, or only the angle if the frame has no other part of it.
-
-    An angle in degrees would look too trustworthy for an unusable position, so there is none.
-    """
+    """Return the position (or its lowest part in the frame) in µm or degrees, or nothing for one that is not usable."""
     measurement = device.measurement_of(variant.interface)
     if verdict in (None, Verdict.NOT_USABLE) or measurement is None or decoded.layout is None:
         return ""
@@ -242,7 +241,7 @@ def _position_text(device: Device, variant: Variant, decoded: codec.Decoded, ver
 
 
 def _lowest_joined_field(device: Device, variant: Variant, name: str) -> str:
-    """Return the last field of a join of this name, which has the lowest bits, or the name itself without a join."""
+    """Return the last field of the joined number ``name``, which has its lowest bits, or ``name`` if none is joined."""
     for layout in device.interface(variant.interface).layouts:
         for join in layout.joins:
             if join.name == name:
@@ -251,13 +250,14 @@ def _lowest_joined_field(device: Device, variant: Variant, name: str) -> str:
 
 
 def _angle_text(measurement: Measurement, variant: Variant, name: str, counts: int) -> str:
-    """Return the angle and, if the counts are the whole position, the revolution. Empty for a fraction of a count."""
+    """Return ``position: 90.0°``, for the whole position with its revolution. Empty without whole counts per turn."""
     counts_per_turn = _value_or_zero(measurement.counts_per_turn, variant)
     turns = _value_or_zero(measurement.turns, variant)
     if counts_per_turn < 1:
         return ""
     turn, counts_in_turn = divmod(counts, counts_per_turn)
     degrees = counts_in_turn * 360 / counts_per_turn
+    # One decimal for each digit of the counts per degree, so that neighbouring counts differ.
     decimals = len(str(counts_per_turn // 360))
     angle = f"{name}: {degrees:.{decimals}f}°"
     is_whole_position = turns > 1 and name == measurement.of
@@ -269,7 +269,7 @@ def _value_or_zero(expression: Expression | None, variant: Variant) -> int:
 
 
 def _why_lines(why: Diagnosis, placed: PlacedLayout | None) -> list[str]:
-    """Return what explains the frame: a line that never changes, a disturbed bit, or mistakes."""
+    """Return the lines that explain the frame: only the dead line if that is it, else disturbed bits and mistakes."""
     is_line_stuck = [explanation.kind for explanation in why.explanations] == ["line_stuck"]
     if is_line_stuck:
         explanation = sentence(capitalized(why.explanations[0].text))
@@ -278,7 +278,7 @@ def _why_lines(why: Diagnosis, placed: PlacedLayout | None) -> list[str]:
 
 
 def _disturbed_lines(disturbed: Sequence[int], placed: PlacedLayout | None) -> list[str]:
-    """Return the usual cause if only some frames fail: one bit was inverted in transmission."""
+    """Return the hint that a bit may have been inverted on the line, one of those in ``disturbed``, or nothing."""
     if not disturbed or placed is None:
         return []
     bits = _bit_name(disturbed[0], placed) if len(disturbed) == 1 else f"one of {len(disturbed)} bits"
@@ -290,7 +290,7 @@ def _disturbed_lines(disturbed: Sequence[int], placed: PlacedLayout | None) -> l
 
 
 def _bit_name(bit: int, placed: PlacedLayout) -> str:
-    """Return the name of a bit that is counted from the last as 0."""
+    """Return ``bit 9`` for a frame of bits, or ``bit 1 of byte 2`` with the first byte as 0. Bit 0 is the last sent."""
     if not placed.layout.in_bytes:
         return f"bit {bit}"
     last_byte = placed.bits // 8 - 1
@@ -298,7 +298,8 @@ def _bit_name(bit: int, placed: PlacedLayout) -> str:
 
 
 def _mistake_lines(why: Diagnosis) -> list[str]:
-    """Return the mistakes that explain a frame, each with its chance, and the hints that follow them."""
+    """Return the mistakes that explain a frame, each with its chance, or that none does, and the hints that follow."""
+    # From 0.5 % on, the number is rounded to at least 1.
     percent = f"{100 * why.coincidence:.0f}" if why.coincidence >= 0.005 else "less than 1"
     mistakes = counted(why.tried, "common mistake")
     chance = f"{mistakes} tried; {percent} of 100 random frames would match at least one"
@@ -328,7 +329,7 @@ def _hint_lines(why: Diagnosis) -> list[str]:
 
 
 def together_lines(mistakes: Sequence[CommonMistake], failed_frames: int) -> Iterator[str]:
-    """Yield lines about the mistakes that explain the most of several frames with an error, the likeliest first."""
+    """Yield lines about mistakes, likeliest first, of which each explains equally many of the failed frames (>= 2)."""
     if not mistakes or mistakes[0].frames < 2:
         return
     explained_frames = mistakes[0].frames
@@ -341,7 +342,7 @@ def together_lines(mistakes: Sequence[CommonMistake], failed_frames: int) -> Ite
 
 
 def _introduction(why: Diagnosis, chance: str) -> str:
-    """Return the sentence in front of the explanations."""
+    """Return the sentence in front of the explanations. Only with a CRC does it give their ``chance``."""
     if not why.has_crc:
         return f"{UNCERTAIN_READINGS}:"
     needs_two = why.explanations[-1].twice
@@ -350,18 +351,18 @@ def _introduction(why: Diagnosis, chance: str) -> str:
 
 
 def _chance_and_values(explanation: Explanation) -> str:
-    """Return how often a mistake matches by chance, and the values that the frame has without it."""
-    texts = []
+    """Return how often a mistake matches by chance, and the values without it: ``…1 of 64 frames, and gives x 5``."""
+    details = []
     if explanation.one_in > 1:
-        texts.append(f"matches by chance in {_frequency(explanation.one_in)} frames")
+        details.append(f"matches by chance in {_frequency(explanation.one_in)} frames")
     if explanation.reads:
-        values = ", ".join(f"{name} {value}" for name, value in explanation.reads.items())
-        texts.append(f"gives {values}")
-    return ", and ".join(texts)
+        values = ", ".join(f"{name} {number}" for name, number in explanation.reads.items())
+        details.append(f"gives {values}")
+    return ", and ".join(details)
 
 
 def _parts_of_recording(explanation: Explanation) -> str:
-    """Return the parts of a recording, each with its bits, in the order received."""
+    """Return the parts of a recording in the order received, such as ``start 0, position 101101, crc 011010``."""
     return ", ".join(f"{name.replace('_', '-')} {bits}" for name, bits in explanation.parts)
 
 
@@ -381,36 +382,37 @@ _WIDEST_HEAD = 56
 
 
 def _field_table(decoded: codec.Decoded) -> list[str]:
-    """Return the lines about the fields, in columns. The meaning is wrapped."""
+    """Return a line per field with its cells in columns, and its meaning next to them, or below if they are wide."""
     assert decoded.layout is not None
-    # Each unused field has a line of its own, so the one for all of them is omitted.
+    # Each unused field has a line of its own, so the one for all of them, which has no place, is omitted.
     fields = [field for field in decoded.fields if field.name != codec.UNUSED or field.high >= 0]
     rows = [_field_row(decoded.layout, field) for field in fields]
     columns = zip(*(row.cells for row in rows), strict=True)
     column_widths = [max(map(len, column)) for column in columns]
     lines = []
     for row in rows:
-        head = "  ".join(cell.ljust(width) for cell, width in zip(row.cells, column_widths, strict=True))
-        indent = " " * (len(head) + 2)
+        columns_text = "  ".join(cell.ljust(width) for cell, width in zip(row.cells, column_widths, strict=True))
+        indent = " " * (len(columns_text) + 2)
         if not row.meaning:
-            lines.append(head.rstrip())
+            lines.append(columns_text.rstrip())
         elif len(indent) > _WIDEST_HEAD:
-            lines += [head.rstrip(), wrapped(row.meaning, WIDTH, prefix=" " * 6)]
+            lines += [columns_text.rstrip(), wrapped(row.meaning, WIDTH, prefix=" " * 6)]
         else:
-            lines.append(wrapped(row.meaning, WIDTH, prefix=indent, first=head + "  "))
+            lines.append(wrapped(row.meaning, WIDTH, prefix=indent, first=columns_text + "  "))
     return lines
 
 
 def _field_row(placed: PlacedLayout, field: codec.DecodedField) -> _FieldRow:
-    has_place = field.high >= 0
+    """Return the row of a field. One bit is printed in decimal, and any other raw number as ``0x1f``."""
+    has_place = field.high >= 0  # A joined number has no place of its own.
     place = bit_place(placed.layout, placed.bits, field.high, field.low) if has_place else ""
     is_one_bit = has_place and field.high <= field.low
-    number = str(field.raw) if is_one_bit else f"{field.raw:#x}"
-    return _FieldRow(cells=(place, field.name, number, _value_text(field)), meaning=_meaning_text(placed, field))
+    number_text = str(field.raw) if is_one_bit else f"{field.raw:#x}"
+    return _FieldRow(cells=(place, field.name, number_text, _value_text(field)), meaning=_meaning_text(placed, field))
 
 
 def _meaning_text(placed: PlacedLayout, field: codec.DecodedField) -> str:
-    """Return the meaning, and for a number in Gray code also how it was sent."""
+    """Return the meaning, and for a number sent in Gray code also its value as sent and converted."""
     if not placed.gray:
         return field.meaning
     gray_names = (*placed.layout.names_in(placed.layout.gray_of), placed.layout.gray_of)
@@ -425,23 +427,23 @@ def capitalized(text: str) -> str:
 
 
 def _value_text(field: codec.DecodedField) -> str:
-    """Return the value of a field with its unit, and the quantity that it stands for."""
+    """Return the value of a field with its unit, and the quantity if it has a scale, such as ``215 (21.5 °C)``."""
     if isinstance(field.value, bool):
-        text = "yes" if field.value else "no"
+        value_with_unit = "yes" if field.value else "no"
     else:
-        text = with_unit(str(field.value), field.unit)
+        value_with_unit = with_unit(str(field.value), field.unit)
     if field.scale is None:
-        return text
-    return f"{text} ({quantity(field.scale, int(field.value))})"
+        return value_with_unit
+    return f"{value_with_unit} ({quantity(field.scale, int(field.value))})"
 
 
 def other_frames_line(decoded: codec.Decoded, other_layouts: Sequence[PlacedLayout]) -> str:
-    """Return the names of the other frames in a sentence, or an empty string if there are none."""
+    """Return a sentence with the other layouts that the frame matches, and how to choose one, or an empty string."""
     if not other_layouts:
         return ""
-    names = ", ".join(layout.name for layout in other_layouts)
+    layout_names = ", ".join(layout.name for layout in other_layouts)
     if not decoded.problems:
-        return f"{say.also_possible(names)} (choose with --layout)"
+        return f"{say.also_possible(layout_names)} (choose with --layout)"
     if is_frame_of_other_kind(decoded, other_layouts):
-        return f"{say.valid_other(names)}: add --layout {names}"
-    return f"{say.possible_instead(names)} (choose with --layout)"
+        return f"{say.valid_other(layout_names)}: add --layout {layout_names}"
+    return f"{say.possible_instead(layout_names)} (choose with --layout)"

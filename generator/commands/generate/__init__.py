@@ -119,10 +119,10 @@ def run(arguments: argparse.Namespace) -> int:
 
     cache = cache_for(arguments)
     selection = select_specs(arguments, cache)
-    result = _result_of_earlier_run(arguments, selection, cache)
-    if is_unchanged(arguments, result.get()):
+    cached_run = _result_of_earlier_run(arguments, selection, cache)
+    if is_unchanged(arguments, cached_run.get()):
         return 0
-    return _render_and_write(arguments, cache, selection, result)
+    return _render_and_write(arguments, cache, selection, cached_run)
 
 
 def _render_and_write(arguments: argparse.Namespace, cache: Cache, selection: Selection, result: CachedResult) -> int:
@@ -166,7 +166,10 @@ def _render_and_write(arguments: argparse.Namespace, cache: Cache, selection: Se
 
 
 def _result_of_earlier_run(arguments: argparse.Namespace, selection: Selection, cache: Cache) -> CachedResult:
-    """Return the result of an earlier run. There is none with templates of the user or a document type."""
+    """Return the result of an earlier run with the same specs and options, which may be missing.
+
+    With templates of the user or a document type, no result is stored.
+    """
     from ...cache import NO_CACHE
     from ...loading.configuration import filters_as_texts
     from ..cached_result import cached_result
@@ -193,7 +196,7 @@ def _refuse_misused_options(arguments: argparse.Namespace, targets: Sequence[Tar
 def _line_about_specs(
     devices: Sequence[Device], report: Report, packaged: Sequence[str], packaged_files: Sequence[Path]
 ) -> str:
-    """Return the line about the specs that were read, and one about values that are still the template's, if any."""
+    """Return a line about the specs that were read, and a second one if values are still those of the template."""
     from ..placeholders import placeholder_line
     from ..read_specs import read_line
 
@@ -209,7 +212,7 @@ def _render(
     options: Mapping[str, Options],
     cache: Cache,
 ) -> dict[str, Mapping[str, str]]:
-    """Return the files of each target. Parts of families with the same model come from the cache.
+    """Return the files of each target, as ``{target: {path: text}}``. Parts of known models come from the cache.
 
     ``accepted`` are the devices in the library that each target writes.
     """

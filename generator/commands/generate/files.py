@@ -44,7 +44,10 @@ class Generated(TypedDict):
 
 
 def is_unchanged(arguments: argparse.Namespace, generated: Generated | None) -> bool:
-    """Return True if the output is that of an earlier run, and print what that run printed."""
+    """Return True if the files on the disk are those of an earlier run, and print what that run printed about them.
+
+    ``generated`` is the result of that run, or None if there is none with the same input.
+    """
     if generated is None or digest_on_disk(arguments.output, generated["targets"]) != generated["digest"]:
         return False
     print(generated["read_line"])
@@ -61,10 +64,10 @@ def result_to_store(read_line: str, files: Files, families: Families) -> Generat
 def write_or_compare(
     arguments: argparse.Namespace, files: Files, families: Families, gate: Callable[[], None], guard: Guard
 ) -> int:
-    """Write or compare the files of each target, and return the exit code.
+    """Write or, with ``--check``, only compare the files of each target. Return the exit code, which is 0.
 
     ``families`` are those that each target was rendered from. ``gate`` raises ``Stop`` to refuse writing specs that
-    must not be released. It is called if a file would change.
+    must not be released. It is called if a file would change. Without ``--prune``, ``guard`` refuses to remove outputs.
 
     Raises:
         Stop: The disk fails, a file differs, or ``guard`` refuses the changes.
@@ -103,7 +106,7 @@ def _print_wait(output: Path) -> None:
 
 
 def _print_changes(file_changes: Sequence[Change], arguments: argparse.Namespace) -> None:
-    """Print the files that changed, and a summary.
+    """Print the files that changed or, if they were only compared, differ, and a summary.
 
     Raises:
         Stop: A file that was only compared differs.
@@ -119,7 +122,7 @@ def _print_changes(file_changes: Sequence[Change], arguments: argparse.Namespace
 
 
 def _print_summary(arguments: argparse.Namespace, count: int, changed: int) -> None:
-    """Print the number of files, or raise ``Stop`` if some of them were only compared and differ."""
+    """Print the number of files. With ``--check``, raise ``Stop`` with exit code 1 if ``changed`` of them differ."""
     if arguments.check and changed:
         raise Stop(f"{counted(changed, 'file')} out of date; run: {arguments.again}", 1)
     if arguments.check:
@@ -131,7 +134,10 @@ def _print_summary(arguments: argparse.Namespace, count: int, changed: int) -> N
 
 
 def _print_targets_by_state(file_changes: Iterable[Change]) -> None:
-    """Print which targets match the specs and which do not, as after a run that was killed between two targets."""
+    """Print which targets match the specs and which do not, if there are both.
+
+    There are if a run was killed between two targets. The target of a file is the first folder of its path.
+    """
     changes_by_target: dict[str, set[str]] = {}
     for change in file_changes:
         target, slash, _ = change.path.partition("/")
@@ -144,7 +150,7 @@ def _print_targets_by_state(file_changes: Iterable[Change]) -> None:
 
 
 def _validate_idbiss(files: Mapping[str, str], output: Path, dtd: Path) -> None:
-    """Validate every idbiss file against the document type ``dtd``.
+    """Validate every idbiss file in ``files``, texts by path, against the document type ``dtd``.
 
     Raises:
         Stop: A file is not valid (exit code 1), or ``dtd`` cannot be used (exit code 2).
@@ -169,20 +175,23 @@ def _validate_idbiss(files: Mapping[str, str], output: Path, dtd: Path) -> None:
 
 
 def changed_files(old: Sequence[Device], new: Sequence[Device], cache: Cache) -> FileCounts | None:
-    """Return the files that our targets add, remove or change, or None if a target cannot express a family."""
-    parts = FamilyParts(cache, only_paths=unchanged_families(old, new))
+    """Return the paths that our targets add, remove or change, their total, and changed names in the files.
+
+    It is None if a target cannot express a family or a template fails.
+    """
+    family_parts = FamilyParts(cache, only_paths=unchanged_families(old, new))
     try:
-        old_files, new_files = _rendered_files(old, parts), _rendered_files(new, parts)
+        old_files, new_files = _rendered_files(old, family_parts), _rendered_files(new, family_parts)
     except (TargetError, TemplateFault):
         return None
-    names = sorted({*old_files, *new_files})
-    changed = tuple(name for name in names if old_files.get(name) != new_files.get(name))
+    paths = sorted({*old_files, *new_files})
+    changed_paths = tuple(path for path in paths if old_files.get(path) != new_files.get(path))
     changed_names = name_changes(old_files, new_files, {device.name for device in (*old, *new)})
-    return FileCounts(changed, len(names), changed_names)
+    return FileCounts(changed_paths, len(paths), changed_names)
 
 
 def unchanged_families(old: Sequence[Device], new: Sequence[Device]) -> frozenset[str]:
-    """Return the names of the families that have the same model on both sides."""
+    """Return the names of the families that are on both sides, with the same digest of their models."""
     new_by_name = {device.name: device for device in new}
     unchanged_names = set()
     for old_device in old:

@@ -64,7 +64,7 @@ def device_text(device: Device) -> str:
 
 
 def variant_text(device: Device, match: Match) -> str:
-    """Return the text about an order code: its interface, widths, frames, registers and limits."""
+    """Return the text about an order code: its parameters, interface, frames, registers, procedures and errata."""
     variant = match.variant
     reduced_device = reduced_to_codes(for_interface(device, variant.interface), [variant.code])
     lines = [wrapped(f"{variant.code}: {device.title} ({device.manufacturer.title})", WIDTH, prefix="  ", first="")]
@@ -82,7 +82,7 @@ def variant_text(device: Device, match: Match) -> str:
 
 
 def style_with(parameters: Mapping[str, int] | None) -> Style:
-    """Return the style for statements about an order code, with expressions as numbers, or else about a family."""
+    """Return the style in which expressions are numbers for an order code, or text for a family (None)."""
     if parameters is None:
         return BY_NAME
     return replace(BY_NAME, resolve=lambda expression: Expression(expression.value(parameters)))
@@ -101,7 +101,7 @@ def _manual_lines(device: Device) -> list[str]:
 
 
 def _order_code_lines(device: Device) -> Iterator[str]:
-    """Yield the pattern of the order codes, the values of each part, and other spellings on labels."""
+    """Yield the pattern of the order codes, the values of each part, the rule for others, and other spellings."""
     yield ""
     yield f"Order codes: {device.order_code.pattern}"
     for part in device.order_code.parts:
@@ -122,10 +122,10 @@ def _paragraph(text: str) -> str:
 
 
 def _parameter_lines(device: Device, variant: Variant) -> list[str]:
-    """Return the lines about parameters that the order code sets and those held in registers."""
+    """Return a section about the fixed parameters of an order code, and one about those that registers decide."""
     parameters = parameters_of(device, variant.interface)
-    names_in_registers = run_time_names(device)
-    in_registers = [parameter for parameter in parameters if parameter.name in names_in_registers]
+    run_time_parameter_names = run_time_names(device)
+    in_registers = [parameter for parameter in parameters if parameter.name in run_time_parameter_names]
     # The user chooses parameters of alternatives, so they are listed with the questions.
     fixed = [parameter for parameter in parameters if parameter not in in_registers and not parameter.alternative]
     lines = []
@@ -134,22 +134,22 @@ def _parameter_lines(device: Device, variant: Variant) -> list[str]:
     if in_registers:
         heading = f"Held in registers ({say_order_code.initial(device)})"
         lines += ["", heading, *_value_lines(device, in_registers, variant)]
-        registers = [device.register(parameter.register) for parameter in in_registers if parameter.read_from]
-        example = f"--register 0x{registers[0].address:02X}=0x.."
+        registers_read = [device.register(parameter.register) for parameter in in_registers if parameter.read_from]
+        example = f"--register 0x{registers_read[0].address:02X}=0x.."
         lines.append(wrapped(f"decode accepts other values, one byte at a time: {example}", WIDTH, prefix="  "))
     return lines
 
 
 def _value_lines(device: Device, parameters: Sequence[Parameter], variant: Variant) -> list[str]:
-    """Return a line for each parameter: its name, its value and its meaning."""
+    """Return a line for each parameter: its name, its value for the order code and, wrapped, its meaning."""
     values = [say_order_code.parameter_value(parameter, variant.parameters[parameter.name]) for parameter in parameters]
     name_width = max(len(parameter.name) for parameter in parameters)
     value_width = max(map(len, values))
-    rows = []
-    for parameter, value in zip(parameters, values, strict=True):
-        head = f"{parameter.name.ljust(name_width)}  {value.ljust(value_width)}"
-        rows.append((head, _about_parameter(device, parameter)))
-    return pairs(rows, indent=2)
+    rows_of_parameters = []
+    for parameter, value_text in zip(parameters, values, strict=True):
+        name_and_value = f"{parameter.name.ljust(name_width)}  {value_text.ljust(value_width)}"
+        rows_of_parameters.append((name_and_value, _about_parameter(device, parameter)))
+    return pairs(rows_of_parameters, indent=2)
 
 
 def _about_parameter(device: Device, parameter: Parameter) -> str:
@@ -174,7 +174,7 @@ def _how_to_choose(alternative: Alternative) -> str:
     """Return the option of ``decode`` for an answer, as an example: the first one that is not the default."""
     if alternative.default:
         default_sentence = f"{alternative.default} applies without a choice. "
-        example = alternative.answers[1]
+        example = alternative.answers[1]  # The default is the first answer.
     else:
         default_sentence = ""
         example = alternative.answers[0]
@@ -187,68 +187,71 @@ def _how_to_choose(alternative: Alternative) -> str:
 def _position_lines(
     measurements: Sequence[tuple[str, Measurement | None]], parameters: Mapping[str, int] | None
 ) -> list[str]:
-    """Return the lines about the position. Each measurement has a title, which is empty for that of the family."""
-    rows = []
+    """Return the section about the range of the position, with a row for each measurement that is not None.
+
+    The row begins with the title: an interface or, if it is empty, the position's name.
+    """
+    title_and_range_rows = []
     for title, measurement in measurements:
         if measurement is None:
             continue
         counts = style_with(parameters).phrase(say_measurement.measurement(measurement))
         length = _whole_length(measurement, parameters)
-        rows.append((title or measurement.of, f"{counts}{length}  [{cite(measurement.source)}]"))
-    return ["", "Position", *pairs(rows, indent=2)] if rows else []
+        title_and_range_rows.append((title or measurement.of, f"{counts}{length}  [{cite(measurement.source)}]"))
+    return ["", "Position", *pairs(title_and_range_rows, indent=2)] if title_and_range_rows else []
 
 
 def _whole_length(measurement: Measurement, parameters: Mapping[str, int] | None) -> str:
-    """Return the length of a linear scale with known parameters, such as ``, 1,000.000 mm in total``, or nothing."""
+    """Return a linear encoder's length, ``, 1,000.000 mm in total``, or nothing if it is rotary or for a family."""
     if parameters is None or measurement.modulus is None:
         return ""
     micrometres_per_count = measurement.micrometres(parameters)
     if micrometres_per_count is None:
         return ""
     counts = measurement.modulus.value(parameters)
-    millimetres = micrometres_per_count * counts / 1000
+    millimetres = micrometres_per_count * counts / 1000  # a fraction
     three_decimals_are_exact = 1000 % millimetres.denominator == 0
-    number = f"{float(millimetres):,.3f}" if three_decimals_are_exact else decimal(millimetres)
-    return f", {number} mm in total"
+    length_text = f"{float(millimetres):,.3f}" if three_decimals_are_exact else decimal(millimetres)
+    return f", {length_text} mm in total"
 
 
 def _range_lines(device: Device, interface: str, parameters: Mapping[str, int] | None) -> list[str]:
-    """Return the lines about layouts in which the position has another range."""
+    """Return a line for each layout in which the position has another range, such as ``in short  4,096 counts …``."""
     style = style_with(parameters)
-    rows = []
-    for name, own_range in say_measurement.own_ranges(device, interface):
-        text = style.phrase(say_measurement.position_range(own_range))
-        rows.append((f"in {name}", f"{text}  [{cite(own_range.source)}]"))
-    return pairs(rows, indent=2)
+    range_rows = []
+    for layout_name, own_range in say_measurement.own_ranges(device, interface):
+        range_text = style.phrase(say_measurement.position_range(own_range))
+        range_rows.append((f"in {layout_name}", f"{range_text}  [{cite(own_range.source)}]"))
+    return pairs(range_rows, indent=2)
 
 
 # -- interfaces and frames
 
 
 def interface_lines(device: Device, interface: Interface) -> list[str]:
-    """Return the lines about one interface: clock, times, port, data IDs."""
+    """Return the title of an interface, and a line for each fact about it, such as its clock or its port."""
     facts = say_interface.facts(device, interface)
-    rows = [(fact.label, f"{BY_NAME.phrase(fact)}  {BY_NAME.cited(fact.source)}") for fact in facts]
-    return [f"{interface.title}  [{cite(interface.source)}]", *pairs(rows, indent=2)]
+    fact_rows = [(fact.label, f"{BY_NAME.phrase(fact)}  {BY_NAME.cited(fact.source)}") for fact in facts]
+    return [f"{interface.title}  [{cite(interface.source)}]", *pairs(fact_rows, indent=2)]
 
 
 def layout_lines(device: Device, interface: Interface, layout: Layout) -> list[str]:
-    """Return the lines about a frame of a family: its fields with their widths, one line per group."""
+    """Return the lines about a frame of a family: each field with its width, or each group with those of its fields."""
     widths_by_name: dict[str, list[str]] = {}
     for field in layout.fields:
         name = field.group or field.name
         widths_by_name.setdefault(name, []).append(_width_text(field))
-    head = BY_NAME.sentence(say_layout.head(interface, layout, layout.name, device.alternatives))
-    lines = [wrapped(head, WIDTH, prefix="    ", first="  ")]
-    rows = [(name, ", ".join(widths)) for name, widths in widths_by_name.items()]
-    lines += pairs(rows, indent=4)
+    heading = BY_NAME.sentence(say_layout.head(interface, layout, layout.name, device.alternatives))
+    lines = [wrapped(heading, WIDTH, prefix="    ", first="  ")]
+    width_rows = [(name, ", ".join(widths)) for name, widths in widths_by_name.items()]
+    lines += pairs(width_rows, indent=4)
     for statement in (*say_layout.facts(interface, layout), *needed_answers(device, layout)):
         lines.append(_paragraph(BY_NAME.sentence(statement)))
     return lines
 
 
 def _width_text(field: Field) -> str:
-    """Return the width of a field, with the name of a field in a group, or else with its fixed value."""
+    """Return the width of a field: ``error 1`` in a group, else ``4 bits`` with its fixed value."""
     width = field.width.constant if field.width.is_constant else field.width.render()
     if field.group:
         return f"{field.name} {width}"
@@ -256,7 +259,7 @@ def _width_text(field: Field) -> str:
 
 
 def _fixed_value_text(field: Field) -> str:
-    """Return the value that a field always has, such as ``, always 0x5``, or an empty string."""
+    """Return the fixed value of a field, such as ``, always 5`` or ``, unused, 1Fh in the manual``, or nothing."""
     match field.kind:
         case Constant(value):
             return f", always {say_field.short(value)}"
@@ -271,21 +274,21 @@ def frame_lines(device: Device, layout: Layout, variant: Variant) -> list[str]:
     interface, placed = device.interface(variant.interface), layout.place(variant.parameters)
     style = style_with(variant.parameters)
     name = f"{layout.name} ({layout.printed_name})" if layout.printed_name else layout.name
-    head = style.sentence(say_layout.head(interface, layout, name, device.alternatives))
+    heading = style.sentence(say_layout.head(interface, layout, name, device.alternatives))
     notes = [style.sentence(fact) for fact in say_layout.carries(interface, layout)]
     notes += _notes_about_choices(device, layout, style)
     paths_of_widths = run_time_widths(device, layout)
     if paths_of_widths:
-        register_fields = " and ".join(field_at(device, path) for path in paths_of_widths)
+        register_fields = " and ".join(field_at(device, field_path) for field_path in paths_of_widths)
         notes.append(f"The widths are the {say_order_code.initial(device)} in {register_fields}.")
     if layout.gray_of:
         notes.append(_position_code_note(device, placed))
-    lines = [wrapped(head, WIDTH, prefix="  ", first=""), *picture(placed)]
+    lines = [wrapped(heading, WIDTH, prefix="  ", first=""), *picture(placed)]
     return lines + [wrapped(note, WIDTH, prefix="  ", first="  ") for note in notes]
 
 
 def _notes_about_choices(device: Device, layout: Layout, style: Style) -> Iterator[str]:
-    """Yield the choices that the frame depends on, with those of its picture."""
+    """Yield a note for each question that the frame depends on, with the answer that its picture shows: the first."""
     for alternative in device.alternatives_of(layout):
         device_with_one_question = replace(device, alternatives=(alternative,))
         for statement in needed_answers(device_with_one_question, layout):
@@ -293,18 +296,18 @@ def _notes_about_choices(device: Device, layout: Layout, style: Style) -> Iterat
 
 
 def _position_code_note(device: Device, placed: PlacedLayout) -> str:
-    """Return the code of the position, Gray or binary, and the registers that decide it."""
+    """Return a sentence with the code of the position, Gray or binary, and with the registers that decide it."""
     layout = placed.layout
     code = "Gray code" if placed.gray else "binary"
-    text = f"{layout.gray_of} is in {code}"
+    code_text = f"{layout.gray_of} is in {code}"
     if placed.gray_excess:
-        text += f" with an excess of {placed.gray_excess}"
+        code_text += f" with an excess of {placed.gray_excess}"
     deciding_names = device.needed_parameters([layout.gray_when]) if layout.gray_when else ()
     deciding_parameters = [parameter for parameter in device.run_time_parameters if parameter.name in deciding_names]
     if not deciding_parameters:
-        return f"{text}."
+        return f"{code_text}."
     register_fields = ", ".join(field_at(device, parameter.read_from) for parameter in deciding_parameters)
-    return f"{text}, according to the factory default of {register_fields}."
+    return f"{code_text}, according to the factory default of {register_fields}."
 
 
 #: Columns of a picture before its first box, with the edges of the row.
@@ -312,18 +315,18 @@ _PICTURE_MARGIN = 3
 
 
 def picture(placed: PlacedLayout) -> list[str]:
-    """Draw the layout as rows of boxes in the order sent, within the width of a terminal."""
+    """Return the lines of a picture: rows of boxes, one per field in the order sent, each at most 80 columns wide."""
     rows_of_boxes: list[list[_Box]] = [[]]
     used_columns = _PICTURE_MARGIN
     for placed_field in placed.fields:
-        text = _box_text(placed_field.field)
-        place = bit_place(placed.layout, placed.bits, placed_field.high, placed_field.low)
-        width = max(len(text), len(place)) + 2
+        box_text = _box_text(placed_field.field)
+        place_text = bit_place(placed.layout, placed.bits, placed_field.high, placed_field.low)
+        width = max(len(box_text), len(place_text)) + 2  # with a space on each side
         width_with_edge = width + 1
         if rows_of_boxes[-1] and used_columns + width_with_edge > WIDTH:
             rows_of_boxes.append([])
             used_columns = _PICTURE_MARGIN
-        rows_of_boxes[-1].append(_Box(text=text.center(width), place=place.center(width)))
+        rows_of_boxes[-1].append(_Box(text=box_text.center(width), place=place_text.center(width)))
         used_columns += width_with_edge
     lines: list[str] = []
     for boxes in rows_of_boxes:
@@ -348,7 +351,7 @@ def _box_lines(boxes: Sequence[_Box]) -> list[str]:
 
 
 def _box_text(field: Field) -> str:
-    """Return the text in the box of a field: its name, a constant's value, or both."""
+    """Return the text in the box of a field: its name, with ``= 5h`` for a constant, or only ``5h`` for padding."""
     if not isinstance(field.kind, Constant):
         return field.name
     constant = say_field.short(field.kind.value)
@@ -360,7 +363,7 @@ def _box_text(field: Field) -> str:
 
 
 def register_lines(device: Device, variant: Variant | None) -> list[str]:
-    """Return one paragraph per register, for an order code with its fields."""
+    """Return the section about registers. Only for an order code (not None), it lists the fields of each."""
     if not device.registers:
         return []
     lines = ["", "Registers"]
@@ -370,10 +373,10 @@ def register_lines(device: Device, variant: Variant | None) -> list[str]:
 
 
 def _lines_about_register(device: Device, register: Register, variant: Variant | None) -> list[str]:
-    """Return the lines about a register: its facts, its fields for an order code, and its values."""
+    """Return the lines about a register: its facts, its fields (for an order code, if several), and its values."""
     style = style_with(variant.parameters if variant is not None else None)
-    head = style.sentence(say_register.head(device, register, register.name))
-    lines = [wrapped(head, WIDTH, prefix="    ", first="  ")]
+    heading = style.sentence(say_register.head(device, register, register.name))
+    lines = [wrapped(heading, WIDTH, prefix="    ", first="  ")]
     fields = register.layout.fields
     facts = list(say_register.facts(device, register))
     if len(fields) == 1:
@@ -401,8 +404,8 @@ def _about_field(device: Device, field: Field, style: Style) -> str:
     statements = list(say_field.rules(device, field))
     if field.values:
         statements.insert(0, say_field.choices(field.values))
-    text = style.paragraph(statements)
-    return f"{field.name}: {text}" if text else field.name
+    values_and_rules = style.paragraph(statements)
+    return f"{field.name}: {values_and_rules}" if values_and_rules else field.name
 
 
 # -- inputs, procedures and errata
@@ -438,8 +441,8 @@ def _errata_lines(device: Device) -> list[str]:
         if erratum.severity == "wording":
             wording_count += 1
             continue
-        head, *details = BY_NAME.lines(say_errata.erratum(erratum, whole=True))
-        lines += [wrapped(head, WIDTH, prefix="    ", first="  "), *map(_paragraph, details)]
+        heading, *details = BY_NAME.lines(say_errata.erratum(erratum, whole=True))
+        lines += [wrapped(heading, WIDTH, prefix="    ", first="  "), *map(_paragraph, details)]
     if wording_count:
         summary = f"and {wording_count} about wording only, listed by --json and the documentation"
         lines.append(wrapped(summary, WIDTH, prefix="    ", first="  "))
