@@ -109,7 +109,7 @@ def _refuse_incomplete_options(arguments: argparse.Namespace) -> None:
     Raises:
         Stop: One of them is missing. The exit code is 2.
     """
-    has_format_option = arguments.format or arguments.device is not None
+    has_format_option = arguments.format is not None or arguments.device is not None
     if has_format_option and (arguments.master is None or arguments.order_code is None):
         option = "--format" if arguments.format is not None else "--device"
         raise Stop(f"{option} needs an order code and --master", 2)

@@ -161,6 +161,10 @@ def find_settings() -> Configuration | None:
         raise problems(errors_in(error.files)) from None
 
 
+#: Commands that get the folder of the specs with an option.
+_COMMANDS_WITH_OPTION = ("reread OLD NEW", "facts FAMILY", "cloze FAMILY")
+
+
 def find_specs_to_judge(named: Sequence[Path], command: str) -> Specs:
     """Return the specs for a command that writes or judges. It never uses the packaged ones instead.
 
@@ -172,7 +176,7 @@ def find_specs_to_judge(named: Sequence[Path], command: str) -> Specs:
     specs = find_specs(named)
     folder = specs.settings.folder if specs.settings is not None else Path()
     # These commands have other arguments, so specs need an option.
-    option = " --specs" if command in ("reread OLD NEW", "facts FAMILY") else ""
+    option = " --specs" if command in _COMMANDS_WITH_OPTION else ""
     if not specs.is_complete:
         raise Stop(
             f"{_folder_text(folder)} has more than {MOST_NAMES:,} files and folders, so not all of its specs were "

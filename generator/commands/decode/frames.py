@@ -200,7 +200,7 @@ def _possible_meanings(digits: str, bits: int) -> Iterator[str]:
         yield say.if_decimal(f"0x{int(digits):X}")
     if re.fullmatch(r"[0-9A-Fa-f]{1,40}", digits) and int(digits, 16) <= largest:
         yield say.if_hex(digits)
-    if re.fullmatch(r"[01]{1,40}", digits):
+    if re.fullmatch(r"[01]{1,96}", digits):
         yield say.if_bits(digits)
 
 
