@@ -36,8 +36,9 @@ _KINDS = {
     "counts": ("count", "counts", "step", "steps", "position", "positions", "increments"),
 }
 _KIND_OF = {unit: kind for kind, units in _KINDS.items() for unit in units}
-#: Quantity of each number of a measurement.
+#: Keys of fields whose expressions are in bits.
 _WIDTHS = ("bits", "low_bit")
+#: Quantity of each number of a measurement.
 _MEASURED = {
     "counts_per_turn": "counts",
     "turns": "revolutions",
@@ -55,7 +56,7 @@ def kind_of_unit(unit: str) -> str:
 
 
 def parameter_interface(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a parameter of one interface is not used for another."""
+    """Check that an expression of one interface uses no parameter of another, directly or through other parameters."""
     for path, interface, text in uses(spec, raw):
         for name in dict.fromkeys(all_parameters(text, raw.parameters)):
             owner_interface = raw.parameters[name].interface
@@ -93,7 +94,10 @@ def expressions(spec: WrittenSpec) -> _Expressions:
 
 
 def uses(spec: WrittenSpec, raw: WrittenSpec | None = None) -> Iterator[tuple[Path, str, int | str]]:
-    """Yield each use of an expression or parameter by an interface: the place, the interface, and the text."""
+    """Yield each use of an expression or parameter by an interface: the place, the interface, and the text.
+
+    A field of a group is yielded for each layout or register that uses the group.
+    """
     groups = by_name((raw if raw is not None else spec).field_groups)
     field_owners = list(layouts(spec))
     field_owners += [FieldList(Has.REGISTER, register, interface_of(register)) for register in spec.registers]
@@ -110,7 +114,7 @@ def uses(spec: WrittenSpec, raw: WrittenSpec | None = None) -> Iterator[tuple[Pa
 
 
 def _used_by(interface: str, expressions: _Expressions) -> Iterator[tuple[Path, str, int | str]]:
-    """Yield expressions with the interface that uses them."""
+    """Yield expressions with the interface that uses them: the place, the interface, and the text."""
     for path, text in expressions:
         yield path, interface, text
 
@@ -136,29 +140,29 @@ def _expressions_under(part: PlacedPart, keys: Iterable[str]) -> _Expressions:
 
 
 def _of_words(interface: WrittenInterface) -> _Expressions:
-    """Yield the lengths of words over SPI: of the interface and of its exchanges."""
+    """Yield the lengths of words over SPI, of the interface and of its exchanges. Other interfaces have none."""
     if isinstance(interface, WrittenSpi):
         for owner in (interface, *interface.exchanges):
             yield from _expressions_under(owner, ("word_bits",))
 
 
 def _of_field(field: WrittenField, path: Path) -> _Expressions:
-    """Yield the expressions of a field at a place. ``equals`` of a text field is text, otherwise an expression."""
+    """Yield the expressions of a field, placed at ``path``. ``equals`` of a text field is text, not an expression."""
     keys = ("bits", "low_bit") if field.has("text") else ("bits", "low_bit", "equals")
     return (((*path, key), field.data[key]) for key in keys if key in field.data)
 
 
 def all_parameters(text: object, parameters: Mapping[str, WrittenParameter]) -> Iterator[str]:
-    """Yield the parameters in an expression, and those that define them."""
-    factors = _factors(text)
+    """Yield the parameters in an expression, and those in the expressions that define them, each once."""
+    factors_to_visit = _factors(text)
     visited_names: set[str] = set()
     # The list grows during the loop: parameters named directly come before those that define them.
-    for factor in factors:
+    for factor in factors_to_visit:
         name = factor.parameter
         if name not in visited_names and name in parameters:
             visited_names.add(name)
             yield name
-            factors += _factors(parameters[name].equals)
+            factors_to_visit += _factors(parameters[name].equals)
 
 
 def _factors(text: object) -> list[Factor]:
@@ -173,7 +177,10 @@ def _factors(text: object) -> list[Factor]:
 
 
 def parameter_origin(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the value of a parameter has one origin, and that codes are those of a register."""
+    """Check that the value of a parameter has at most one origin, and that ``by_code`` is next to ``read_from`` alone.
+
+    ``by_code`` lists the value for each code in the register, so it excludes limits.
+    """
     for name, parameter in spec.parameters.items():
         origins = origins_of(parameter)
         if len(origins) > 1:
@@ -191,7 +198,10 @@ def parameter_origin(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
 
 
 def alternative_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the answers of an alternative set the same parameters, and that these name the alternative."""
+    """Check that the answers of an alternative set the same parameters, and that these name the alternative.
+
+    Parameters and examples must name alternatives that exist, and examples their answers.
+    """
     resolver, alternatives = NameResolver(raw, report), by_name(raw.alternatives)
     for alternative in spec.alternatives:
         parameters_as_read = raw.parameters.items()
@@ -200,8 +210,8 @@ def alternative_references(spec: WrittenSpec, raw: WrittenSpec, report: Document
     for name, parameter in spec.parameters.items():
         path = parameter.place_of("alternative")
         resolver.refer_if_given(path, "alternative", parameter.alternative, alternatives)
-        chosen = alternatives.get(parameter.alternative)
-        if chosen is not None and not _is_set(name, chosen):
+        alternative_of_parameter = alternatives.get(parameter.alternative)
+        if alternative_of_parameter is not None and not _is_set(name, alternative_of_parameter):
             problem = f"no answer of {quoted(parameter.alternative)} sets {quoted(name)}"
             report.add("undefined-reference", path, problem)
     for example in spec.examples:
@@ -219,7 +229,10 @@ def _is_set(parameter_name: str, alternative: WrittenAlternative) -> bool:
 
 
 def _check_answers(alternative: WrittenAlternative, own_parameters: Sequence[str], resolver: NameResolver) -> None:
-    """Check that each answer of an alternative sets all its parameters, and no others."""
+    """Check that each answer of an alternative sets all its parameters, and no others.
+
+    A parameter that no answer sets is reported elsewhere.
+    """
     owner = alternative.name
     first_answers: dict[str, str] = {}
     for answer_name, answer in alternative.values.items():
@@ -242,7 +255,7 @@ def _check_answers(alternative: WrittenAlternative, own_parameters: Sequence[str
 def alternative_use(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that alternatives affect only the places of fields, because generated code can use them only there.
 
-    Those with a default affect only verdicts, which do not need a choice.
+    Those with a default affect only verdicts, which do not need a choice. So their parameters are in no expression.
     """
     alternatives = by_name(raw.alternatives)
     set_by_alternative = {name: parameter for name, parameter in raw.parameters.items() if parameter.alternative}
@@ -266,7 +279,10 @@ def alternative_use(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
 
 
 def units(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that exponents are in bits, and that numbers of a measurement and fields have the right unit."""
+    """Check that a field has the unit of the parameter that it equals, and that expressions have that of their place.
+
+    Exponents and widths are in bits. Units that are not known are compared only with each other.
+    """
     for fields in field_lists(spec):
         for field in fields.fields:
             equal_parameter = raw.parameters.get(str(field.equals))
@@ -281,7 +297,10 @@ def units(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
 
 
 def _check_unit_of_factor(path: Path, factor: Factor, unit: str, report: DocumentReport) -> None:
-    """Check that a parameter in an expression has the unit that its place needs, if that unit is known."""
+    """Check that a parameter in an expression has the unit that its place needs, if both are known.
+
+    ``unit`` is the unit of the parameter.
+    """
     key = str(path[-1])
     is_exponent = bool(factor.power)
     needed_kind = "bits" if is_exponent or key in _WIDTHS else _MEASURED.get(key)

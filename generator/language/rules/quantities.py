@@ -246,7 +246,7 @@ def _compare_symbols(spec: WrittenSpec, report: DocumentReport) -> None:
 
 
 def _compare_errata(spec: WrittenSpec, named_times: set[int], report: DocumentReport) -> None:
-    """Report each erratum whose times differ from all those of the facts it affects, or from those of its only timing."""
+    """Report each erratum with times of which none is that of a fact it affects, or of its only timing."""
     affected_places, times_below = Affected(spec.data), _TimesBelow()
     for erratum in spec.errata:
         used_matches = list(_ANY_TIME.finditer(erratum.used))

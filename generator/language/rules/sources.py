@@ -329,7 +329,7 @@ _SUPPLY = _LimitKeys(("min_mv", "max_mv"), "list the voltage in use under 'chara
 
 
 def limit_source(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that limits come from a document of the manufacturer if other facts do not have to."""
+    """Check that limits cite a document of the manufacturer if the grade does not demand it of every fact."""
     grade, documents_read = spec.evidence.part.grade, spec.evidence.part.documents
     if not spec.evidence.is_valid("grade") or grade in _IN_THE_MANUFACTURERS_WORDS:
         return
@@ -350,7 +350,7 @@ def limit_source(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
 
 
 def _limits(spec: WrittenSpec) -> Iterator[_Limited]:
-    """Yield each part of a spec that can have limits."""
+    """Yield each part of a spec that can have limits, with its own source or else that of its interface."""
     if spec.supply is not None:
         yield _Limited(spec.supply, _source(spec.supply), _SUPPLY)
     for timing in spec.timings:
@@ -361,7 +361,7 @@ def _limits(spec: WrittenSpec) -> Iterator[_Limited]:
 
 
 def _limited_parts(interface: WrittenInterface) -> Iterator[tuple[Located[Any], _LimitKeys]]:
-    """Yield the parts of an interface that can have limits."""
+    """Yield the parts of an interface that can have limits, each with the keys for them."""
     clock = clock_of(interface)
     if clock is not None:
         yield clock, _CLOCK

@@ -77,7 +77,7 @@ def layouts(data: Spec) -> Iterator[Fields]:
 
 
 def field_lists(data: Spec) -> Iterator[Fields]:
-    """Yield every list of fields, in the order of the language."""
+    """Yield every list of fields: of groups, layouts, control data and registers, in the order of the language."""
     for path, group in items(data, "field_groups"):
         yield Fields(Has.GROUP, group, path, "")
     yield from layouts(data)
@@ -113,7 +113,10 @@ def _expanded(fields: Fields, groups: Mapping[str, Spec]) -> Iterator[tuple[Path
 
 
 def leaves_of(spec: Spec, report: DocumentReport) -> Sequence[tuple[Path, Any]]:
-    """Return the leaves of a whole spec. The report keeps them, because one rule after another needs them."""
+    """Return the leaves of a whole spec, each with its path.
+
+    The report keeps those of the last spec, because one rule after another needs them.
+    """
     if report.leaves[0] is not spec:
         report.leaves = (spec, leaves(spec))
     return report.leaves[1]
