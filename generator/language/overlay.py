@@ -37,7 +37,7 @@ SUFFIX = ".overlay"
 #: Kinds of changes. Each change has exactly one.
 KINDS = ("set", "add", "remove", "unknown", "also")
 _VALUE_OF = {"set": "to", "add": "value"}
-#: Keys that no change may touch: those that identify the family, or are no statements of the manual about the encoder.
+#: Keys that no change may touch: they identify the family, or do not state a fact of the manual.
 _FIXED = frozenset("codewheel device manufacturer editions".split())
 #: Longest value shown in a comment, in characters.
 _LONGEST_SHOWN = 120

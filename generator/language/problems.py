@@ -399,7 +399,7 @@ def _columns(text: str) -> int:
 def _window(text: str, column: int, width: int) -> tuple[str, int]:
     """Return the part of a line to show, without its indentation, and the offset of the caret in it, in columns.
 
-    A line with more than ``width`` columns is cut so that the caret is visible, with two thirds of the room before it.
+    A line with more than ``width`` columns is cut so that the caret is visible, with more text before it than after.
     """
     indent = len(text) - len(text.lstrip(" "))
     stripped = text.strip(" ")

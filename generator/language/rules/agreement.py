@@ -120,8 +120,8 @@ def _printed_names(part: _Printed) -> Iterator[tuple[Path, str]]:
 
 def printed_number(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a value whose printed name is a number, such as ``0Ah``, has that number."""
-    for fields in field_lists(spec):
-        for field in fields.fields:
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
             for name, value in field.values.items():
                 number = _printed_number(value.printed_name, constant_width(field))
                 if number is not None and number != value.value:
@@ -149,8 +149,8 @@ def number_in_meaning(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
 
     A meaning that speaks of a register or an address is not checked, because its number may be that of a place.
     """
-    for fields in field_lists(spec):
-        for field in fields.fields:
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
             fixed_numbers = _fixed_numbers(field)
             if not fixed_numbers or _PLACE.search(field.meaning):
                 continue
@@ -210,11 +210,11 @@ def _printed_polynomials(note: str, width: int) -> dict[str, int]:
 
 def unused_bits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a register has no field at bits that its note calls unused, unless its number is fixed."""
-    for fields in field_lists(spec):
-        unused_in_note = set(_unused_bits_in(fields.owner.note))
-        if fields.kind is not Has.REGISTER or not unused_in_note:
+    for field_list in field_lists(spec):
+        unused_in_note = set(_unused_bits_in(field_list.owner.note))
+        if field_list.kind is not Has.REGISTER or not unused_in_note:
             continue
-        for field in fields.fields:
+        for field in field_list.fields:
             bits_of_field = _bits_at(field.at)
             used_bits = [bit for bit in unused_in_note if bit in bits_of_field]
             is_without_content = field.constant is not None or field.unused is not None or field.equals == 0

@@ -120,11 +120,11 @@ def biss_frame(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> N
     A frame without either is not checked. An erratum explains what the manual prints differently.
     """
     groups, crcs = by_name(raw.field_groups), by_part_name(raw.crcs)
-    for fields in layouts(spec):
-        layout = fields.layout
-        if layout is None or fields.interface != Biss.name or not fields.is_from_encoder:
+    for frame in layouts(spec):
+        layout = frame.layout
+        if layout is None or frame.interface != Biss.name or not frame.is_from_encoder:
             continue
-        sent_fields = list(expanded(fields, groups))
+        sent_fields = list(expanded(frame, groups))
         if _FLAGS.isdisjoint(field.name for _, field in sent_fields):
             continue
         frame_path = f"interfaces.{Biss.name}.{layout.name}"

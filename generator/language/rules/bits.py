@@ -37,12 +37,12 @@ def makes_position_missing(spec: WrittenSpec, raw: WrittenSpec, report: Document
     """
     groups = by_name(raw.field_groups)
     positions = {interface: position_names(spec, interface) for interface, _ in interfaces(spec)}
-    for fields in layouts(spec):
-        has_position = not positions[fields.interface].isdisjoint(field_names(fields, groups))
-        if not fields.is_from_encoder or not has_position:
+    for frame in layouts(spec):
+        has_position = not positions[frame.interface].isdisjoint(field_names(frame, groups))
+        if not frame.is_from_encoder or not has_position:
             continue
-        flags_with_known_verdict = INTERFACES[fields.interface].flags
-        for field in _with_groups(fields, spec):
+        flags_with_known_verdict = INTERFACES[frame.interface].flags
+        for field in _with_groups(frame, spec):
             if not field.active or field.makes_position or not field.name:
                 continue
             if field.name not in flags_with_known_verdict:
@@ -54,8 +54,8 @@ def makes_position_missing(spec: WrittenSpec, raw: WrittenSpec, report: Document
 
 def error_usable(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a flag or value called an error does not leave the position usable, unless a note explains it."""
-    for fields in field_lists(spec):
-        for field in fields.fields:
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
             report_usable_values(field, report)
             is_error = field.active and names_error(field.name, field.printed_name)
             if is_error and field.makes_position == "usable" and not field.note:
@@ -86,10 +86,10 @@ def names_error(name: str, printed_name: str) -> bool:
 def flag_sums(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the flags combined by another one exist in some list of fields."""
     flags: list[str] = []
-    for fields in field_lists(raw):
-        flags += [field.name for field in fields.fields if field.has("active") and field.name]
-    for fields in field_lists(spec):
-        for field in fields.fields:
+    for field_list in field_lists(raw):
+        flags += [field.name for field in field_list.fields if field.has("active") and field.name]
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
             other_flags = [name for name in dict.fromkeys(flags) if name != field.name]
             for index, name in enumerate(field.sums_up):
                 if name not in other_flags:
@@ -139,13 +139,13 @@ def plain_bits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> N
     """
     if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
         return
-    for fields in field_lists(spec):
-        if fields.kind is not Has.GROUP and not fields.is_from_encoder:
+    for field_list in field_lists(spec):
+        if field_list.kind is not Has.GROUP and not field_list.is_from_encoder:
             continue
-        for field in fields.fields:
+        for field in field_list.fields:
             name = field.name
             is_plain_bit = _bits(field) == 1 and _PLAIN.issuperset(field.data)
-            if not is_plain_bit or _is_fixed(fields, name):
+            if not is_plain_bit or _is_fixed(field_list, name):
                 continue
             problem = f"{quoted(name)} is a plain number, so decoders ignore it"
             if _PARITY.fullmatch(name):
@@ -182,11 +182,11 @@ def output_code(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
         if not isinstance(interface, WrittenSsi) or not interface.output_code:
             continue
         position_layouts = _with_position(spec, raw, kind)
-        has_gray = any(_gray_of(fields) is not None for fields in position_layouts)
-        for fields in position_layouts:
-            contradiction = _contradiction(interface.output_code, fields, spec, raw, has_gray=has_gray)
+        has_gray = any(_gray_of(frame) is not None for frame in position_layouts)
+        for frame in position_layouts:
+            contradiction = _contradiction(interface.output_code, frame, spec, raw, has_gray=has_gray)
             if contradiction:
-                message = f"'output_code' is {interface.output_code}, but {quoted(fields.name)} {contradiction}"
+                message = f"'output_code' is {interface.output_code}, but {quoted(frame.name)} {contradiction}"
                 report.add("output-code", interface.place_of("output_code"), message)
                 break
 
@@ -229,14 +229,14 @@ def gray_named(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> N
     interface_names = [interface_name for interface_name, _ in interfaces(spec)]
     only_interface = interface_names[0] if len(interface_names) == 1 else ""
     for part in spec.order_code.parts:
-        for text, value in part.values.items():
+        for label, value in part.values.items():
             if not _names_gray(value):
                 continue
             interface_name = value.interface or only_interface
             position_layouts = _with_position(spec, raw, interface_name)
-            if position_layouts and all(_gray_of(fields) is None for fields in position_layouts):
+            if position_layouts and all(_gray_of(frame) is None for frame in position_layouts):
                 message = (
-                    f"the meaning of {quoted(text)} says Gray, but no layout of {interface_name} has 'gray', "
+                    f"the meaning of {quoted(label)} says Gray, but no layout of {interface_name} has 'gray', "
                     "so decoders take it as binary"
                 )
                 report.add("output-code", value.place_of("meaning"), message)
@@ -253,8 +253,8 @@ def _names_gray(value: WrittenCodeValue) -> bool:
 
 def _with_position(spec: WrittenSpec, raw: WrittenSpec, kind: str) -> list[FieldList]:
     """Return the layouts of the encoder that contain the position, or all of its layouts if none is known to do so."""
-    sent_layouts = [fields for fields in layouts(spec) if fields.interface == kind and fields.is_from_encoder]
-    with_position = [fields for fields in sent_layouts if _position(fields, spec, raw) != _UNKNOWN_POSITION]
+    sent_layouts = [frame for frame in layouts(spec) if frame.interface == kind and frame.is_from_encoder]
+    with_position = [frame for frame in sent_layouts if _position(frame, spec, raw) != _UNKNOWN_POSITION]
     return with_position or sent_layouts
 
 

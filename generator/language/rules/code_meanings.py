@@ -111,10 +111,10 @@ def _codes_named(spec: WrittenSpec, value: WrittenCodeValue) -> dict[str, int]:
     if says_gray == says_binary:
         return {}
     deciding_parameters = set()
-    for fields in layouts(spec):
-        is_of_value = value.interface is None or fields.interface == value.interface
-        if is_of_value and fields.layout is not None and fields.layout.gray is not None:
-            deciding_parameters.add(fields.layout.gray.when)
+    for frame in layouts(spec):
+        is_of_value = value.interface is None or frame.interface == value.interface
+        if is_of_value and frame.layout is not None and frame.layout.gray is not None:
+            deciding_parameters.add(frame.layout.gray.when)
     required_number = 1 if says_gray else 0
     return {name: required_number for name in value.sets if name in deciding_parameters}
 

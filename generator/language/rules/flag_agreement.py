@@ -29,8 +29,8 @@ def lone_levels(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
     """
     if is_second(report.document.file):  # It has no texts.
         return
-    for fields in field_lists(spec):
-        flags = [field for field in fields.fields if field.active and not field.sums_up]
+    for field_list in field_lists(spec):
+        flags = [field for field in field_list.fields if field.active and not field.sums_up]
         levels = Counter(flag.active for flag in flags)
         if len(levels) != 2:
             continue
@@ -39,8 +39,8 @@ def lone_levels(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
             if rarer_count == 1 and usual_count >= _SEVERAL and flag.active != usual_level and not _gives_level(flag):
                 message = (
                     f"{quoted(flag.name)} is active {flag.active}, but the other {usual_count} flags of"
-                    f" {quoted(fields.name)} are active {usual_level}; correct it, or say in its 'meaning' that it is"
-                    f" active {flag.active}"
+                    f" {quoted(field_list.name)} are active {usual_level}; correct it, or say in its 'meaning' that it"
+                    f" is active {flag.active}"
                 )
                 report.add("level-differs", flag.place_of("active"), message)
 
@@ -56,13 +56,13 @@ def _gives_level(flag: WrittenField) -> bool:
 def repeated_flags(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that flags with the same name in groups or in layouts of an interface have the same level and verdict.
 
-    Flags of groups are compared with those of other groups. A missing verdict is no difference.
+    Flags of groups are compared with those of other groups. Verdicts are compared if both flags have one.
     """
     first_flags: dict[tuple[str, str], WrittenField] = {}
-    for fields in field_lists(spec):
+    for field_list in field_lists(spec):
         # Another rule checks those of BiSS.
-        for flag in (field for field in _sent_fields(fields) if field.active and fields.interface != Biss.name):
-            first_flag = first_flags.setdefault((fields.interface, flag.name), flag)
+        for flag in (field for field in _sent_fields(field_list) if field.active and field_list.interface != Biss.name):
+            first_flag = first_flags.setdefault((field_list.interface, flag.name), flag)
             for key, value, first_value in _differences(flag, first_flag):
                 line, _ = report.document.position(first_flag.path)
                 message = (
@@ -138,9 +138,9 @@ def _gives_number(text: str, number: int) -> bool:
 def summands(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that at most one flag of a list combines each flag, and that it omits no single flag of a group."""
     groups = by_name(spec.field_groups)
-    for fields in field_lists(spec):
+    for field_list in field_lists(spec):
         combining_flags: dict[str, str] = {}
-        for flag in fields.fields:
+        for flag in field_list.fields:
             for index, name in enumerate(flag.sums_up):
                 if name in combining_flags and flag.name != combining_flags[name]:
                     message = (
@@ -149,7 +149,7 @@ def summands(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> Non
                     report.add("summed-twice", (*flag.place_of("sums_up"), index), message)
                 combining_flags.setdefault(name, flag.name)
         for group in groups.values():
-            _report_unsummed(group, combining_flags, fields, report)
+            _report_unsummed(group, combining_flags, field_list, report)
 
 
 def _report_unsummed(
@@ -181,10 +181,10 @@ _SEVERITIES = ("usable", "usable_with_warning", "not_usable")
 def summed_verdicts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the verdict of a flag that combines others is not milder than theirs, if all of them have one."""
     flags: dict[str, WrittenField] = {}
-    for fields in field_lists(spec):
-        flags |= {field.name: field for field in fields.fields if field.active and not field.sums_up}
-    for fields in field_lists(spec):
-        for flag in fields.fields:
+    for field_list in field_lists(spec):
+        flags |= {field.name: field for field in field_list.fields if field.active and not field.sums_up}
+    for field_list in field_lists(spec):
+        for flag in field_list.fields:
             verdicts = [flags[name].makes_position for name in flag.sums_up if name in flags]
             if not verdicts or not all(verdict in _SEVERITIES for verdict in (flag.makes_position, *verdicts)):
                 continue

@@ -22,10 +22,10 @@ _OF_MEMORY = frozenset(("read", "write"))
 
 def sent_by_encoder(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the encoder sends every layout of an interface without requests."""
-    for fields in layouts(spec):
-        layout = fields.layout
-        if layout is not None and fields.interface in _WITHOUT_REQUESTS and layout.from_ == "master":
-            message = f"a master sends no frame over {fields.interface}; write 'from: encoder'"
+    for frame in layouts(spec):
+        layout = frame.layout
+        if layout is not None and frame.interface in _WITHOUT_REQUESTS and layout.from_ == "master":
+            message = f"a master sends no frame over {frame.interface}; write 'from: encoder'"
             report.add("sender", layout.place_of("from"), message)
 
 

@@ -50,15 +50,15 @@ def position_range_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRe
     """
     groups = by_name(raw.field_groups)
     own_measurements = {name: interface.measurement for name, interface in interfaces(raw)}
-    raw_fields = {fields.owner.path: fields for fields in layouts(raw)}
-    for fields in layouts(spec):
-        own_range = fields.layout.position_range if fields.layout is not None else None
+    raw_fields = {frame.owner.path: frame for frame in layouts(raw)}
+    for frame in layouts(spec):
+        own_range = frame.layout.position_range if frame.layout is not None else None
         if own_range is None or not own_range.data:
             continue
-        own_measurement = own_measurements[fields.interface]
+        own_measurement = own_measurements[frame.interface]
         has_own_measurement = own_measurement is not None and own_measurement.data
         measurement = own_measurement if has_own_measurement else raw.measurement
-        raw_list = raw_fields[fields.owner.path]
+        raw_list = raw_fields[frame.owner.path]
         name = quoted(raw_list.name)
         if measurement is None or not measurement.data:
             problem = "'position_range' needs a 'measurement', which gives the unit of the position"

@@ -87,7 +87,7 @@ def _named_parts(spec: WrittenSpec) -> dict[str, Sequence[PlacedPart]]:
         "a characteristic": spec.characteristics,
         "an example": spec.examples,
         "an erratum": spec.errata,
-        "a layout": [fields.owner for fields in layouts(spec)],
+        "a layout": [frame.owner for frame in layouts(spec)],
         "a part": spec.order_code.parts,
     }
 
@@ -111,28 +111,28 @@ def duplicate_field(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
     A decoder returns all of them.
     """
     groups = by_name(spec.field_groups)
-    for fields in field_lists(spec):
+    for field_list in field_lists(spec):
         named_values: list[Named] = []
-        use_paths = {field.path for field in fields.fields if field.use}
-        for path, field in expanded(fields, groups):
+        use_paths = {field.path for field in field_list.fields if field.use}
+        for path, field in expanded(field_list, groups):
             # A name in a group is reported at its use, because that is what makes it occur twice.
             name_path = path if path in use_paths else (*path, "name")
             named_values.append((name_path, field.name or None))  # None is not compared.
             for index, run in enumerate(field.digits):
                 named_values.append(((*path, "digits", index, "name"), run.part.name))
-        named_values += [((*fields.owner.path, "join", name), name) for name in fields.joins]
+        named_values += [((*field_list.owner.path, "join", name), name) for name in field_list.joins]
         _check_unique(named_values, "a field", report)
 
 
 def duplicate_selection(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that each value of the selecting field identifies one frame of its sender and interface."""
     first_names: dict[tuple[str, str, int], str] = {}
-    for fields in layouts(spec):
-        sender = fields.layout.from_ if fields.layout is not None else ""
-        for selector, values in fields.selectors.items():
+    for frame in layouts(spec):
+        sender = frame.layout.from_ if frame.layout is not None else ""
+        for selector, values in frame.selectors.items():
             for index, value in enumerate(values):
-                first_name = first_names.setdefault((fields.interface, sender, value), fields.name)
-                if first_name != fields.name:
+                first_name = first_names.setdefault((frame.interface, sender, value), frame.name)
+                if first_name != frame.name:
                     fault = f"used by {quoted(first_name)}"
                 elif value in values[:index]:
                     fault = "listed"
@@ -141,7 +141,7 @@ def duplicate_selection(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
                 message = (
                     f"{quoted(selector)} {value} is already {fault}; use each value for only one frame of the {sender}"
                 )
-                report.add("duplicate-name", (*fields.owner.path, "when", selector, index), message)
+                report.add("duplicate-name", (*frame.owner.path, "when", selector, index), message)
 
 
 def duplicate_address(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
@@ -191,8 +191,8 @@ def _report_overlap(register: WrittenRegister, earlier_register: WrittenRegister
 
 def value_clash(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two named values of a field have the same number, because a decoder could not choose."""
-    for fields in field_lists(spec):
-        for field in fields.fields:
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
             first_names: dict[int, str] = {}
             for name, value in field.values.items():
                 first_name = first_names.setdefault(value.value, name)

@@ -34,8 +34,8 @@ _QUOTED = frozenset(("printed", "title", "why"))
 
 def characters(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the hexadecimal characters in the meaning of a text field are those of its ``equals``."""
-    for fields in field_lists(spec):
-        for field in fields.fields:
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
             printed = _CHARACTERS.search(field.meaning)
             if printed is None or not isinstance(field.equals, str) or not field.equals.isascii() or not field.text:
                 continue
@@ -50,8 +50,8 @@ def characters(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> N
 
 def constant_bits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a fixed field whose meaning says ``always`` and a single number has this number."""
-    for fields in field_lists(spec):
-        for field in fields.fields:
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
             stated = _ALWAYS.findall(field.meaning)
             for key, number in (("constant", field.constant), ("unused", field.unused)):
                 if number is not None and len(stated) == 1 and int(stated[0]) != number:
@@ -197,10 +197,10 @@ def standards(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> No
     for path, text in leaves_of(spec.data, report):
         if not isinstance(text, str) or path[-1] == "printed" or path[0] in _ELSEWHERE:
             continue
-        unknown = [number for number in _STANDARD.findall(text) if number not in _STANDARDS]
-        if unknown:
+        unknown_numbers = [number for number in _STANDARD.findall(text) if number not in _STANDARDS]
+        if unknown_numbers:
             names = listed([f"RS-{number}" for number in _STANDARDS], "or")
-            message = f"there is no standard RS-{unknown[0]}; write {names}"
+            message = f"there is no standard RS-{unknown_numbers[0]}; write {names}"
             report.add("unknown-standard", path, message)
 
 

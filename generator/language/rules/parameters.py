@@ -79,16 +79,16 @@ def expressions(spec: WrittenSpec) -> _Expressions:
         yield from _expressions_under(part, ("label_is",))
     for parameter in spec.parameters.values():
         yield from _expressions_under(parameter, ("equals",))
-    for fields in field_lists(spec):
-        for field in fields.fields:
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
             yield from _of_field(field, field.path)
     for register in spec.registers:
         for limited in (register, *register.meanings):
             yield from _expressions_under(limited, ("min", "max"))
     for measurement in measurements(spec):
         yield from _expressions_under(measurement, _MEASURED)
-    for fields in layouts(spec):
-        yield from _of_position_range(fields)
+    for field_list in layouts(spec):
+        yield from _of_position_range(field_list)
     for _, interface in interfaces(spec):
         yield from _of_words(interface)
 
@@ -101,10 +101,10 @@ def uses(spec: WrittenSpec, raw: WrittenSpec | None = None) -> Iterator[tuple[Pa
     groups = by_name((raw if raw is not None else spec).field_groups)
     field_owners = list(layouts(spec))
     field_owners += [FieldList(Has.REGISTER, register, interface_of(register)) for register in spec.registers]
-    for fields in field_owners:
-        for path, field in expanded(fields, groups):
-            yield from _used_by(fields.interface, _of_field(field, path))
-        yield from _used_by(fields.interface, _of_owner(fields))
+    for field_list in field_owners:
+        for path, field in expanded(field_list, groups):
+            yield from _used_by(field_list.interface, _of_field(field, path))
+        yield from _used_by(field_list.interface, _of_owner(field_list))
     for name, interface in interfaces(spec):
         # A measurement of the device applies to each interface without its own.
         measurement = interface.measurement if interface.has("measurement") else spec.measurement
@@ -283,8 +283,8 @@ def units(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
 
     Exponents and widths are in bits. Units that are not known are compared only with each other.
     """
-    for fields in field_lists(spec):
-        for field in fields.fields:
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
             equal_parameter = raw.parameters.get(str(field.equals))
             equal_unit = equal_parameter.unit if equal_parameter is not None else ""
             if field.unit and equal_unit and kind_of_unit(field.unit) != kind_of_unit(equal_unit):

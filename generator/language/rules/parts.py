@@ -192,6 +192,7 @@ def expanded(fields: FieldList, groups: Groups) -> Iterator[tuple[Path, WrittenF
 
 
 def _expanded(fields: FieldList, groups: Groups) -> Iterator[tuple[Path, WrittenField]]:
+    """Yield the fields with groups included, without a limit."""
     for field in fields.fields:
         group = groups.get(field.use)
         if group is None:
@@ -261,9 +262,9 @@ def position_names(spec: WrittenSpec, interface: str) -> set[str]:
     measurement = measurement_of(spec, interface)
     measured_name = measurement.part.of if measurement is not None and measurement.has("of") else "position"
     names = {measured_name}
-    for fields in layouts(spec):
-        if fields.interface == interface:
-            names.update(fields.joins.get(measured_name, ()))
+    for frame in layouts(spec):
+        if frame.interface == interface:
+            names.update(frame.joins.get(measured_name, ()))
     return names
 
 

@@ -39,14 +39,14 @@ def value_verdicts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
     A group is in such a frame if one of them uses it. An error is a value whose name says so.
     """
     groups = by_name(raw.field_groups)
-    position_frames = [fields for fields in layouts(spec) if _has_position(spec, fields, groups)]
-    position_paths = {fields.owner.path for fields in position_frames}
-    used_groups = {field.use for fields in position_frames for field in fields.fields}
-    for fields in field_lists(spec):
-        is_group = fields.kind is Has.GROUP
-        has_verdict = fields.name in used_groups if is_group else fields.owner.path in position_paths
-        for field in fields.fields:
-            _check_verdicts_of_values(fields, field, has_verdict, report)
+    position_frames = [field_list for field_list in layouts(spec) if _has_position(spec, field_list, groups)]
+    position_paths = {field_list.owner.path for field_list in position_frames}
+    used_groups = {field.use for field_list in position_frames for field in field_list.fields}
+    for field_list in field_lists(spec):
+        is_group = field_list.kind is Has.GROUP
+        has_verdict = field_list.name in used_groups if is_group else field_list.owner.path in position_paths
+        for field in field_list.fields:
+            _check_verdicts_of_values(field_list, field, has_verdict, report)
 
 
 def _check_verdicts_of_values(
@@ -104,19 +104,19 @@ def combinations(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
     or a combination with some of them, already gives the same verdict or a worse one.
     """
     groups = by_name(raw.field_groups)
-    for fields in layouts(spec):
-        listed_combinations = fields.layout.combinations if fields.layout is not None else ()
-        if listed_combinations and not _has_position(spec, fields, groups):
-            problem = f"{_reason_without_verdict(fields)}; leave 'combinations' out"
-            report.add("combination", fields.owner.place_of("combinations"), problem, at_key=True)
+    for frame in layouts(spec):
+        listed_combinations = frame.layout.combinations if frame.layout is not None else ()
+        if listed_combinations and not _has_position(spec, frame, groups):
+            problem = f"{_reason_without_verdict(frame)}; leave 'combinations' out"
+            report.add("combination", frame.owner.place_of("combinations"), problem, at_key=True)
             continue
-        fields_by_name = field_names(fields, groups)
+        fields_by_name = field_names(frame, groups)
         for index, combination in enumerate(listed_combinations):
-            if not _check_conditions(fields, fields_by_name, combination, report):
+            if not _check_conditions(frame, fields_by_name, combination, report):
                 continue  # Its conditions are reported, and there may be no verdicts to compare.
             # A combination decides only if no part of it makes the position at least as bad by itself.
             verdicts_of_parts = [
-                *_own_verdicts(fields, fields_by_name, combination),
+                *_own_verdicts(frame, fields_by_name, combination),
                 *_verdicts_of_parts(combination, listed_combinations[:index], listed_combinations[index + 1 :]),
             ]
             _check_can_decide(combination, verdicts_of_parts, report)
@@ -125,9 +125,9 @@ def combinations(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
 def report_names(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the reports of values with a verdict and of combinations have names that are unique in the frame."""
     groups = by_name(raw.field_groups)
-    for fields in layouts(spec):
-        used_names = set(readable_names(fields, groups))
-        for path, name in _report_names(fields, groups):
+    for frame in layouts(spec):
+        used_names = set(readable_names(frame, groups))
+        for path, name in _report_names(frame, groups):
             if name in used_names:
                 problem = (
                     f"this frame already has {quoted(name)}, which is also the name of this report; rename one of them"
@@ -275,8 +275,8 @@ def default_answers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
     The default sets it to 0, and each other answer to 1. Flags use it in ``makes_position_if``.
     """
     used_by_flags: set[str] = set()
-    for fields in field_lists(spec):
-        for field in fields.fields:
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
             used_by_flags.update(field.makes_position_if)
     for alternative in spec.alternatives:
         default = alternative.default
@@ -320,8 +320,8 @@ def verdicts_by_answer(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
     alternatives_with_default = {
         name for name, alternative in by_name(raw.alternatives).items() if alternative.has("default")
     }
-    for fields in field_lists(spec):
-        for field in fields.fields:
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
             for name, verdict in field.makes_position_if.items():
                 verdict_path = (*field.place_of("makes_position_if"), name)
                 parameter = raw.parameters.get(name)
@@ -329,7 +329,7 @@ def verdicts_by_answer(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
                     reason = f"{quoted(name)} is not a parameter of an alternative with a default"
                     report.add("verdict-choice", verdict_path, f"{reason}; give it 'alternative' with the name of one")
                     continue
-                problem = _no_other_verdict(fields, field, verdict)
+                problem = _no_other_verdict(field_list, field, verdict)
                 if problem:
                     report.add("verdict-choice", verdict_path, problem)
 

@@ -146,6 +146,7 @@ class _Write:
     value: int | None
 
     def __str__(self) -> str:
+        """Return the write as text, such as ``0x48 = 0x01``, ``0x49 bit 2 = 0`` or ``0x50-0x54``."""
         text = f"{self.first:#04x}"
         if self.last > self.first:
             text += f"-{self.last:#04x}"

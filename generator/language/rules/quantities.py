@@ -317,6 +317,7 @@ def _compare_times(
 
 
 def _report_time(match: re.Match[str], expected_times: set[int], place: Path, report: DocumentReport) -> None:
+    """Report a time in a text, as matched by ``_TIME``, that is not one of the expected ones."""
     times_text = listed([nanoseconds(time) for time in sorted(expected_times)], "or")
     message = (
         f"the text says {match['number']} {match['unit']}, but the time here is {times_text}; "

@@ -42,16 +42,16 @@ def field_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
     A group may use data IDs, because its interface is not known.
     """
     resolver = NameResolver(raw, report)
-    for fields in field_lists(spec):
-        names = list(field_names(fields, resolver.groups))
-        has_data_ids = fields.kind is Has.GROUP or bool(_data_ids(raw, fields.interface))
-        for field in fields.fields:
-            _check_field(field, names, list(fields.joins), resolver)
+    for field_list in field_lists(spec):
+        names = list(field_names(field_list, resolver.groups))
+        has_data_ids = field_list.kind is Has.GROUP or bool(_data_ids(raw, field_list.interface))
+        for field in field_list.fields:
+            _check_field(field, names, list(field_list.joins), resolver)
             if field.values_of and not has_data_ids:
-                problem = f"the interface {quoted(fields.interface)} has no table of data IDs"
+                problem = f"the interface {quoted(field_list.interface)} has no table of data IDs"
                 message = f"{problem}; list the values with 'values'"
                 report.add("undefined-reference", field.place_of("values_of"), message)
-        _check_layout(fields, names, resolver)
+        _check_layout(field_list, names, resolver)
 
 
 def _data_ids(raw: WrittenSpec, interface: str) -> object:
@@ -152,8 +152,8 @@ def device_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
             if text:
                 resolver.refer_to_bit((*hardware_input.path, key), text)
     readable_values: dict[str, None] = {}
-    for fields in layouts(raw):
-        readable_values |= dict.fromkeys(readable_names(fields, resolver.groups))
+    for frame in layouts(raw):
+        readable_values |= dict.fromkeys(readable_names(frame, resolver.groups))
     for measurement in measurements(spec):
         if measurement.has("of"):
             resolver.refer((*measurement.path, "of"), "field or joined number", measurement.part.of, readable_values)
@@ -173,11 +173,11 @@ def _check_measured_field(
     name, path = measurement.part.of, measurement.path
     is_of_device = path == ("measurement",)
     kinds_in_frames = []
-    for fields in layouts(raw):
+    for frame in layouts(raw):
         # The path of a measurement of an interface contains the name of the interface.
-        is_measured = is_of_device or fields.interface in path
-        field = field_names(fields, resolver.groups).get(name)
-        if is_measured and fields.is_from_encoder and field is not None:
+        is_measured = is_of_device or frame.interface in path
+        field = field_names(frame, resolver.groups).get(name)
+        if is_measured and frame.is_from_encoder and field is not None:
             kinds_in_frames.append(_kind_of(field))
     if kinds_in_frames and _NUMBER not in kinds_in_frames:
         problem = f"{quoted(name)} has {quoted(kinds_in_frames[0])}, so it is not a number"
@@ -229,8 +229,8 @@ def _remedies_by_hand(spec: WrittenSpec) -> Iterator[tuple[Path, Sequence[str]]]
     for led in spec.leds:
         for index, state in enumerate(led.part.states):
             yield (*led.path, "states", index), state.by_hand
-    for fields in field_lists(spec):
-        for field in fields.fields:
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
             yield field.path, field.by_hand
 
 
@@ -287,7 +287,7 @@ def _check_written_value(
 def example_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of examples: their subject, the arguments and fields with values, and errata."""
     resolver = NameResolver(raw, report)
-    known_layouts = {fields.name: fields for fields in layouts(raw) if fields.name}
+    known_layouts = {frame.name: frame for frame in layouts(raw) if frame.name}
     for example in spec.examples:
         resolver.refer_if_given(example.place_of("procedure"), "procedure", example.procedure)
         resolver.refer_if_given(example.place_of("erratum"), "erratum", example.erratum)
@@ -403,8 +403,8 @@ def connector_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRe
 def unused_crc(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that each CRC is that of a field in some list of fields, or has a note."""
     used_crcs: set[str] = set()
-    for fields in field_lists(raw):
-        used_crcs |= {field.crc for field in fields.fields if field.crc}
+    for field_list in field_lists(raw):
+        used_crcs |= {field.crc for field in field_list.fields if field.crc}
     if not used_crcs <= by_part_name(raw.crcs).keys():
         return  # A misspelt name, which another rule reports, may be meant as the unused CRC.
     for crc in spec.crcs:

@@ -47,11 +47,11 @@ def description_file(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
 def alignment(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the SSI word has the alignment that the contents and the order code name, if these name only one."""
     ssi = spec.interfaces.ssi
-    titles = [section.title for section in spec.manual.contents.values()]
+    texts = [section.title for section in spec.manual.contents.values()]
     for part in spec.order_code.parts:
-        titles += [value.meaning for value in part.values.values()]
-    words = [_ALIGNED.findall(title) for title in titles]
-    named_alignments = {_ALIGNMENTS[word.casefold()] for found_words in words for word in found_words}
+        texts += [value.meaning for value in part.values.values()]
+    sides_by_text = [_ALIGNED.findall(title) for title in texts]
+    named_alignments = {_ALIGNMENTS[side.casefold()] for sides in sides_by_text for side in sides}
     if ssi is None or len(named_alignments) != 1 or explained(report.document, "interfaces", "ssi", "alignment"):
         return
     named_alignment = named_alignments.pop()

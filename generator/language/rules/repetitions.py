@@ -69,10 +69,10 @@ def repeated_text(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -
         registers_by_bank.setdefault((interface_of(register), register.bank), []).append(register)
     for registers in registers_by_bank.values():
         _report_repeated("printed_name", map(_printed_name_of, registers), report)
-    for fields in field_lists(spec):
-        data_fields = filter(_has_data, fields.fields)
+    for field_list in field_lists(spec):
+        data_fields = filter(_has_data, field_list.fields)
         _report_repeated("printed_name", map(_printed_name_of, data_fields), report)
-        for field in fields.fields:
+        for field in field_list.fields:
             _check_values(field, report)
 
 

@@ -62,16 +62,16 @@ _ALL_EXAMPLES = frozenset(("name", "kind", "source", "erratum", "note"))
 
 def layout_keys(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that fields and layouts have valid combinations of keys. A field with ``use`` only includes a group."""
-    for fields in field_lists(spec):
-        for field in fields.fields:
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
             if field.use:
-                _check_use(fields, field, report)
+                _check_use(field_list, field, report)
             else:
                 _check_field(field, report)
-                _check_others(fields, field, report)
-        _check_placing(fields, report)
-        if fields.layout is not None:
-            _check_carriage(fields, fields.layout, raw, report)
+                _check_others(field_list, field, report)
+        _check_placing(field_list, report)
+        if field_list.layout is not None:
+            _check_carriage(field_list, field_list.layout, raw, report)
 
 
 def _check_use(fields: FieldList, field: WrittenField, report: DocumentReport) -> None:

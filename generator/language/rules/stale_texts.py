@@ -55,6 +55,7 @@ def erratum_quantities(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
     for erratum in spec.errata:
         key, text = ("used", erratum.used) if _QUANTITY.search(erratum.used) else ("printed", erratum.printed)
         matches = list(_QUANTITY.finditer(text))
+        # An erratum with readings is about two printed values, and the facts have only one of them.
         if not matches or erratum.readings:
             continue
         facts: list[Any] = []

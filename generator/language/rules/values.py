@@ -34,7 +34,7 @@ from .walk import leaves_of, sources
 
 _PIECE = re.compile(r"(?:(?P<key>[a-z][a-z0-9_]*):)?(?P<place>.*)")
 _NUMBER = r"(?:[A-Z]\.)?[0-9]+(?:[.-][0-9]+)*"
-#: A heading, possibly with a number, such as ``Table 41``. The word for a page is none.
+#: A heading, possibly with a number, such as ``Table 41``. It does not begin with the word for a page.
 _HEADING = rf"(?!(?i:page|pag|pg|p)\b)[^\W\d_](?:[^\W\d_]|[ '&/()-])+(?: {_NUMBER})?"
 #: A section by number, possibly with a table or figure in it, or by its heading.
 _SECTION = rf"{_NUMBER}(?: (?:Table|Figure) {_NUMBER})?|{_HEADING}"
@@ -45,11 +45,11 @@ _PLACE = re.compile(rf"(?:{_SECTION})(?: {_PAGE})?|{_PAGE}")
 def field_count(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no list of fields has more than ``MAX_FIELDS`` if the groups in it are written out."""
     counts_by_group = {name: len(group.fields) for name, group in by_name(raw.field_groups).items()}
-    for fields in field_lists(spec):
-        count = sum(counts_by_group.get(field.use, 1) for field in fields.fields)
+    for field_list in field_lists(spec):
+        count = sum(counts_by_group.get(field.use, 1) for field in field_list.fields)
         if count > MAX_FIELDS:
             problem = f"'fields' has {count} entries with those of its groups; the limit is {MAX_FIELDS}"
-            report.add("too-long", fields.owner.place_of("fields"), problem)
+            report.add("too-long", field_list.owner.place_of("fields"), problem)
 
 
 def crc_impossible(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
@@ -84,8 +84,8 @@ def _numbers_in(field: WrittenField) -> Iterator[tuple[Path, str, int]]:
 
 def value_too_wide(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the numbers of a field are not negative and fit into it, if its width is the same for all codes."""
-    for fields in field_lists(spec):
-        for field in fields.fields:
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
             width = constant_width(field)
             if width is None:
                 continue

@@ -104,6 +104,7 @@ def expanded(fields: Fields, groups: Mapping[str, Spec]) -> Iterator[tuple[Path,
 
 
 def _expanded(fields: Fields, groups: Mapping[str, Spec]) -> Iterator[tuple[Path, Spec]]:
+    """Yield the fields with groups included, without a limit."""
     for path, field in fields:
         group = groups.get(field["use"]) if isinstance(field.get("use"), str) else None
         if group is None:
@@ -130,6 +131,7 @@ def leaves(data: Any) -> list[tuple[Path, Any]]:
 
 
 def _add_leaves(node: Any, path: Path, located_values: list[tuple[Path, Any]]) -> None:
+    """Add every text, number and boolean below a place, with its path."""
     if isinstance(node, dict):
         for key, child in node.items():
             _add_leaves(child, (*path, key), located_values)

@@ -72,8 +72,8 @@ def latch_words(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
 def level_words(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the texts of a flag that say at which level it is active name its active level."""
     levels = {"low": "0", "high": "1"}
-    for fields in field_lists(spec):
-        for field in fields.fields:
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
             active_level = levels.get(field.active)
             for path, text in _texts_of(field, _TEXTS) if active_level is not None else ():
                 wrong_levels = [stated for stated in _LEVEL.findall(text) if stated != active_level]
@@ -90,8 +90,8 @@ def name_and_meaning(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
 
     An example is the name ``binary`` with the meaning Gray code.
     """
-    for fields in field_lists(spec):
-        for field in fields.fields:
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
             for name, value in field.values.items():
                 for word, opposite in _contradictions(name, value.meaning):
                     message = f"{quoted(name)} has a meaning with {quoted(opposite)} and without {quoted(word)}"
