@@ -355,17 +355,17 @@ def as_affected(data: Any, path: Path) -> str:
     List items are given by their labels, and keys of ``_LEFT_OUT`` are omitted. The path ends before the first step
     that cannot be named. It is empty if that is the first step.
     """
-    words: list[str] = []
+    named_steps: list[str] = []
     for depth, step in enumerate(path):
         data = data[step]
         is_list_item = isinstance(step, int)
-        word = label_of(data) if is_list_item else str(step)
-        if word is None or _UNNAMED.search(word):
+        step_name = label_of(data) if is_list_item else str(step)
+        if step_name is None or _UNNAMED.search(step_name):
             break
-        is_omitted = word in _LEFT_OUT and not is_list_item and depth > 0
+        is_omitted = step_name in _LEFT_OUT and not is_list_item and depth > 0
         if not is_omitted:
-            words.append(word)
-    return ".".join(words)
+            named_steps.append(step_name)
+    return ".".join(named_steps)
 
 
 def leads_somewhere(data: Any, affected: str) -> bool:

@@ -220,19 +220,19 @@ def _limits(shape: Shape) -> str:
 
     The usual largest number of entries is not mentioned.
     """
-    limits = []
+    limit_texts = []
     if "minimum" in shape or "maximum" in shape:
-        limits.append(_range_in_words(shape.get("minimum"), shape.get("maximum")))
+        limit_texts.append(_range_in_words(shape.get("minimum"), shape.get("maximum")))
     if "pattern" in shape:
-        limits.append(f"pattern {code(shape['pattern'])}")
+        limit_texts.append(f"pattern {code(shape['pattern'])}")
     if shape.get("maxLength"):
-        limits.append(f"at most {shape['maxLength']} characters")
+        limit_texts.append(f"at most {shape['maxLength']} characters")
     if shape.get("minItems", 0) > 0:
-        limits.append("not empty")
+        limit_texts.append("not empty")
     max_entries = shape.get("maxItems", shape.get("maxProperties", _MOST_ENTRIES))
     if max_entries != _MOST_ENTRIES:
-        limits.append(f"at most {max_entries} {'entry' if max_entries == 1 else 'entries'}")
-    return ", ".join(limits)
+        limit_texts.append(f"at most {max_entries} {'entry' if max_entries == 1 else 'entries'}")
+    return ", ".join(limit_texts)
 
 
 def _range_in_words(low: int | None, high: int | None) -> str:

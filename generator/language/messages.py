@@ -314,8 +314,9 @@ def _const(error: Any, subject: str) -> tuple[str, str]:
 
 
 def _pattern(error: Any, subject: str) -> tuple[str, str]:
-    words = PATTERNS.get(error.validator_value, f"it must match {error.validator_value}")
-    return "bad-pattern", f"{subject} cannot be {quoted(error.instance)}: {words}"
+    """Return rule and message for a text that does not match a pattern of the schema, with the pattern in words."""
+    pattern_in_words = PATTERNS.get(error.validator_value, f"it must match {error.validator_value}")
+    return "bad-pattern", f"{subject} cannot be {quoted(error.instance)}: {pattern_in_words}"
 
 
 def _range(error: Any, subject: str) -> tuple[str, str]:

@@ -240,9 +240,9 @@ class LayeredSpec:
 
     def _replace_value(self, layer: Layer, place: Path, text: str, path: Path) -> None:
         """Replace the value at ``path`` by that of a change. Report a change to the same value."""
-        current = value_at(self._data, path)
-        current_text = _value_text(current, self._text_from(path))
-        if _is_equal(layer.changes[place_number(place)]["to"], current):
+        current_value = value_at(self._data, path)
+        current_text = _value_text(current_value, self._text_from(path))
+        if _is_equal(layer.changes[place_number(place)]["to"], current_value):
             message = f"the spec already has {current_text} here; leave the change out"
             self._report_problem("overlay-unused", layer, place, message)
         else:
@@ -327,8 +327,8 @@ def _value_text(value: Any, text_from_value: str) -> str:
     the value.
     """
     if isinstance(value, int) and not isinstance(value, bool):
-        words = text_from_value.split(maxsplit=1)
-        number = words[0].rstrip(",}]") if words else ""
+        words_of_line = text_from_value.split(maxsplit=1)
+        number = words_of_line[0].rstrip(",}]") if words_of_line else ""
         return number if number.startswith("0x") else str(value)
     text = _plain(value)
     return text if len(text) <= _LONGEST_SHOWN else text[: _LONGEST_SHOWN - 3] + "..."

@@ -310,8 +310,8 @@ class CorrectedEvents:
             return False
         if key.style or value.style or value.value:
             return False
-        end: Any = key.end_mark
-        text_after = self._lines[end.line][end.column :]
+        key_end: Any = key.end_mark
+        text_after = self._lines[key_end.line][key_end.column :]
         return key.value != "" and not text_after.lstrip().startswith(":")
 
 

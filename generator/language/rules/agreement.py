@@ -102,8 +102,8 @@ def _misspells(name: str, correct_name: str) -> bool:
     words, correct_words = name.casefold().split(), correct_name.casefold().split()
     if len(words) != len(correct_words):
         return False
-    pairs = zip(words, correct_words, strict=True)
-    different_pairs = [(word, correct_word) for word, correct_word in pairs if word != correct_word]
+    word_pairs = zip(words, correct_words, strict=True)
+    different_pairs = [(word, correct_word) for word, correct_word in word_pairs if word != correct_word]
     if len(different_pairs) != 1:
         return False
     word, correct_word = different_pairs[0]
@@ -375,12 +375,12 @@ def _number_pairs(table: Table, earlier_table: Table, key_column: str, column: s
     earlier_cells: dict[str, str] = {}
     for row in earlier_table.rows:
         earlier_cells[_cell(earlier_table, row, key_column)] = _cell(earlier_table, row, column)
-    pairs = []
+    cell_pairs = []
     for row_number, row in enumerate(table.rows):
         key_cell = _cell(table, row, key_column)
         if key_cell in earlier_cells:
-            pairs.append(_CellPair(row_number, column, _cell(table, row, column), earlier_cells[key_cell]))
-    return [pair for pair in pairs if pair.is_numeric]
+            cell_pairs.append(_CellPair(row_number, column, _cell(table, row, column), earlier_cells[key_cell]))
+    return [pair for pair in cell_pairs if pair.is_numeric]
 
 
 def _differing_cells(pairs: list[_CellPair]) -> list[_CellPair]:

@@ -104,14 +104,14 @@ def alarm_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> N
     """
     for located_alarm in spec.alarms:
         alarm = located_alarm.part
-        name, flag = alarm.name, alarm.field or alarm.name
+        name, flag_name = alarm.name, alarm.field or alarm.name
         owner = owner_of_alarm(spec, located_alarm)
         flags = by_name(owner.fields) if owner is not None else {}
-        if name != flag and name in flags and flag in flags:
+        if name != flag_name and name in flags and flag_name in flags:
             owner_name = alarm.group or alarm.register
             problem = (
                 f"the alarm {quoted(name)} has the same name as a flag of {quoted(owner_name)}, but describes"
-                f" {quoted(flag)}; use that flag, or rename the alarm"
+                f" {quoted(flag_name)}; use that flag, or rename the alarm"
             )
             report.add("alarm-name", (*located_alarm.path, "field"), problem)
 
@@ -272,9 +272,9 @@ def _numbers_set(spec: WrittenSpec, kind: str, parameter: str) -> set[int]:
 
     A value that selects no interface applies to all of them.
     """
-    numbers: set[int] = set()
+    set_numbers: set[int] = set()
     for part in spec.order_code.parts:
         for value in part.values.values():
             if (value.interface or kind) == kind and parameter in value.sets:
-                numbers.add(value.sets[parameter])
-    return numbers
+                set_numbers.add(value.sets[parameter])
+    return set_numbers

@@ -148,13 +148,13 @@ def interface_named(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
     """
     for part in spec.order_code.parts:
         for label, value in part.values.items():
-            words = _ANY_INTERFACE.findall(value.meaning)
-            names = {word.upper().replace("RS485", "RS-485") for word in words}
-            if len(names) != 1 or value.interface is None:
+            interface_words = _ANY_INTERFACE.findall(value.meaning)
+            interface_names = {interface_word.upper().replace("RS485", "RS-485") for interface_word in interface_words}
+            if len(interface_names) != 1 or value.interface is None:
                 continue
             named_kinds = [kind for kind, pattern in _INTERFACES.items() if pattern.search(value.meaning)]
             if named_kinds and value.interface != named_kinds[0]:
-                name = names.pop().replace("BISS", "BiSS")
+                name = interface_names.pop().replace("BISS", "BiSS")
                 problem = f"the meaning of {quoted(label)} mentions {name}, but the value selects {value.interface}"
                 report.add("interface-mismatch", value.place_of("interface"), problem)
 

@@ -107,8 +107,10 @@ def _has_signal_of(contact: _Contact, earlier: _Contact) -> bool:
     """
     if contact.only and earlier.only and contact.only != earlier.only:
         return False
-    names, earlier_names = ({*map(_plain, {*either.main_names, either.signal})} for either in (contact, earlier))
-    return not names.isdisjoint(earlier_names)
+    contact_names, earlier_names = (
+        {*map(_plain, {*either.main_names, either.signal})} for either in (contact, earlier)
+    )
+    return not contact_names.isdisjoint(earlier_names)
 
 
 def incomplete_pair(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:

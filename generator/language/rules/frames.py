@@ -100,8 +100,8 @@ def purposes(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> Non
 def _request_with(data_id: Located[DataId], rs485: WrittenRs485) -> WrittenLayout | None:
     """Return the layout of the master that is selected by a data ID, or None."""
     for layout in rs485.layouts:
-        numbers = [number for selected in layout.when.values() for number in selected]
-        if layout.from_ == "master" and data_id.part.id in numbers:
+        selected_ids = [number for selected in layout.when.values() for number in selected]
+        if layout.from_ == "master" and data_id.part.id in selected_ids:
             return layout
     return None
 
@@ -134,11 +134,11 @@ def sent_requests(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -
 def memory_accesses(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two rows on the replies to memory accesses have the same access and busy flag."""
     rs485 = spec.interfaces.rs485
-    rows = [row for row in rs485.memory_access if row.is_valid("busy")] if rs485 is not None else []
+    replies = [reply for reply in rs485.memory_access if reply.is_valid("busy")] if rs485 is not None else []
     earlier_cases: set[tuple[str, int]] = set()
-    for row in rows:
-        case = row.part.access, row.part.busy
+    for reply in replies:
+        case = reply.part.access, reply.part.busy
         if case in earlier_cases:
             message = f"there is already a row for {case[0]} with 'busy' {case[1]}; correct one of the two"
-            report.add("memory-access-repeated", (*row.path, "busy"), message)
+            report.add("memory-access-repeated", (*reply.path, "busy"), message)
         earlier_cases.add(case)

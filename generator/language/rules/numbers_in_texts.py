@@ -151,14 +151,14 @@ def _ranges_set(spec: WrittenSpec) -> dict[str, tuple[int, int]]:
 
     The result is empty if ``only_with`` excludes some combinations.
     """
-    numbers: dict[str, list[int]] = {}
+    numbers_by_parameter: dict[str, list[int]] = {}
     for part in spec.order_code.parts:
         for value in part.values.values():
             if value.only_with:
                 return {}
             for name, number in value.sets.items():
-                numbers.setdefault(name, []).append(number)
-    return {name: (min(set_numbers), max(set_numbers)) for name, set_numbers in numbers.items()}
+                numbers_by_parameter.setdefault(name, []).append(number)
+    return {name: (min(set_numbers), max(set_numbers)) for name, set_numbers in numbers_by_parameter.items()}
 
 
 def equal_numbers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
@@ -167,9 +167,9 @@ def equal_numbers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -
     A text that gives bits and their number, as in ``bits 7:4, which are 4 bits``, must agree as well.
     """
     for path, text in _own_texts(spec, report):
-        pairs = [(decimal, hexadecimal) for decimal, hexadecimal in _EQUAL.findall(text)]
-        pairs += [(decimal, hexadecimal) for hexadecimal, decimal in _EQUAL_HEX.findall(text)]
-        for decimal, hexadecimal in pairs:
+        number_pairs = [(decimal, hexadecimal) for decimal, hexadecimal in _EQUAL.findall(text)]
+        number_pairs += [(decimal, hexadecimal) for hexadecimal, decimal in _EQUAL_HEX.findall(text)]
+        for decimal, hexadecimal in number_pairs:
             number = int(hexadecimal.removesuffix("h"), 16)
             if int(decimal.replace(",", "")) != number:
                 message = f"{hexadecimal} is {number}, not {decimal}; correct one of the two"

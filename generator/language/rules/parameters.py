@@ -188,13 +188,13 @@ def parameter_origin(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
             report.add("parameter-origin", parameter.place_of(origins[1]), problem, at_key=True)
         if not parameter.by_code:
             continue
-        limits = [key for key in ("min", "max") if parameter.has(key)]
+        limit_keys = [key for key in ("min", "max") if parameter.has(key)]
         if not parameter.read_from:
             problem = "'by_code' needs 'read_from', the register field that holds the code"
             report.add("parameter-origin", parameter.place_of("by_code"), problem, at_key=True)
-        elif limits:
-            problem = f"'by_code' already lists the values of {quoted(name)}; leave out {quoted(limits[0])}"
-            report.add("parameter-origin", parameter.place_of(limits[0]), problem, at_key=True)
+        elif limit_keys:
+            problem = f"'by_code' already lists the values of {quoted(name)}; leave out {quoted(limit_keys[0])}"
+            report.add("parameter-origin", parameter.place_of(limit_keys[0]), problem, at_key=True)
 
 
 def alternative_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:

@@ -25,8 +25,8 @@ def addresses(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> No
     for register in spec.registers:
         if register.addresses is None:
             continue
-        first, _, last = str(register.addresses).partition("-")
-        printed_range = (int(first, 0), int(last or first, 0))
+        first_text, _, last_text = str(register.addresses).partition("-")
+        printed_range = (int(first_text, 0), int(last_text or first_text, 0))
         actual_range = (register.address, last_address(register))
         if printed_range != actual_range:
             message = (
@@ -210,13 +210,13 @@ def _step_write(step: WrittenStep, registers: Mapping[str, WrittenRegister], gro
     register = registers.get(step.register)
     if register is None or not step.value:
         return None
-    fields = list(fields_of(register, groups))
-    possible_fields = [field for field in fields if step.field in ("", field.name)]
+    register_fields = list(fields_of(register, groups))
+    possible_fields = [field for field in register_fields if step.field in ("", field.name)]
     # The field that has the value. Without one, the value is an argument, whose number the caller supplies.
     fields_with_value = [field for field in possible_fields if step.value in field.values]
     number = fields_with_value[0].values[step.value].value if fields_with_value else None
     first, last = register.address, last_address(register)
-    writes_whole_register = not step.field and (not fields_with_value or len(fields) == 1)
+    writes_whole_register = not step.field and (not fields_with_value or len(register_fields) == 1)
     if writes_whole_register:
         return _Write(first=first, last=last, bit=None, value=number)
     written_fields = fields_with_value or possible_fields

@@ -119,9 +119,9 @@ def step_waits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> N
             if step.do == "write" and needed_ms is not None:
                 short_wait = _find_short_wait(step, procedure.steps[index + 1 :], needed_ms)
                 if short_wait is not None:
-                    place, wait_text = short_wait
+                    wait_path, wait_text = short_wait
                     problem = f"{quoted(step.register)} needs a wait of {needed_ms} ms after a write"
-                    report.add("wait-too-short", place, f"{problem}, but {wait_text}", cause=step.register)
+                    report.add("wait-too-short", wait_path, f"{problem}, but {wait_text}", cause=step.register)
 
 
 def _find_short_wait(write: WrittenStep, later_steps: Sequence[WrittenStep], needed_ms: int) -> tuple[Path, str] | None:
@@ -295,9 +295,9 @@ def bank_selected(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -
 
 def _numbers(register: WrittenRegister, raw: WrittenSpec) -> dict[str, int | None]:
     """Return the numbers of all named values of a register by their names. Invalid ones are None."""
-    numbers: dict[str, int | None] = {}
+    numbers_by_name: dict[str, int | None] = {}
     for field in fields_of(register, by_name(raw.field_groups)):
-        numbers |= dict.fromkeys(value_names(field))
+        numbers_by_name |= dict.fromkeys(value_names(field))
         for name, value in field.values.items():
-            numbers[name] = value.value if value.is_valid("value") else None
-    return numbers
+            numbers_by_name[name] = value.value if value.is_valid("value") else None
+    return numbers_by_name

@@ -72,8 +72,8 @@ def quantity_text(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -
         text = characteristic.part.value
         numbers_with_units: set[tuple[Decimal, str]] = set()
         for index, quantity in enumerate(characteristic.part.values):
-            numbers = _check_quantity(quantity, text, (*characteristic.path, "values", index), report)
-            numbers_with_units |= {(number, quantity.unit) for number in numbers}
+            bounds = _check_quantity(quantity, text, (*characteristic.path, "values", index), report)
+            numbers_with_units |= {(number, quantity.unit) for number in bounds}
         for unit in sorted({unit for _, unit in numbers_with_units}):
             for number in _plain_numbers(text, unit):
                 if (number, unit) not in numbers_with_units:
@@ -92,8 +92,8 @@ def _check_quantity(quantity: Quantity, text: str, path: Path, report: DocumentR
         report.add("quantity-text", (*path, "unit"), f"{quoted(kind)} is given in {units_text}, not in {unit}")
         return []
     bounds = {name: Decimal(str(number)) for name, number in _bounds_of(quantity).items()}
-    numbers = list(bounds.values())
-    if not bounds or numbers != sorted(numbers):
+    bounds_in_order = list(bounds.values())
+    if not bounds or bounds_in_order != sorted(bounds_in_order):
         report.add("quantity-text", path, "give 'min', 'typical' or 'max', in ascending order")
         return []
     possible_numbers = set(_possible_numbers(text, unit))
@@ -101,7 +101,7 @@ def _check_quantity(quantity: Quantity, text: str, path: Path, report: DocumentR
         if number not in possible_numbers:
             message = f"the text does not give {number} {unit}; one of the two is wrong"
             report.add("quantity-text", (*path, name), message)
-    return numbers
+    return bounds_in_order
 
 
 def _bounds_of(quantity: Quantity) -> dict[str, float]:
@@ -112,8 +112,8 @@ def _bounds_of(quantity: Quantity) -> dict[str, float]:
 
 def _signed_numbers(text: str, unit: str) -> Iterator[tuple[str, Decimal]]:
     """Yield each number with a unit in a text, with its sign: ``("±", 5)`` and ``("-", 20)``."""
-    end = _WRITTEN.get(unit, re.escape(unit))
-    for match in re.finditer(rf"{_NUMBER}(?= ?{end}(?!\w|/))", text):
+    unit_pattern = _WRITTEN.get(unit, re.escape(unit))
+    for match in re.finditer(rf"{_NUMBER}(?= ?{unit_pattern}(?!\w|/))", text):
         yield match["sign"].replace("−", "-"), Decimal(match["number"].replace(",", ""))
 
 
@@ -181,10 +181,10 @@ def _check_threshold(spec: WrittenSpec, alarm: Located[Alarm], report: DocumentR
     threshold_mv = alarm.part.below_mv
     if threshold_mv is None:
         return
-    texts = [((*alarm.path, "meaning"), alarm.part.meaning)]
+    located_texts = [((*alarm.path, "meaning"), alarm.part.meaning)]
     for flag in _flags_of(spec, alarm.part):
-        texts += [(flag.place_of("meaning"), flag.meaning), (flag.place_of("when_active"), flag.when_active)]
-    for path, text in texts:
+        located_texts += [(flag.place_of("meaning"), flag.meaning), (flag.place_of("when_active"), flag.when_active)]
+    for path, text in located_texts:
         for number, unit in _VOLTAGE.findall(text):
             if Decimal(number) * _MILLIVOLTS[unit] != threshold_mv:
                 message = (
@@ -196,14 +196,14 @@ def _check_threshold(spec: WrittenSpec, alarm: Located[Alarm], report: DocumentR
 
 def _flags_of(spec: WrittenSpec, alarm: Alarm) -> list[WrittenField]:
     """Return the fields with the name of an alarm's flag, in its group and in its register."""
-    fields: list[WrittenField] = []
+    fields_of_owner: list[WrittenField] = []
     for group in spec.field_groups:
         if group.name == alarm.group:
-            fields += group.fields
+            fields_of_owner += group.fields
     for register in spec.registers:
         if register.name == alarm.register:
-            fields += register.fields
-    return [field for field in fields if field.name == alarm.field]
+            fields_of_owner += register.fields
+    return [field for field in fields_of_owner if field.name == alarm.field]
 
 
 def time_repeated(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
@@ -341,8 +341,8 @@ def _times(node: Any) -> Iterator[int]:
 def _texts(node: Any, path: Path) -> Iterator[tuple[Path, str, set[int]]]:
     """Yield every text below a place, with its path and the times in the same map."""
     if isinstance(node, dict):
-        numbers = {key: value for key, value in node.items() if isinstance(value, int)}
-        nearby_times = set(_times(numbers))
+        numbers_by_key = {key: value for key, value in node.items() if isinstance(value, int)}
+        nearby_times = set(_times(numbers_by_key))
         for key, value in node.items():
             if isinstance(value, str) and key not in _NO_TEXTS:
                 yield (*path, key), value, nearby_times
@@ -429,19 +429,21 @@ def column_units(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
             counts = f"{counted(len(columns), 'column')} but {counted(len(units), 'unit')}"
             report.add("column-units", (*table.path, "units"), f'the table has {counts}; give one for each, or ""')
             continue
-        for row, cells in enumerate(table.part.rows):
+        for row_index, cells in enumerate(table.part.rows):
             # Another rule reports a row with too few or too many cells.
-            for column, (unit, cell) in enumerate(zip(units, cells, strict=False)):
+            for column_index, (unit, cell) in enumerate(zip(units, cells, strict=False)):
                 if unit and not _CELL.fullmatch(cell):
                     message = f"{quoted(cell)} is not a number, but the column has the unit {unit}"
-                    report.add("column-units", (*table.path, "rows", row, column), message)
+                    report.add("column-units", (*table.path, "rows", row_index, column_index), message)
 
 
 def table_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that each row of a table has one cell per column."""
     for table in spec.tables:
-        columns = len(table.part.columns)
-        for index, row in enumerate(table.part.rows):
-            if len(row) != columns:
-                message = f"the row has {counted(len(row), 'cell')}, but the table has {counted(columns, 'column')}"
-                report.add("table-shape", (*table.path, "rows", index), message)
+        column_count = len(table.part.columns)
+        for row_index, row in enumerate(table.part.rows):
+            if len(row) != column_count:
+                message = (
+                    f"the row has {counted(len(row), 'cell')}, but the table has {counted(column_count, 'column')}"
+                )
+                report.add("table-shape", (*table.path, "rows", row_index), message)

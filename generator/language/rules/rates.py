@@ -37,17 +37,12 @@ def round_rates(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
         return
     for _, interface in interfaces(spec):
         for path, rate, unit in _rates(interface):
-            digit_count = len(str(rate).rstrip("0"))
+            digits = len(str(rate).rstrip("0"))
             is_standard = unit == "baud" and rate % _STANDARD_BAUD == 0
             is_high = rate >= _LOWEST_HZ
-            if (
-                digit_count > _DIGITS
-                and is_high
-                and not is_standard
-                and str(rate) not in interface.note.replace(",", "")
-            ):
+            if digits > _DIGITS and is_high and not is_standard and str(rate) not in interface.note.replace(",", ""):
                 message = (
-                    f"{rate} {unit} has {digit_count} significant digits, which is implausible; correct it, or say in a"
+                    f"{rate} {unit} has {digits} significant digits, which is implausible; correct it, or say in a"
                     f" 'note' of the interface that it is {rate} {unit}"
                 )
                 report.add("implausible-rate", path, message)

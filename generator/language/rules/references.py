@@ -67,8 +67,8 @@ def _check_layout(fields: FieldList, names: Sequence[str], resolver: NameResolve
     layout, path = fields.layout, fields.owner.path
     gray = layout.gray if layout is not None else None
     if gray is not None:
-        numbers = [*names, *fields.joins]
-        resolver.refer_if_given(gray.place_of("of"), "field or joined number", gray.of, numbers)
+        number_names = [*names, *fields.joins]
+        resolver.refer_if_given(gray.place_of("of"), "field or joined number", gray.of, number_names)
         resolver.refer_if_given(gray.place_of("when"), "parameter", gray.when)
     for name in fields.selectors:
         resolver.refer((*path, "when", name), "field", name, names)
@@ -102,10 +102,10 @@ def register_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
             report.add("undefined-reference", register.path, message)
         if register.opened_by is not None:
             _check_opener(register.opened_by, resolver)
-        fields = FieldList(Has.REGISTER, register, "")
-        numbers = [*field_names(fields, resolver.groups), *register.join]
+        field_list = FieldList(Has.REGISTER, register, "")
+        number_names = [*field_names(field_list, resolver.groups), *register.join]
         limits_path = register.place_of("limits_of")
-        resolver.refer_if_given(limits_path, "field or joined number", register.limits_of, numbers)
+        resolver.refer_if_given(limits_path, "field or joined number", register.limits_of, number_names)
         resolver.refer_to_each(register.place_of("write_clears"), "register", register.write_clears)
         for meaning in register.meanings:
             _check_meaning(meaning, resolver)
@@ -117,13 +117,13 @@ def _check_opener(opener: WrittenOpenedBy, resolver: NameResolver) -> None:
     resolver.refer_if_given(opener.place_of("register"), "register", name)
     if name not in resolver.registers:
         return
-    fields = resolver.bits(name)
-    resolver.refer_if_given(opener.place_of("field"), f"field of {quoted(name)} called", opener.field, fields)
-    if opener.field not in ("", *fields):
+    names_of_fields = resolver.bits(name)
+    resolver.refer_if_given(opener.place_of("field"), f"field of {quoted(name)} called", opener.field, names_of_fields)
+    if opener.field not in ("", *names_of_fields):
         return
-    values = resolver.values(name, opener.field)
-    resolver.refer_if_given(opener.place_of("value"), f"value of {quoted(name)} called", opener.value, values)
-    if not opener.field and opener.value in values and len(fields) > 1:
+    names_of_values = resolver.values(name, opener.field)
+    resolver.refer_if_given(opener.place_of("value"), f"value of {quoted(name)} called", opener.value, names_of_values)
+    if not opener.field and opener.value in names_of_values and len(names_of_fields) > 1:
         problem = f"{quoted(name)} has several fields; add 'field' with the name of the field"
         resolver.report_problem(opener.place_of("value"), f"{problem} that must hold {quoted(opener.value)}")
 
@@ -259,9 +259,9 @@ def _check_step(step: WrittenStep, procedure: WrittenProcedure, resolver: NameRe
     register = resolver.registers.get(name)
     if register is None:
         return
-    fields = resolver.bits(name)
-    resolver.refer_if_given(step.place_of("field"), f"field of {quoted(name)} called", step.field, fields)
-    if step.field in ("", *fields):
+    names_of_fields = resolver.bits(name)
+    resolver.refer_if_given(step.place_of("field"), f"field of {quoted(name)} called", step.field, names_of_fields)
+    if step.field in ("", *names_of_fields):
         _check_written_value(step, register, [argument.name for argument in procedure.arguments], resolver)
 
 
@@ -273,8 +273,8 @@ def _check_written_value(
     Without a field, the step writes the whole register. Then a named value of one of several fields is an error.
     """
     name, path = step.register, step.place_of("value")
-    values = [*resolver.values(name, step.field), *arguments]
-    resolver.refer_if_given(path, f"argument, or value of {quoted(name)}, called", step.value, values)
+    possible_values = [*resolver.values(name, step.field), *arguments]
+    resolver.refer_if_given(path, f"argument, or value of {quoted(name)}, called", step.value, possible_values)
     # The value of one field, written to the whole register, would change its other bits.
     is_value_of_field = step.value in resolver.values(name) and step.value not in arguments
     if not step.field and is_value_of_field and has_other_bits(register, resolver.groups):
@@ -306,11 +306,11 @@ def _check_example_values(
     example: WrittenExample, known_layouts: Mapping[str, FieldList], resolver: NameResolver
 ) -> None:
     """Check that the layout of an example, or else its register, has the fields whose values it gives."""
-    fields = known_layouts.get(example.layout)
-    if fields is None and example.register in resolver.registers:
-        fields = FieldList(Has.REGISTER, resolver.registers[example.register], "")
-    if fields is not None:
-        names = readable_names(fields, resolver.groups)
+    field_list = known_layouts.get(example.layout)
+    if field_list is None and example.register in resolver.registers:
+        field_list = FieldList(Has.REGISTER, resolver.registers[example.register], "")
+    if field_list is not None:
+        names = readable_names(field_list, resolver.groups)
         for name in example.values:
             resolver.refer((*example.path, "values", name), "field", name, names)
 

@@ -117,9 +117,9 @@ def numbers_of_conditions(spec: WrittenSpec, raw: WrittenSpec, report: DocumentR
     for characteristic in spec.characteristics:
         printed_numbers = set(_NUMBER.findall(characteristic.part.value))
         for index, value in enumerate(characteristic.part.values):
-            unknown = [number for number in _NUMBER.findall(value.where) if number not in printed_numbers]
-            if unknown:
-                message = f"'where' has {unknown[0]}, which the text does not have; correct one of the two"
+            missing_numbers = [number for number in _NUMBER.findall(value.where) if number not in printed_numbers]
+            if missing_numbers:
+                message = f"'where' has {missing_numbers[0]}, which the text does not have; correct one of the two"
                 report.add("quantity-text", (*characteristic.path, "values", index, "where"), message)
 
 
@@ -133,8 +133,10 @@ def address_tables(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
     Rows in which one of the two is not a hexadecimal number are skipped.
     """
     for table in spec.tables:
-        columns = [column.casefold() for column in table.part.columns]
-        address_columns = [index for index, column in enumerate(columns) if column in ("first address", "last address")]
+        column_names = [column.casefold() for column in table.part.columns]
+        address_columns = [
+            index for index, column in enumerate(column_names) if column in ("first address", "last address")
+        ]
         if len(address_columns) != 2:
             continue
         for row_index, row in enumerate(table.part.rows):

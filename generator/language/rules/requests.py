@@ -358,8 +358,8 @@ def _may_be_equal(request: str, write: str) -> bool:
     """Return True if two words, such as ``01??`` and ``0?1?``, have the same length and no constant bit differs."""
     if len(request) != len(write):
         return False
-    pairs = zip(request, write, strict=True)
-    return all(bit == write_bit or "?" in (bit, write_bit) for bit, write_bit in pairs)
+    bit_pairs = zip(request, write, strict=True)
+    return all(bit == write_bit or "?" in (bit, write_bit) for bit, write_bit in bit_pairs)
 
 
 def _constant_bits(layout: WrittenLayout, groups: Groups) -> str:

@@ -118,10 +118,10 @@ def _spans(contents: Mapping[str, WrittenSection]) -> dict[str, dict[str, tuple[
         after = sections[index + 1 :]
         subsections = [inner for inner_name, inner in after if inner_name.startswith(f"{name}.")]
         later_sections = [later for later_name, later in after if not later_name.startswith(f"{name}.")]
-        end = _page(later_sections[0], _END) if later_sections else _END
-        page_spans[name] = {_WHOLE_SECTION: (_page(section, _FIRST), end)}
+        last_page = _page(later_sections[0], _END) if later_sections else _END
+        page_spans[name] = {_WHOLE_SECTION: (_page(section, _FIRST), last_page)}
         # The entries of a section come before its subsections.
-        end_of_entries = _page(subsections[0], end) if subsections else end
+        end_of_entries = _page(subsections[0], last_page) if subsections else last_page
         entries = list(section.entries.items())
         starts_after = [*(page for _, page in entries[1:]), end_of_entries]
         for (title, page), next_page in zip(entries, starts_after, strict=False):
@@ -167,11 +167,11 @@ def _is_in_section(
     if page is None:
         return False
     entries = [name for name in names if name in spans[section]]
-    start, end = spans[section][entries[0] if entries else _WHOLE_SECTION]
-    if start <= int(page) <= end:
+    first_page, last_page = spans[section][entries[0] if entries else _WHOLE_SECTION]
+    if first_page <= int(page) <= last_page:
         return True
     cited_part = f"the entry {quoted(entries[0])} of section {section}" if entries else f"section {section}"
-    pages = _pages_text(start, end)
+    pages = _pages_text(first_page, last_page)
     report.add("cited-place", path, f"{cited_part} is {pages} according to the table of contents, not on page {page}")
     return False
 
@@ -193,7 +193,7 @@ _SOURCE = re.compile(r"\s*(?:([a-z][a-z0-9_]*):\s)?(.*?)\s*", re.DOTALL)
 
 
 def evidence(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the evidence supports the grade, that each implementation counts once, and that facts have sources."""
+    """Check that the evidence supports the grade, counts each implementation once, and that facts cite enough."""
     stated = spec.evidence.part
     for index, key in enumerate(stated.implementations):
         if key in stated.documents or key in stated.implementations[:index]:
@@ -342,11 +342,11 @@ def limit_source(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
             document = _DOCUMENT.match(piece)
             if document is not None:
                 cited_keys.add(document[1] or "manual")
-        limits = [key for key in limited.kind.keys if key in limited.part.data]
-        if limits and cited_keys.isdisjoint(documents_read):
-            problem = f"{quoted(limits[0])} needs {needed_source}, because it is a limit"
+        given_limits = [key for key in limited.kind.keys if key in limited.part.data]
+        if given_limits and cited_keys.isdisjoint(documents_read):
+            problem = f"{quoted(given_limits[0])} needs {needed_source}, because it is a limit"
             message = f"{problem}; without one, {limited.kind.alternative}"
-            report.add("limit-source", (*limited.part.path, limits[0]), message, at_key=True)
+            report.add("limit-source", (*limited.part.path, given_limits[0]), message, at_key=True)
 
 
 def _limits(spec: WrittenSpec) -> Iterator[_Limited]:

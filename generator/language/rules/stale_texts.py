@@ -177,9 +177,11 @@ def labels_in_errata(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
     for erratum in spec.errata:
         if not any(affected.split(".")[0] == "order_code" for affected in erratum.affects):
             continue
-        words = _LABEL.findall(erratum.used)
-        shapes_of_labels = {_shape(word) for word in words if word in known_labels}
-        unknown_labels = [word for word in words if word not in known_labels and _shape(word) in shapes_of_labels]
+        words_in_capitals = _LABEL.findall(erratum.used)
+        shapes_of_labels = {_shape(word) for word in words_in_capitals if word in known_labels}
+        unknown_labels = [
+            word for word in words_in_capitals if word not in known_labels and _shape(word) in shapes_of_labels
+        ]
         if unknown_labels:
             message = f"{quoted(unknown_labels[0])} is not in the order code; correct the text"
             report.add("left-behind", erratum.place_of("used"), message, cause=unknown_labels[0])

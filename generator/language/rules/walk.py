@@ -28,7 +28,10 @@ def mapping(data: Any, *keys: str) -> Spec:
 
 
 def items(data: Any, *keys: str) -> Iterator[tuple[Path, Spec]]:
-    """Yield the maps in the list found by following ``keys``, each with its path."""
+    """Yield the maps in the list found by following ``keys``, each with its path.
+
+    For ``("manual", "editions")`` these have paths such as ``("manual", "editions", 0)``.
+    """
     list_value = mapping(data, *keys[:-1]).get(keys[-1])
     for index, list_item in enumerate(list_value if isinstance(list_value, list) else ()):
         if isinstance(list_item, dict):
