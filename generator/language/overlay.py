@@ -159,7 +159,7 @@ class LayeredSpec:
         return True
 
     def _add_documents(self, layer: Layer) -> None:
-        """Add the documents that an overlay cites to the spec, and check its sources. Editions have no own ones."""
+        """Add the documents that an overlay cites to the spec, and check its sources. An edition cites those there."""
         if layer.kind is not LayerKind.OVERLAY:
             return
         overlay = layer.document
@@ -203,15 +203,15 @@ class LayeredSpec:
         except MissingPath as missing_path:
             self._add_key(layer, place, text, missing_path)
             return
-        value_there = value_at(self._data, path)
+        current_value = value_at(self._data, path)
         label = label_of(change["value"])
-        if not isinstance(value_there, list):
+        if not isinstance(current_value, list):
             self._report_problem("overlay-unused", layer, place, f"{quoted(text)} already exists; change it with 'set'")
-        elif label is not None and label in map(label_of, value_there):
+        elif label is not None and label in map(label_of, current_value):
             message = f"{quoted(text)} already has {quoted(label)}; change it with 'set'"
             self._report_problem("overlay-unused", layer, place, message)
         else:
-            self._put_value(layer, place, (*path, len(value_there)), f"{_short(text)} without this item")
+            self._put_value(layer, place, (*path, len(current_value)), f"{_short(text)} without this item")
 
     def _add_key(self, layer: Layer, place: Path, text: str, missing_path: MissingPath) -> None:
         """Add the value of a change at a new key of an existing map. Only that key, the last step, may be missing."""

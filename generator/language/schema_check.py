@@ -202,7 +202,7 @@ def _report_findings(findings: Sequence[Finding], document: Document, report: Re
 def renamed_keys(document: Document) -> list[tuple[Path, str]]:
     """Return the keys that had another name in earlier versions of the language, each with its current name.
 
-    A key is only renamed where the schema has the new name and not the old one, and in the order of the file.
+    A key is renamed where the schema has the new name and not the old one. The keys are in the order of the file.
     """
     kind = FileKind.SECOND if is_second(document.file) else _kind_of(document.data)
     if kind is None or follows_schema(document.data, shape_of(kind.value)):

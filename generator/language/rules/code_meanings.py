@@ -149,7 +149,7 @@ def interface_named(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
     for part in spec.order_code.parts:
         for label, value in part.values.items():
             interface_words = _ANY_INTERFACE.findall(value.meaning)
-            interface_names = {interface_word.upper().replace("RS485", "RS-485") for interface_word in interface_words}
+            interface_names = {word.upper().replace("RS485", "RS-485") for word in interface_words}
             if len(interface_names) != 1 or value.interface is None:
                 continue
             named_kinds = [kind for kind, pattern in _INTERFACES.items() if pattern.search(value.meaning)]

@@ -86,7 +86,7 @@ def _differences(flag: WrittenField, first_flag: WrittenField) -> Iterator[tuple
 
 
 def cleared_alarms(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that only an alarm that latches names procedures that clear it."""
+    """Check that an alarm that does not latch, and so clears itself, names no procedures that clear it."""
     for alarm in spec.alarms:
         if alarm.part.latch is False and alarm.part.cleared_by:
             message = (
@@ -260,7 +260,7 @@ def returning_registers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
 
 
 def equal_answers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the answers of an alternative with two of them do not set the same numbers."""
+    """Check that the two answers of an alternative, if it has two, do not set the same numbers."""
     for alternative in spec.alternatives:
         answers = list(alternative.values.items())
         if len(answers) != 2:

@@ -48,7 +48,7 @@ def slaves(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
 def layouts_by_data_id(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a data ID with a request has a reply, and the other way round.
 
-    This needs layouts of both that all give their data IDs in ``when``.
+    This is checked if there are requests and replies, and all layouts give their data IDs in ``when``.
     """
     rs485 = spec.interfaces.rs485
     if rs485 is None or not rs485.data_ids:

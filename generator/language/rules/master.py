@@ -47,7 +47,7 @@ def check_master(data: Mapping[str, Any], report: DocumentReport) -> None:
         source, condition, place_list = node.get("source"), WrittenCondition(node, path), node.get("places", ())
         if isinstance(source, str):
             _check_source(source, (*path, "source"), master, report)
-        if condition.item:
+        if condition.item:  # Only a map with this key is a condition or a limit.
             _check_limit(condition, report)
         for index, place in enumerate(place_list):
             _check_place(WrittenPlace(place, (*path, "places", index)), master, report)

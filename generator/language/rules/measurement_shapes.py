@@ -50,7 +50,7 @@ def position_range_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRe
     """
     groups = by_name(raw.field_groups)
     own_measurements = {name: interface.measurement for name, interface in interfaces(raw)}
-    raw_fields = {frame.owner.path: frame for frame in layouts(raw)}
+    raw_frames = {frame.owner.path: frame for frame in layouts(raw)}
     for frame in layouts(spec):
         own_range = frame.layout.position_range if frame.layout is not None else None
         if own_range is None or not own_range.data:
@@ -58,13 +58,13 @@ def position_range_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRe
         own_measurement = own_measurements[frame.interface]
         has_own_measurement = own_measurement is not None and own_measurement.data
         measurement = own_measurement if has_own_measurement else raw.measurement
-        raw_list = raw_fields[frame.owner.path]
-        name = quoted(raw_list.name)
+        raw_frame = raw_frames[frame.owner.path]
+        name = quoted(raw_frame.name)
         if measurement is None or not measurement.data:
             problem = "'position_range' needs a 'measurement', which gives the unit of the position"
             message = f"{problem}; add it to the interface or the encoder"
             report.add("measurement-shape", own_range.path, message, at_key=True)
-        elif not raw_list.is_from_encoder or measurement.part.of not in readable_names(raw_list, groups):
+        elif not raw_frame.is_from_encoder or measurement.part.of not in readable_names(raw_frame, groups):
             problem = f"{name} does not carry the position, {quoted(measurement.part.of)}, to the master"
             report.add("measurement-shape", own_range.path, f"{problem}; leave 'position_range' out", at_key=True)
         _check_range_keys(own_range, measurement, spec.movement, report)

@@ -136,6 +136,7 @@ def widths(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
         formula = name if name in ranges else parameter.equals
         bounds = []
         for bound in (0, 1):
+            # The depth of 64 only limits cycles.
             bounds.append(_value_of(formula, {key: pair[bound] for key, pair in ranges.items()}, spec.parameters, 64))
         low, high = map(int, printed_ranges[0])
         if None not in bounds and bounds != [low, high]:

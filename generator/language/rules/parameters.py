@@ -279,9 +279,10 @@ def alternative_use(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
 
 
 def units(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a field has the unit of the parameter that it equals, and that expressions have that of their place.
+    """Check the units of fields that equal a parameter, and of the parameters in expressions.
 
-    Exponents and widths are in bits. Units that are not known are compared only with each other.
+    A field and its parameter have units of the same quantity, and an unknown unit is a quantity of its own. Exponents
+    and widths are in bits, and numbers of a measurement in its units. There, unknown units are not checked.
     """
     for field_list in field_lists(spec):
         for field in field_list.fields:

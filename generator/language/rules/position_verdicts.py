@@ -52,7 +52,10 @@ def value_verdicts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
 def _check_verdicts_of_values(
     fields: FieldList, field: WrittenField, has_verdict: bool, report: DocumentReport
 ) -> None:
-    """Check the verdicts of the values of a field. ``has_verdict`` is True if its frame contains the position."""
+    """Report a value of a field that has a verdict and cannot have one, or is an error and has none.
+
+    ``has_verdict`` is True if the frame of the field contains the position.
+    """
     for name, value in field.values.items():
         if value.makes_position:
             problem = _no_verdict(fields, field, has_verdict)
@@ -313,7 +316,7 @@ def _check_settings(alternative: WrittenAlternative, report: DocumentReport) -> 
 
 
 def verdicts_by_answer(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check the verdicts that a flag has instead with another answer to an alternative.
+    """Check the verdicts in ``makes_position_if``, which a flag has instead if an answer sets a parameter to 1.
 
     Each belongs to a parameter of an alternative with a default, and differs from the verdict without a choice.
     """

@@ -143,9 +143,9 @@ def _find_short_wait(write: WrittenStep, later_steps: Sequence[WrittenStep], nee
 
 
 def step_opens(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a procedure that writes to the opener of a register last writes the value that opens it.
+    """Check that a procedure writes the value that opens a register before it writes the register.
 
-    A procedure that never writes to the opener before may rely on another one.
+    Only the last of its writes to the opener before counts. If there is none, another procedure may open the register.
     """
     registers = by_name(spec.registers)
     for procedure in spec.procedures:
@@ -197,8 +197,8 @@ def procedure_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
         name = procedure.name
         writes_by_register: dict[str, list[WrittenStep]] = {}
         for step in procedure.steps:
-            value_names_of_field = named_values(registers.get(step.register, _NO_REGISTER), groups, step.field)
-            if step.do == "write" and name in value_names_of_field and step.value in value_names_of_field:
+            names_of_values = named_values(registers.get(step.register, _NO_REGISTER), groups, step.field)
+            if step.do == "write" and name in names_of_values and step.value in names_of_values:
                 writes_by_register.setdefault(step.register, []).append(step)
         for register_name, writes in writes_by_register.items():
             if name not in [write.value for write in writes]:

@@ -214,12 +214,12 @@ def _check_flag(alarm: Alarm, path: Path, resolver: NameResolver) -> None:
 
 
 def by_hand_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that manual remedies refer to a characteristic with numbered steps."""
+    """Check that manual remedies name characteristics whose text has numbered steps."""
     resolver = NameResolver(raw, report)
     characteristics = by_part_name(raw.characteristics).items()
-    with_steps = [name for name, characteristic in characteristics if has_steps(characteristic.part.value)]
+    names_with_steps = [name for name, characteristic in characteristics if has_steps(characteristic.part.value)]
     for path, names in _remedies_by_hand(spec):
-        resolver.refer_to_each((*path, "by_hand"), "characteristic with numbered steps called", names, with_steps)
+        resolver.refer_to_each((*path, "by_hand"), "characteristic with numbered steps called", names, names_with_steps)
 
 
 def _remedies_by_hand(spec: WrittenSpec) -> Iterator[tuple[Path, Sequence[str]]]:

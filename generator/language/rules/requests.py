@@ -299,7 +299,7 @@ def _check_fields(
     for exchange in accesses:
         layout = layouts.get(_frame(exchange, key))
         field_names_of_frames |= field_names(_as_fields(layout), groups).keys() if layout is not None else set()
-    missing_names = [frame_name for frame_name in needed if frame_name not in field_names_of_frames]
+    missing_names = [field_name for field_name in needed if field_name not in field_names_of_frames]
     if missing_names:
         frame_name, place = _frame(accesses[0], key), accesses[0].place_of(key)
         message = f"{quoted(frame_name)} is for a register, so it needs the field {quoted(missing_names[0])}"
@@ -307,7 +307,7 @@ def _check_fields(
     elif key == "request":
         for exchange in accesses:
             free_names = _free_fields(layouts.get(exchange.request))
-            undecided_names = [frame_name for frame_name in free_names if frame_name not in needed]
+            undecided_names = [field_name for field_name in free_names if field_name not in needed]
             if undecided_names:
                 problem = f"an access to a register gives no value for {quoted(undecided_names[0])}"
                 message = f"{problem} in {quoted(exchange.request)}; use 'constant' or 'unused' there"

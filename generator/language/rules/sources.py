@@ -193,7 +193,10 @@ _SOURCE = re.compile(r"\s*(?:([a-z][a-z0-9_]*):\s)?(.*?)\s*", re.DOTALL)
 
 
 def evidence(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the evidence supports the grade, counts each implementation once, and that facts cite enough."""
+    """Check that the evidence supports the grade and lists each source once, and that each fact cites enough of them.
+
+    Only the grades ``quoted`` and ``corroborated`` make demands on the source of each fact.
+    """
     stated = spec.evidence.part
     for index, key in enumerate(stated.implementations):
         if key in stated.documents or key in stated.implementations[:index]:

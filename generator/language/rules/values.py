@@ -226,7 +226,7 @@ def _date(text: str) -> datetime.date | None:
 
 
 def supply_range(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the device or its order code values have a supply, not both, and that its voltages are in order."""
+    """Check that not both the device and order code values have a supply, and that each has its voltages in order."""
     supplies: list[Located[Supply]] = []
     if spec.supply is not None and spec.supply.data:
         supplies.append(spec.supply)

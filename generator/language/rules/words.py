@@ -86,10 +86,7 @@ def level_words(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
 
 
 def name_and_meaning(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the meaning of a value does not have the opposite of a word in its name without this word.
-
-    An example is the name ``binary`` with the meaning Gray code.
-    """
+    """Check that a value whose name has a word such as ``binary`` does not have only its opposite in the meaning."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
             for name, value in field.values.items():
