@@ -22,6 +22,7 @@ _STAND_INS: dict[str, Any] = {
     "manual": {"title": "", "revision": "", "language": "en"},
     "interfaces": {},
 }
+#: Order codes and parameters of a device if they are broken.
 _NO_CODES: dict[str, Any] = {"parameters": {}, "order_code": {"pattern": "", "parts": []}}
 
 
@@ -30,7 +31,8 @@ def check_document(document: Document, report: Report) -> dict[str, Any] | None:
 
     Returns:
         The data without the broken parts, which can be built to find further problems. If the order codes or
-        parameters of a device are broken, both are empty. None if nothing can be built.
+        parameters of a device are broken, both are empty. None if nothing can be built: a device with too many
+        problems, or a file of another kind with any.
     """
     checked = check_schema(document, report)
     if checked is None:
@@ -45,7 +47,7 @@ def check_document(document: Document, report: Report) -> dict[str, Any] | None:
 
 
 def check_overlay(document: Document, report: Report) -> bool:
-    """Check an overlay by itself and return True if it can be applied to a spec."""
+    """Check an overlay by itself, and return True if it has no errors, so that it can be applied to a spec."""
     checked = check_schema(document, report, FileKind.OVERLAY)
     return checked is not None and checked.complete and not checked.cut and not report.faults(document)
 
@@ -65,7 +67,7 @@ class _TooManyProblems(Exception):
 
 
 class _RecordingReport(DocumentReport):
-    """A report that records the places mentioned by a rule."""
+    """A report that records in ``noted`` the places mentioned by a rule, as paths in the data as read."""
 
     def __init__(self, report: Report, document: Document) -> None:
         super().__init__(report, document)
@@ -98,7 +100,10 @@ def _device(checked: SchemaResult, document: Document, report: Report) -> dict[s
 
 
 def _check_device(checked: SchemaResult, document: Document, report: Report) -> dict[str, Any]:
-    """Return the data of a device without the broken parts.
+    """Check a device with every rule, and return its data without the broken parts.
+
+    An error of a rule in ``FOUNDATIONS`` about order codes or parameters empties these. One of a rule in ``SHAPES``
+    removes what contains its place. Others remove nothing.
 
     Raises:
         _TooManyProblems: It has too many problems.
@@ -132,7 +137,10 @@ def _with_prose(data: dict[str, Any], kind: FileKind) -> dict[str, Any]:
 
 
 def _with_stand_ins(data: dict[str, Any], are_codes_whole: bool, document: Document) -> dict[str, Any]:
-    """Return the data with stand-ins for missing keys at the top level and at the top level of an interface."""
+    """Return the data with stand-ins for missing keys at the top level and at the top level of an interface.
+
+    ``are_codes_whole`` is False if order codes and parameters are broken. Then they are empty.
+    """
     family = document.family or family_of(document.file)
     completed_data = {"device": family, **_STAND_INS, **data}
     if not are_codes_whole:

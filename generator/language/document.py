@@ -80,7 +80,7 @@ class Document:
         A str instead of a list index selects the item of that name. With ``at_key``, the position is that of the key.
         The position of an ancestor is always that of its key, where a reader would look for a missing value.
         """
-        marks = [mark for _, mark in self._walk(path)]
+        marks = [mark for _, mark in self._walk(path)]  # Fewer than the path has steps if the value is missing.
         if not path:
             return self.marks.line, self.marks.column
         if not marks:
@@ -91,7 +91,7 @@ class Document:
         return mark.line, mark.column
 
     def spelling_at(self, path: Path) -> str:
-        """Return the number at ``path`` as spelled in the file, without tag and anchor.
+        """Return the number at ``path`` as spelled in the file, such as ``0x0F`` or ``007``, without tag and anchor.
 
         The result is empty if no number is written there, such as at an alias.
         """
@@ -113,7 +113,7 @@ class Document:
     def name_path(self, path: Path) -> str:
         """Return the path as shown in messages: ``procedures.preset.steps[3]``.
 
-        A list item is shown by its name, or by its number from 1 if it has none.
+        A list item is shown by its name, or by its number from 1 if it has none or one with other characters.
         """
         text = ""
         node: Any = self.data
@@ -129,7 +129,7 @@ class Document:
         return text.removeprefix(".")
 
     def _walk(self, path: Path) -> Iterator[tuple[str | int, Mark]]:
-        """Yield each existing step of the path with its mark."""
+        """Yield each step of the path in the data as read, with its mark, up to the first one that is missing."""
         mark = self.marks
         for step in self.original(path):
             child = mark.children.get(step)
@@ -149,7 +149,10 @@ class Document:
         return original_path
 
     def _original_step(self, node: Any, step: str | int, original_path: Path) -> str | int:
-        """Return the index in a list as read for a name or for an index in the pruned list, or the key of a map."""
+        """Return the index in a list as read for a name or for an index in the pruned list, or the key of a map.
+
+        ``node`` is the list or map in the data as read, at ``original_path``. An unknown step is returned unchanged.
+        """
         if not isinstance(node, list):
             return step
         if not isinstance(step, int):
@@ -179,7 +182,10 @@ def _child(node: Any, step: str | int) -> Any:
 
 
 def label_of(value: Any) -> str | None:
-    """Return the label of a list item, or None if it has none."""
+    """Return the label of a list item, such as its ``name``, or None if it has none.
+
+    Only the first of ``_ITEM_KEYS`` that the item has counts.
+    """
     if not isinstance(value, dict):
         return None
     for key in _ITEM_KEYS:
@@ -220,6 +226,8 @@ def _step_of(match: re.Match[str]) -> str | int:
 def resolve(data: Any, text: str) -> Path:
     """Return the path for a place given as text, with an index for each list item.
 
+    ``procedures.preset.steps[3]`` may result in ``("procedures", 0, "steps", 2)``.
+
     Raises:
         MissingPath: A step does not exist.
     """
@@ -235,7 +243,10 @@ def resolve(data: Any, text: str) -> Path:
 
 
 def _inner_steps(data: Any) -> dict[str | int, str | int]:
-    """Return the possible next steps of a path, each with its key or index."""
+    """Return the possible next steps of a path, each with its key or index: ``{0: 0, "preset": 0}`` for a list.
+
+    An item of a list can be given by its index or by its label. The first item with a label counts.
+    """
     if isinstance(data, dict):
         return {key: key for key in data}
     if not isinstance(data, list):
@@ -247,7 +258,10 @@ def _inner_steps(data: Any) -> dict[str | int, str | int]:
 
 
 def named_path(data: Any, path: Path) -> Path:
-    """Return the path with names of items instead of indices. The last step need not exist yet."""
+    """Return the path with labels of items instead of indices. The last step need not exist yet.
+
+    An item without a label keeps its index.
+    """
     named_path: Path = ()
     for step in path:
         child: Any = data[step] if isinstance(step, int) or step in data else None
@@ -278,7 +292,7 @@ def from_file(mark: Mark, file: str) -> Mark:
 
 
 def with_value(data: Any, marks: Mark, path: Path, value: Any, mark: Mark) -> tuple[Any, Mark]:
-    """Return data and marks with a value at ``path``: replaced, at a new key, or appended to a list."""
+    """Return data and marks with a value at ``path``: replaced, at a new key, or at the end of a list."""
     key = path[-1]
 
     def put(parent: Any, parent_mark: Mark) -> tuple[Any, Mark]:
@@ -293,7 +307,7 @@ def with_value(data: Any, marks: Mark, path: Path, value: Any, mark: Mark) -> tu
 
 
 def without_value(data: Any, marks: Mark, path: Path) -> tuple[Any, Mark]:
-    """Return data and marks without the value at ``path``."""
+    """Return data and marks without the value at ``path``. Later items of its list move up."""
     key = path[-1]
 
     def remove(parent: Any, parent_mark: Mark) -> tuple[Any, Mark]:
@@ -312,7 +326,7 @@ def _without_key(mapping: dict[str, Any], mark: Mark, removed_key: str | int) ->
 
 
 def _without_item(items: list[Any], mark: Mark, removed_index: str | int) -> tuple[list[Any], Mark]:
-    """Return a list and its mark without one of its items. The marks of later items move with them."""
+    """Return a list and its mark without one of its items. The marks of later items move to their new indices."""
     remaining: list[Any] = []
     remaining_marks: dict[str | int, Mark] = {}
     for index, list_item in enumerate(items):
@@ -338,19 +352,20 @@ def _with_edited_parent(data: Any, mark: Mark, parent_path: Path, edit: _Edit) -
 def as_affected(data: Any, path: Path) -> str:
     """Return a path in the form used by errata: ``registers.preset`` or ``interfaces.biss.word.crc``.
 
-    The path ends before the first step without a name. It is empty if the first step has none.
+    List items are given by their labels, and keys of ``_LEFT_OUT`` are omitted. The path ends before the first step
+    that cannot be named. It is empty if that is the first step.
     """
-    words: list[str] = []
+    named_steps: list[str] = []
     for depth, step in enumerate(path):
         data = data[step]
         is_list_item = isinstance(step, int)
-        word = label_of(data) if is_list_item else str(step)
-        if word is None or _UNNAMED.search(word):
+        step_name = label_of(data) if is_list_item else str(step)
+        if step_name is None or _UNNAMED.search(step_name):
             break
-        is_omitted = word in _LEFT_OUT and not is_list_item and depth > 0
+        is_omitted = step_name in _LEFT_OUT and not is_list_item and depth > 0
         if not is_omitted:
-            words.append(word)
-    return ".".join(words)
+            named_steps.append(step_name)
+    return ".".join(named_steps)
 
 
 def leads_somewhere(data: Any, affected: str) -> bool:
@@ -367,14 +382,14 @@ class Affected:
         self._items: dict[int, dict[object, list[Any]]] = {}
 
     def at(self, affected: str) -> list[Any]:
-        """Return everything in the data to which a path refers."""
+        """Return every value in the data to which a path such as ``registers.preset`` refers."""
         nodes = [self._data]
         for step in affected.split("."):
             nodes = [match for node in nodes for match in self._named(node, step)]
         return nodes
 
     def _named(self, node: Any, step: str) -> list[Any]:
-        """Return the matches of a step of a path below ``node``: by key, by name, or by name in a list."""
+        """Return the matches of a step of a path below ``node``: by key, by name, or by name in one of its lists."""
         if isinstance(node, list):
             return self._items_of(node).get(step, [])
         if not isinstance(node, dict):
@@ -389,6 +404,7 @@ class Affected:
         return matches
 
     def _items_of(self, items: list[Any]) -> dict[object, list[Any]]:
+        """Return the items of a list by their names, each with all items of this name."""
         if id(items) not in self._items:
             named_items: dict[object, list[Any]] = {}
             for list_item in items:
@@ -407,7 +423,7 @@ def is_placeholder(text: object) -> bool:
 
 
 def placeholder_paths(data: Any, path: Path = ()) -> Iterator[Path]:
-    """Yield the path of each placeholder in the data of a spec, in its order."""
+    """Yield the path of each placeholder, a text with TODO, in the data of a spec, in its order."""
     if isinstance(data, dict):
         for key, value in data.items():
             yield from placeholder_paths(value, (*path, key))

@@ -31,7 +31,9 @@ CONFIGURATION = "codewheel.yaml"
 LINK, NESTED, UNREADABLE = "a link", "a repository of its own", "unreadable"
 #: Number of bytes inspected at the start of a file.
 _LOOKED_AT = 2**20
+#: The indentation and first character of the first line that is not a comment, a directive or a mark of YAML.
 _CONTENT = re.compile(rb"^([ \t]*)[^\s#%-]", re.MULTILINE)
+#: A key, perhaps in quotes, with its colon.
 _KEY = rb"""["']?(?<![a-z_])([a-z_]+)["']?[ \t]*:(?=\s|$)"""
 
 
@@ -50,7 +52,7 @@ class FoundFiles:
 
 
 def is_spec(path: Path) -> bool:
-    """Return whether a YAML file in a folder is a spec. An unreadable one is, so that reading it reports the reason."""
+    """Return True if a YAML file in a folder is a spec or cannot be read, so that reading it reports the reason."""
     keys = top_keys(path)
     return keys is None or _names_a_spec(keys)
 
@@ -70,7 +72,7 @@ def find_files(
         folder: The folder.
         is_spec: Tests whether a YAML file is a spec.
         outputs: Real paths of further folders that are outputs.
-        most_names: Number of names after which the search ends.
+        most_names: Number of names, of files and folders, after which the search ends.
     """
     search = _Search(outputs, most_names)
     search.run(folder)
@@ -81,6 +83,7 @@ def find_files(
 
 
 def is_folder(path: Path) -> bool:
+    """Return True if a path is that of a folder. A path with a NUL is not."""
     try:
         return os.path.isdir(path)
     except ValueError:  # A NUL in the name.
@@ -88,7 +91,10 @@ def is_folder(path: Path) -> bool:
 
 
 class _Search:
-    """Search for YAML files in a folder and below it, level by level."""
+    """Search for YAML files in a folder and below it, level by level.
+
+    ``files`` has the YAML files and unreadable folders, ``not_entered`` the folders to report, with the reason.
+    """
 
     def __init__(self, outputs: Collection[str], most_names: float) -> None:
         self.files: list[Path] = []
@@ -125,7 +131,10 @@ class _Search:
             return []
 
     def _is_left_out(self, folder: Path, names: Collection[str]) -> bool:
-        """Return True for an environment, a cache, an output or another repository with these names in it."""
+        """Return True for an environment, a cache, an output or another repository with these names in it.
+
+        The repository is noted, because it may contain specs of the user.
+        """
         if not _MARKS.isdisjoint(names):
             return True
         if self._outputs and os.path.realpath(folder) in self._outputs:
@@ -136,7 +145,7 @@ class _Search:
         return False
 
     def _look_at(self, folder_entry: os.DirEntry[str], path: Path, folders: deque[Path]) -> None:
-        """Note a YAML file, or a folder that is to be searched."""
+        """Note a YAML file, or add a folder that is to be searched to ``folders``. A link to a folder is only noted."""
         if _is_folder_entry(folder_entry):
             if folder_entry.name in _BUILD_FOLDERS or folder_entry.name.endswith(".egg-info"):
                 return
@@ -165,7 +174,7 @@ def _names_a_spec(keys: frozenset[str] | None) -> bool:
 
 
 def describes_encoders(path: Path) -> bool:
-    """Return True if a spec describes or changes an encoder, or cannot be read. Others only add to such specs."""
+    """Return True if a spec describes or changes an encoder, or cannot be read. Other specs are not about one."""
     keys = top_keys(path)
     return keys is None or "overlay" in keys or ("master" not in keys and _is_device(keys))
 
@@ -191,13 +200,14 @@ def top_keys(path: Path) -> frozenset[str] | None:
             content = file.read(_LOOKED_AT)
     except (OSError, ValueError):
         return None
-    # Specs are not UTF-16, but such a file must be rejected and not skipped.
+    # Specs are not UTF-16, but such a file must be rejected and not skipped. Without its NULs and its mark, the keys
+    # are found.
     text = content.replace(b"\0", b"").lstrip(b"\xef\xbb\xbf\xff\xfe")
     text = re.sub(rb"\r\n?", b"\n", text)
     first_content = _CONTENT.search(text)
     if first_content is None:
         return frozenset()
-    if first_content[0].endswith(b"{"):
+    if first_content[0].endswith(b"{"):  # As in JSON. Keys on all levels are found.
         pattern = _KEY
     else:
         # Keys at the top level have the same indentation as the first one.
@@ -227,15 +237,16 @@ MANUFACTURER = "manufacturer.yaml"
 
 
 def spec_files(paths: Sequence[Path]) -> Iterator[Path]:
-    """Yield the files that a run with these paths reads as specs."""
+    """Yield the files that a run with these paths reads as specs: those in folders, and each file given by name."""
     for path in paths:
         yield from find_files(path).specs if is_folder(path) else (path,)
 
 
 def family_files(spec: Path, names_in: Callable[[Path], Iterable[str]] = os.listdir) -> list[Path]:
-    """Return all files on which the model of a family depends: its own, and its manufacturer's.
+    """Return the paths of all files on which the model of a family may depend.
 
-    ``names_in`` returns the names in a folder.
+    These are the files with its name and any suffixes, such as ``x24.second.yaml``, and that of its manufacturer,
+    which need not exist. ``names_in`` returns the names in a folder.
     """
     file_names = sorted(name for name in names_in(spec.parent) if name.startswith(f"{spec.stem}."))
     files = [spec.with_name(name) for name in file_names]

@@ -20,7 +20,7 @@ _UNITS = {
     "baud": ("baud", 0), "kbaud": ("baud", 3), "mbaud": ("baud", 6), "bps": ("baud", 0), "kbps": ("baud", 3),
     "mbps": ("baud", 6), "bit/s": ("baud", 0), "kbit/s": ("baud", 3), "mbit/s": ("baud", 6),
 }  # fmt: skip
-#: Units in which manuals often print a value with a prefix, and the number from which kHz is likelier than MHz.
+#: Units that manuals often print with a prefix, and the number from which kilo is likelier than mega.
 _LARGER = {"hz": "Hz", "baud": "baud"}
 _LIKELY_KILO = 50
 #: Forms of keys with a value other than true or false.
@@ -82,7 +82,10 @@ _LONGEST = 100
 
 
 def number_hint(key: str, value: Any) -> str:
-    """Return what to write instead of ``value`` under ``key``, which takes a whole number. Empty if unclear."""
+    """Return what to write instead of ``value`` under ``key``, which takes a whole number. Empty if unclear.
+
+    The hint for ``48h`` is ``; write 0x48``. All hints begin with a semicolon, as they follow a message.
+    """
     if isinstance(value, float):
         return _float_hint(key, value)
     if _is_list_of_bytes(value):
@@ -98,13 +101,18 @@ def _is_list_of_bytes(value: Any) -> bool:
 
 
 def _float_hint(key: str, value: float) -> str:
+    """Return what to write instead of a number with a decimal point. Empty if unclear."""
     if value.is_integer() and abs(value) < 2**64:
         return f"; write {int(value)}"
     return _fraction_hint(key, value) if math.isfinite(value) else ""
 
 
 def _text_hint(key: str, text: str) -> str:
-    """Return what to write instead of a text that is meant as a number."""
+    """Return what to write instead of a text that is meant as a number. Empty if unclear.
+
+    The forms are bytes, quotes, ``48h``, ``0b11``, ``1,000``, ``10 MHz``, a polynomial, and hexadecimal without a
+    prefix.
+    """
     if _BYTES.fullmatch(text) and " " in text:
         return _bytes_hint(bytes.fromhex(text))
     if _PLAIN.fullmatch(text):
@@ -124,13 +132,16 @@ def _text_hint(key: str, text: str) -> str:
 
 
 def expression_hint(text: str) -> str:
-    """Return what to write instead of an expression with the powers of a programming language. Empty if unclear."""
+    """Return what to write instead of an expression with powers as in ``2**n`` or ``1 << n``. Empty if unclear."""
     corrected = _SHIFTED.sub(r"2^\1", text.replace("**", "^"))
     return f"; write {corrected}" if corrected != text else ""
 
 
 def value_hint(key: str, value: Any, schema: Mapping[str, Any]) -> str:
-    """Return what to write instead of a value of the wrong type: true or false, or a map with one key."""
+    """Return what to write instead of a value of the wrong type. Empty if unclear.
+
+    A boolean may be ``yes``. A map with one required key may be only the value of that key.
+    """
     required_type = schema.get("type")
     required_keys = schema.get("required", ())
     if required_type == "boolean":
@@ -168,6 +179,7 @@ def foreign_key_hint(key: str, value: Any, allowed_keys: Collection[str], used_k
     if our_key in _VALUES:
         word = _VALUES[our_key].get(str(value).lower().replace("-", "_"), "")
         return f"; write '{our_key}: {word}'" if word else f"; it is called '{our_key}' here"
+    # A type such as uint16_t gives the length or the number of bits.
     type_bits = _TYPE_BITS.fullmatch(str(value).lower())
     if type_bits is not None:
         bits = int(type_bits[1] or type_bits[2])
@@ -179,6 +191,7 @@ def _our_key(key: str, value: Any, allowed_keys: Collection[str]) -> str:
     """Return the key of our language for one of another tool, or an empty string.
 
     A key that takes words is preferred if the value is one of its words, so that ``mode: rw`` becomes ``access``.
+    Otherwise it is the first one that is allowed.
     """
     candidates = [our_key for our_key in _ELSEWHERE.get(key.lower(), ()) if our_key in allowed_keys]
     for our_key in candidates:
@@ -188,14 +201,20 @@ def _our_key(key: str, value: Any, allowed_keys: Collection[str]) -> str:
 
 
 def _bytes_hint(data: bytes) -> str:
-    high, low = (int.from_bytes(data, order) for order in ("big", "little"))
-    if high == low:
-        return f"; write one number: {high:#x}"
-    return f"; write one number: {high:#x} if the first byte is the highest, {low:#x} if it is the lowest"
+    """Return the hint for several bytes instead of a number, which they are in one of two orders."""
+    big_endian, little_endian = (int.from_bytes(data, order) for order in ("big", "little"))
+    if big_endian == little_endian:
+        return f"; write one number: {big_endian:#x}"
+    return (
+        f"; write one number: {big_endian:#x} if the first byte is the highest, {little_endian:#x} if it is the lowest"
+    )
 
 
 def _fraction_hint(key: str, value: float) -> str:
-    """Return the hint for ``at_least_us: 0.03``. Bounds are rounded to the safe side of the manual's value."""
+    """Return the hint for ``at_least_us: 0.03``. Bounds are rounded to the safe side of the manual's value.
+
+    A lower bound is rounded up and an upper one down, unless it would be 0. Others are not rounded.
+    """
     unit = _unit(key)
     if unit in _LARGER and value > 0:
         return _larger_unit_hint(unit, value)
@@ -212,7 +231,10 @@ def _fraction_hint(key: str, value: float) -> str:
 
 
 def _larger_unit_hint(unit: str, value: float) -> str:
-    """Return the hint for ``max_hz: 2.5``, which is more likely in MHz than in kHz."""
+    """Return the hint for ``max_hz: 2.5``, which is more likely in MHz than in kHz.
+
+    ``unit`` is ``hz`` or ``baud``.
+    """
     prefix, power = ("k", 3) if value >= _LIKELY_KILO else ("M", 6)
     converted = Fraction(str(value)) * 10**power
     if converted.denominator != 1:
@@ -252,7 +274,10 @@ def _power(term: str) -> int:
 
 
 def key_hint(key: str, value: Any, known_keys: Iterable[str]) -> str:
-    """Return what to write instead of a key with the wrong unit, such as ``min_khz: 200`` for ``min_hz: 200000``."""
+    """Return what to write instead of a key with the wrong unit, such as ``min_khz: 200`` for ``min_hz: 200000``.
+
+    The result is empty if no known key differs only in the unit.
+    """
     stem, _, unit = key.rpartition("_")
     unit = unit.lower()
     if not stem or unit not in _UNITS:
@@ -274,7 +299,10 @@ def key_hint(key: str, value: Any, known_keys: Iterable[str]) -> str:
 
 
 def _keys_of_same_kind(stem: str, unit: str, known_keys: Iterable[str]) -> list[str]:
-    """Return the known keys that differ from this one only in the unit, of the same kind, or in a typo as well."""
+    """Return the known keys with the same stem, or one of which it is a typo, and a unit of the same kind.
+
+    For ``min_khz``, the stem is ``min``, and ``min_hz`` is such a key.
+    """
     base_unit, _ = _UNITS[unit]
     keys_of_kind = []
     for known_key in known_keys:
@@ -287,7 +315,10 @@ def _keys_of_same_kind(stem: str, unit: str, known_keys: Iterable[str]) -> list[
 
 
 def _best_unit(keys: list[str], value: Any, unit: str) -> str:
-    """Return the key with the largest unit in which the value is a whole number, or else with the smallest one."""
+    """Return the key with the largest unit in which the value is a whole number, or else with the smallest one.
+
+    ``unit`` is the one in which the value was given.
+    """
     largest_first = sorted(keys, key=lambda known_key: -_UNITS[_unit(known_key)][1])
     for known_key in largest_first:
         if _whole(value, unit, _unit(known_key)):

@@ -67,7 +67,7 @@ Only a second reading has these keys:
 
 def spec_page() -> str:
     """Return the content of ``docs/transcribe/spec-language.md``."""
-    device, maker, overlay = load_schema("device"), load_schema("manufacturer"), load_schema("overlay")
+    device, manufacturer, overlay = load_schema("device"), load_schema("manufacturer"), load_schema("overlay")
     lines = [
         "<!-- Made from generator/language/*.schema.json by: make spec-page -->",
         "",
@@ -86,7 +86,7 @@ def spec_page() -> str:
     ]
     for name in _definitions_in_order(device):
         lines += _definition(name, device["$defs"][name], device["$defs"])
-    lines += _other_files(maker, overlay)
+    lines += _other_files(manufacturer, overlay)
     return "\n".join(lines).rstrip() + "\n"
 
 
@@ -121,12 +121,16 @@ def _keys_of_second_readings() -> str:
 
 
 def _as_code(words: Iterable[str]) -> str:
+    """Return words in alphabetical order, as code and separated by commas, in lines of at most 110 characters."""
     lines = textwrap.wrap(", ".join(f"`{word}`" for word in sorted(words)), 110)
     return "\n".join(lines)
 
 
 def _definitions_in_order(schema: Shape) -> list[str]:
-    """Return the definitions, each once, in the order of their first use on the page."""
+    """Return the names of the definitions, each once, in the order of their first use on the page.
+
+    A definition comes before those that it uses.
+    """
     names: list[str] = []
 
     def visit(shape: Any) -> None:
@@ -147,7 +151,7 @@ def _definitions_in_order(schema: Shape) -> list[str]:
 
 
 def _definition(name: str, shape: Shape, definitions: Shape) -> list[str]:
-    """Return the lines of the section on a definition: its meaning, and its keys or the values that it allows."""
+    """Return the lines of the section on a definition: its meaning, and its keys or else its type and limits."""
     lines = [anchor(name), "", f"### {code(name)}", "", paragraph(text(shape.get("description", ""))), ""]
     if "properties" in shape:
         lines.append(_properties(shape, definitions))
@@ -159,23 +163,28 @@ def _definition(name: str, shape: Shape, definitions: Shape) -> list[str]:
 
 
 def _properties(shape: Shape, definitions: Shape) -> str:
+    """Return the table of the keys of a shape, which is a part of a JSON Schema."""
     return table(["Key", "", "Value", "Meaning"], _members(shape, definitions))
 
 
 def _definition_name(shape: Shape) -> str:
-    """Return the name of the definition that a shape refers to, or an empty string."""
+    """Return the name of the definition that a shape refers to in ``$ref``, or an empty string."""
     return str(shape.get("$ref", "")).removeprefix("#/$defs/")
 
 
 def _members(shape: Shape, definitions: Shape, prefix: str = "") -> Iterator[tuple[str, str, str, str]]:
-    """Yield a row for each key, followed by rows for its inner keys if they have no section of their own."""
+    """Yield a row of the table for each key, followed by rows for its inner keys if they have no section of their own.
+
+    A row has the key, ``required`` or nothing, the type with its limits, and the meaning. Inner keys follow a prefix:
+    ``clock.``, ``steps[].`` for items of a list, ``<name>.`` for values in a map of names.
+    """
     required_keys = shape.get("required", ())
     for name, inner in shape.get("properties", {}).items():
         limits = _limits(inner)
-        value = f"{_kind(inner)}, {limits}" if limits else _kind(inner)
+        type_and_limits = f"{_kind(inner)}, {limits}" if limits else _kind(inner)
         definition = definitions.get(_definition_name(inner), {})
         meaning = inner.get("description") or definition.get("description", "")
-        yield code(prefix + name), "required" if name in required_keys else "", value, text(meaning)
+        yield code(prefix + name), "required" if name in required_keys else "", type_and_limits, text(meaning)
         yield from _members(inner, definitions, f"{prefix}{name}.")
         yield from _members(inner.get("items", {}), definitions, f"{prefix}{name}[].")
     value_shape = shape.get("additionalProperties")
@@ -184,7 +193,7 @@ def _members(shape: Shape, definitions: Shape, prefix: str = "") -> Iterator[tup
 
 
 def _kind(shape: Shape, plural: bool = False) -> str:
-    """Return the type of a value in words, with a link if it has its own section."""
+    """Return the type of a value in words, in the plural for items of a list. A definition is a link to its section."""
     reference = _definition_name(shape)
     if reference:
         return link(code(reference), f"#{reference}")
@@ -207,23 +216,27 @@ def _kind(shape: Shape, plural: bool = False) -> str:
 
 
 def _limits(shape: Shape) -> str:
-    """Return the limits of a value in words, or an empty string."""
-    limits = []
+    """Return the limits of a value in words, such as ``0 to 255, not empty``, or an empty string.
+
+    The usual largest number of entries is not mentioned.
+    """
+    limit_texts = []
     if "minimum" in shape or "maximum" in shape:
-        limits.append(_range_in_words(shape.get("minimum"), shape.get("maximum")))
+        limit_texts.append(_range_in_words(shape.get("minimum"), shape.get("maximum")))
     if "pattern" in shape:
-        limits.append(f"pattern {code(shape['pattern'])}")
+        limit_texts.append(f"pattern {code(shape['pattern'])}")
     if shape.get("maxLength"):
-        limits.append(f"at most {shape['maxLength']} characters")
+        limit_texts.append(f"at most {shape['maxLength']} characters")
     if shape.get("minItems", 0) > 0:
-        limits.append("not empty")
+        limit_texts.append("not empty")
     max_entries = shape.get("maxItems", shape.get("maxProperties", _MOST_ENTRIES))
     if max_entries != _MOST_ENTRIES:
-        limits.append(f"at most {max_entries} {'entry' if max_entries == 1 else 'entries'}")
-    return ", ".join(limits)
+        limit_texts.append(f"at most {max_entries} {'entry' if max_entries == 1 else 'entries'}")
+    return ", ".join(limit_texts)
 
 
 def _range_in_words(low: int | None, high: int | None) -> str:
+    """Return the bounds of a number in words. One of them may be None."""
     if high is None:
         return f"{low} or more"
     return f"at most {high}" if low is None else f"{low} to {high}"

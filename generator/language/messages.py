@@ -95,7 +95,7 @@ _ALL_THERE_IS: dict[str | int, str] = {
 }
 
 
-#: Keys of fields that are easily given to a register.
+#: Keys of fields that are easily given to a register by mistake.
 _OF_FIELDS = ("values", "signed", "unit")
 
 #: Current names of keys, by their names in earlier versions of the language.
@@ -125,7 +125,7 @@ def explain(error: Any, kind: str) -> Iterator[Finding]:
 
     Args:
         error: A ``jsonschema.ValidationError``.
-        kind: ``device``, ``second``, ``manufacturer``, ``master`` or ``overlay``.
+        kind: ``device``, ``second``, ``manufacturer``, ``master``, ``overlay`` or ``words``.
     """
     path: Path = tuple(error.absolute_path)
     if "propertyNames" in error.relative_schema_path:
@@ -154,7 +154,10 @@ def _invalid_key(error: Any, path: Path) -> Finding:
 
 
 def _unknown_keys(error: Any, path: Path, kind: str) -> Iterator[Finding]:
-    """Yield a finding for each key that the schema does not have."""
+    """Yield a finding for each key that the schema does not have.
+
+    Without a hint about the key, the rest of the map can still be used. With one, the key may be meant as another.
+    """
     for key in error.instance:
         if key in error.schema["properties"]:
             continue
@@ -165,12 +168,16 @@ def _unknown_keys(error: Any, path: Path, kind: str) -> Iterator[Finding]:
 
 
 def _key_hint(error: Any, path: Path, key: str) -> str:
-    """Return the hint after an unknown key, or an empty string."""
+    """Return the hint after an unknown key, or an empty string if none of the hints fits.
+
+    The key may be a former name, a key of other tools, a typo, an unsupported feature, a key of a field, a part of a
+    text without quotes, or have another unit. The first of these that applies is used.
+    """
     known_keys = error.schema["properties"]
     if RENAMED.get(key) in known_keys:
         return f"; it is now called '{RENAMED[key]}' (codewheel migrate renames it)"
-    if foreign := foreign_key_hint(key, error.instance[key], known_keys, error.instance):
-        return foreign
+    if foreign_hint := foreign_key_hint(key, error.instance[key], known_keys, error.instance):
+        return foreign_hint
     nearest_key = nearest_choice(key, list(known_keys))
     if nearest_key:
         return f"; did you mean '{nearest_key}'?"
@@ -184,11 +191,15 @@ def _key_hint(error: Any, path: Path, key: str) -> str:
 
 
 def _suggest_key(error: Any, key: str) -> str:
+    """Return the known keys, or the most similar one, as a hint after an unknown key."""
     return suggestion(key, error.schema["properties"], "known keys")
 
 
 def _missing_keys(error: Any, path: Path, kind: str) -> Iterator[Finding]:
-    """Yield one finding for all missing keys, except those of which an unknown key is a misspelling."""
+    """Yield one finding for all missing keys, except those of which an unknown key is a misspelling.
+
+    It is ``at_key`` unless the map is an item of a list, and ``alone`` if only prose is missing.
+    """
     required_keys = error.validator_value
     misspelt_keys = [key for key in required_keys if _is_misspelt(error, key)]
     missing_keys = [key for key in required_keys if key not in error.instance and key not in misspelt_keys]
@@ -202,7 +213,7 @@ def _missing_keys(error: Any, path: Path, kind: str) -> Iterator[Finding]:
 
 
 def _is_misspelt(error: Any, required_key: str) -> bool:
-    """Return True if an unknown key is a misspelling of a required one."""
+    """Return True if some unknown key of the map is a misspelling of a required one."""
     known_keys = error.schema["properties"]
     unknown_keys = [key for key in error.instance if key not in known_keys]
     return any(_is_meant_as(required_key, key, error.instance, known_keys) for key in unknown_keys)
@@ -214,18 +225,22 @@ def _is_meant_as(required_key: str, unknown_key: str, instance: Any, known_keys:
         return True
     value = instance[unknown_key]
     hints = key_hint(unknown_key, value, known_keys) + foreign_key_hint(unknown_key, value, known_keys, instance)
+    # The hints quote the key to write, perhaps with a value behind it.
     return f"'{required_key}" in hints
 
 
 def _owner(error: Any, path: Path, kind: str) -> str:
-    """Return what needs a key: ``a register`` for items and named entries, otherwise the key of the map itself."""
+    """Return the owner of missing keys in a message.
+
+    For an item of a list and a named entry it is ``a register``, for another map its key in quotes.
+    """
     if not path:
         return {"second": "a second reading", "overlay": "an overlay"}.get(kind, f"a {kind} file")
     schema_path = list(error.absolute_schema_path)
     is_list_item_or_named_entry = len(schema_path) > 1 and schema_path[-2] in ("items", "additionalProperties")
     if is_list_item_or_named_entry:
-        keys_above = [step for step in path[:-1] if isinstance(step, str)]
-        return _item(keys_above[-1])
+        enclosing_keys = [step for step in path[:-1] if isinstance(step, str)]
+        return _item(enclosing_keys[-1])
     return f"'{path[-1]}'"
 
 
@@ -246,7 +261,10 @@ def _subject(path: Path) -> str:
 
 
 def _type(error: Any, subject: str) -> tuple[str, str]:
-    """Return rule and message for a value of the wrong type, with the likely correction."""
+    """Return rule and message for a value of the wrong type, with the likely correction.
+
+    ``subject`` is its key in quotes, or ``an item of`` its list. The other functions in ``_MESSAGES`` are alike.
+    """
     value = error.instance
     types = [error.validator_value] if isinstance(error.validator_value, str) else error.validator_value
     key = str(error.absolute_path[-1]) if error.absolute_path else ""
@@ -265,7 +283,10 @@ def _type(error: Any, subject: str) -> tuple[str, str]:
 
 
 def _text_hint(error: Any) -> str:
-    """Return the correction of a number that must be text. In a step it stands for a value, which needs a name."""
+    """Return the correction of a number or boolean that must be text. Empty if quotes would not help.
+
+    In a step, it stands for a named value.
+    """
     path = list(error.absolute_path)
     if "steps" in path and path[-1] == "value":
         return "; give the number a name, under 'values' of a field of the register, and write the name"
@@ -275,6 +296,7 @@ def _text_hint(error: Any) -> str:
 
 
 def _enum(error: Any, subject: str) -> tuple[str, str]:
+    """Return rule and message for a value that is not one of the allowed ones, with the likely or all allowed ones."""
     hint = word_hint(str(error.absolute_path[-1]), error.instance)
     if not hint and not isinstance(error.instance, (dict, list)):
         hint = suggestion(str(error.instance), map(str, error.validator_value), "use one of")
@@ -292,11 +314,13 @@ def _const(error: Any, subject: str) -> tuple[str, str]:
 
 
 def _pattern(error: Any, subject: str) -> tuple[str, str]:
-    words = PATTERNS.get(error.validator_value, f"it must match {error.validator_value}")
-    return "bad-pattern", f"{subject} cannot be {quoted(error.instance)}: {words}"
+    """Return rule and message for a text that does not match a pattern of the schema, with the pattern in words."""
+    pattern_in_words = PATTERNS.get(error.validator_value, f"it must match {error.validator_value}")
+    return "bad-pattern", f"{subject} cannot be {quoted(error.instance)}: {pattern_in_words}"
 
 
 def _range(error: Any, subject: str) -> tuple[str, str]:
+    """Return rule and message for a number outside its bounds, of which one may be missing."""
     low, high = error.schema.get("minimum"), error.schema.get("maximum")
     if low is None:
         bounds = f"at most {high}"
@@ -316,6 +340,7 @@ def _empty(error: Any, subject: str) -> tuple[str, str]:
 
 
 def _too_few(error: Any, subject: str) -> tuple[str, str]:
+    """Return rule and message for a list or map with too few entries."""
     count, min_count = len(error.instance), error.validator_value
     if min_count > 1:
         noun = "entry" if count == 1 else "entries"

@@ -22,7 +22,7 @@ class Edit:
 
 
 def migrate(document: Document) -> tuple[Edit, ...]:
-    """Give the keys of a document their current names, and return the same edits for its text."""
+    """Give the keys of a document, in data and marks, their current names, and return the same edits for its text."""
     edits = []
     for path, new_key in renamed_keys(document):
         parent_path, old_key = path[:-1], path[-1]
@@ -37,16 +37,19 @@ def migrate(document: Document) -> tuple[Edit, ...]:
 
 
 def _rename_key(mapping: dict[Any, Any], old_key: str | int, new_key: str) -> None:
-    """Rename a key of a map without changing the order of its entries."""
+    """Rename a key of a map, in place, without changing the order of its entries."""
     renamed = {new_key if key == old_key else key: value for key, value in mapping.items()}
     mapping.clear()
     mapping.update(renamed)
 
 
 def edited(text: str, edits: Iterable[Edit]) -> str:
-    """Return the text of a file after these edits. A key may be in quotes."""
-    starts = [0, *(line_break.end() for line_break in LINE_BREAK.finditer(text))]
+    """Return the text of a file after these edits, made from its end so that places before them stay right.
+
+    A key may be in quotes, so it is searched from its place on.
+    """
+    line_starts = [0, *(line_break.end() for line_break in LINE_BREAK.finditer(text))]
     for edit in sorted(edits, key=lambda edit: (edit.line, edit.column), reverse=True):
-        start = text.index(edit.old, starts[edit.line - 1] + edit.column - 1)
-        text = text[:start] + edit.new + text[start + len(edit.old) :]
+        key_start = text.index(edit.old, line_starts[edit.line - 1] + edit.column - 1)
+        text = text[:key_start] + edit.new + text[key_start + len(edit.old) :]
     return text

@@ -37,7 +37,7 @@ SUFFIX = ".overlay"
 #: Kinds of changes. Each change has exactly one.
 KINDS = ("set", "add", "remove", "unknown", "also")
 _VALUE_OF = {"set": "to", "add": "value"}
-#: Keys that identify the family, or that are not statements of the manual about the encoder.
+#: Keys that no change may touch: they identify the family, or do not state a fact of the manual.
 _FIXED = frozenset("codewheel device manufacturer editions".split())
 #: Longest value shown in a comment, in characters.
 _LONGEST_SHOWN = 120
@@ -67,7 +67,11 @@ class Layer:
 
 @dataclass(frozen=True, slots=True)
 class AppliedChange:
-    """One applied change: the old value, the new value, and the affected paths as in an erratum."""
+    """One applied change: the old value, the new value, and the affected paths as in an erratum.
+
+    ``number`` counts the changes of its layer from 0. ``now`` is empty if there is no new value, and ``is_known`` is
+    False if the value is then unknown rather than removed.
+    """
 
     layer: Layer
     number: int
@@ -92,7 +96,10 @@ class LayeredSpec:
         self.applied: list[AppliedChange] = []
 
     def document(self, family: str = "") -> Document:
-        """Return the spec in its current state, renamed to ``family`` if given."""
+        """Return the spec in its current state, renamed to ``family`` if given.
+
+        References of errata and of remedies to places that a change removed are left out.
+        """
         data = self._data
         if self.applied:
             data = _with_existing_affects(data, self._base.data)
@@ -111,7 +118,10 @@ class LayeredSpec:
         )
 
     def apply(self, layers: Sequence[Layer]) -> None:
-        """Apply the changes of layers to the spec. Two of them must not change the same place."""
+        """Apply the changes of layers to the spec. Two of them must not change the same place.
+
+        A change that cannot be applied is reported and left out.
+        """
         self._set = {}
         for layer in layers:
             if layer.document.file != self._base.file:
@@ -133,7 +143,10 @@ class LayeredSpec:
         return None
 
     def _has_value(self, layer: Layer, number: int, kind: str) -> bool:
-        """Return True if a change has the key for its new value, and no other. Report it otherwise."""
+        """Return True if a change has the key for its new value, and no other. Report it otherwise.
+
+        ``set`` needs ``to``, and ``add`` needs ``value``. Other kinds have no new value.
+        """
         change = layer.changes[number]
         needed_key = _VALUE_OF.get(kind)
         for key in _VALUE_OF.values():
@@ -146,7 +159,7 @@ class LayeredSpec:
         return True
 
     def _add_documents(self, layer: Layer) -> None:
-        """Add the documents that an overlay cites. An edition cites those of its own spec."""
+        """Add the documents that an overlay cites to the spec, and check its sources. An edition cites those there."""
         if layer.kind is not LayerKind.OVERLAY:
             return
         overlay = layer.document
@@ -165,11 +178,15 @@ class LayeredSpec:
         bad_source(WrittenSpec(overlay.data), WrittenSpec(self._data), self._report.for_document(overlay))
 
     def _apply_change(self, layer: Layer, number: int, kind: str, change: Mapping[str, Any]) -> None:
+        """Apply a change of a kind to each place that it lists. ``also`` only records a text.
+
+        In this class, ``place`` leads from the layer to the text of the place, and ``text`` is that place in the spec.
+        """
         if kind == "also":
             self._record_change(layer, (number, kind), was=change[kind], now="", affects="", is_known=False)
             return
-        texts = change[kind] if isinstance(change[kind], list) else [change[kind]]
-        for index, text in enumerate(texts):
+        places_in_spec = change[kind] if isinstance(change[kind], list) else [change[kind]]
+        for index, text in enumerate(places_in_spec):
             place: Path = (number, kind, index) if isinstance(change[kind], list) else (number, kind)
             if text.partition(".")[0] in _FIXED:
                 message = f"an overlay cannot change {quoted(text)}, only facts about the encoder"
@@ -180,24 +197,24 @@ class LayeredSpec:
                 self._set_or_remove(layer, place, text, kind)
 
     def _add_value(self, layer: Layer, place: Path, text: str, change: Mapping[str, Any]) -> None:
-        """Add the value of a change at a new key, or at the end of a list."""
+        """Add the value of a change at a new key, or at the end of a list that has no item with its label."""
         try:
             path = resolve(self._data, text)
         except MissingPath as missing_path:
             self._add_key(layer, place, text, missing_path)
             return
-        current = value_at(self._data, path)
-        name = label_of(change["value"])
-        if not isinstance(current, list):
+        current_value = value_at(self._data, path)
+        label = label_of(change["value"])
+        if not isinstance(current_value, list):
             self._report_problem("overlay-unused", layer, place, f"{quoted(text)} already exists; change it with 'set'")
-        elif name is not None and name in map(label_of, current):
-            message = f"{quoted(text)} already has {quoted(name)}; change it with 'set'"
+        elif label is not None and label in map(label_of, current_value):
+            message = f"{quoted(text)} already has {quoted(label)}; change it with 'set'"
             self._report_problem("overlay-unused", layer, place, message)
         else:
-            self._put_value(layer, place, (*path, len(current)), f"{_short(text)} without this item")
+            self._put_value(layer, place, (*path, len(current_value)), f"{_short(text)} without this item")
 
     def _add_key(self, layer: Layer, place: Path, text: str, missing_path: MissingPath) -> None:
-        """Add the value of a change at a new key of an existing map. Only that key may be missing."""
+        """Add the value of a change at a new key of an existing map. Only that key, the last step, may be missing."""
         last_step = text.rpartition(".")[2]
         parent = value_at(self._data, missing_path.existing_path)
         if missing_path.step != last_step or not isinstance(parent, dict):
@@ -208,7 +225,7 @@ class LayeredSpec:
             self._put_value(layer, place, path, f"no {_short(text)}")
 
     def _set_or_remove(self, layer: Layer, place: Path, text: str, kind: str) -> None:
-        """Replace the value at an existing place by that of a change, or remove it."""
+        """Replace the value at an existing place by that of a change, or remove it if it is wrong or unknown."""
         try:
             path = resolve(self._data, text)
         except MissingPath as missing_path:
@@ -222,15 +239,17 @@ class LayeredSpec:
             self._remove_value(layer, place, text, path, is_known=kind != "unknown")
 
     def _replace_value(self, layer: Layer, place: Path, text: str, path: Path) -> None:
-        current = value_at(self._data, path)
-        current_text = _value_text(current, self._text_from(path))
-        if _is_equal(layer.changes[place_number(place)]["to"], current):
+        """Replace the value at ``path`` by that of a change. Report a change to the same value."""
+        current_value = value_at(self._data, path)
+        current_text = _value_text(current_value, self._text_from(path))
+        if _is_equal(layer.changes[place_number(place)]["to"], current_value):
             message = f"the spec already has {current_text} here; leave the change out"
             self._report_problem("overlay-unused", layer, place, message)
         else:
             self._put_value(layer, place, path, f"{_short(text)}: {current_text}")
 
     def _remove_value(self, layer: Layer, place: Path, text: str, path: Path, *, is_known: bool) -> None:
+        """Remove the value at ``path``, and record the removed place or, if it has no name any more, its parent."""
         affected, parent_affected = as_affected(self._data, path), as_affected(self._data, path[:-1])
         self._data, self._marks = without_value(self._data, self._marks, path)
         # Without its name, only the parent of the removed item can still be referred to.
@@ -238,7 +257,7 @@ class LayeredSpec:
         self._record_change(layer, place, was=_short(text), now="", affects=affects, is_known=is_known)
 
     def _put_value(self, layer: Layer, place: Path, path: Path, was: str) -> None:
-        """Put the value of a change at a path."""
+        """Put the value of a change at a path, and record it. ``was`` is the text for the value before."""
         number = place_number(place)
         key = _VALUE_OF[str(place[1])]
         value = layer.changes[number][key]
@@ -249,13 +268,14 @@ class LayeredSpec:
         self._record_change(layer, place, was=was, now=now, affects=as_affected(self._data, path), is_known=True)
 
     def _record_change(self, layer: Layer, place: Path, *, was: str, now: str, affects: str, is_known: bool) -> None:
+        """Record a change with its texts before and after, and the affected path as in an erratum, or an empty one."""
         paths = (affects,) if affects else ()
         self.applied.append(
             AppliedChange(layer, place_number(place), was=was, now=now, affects=paths, is_known=is_known)
         )
 
     def _is_free(self, layer: Layer, place: Path, at: Path) -> bool:
-        """Return True if no other change touches the place, its parents or its children."""
+        """Return True, and reserve the place, if no other change touches it, its parents or its children."""
         path = named_path(self._data, at)  # Indices change when an item is removed.
         for changed_path, (first_layer, number) in self._set.items():
             is_same_or_parent = path[: len(changed_path)] == changed_path
@@ -270,12 +290,13 @@ class LayeredSpec:
         return True
 
     def _text_from(self, path: Path) -> str:
-        """Return the line of the spec, starting at the value."""
+        """Return the line of the file in which the value at ``path`` is, starting at the value."""
         mark = mark_at(self._marks, path)
         lines = self._other_files[mark.file] if mark.file else self._base.lines
         return lines[mark.line - 1][mark.column - 1 :]
 
     def _report_missing_place(self, layer: Layer, place: Path, text: str, missing_path: MissingPath) -> None:
+        """Report a place of a change whose path ends at an existing value, with the steps that are possible there."""
         existing_name = self._base.name_path(missing_path.existing_path)
         parent = quoted(existing_name) if existing_name else "the spec"
         hint = suggestion(missing_path.step, missing_path.known_steps, "known")
@@ -300,19 +321,21 @@ def _short(text: str) -> str:
 
 
 def _value_text(value: Any, text_from_value: str) -> str:
-    """Return a value as text: numbers as written in the file, maps and lists in braces and brackets.
+    """Return a value as text, shortened if it is long: maps and lists in braces and brackets.
 
-    ``text_from_value`` is the line of the file, starting at the value.
+    A number is written in hexadecimal if the file has it so. ``text_from_value`` is the line of the file, starting at
+    the value.
     """
     if isinstance(value, int) and not isinstance(value, bool):
-        words = text_from_value.split(maxsplit=1)
-        number = words[0].rstrip(",}]") if words else ""
+        words_of_line = text_from_value.split(maxsplit=1)
+        number = words_of_line[0].rstrip(",}]") if words_of_line else ""
         return number if number.startswith("0x") else str(value)
     text = _plain(value)
     return text if len(text) <= _LONGEST_SHOWN else text[: _LONGEST_SHOWN - 3] + "..."
 
 
 def _plain(value: Any) -> str:
+    """Return a value as text: ``{key: [1, 2]}``, ``true``, or the text itself."""
     if isinstance(value, dict):
         entries = ", ".join(f"{key}: {_plain(inner)}" for key, inner in value.items())
         return f"{{{entries}}}"
@@ -322,6 +345,7 @@ def _plain(value: Any) -> str:
 
 
 def _characteristics(data: Mapping[str, Any]) -> set[str]:
+    """Return the names of the characteristics in data of any shape."""
     characteristics = data.get("characteristics")
     if not isinstance(characteristics, list):
         return set()
@@ -330,7 +354,10 @@ def _characteristics(data: Mapping[str, Any]) -> set[str]:
 
 
 def _without_steps(node: Any, removed_names: Collection[str]) -> Any:
-    """Return the data without references from remedies to manual steps that were removed."""
+    """Return the data without references in ``by_hand`` to manual steps, by these names, that were removed.
+
+    A ``by_hand`` without references is removed.
+    """
     if isinstance(node, list):
         return [_without_steps(inner, removed_names) for inner in node]
     if not isinstance(node, dict):

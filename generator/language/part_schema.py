@@ -48,52 +48,56 @@ _SCHEMA = Path(__file__).parent / "device.schema.json"
 
 
 def described_parts() -> dict[str, Any]:
-    """Return the classes of parts that specs contain, by the names of the classes."""
+    """Return the classes of parts that specs contain, by the names of the classes, each from its own module only."""
     classes = {}
     for module in _MODULES:
-        for value in vars(module).values():
-            if is_part(value) and value.__module__ == module.__name__:
-                classes[value.__name__] = value
+        for member in vars(module).values():
+            if is_part(member) and member.__module__ == module.__name__:
+                classes[member.__name__] = member
     return classes
 
 
 def part_schema(kind: Any) -> JsonSchema:
-    """Return the JSON Schema of a part."""
-    description = description_of(kind)
+    """Return the JSON Schema of a part: an object with its written keys and no others."""
+    part_description = description_of(kind)
     written_keys = [described for described in keys_of(kind) if described.key.is_written]
     required_keys = [described.name for described in written_keys if described.is_required]
-    about = f"{description.about} {description.writing}".strip()
+    description_text = f"{part_description.about} {part_description.writing}".strip()
     schema: JsonSchema = {"type": "object", "additionalProperties": False}
     if required_keys:
         schema["required"] = required_keys
-    if description.needs_a_key:
+    if part_description.needs_a_key:
         schema["minProperties"] = 1
-    if about:
-        schema["description"] = about
+    if description_text:
+        schema["description"] = description_text
     return schema | {"properties": {described.name: _key_schema(described) for described in written_keys}}
 
 
 def _key_schema(described: DescribedKey) -> JsonSchema:
+    """Return the JSON Schema of a key: its description, and a schema of its own or that of its type and limits."""
     key, kind = described.key, key_type(described.notation)
-    about = f"{key.about} {key.writing}".rstrip()
-    schema: JsonSchema = {"description": about} if about else {}
+    description_text = f"{key.about} {key.writing}".rstrip()
+    schema: JsonSchema = {"description": description_text} if description_text else {}
     if key.schema:
         return {**schema, **key.schema}
     return schema | _value_schema(kind, key) | limits_in_schema(key)
 
 
 def _value_schema(kind: KeyType, key: Key) -> JsonSchema:
-    """Return the JSON Schema of a value. Parts without a name in the schema are described inline."""
+    """Return the JSON Schema of a value. ``key`` has the least and the most entries of a list or map.
+
+    A part with a definition in the schema is referred to. Other parts are described inline.
+    """
     if kind.container == "list":
-        at_least: JsonSchema = {"minItems": key.least} if key.least else {}
-        return {"type": "array"} | at_least | {"maxItems": key.most, "items": _value_schema(kind.inner, Key(""))}
+        fewest: JsonSchema = {"minItems": key.least} if key.least else {}
+        return {"type": "array"} | fewest | {"maxItems": key.most, "items": _value_schema(kind.inner, Key(""))}
     if kind.container == "map":
-        at_least = {"minProperties": key.least} if key.least else {}
+        fewest = {"minProperties": key.least} if key.least else {}
         entries = {
             "propertyNames": kind.key_schema,
             "additionalProperties": _value_schema(kind.inner, Key("")),
         }
-        return {"type": "object"} | at_least | {"maxProperties": key.most} | entries
+        return {"type": "object"} | fewest | {"maxProperties": key.most} | entries
     if not kind.part:
         return kind.schema
     name = _PLACES.get(kind.class_name, kind.part)
@@ -103,12 +107,16 @@ def _value_schema(kind: KeyType, key: Key) -> JsonSchema:
 
 
 def _definitions() -> Mapping[str, Any]:
+    """Return the definitions of the schema file, which is read each time."""
     definitions: Mapping[str, Any] = json.loads(_SCHEMA.read_text(encoding="utf-8"))["$defs"]
     return definitions
 
 
 def schema_with_parts(text: str) -> str:
-    """Return the text of a schema, with the parts as their classes describe them. The rest remains as it is."""
+    """Return the text of a schema, with the parts as their classes describe them.
+
+    These are the keys of a spec, and each part with a place in the definitions. Other lines remain as they are.
+    """
     lines = text.splitlines()
     definitions = json.loads(text)["$defs"]
     spec_keys = part_schema(written_parts.WrittenSpec)["properties"]
@@ -117,39 +125,45 @@ def schema_with_parts(text: str) -> str:
         place = _PLACES.get(name, name_of_part(name))
         if place.partition(".")[0] in definitions:
             schema = part_schema(kind)
-            begin = lines.index(_DEFINITIONS)
-            lines = _with_block(lines, begin, place.split("."), partial(_text, schema))
+            definitions_line = lines.index(_DEFINITIONS)
+            lines = _with_block(lines, definitions_line, place.split("."), partial(_text, schema))
     return "\n".join(lines) + "\n"
 
 
 def _with_block(lines: Sequence[str], begin: int, keys: Sequence[str], text_of: Callable[[int], str]) -> list[str]:
-    """Return the lines with another schema at the first place of ``keys`` after ``begin``.
+    """Return the lines in which the block at the path ``keys``, searched after line ``begin``, is replaced.
 
-    ``text_of`` returns its text for an indentation.
+    A block is the lines from ``"key": {`` to the brace with the same indentation. Each key is searched in the block of
+    the key before it: for ``["manual", "editions"]``, the block ``editions`` in ``manual`` is replaced. ``text_of``
+    returns the new value of the last key, from its opening brace, for the indentation of the block.
     """
     end = len(lines)
     for key in keys:
+        # From here on, ``begin`` and ``end`` are the first and the last line of the block of this key.
         begin = next(number for number in range(begin + 1, end) if lines[number].strip() == f'"{key}": {{')
         indent = len(lines[begin]) - len(lines[begin].lstrip())
         end = next(number for number in range(begin, end) if lines[number].startswith(" " * indent + "}"))
     comma = "," if lines[end].endswith(",") else ""
-    block = f'{" " * indent}"{keys[-1]}": ' + text_of(indent) + comma
-    return [*lines[:begin], *block.splitlines(), *lines[end + 1 :]]
+    new_block = f'{" " * indent}"{keys[-1]}": ' + text_of(indent) + comma
+    return [*lines[:begin], *new_block.splitlines(), *lines[end + 1 :]]
 
 
 def _text(schema: JsonSchema, indent: int) -> str:
-    """Return the text of a schema. Only objects with properties, and their containers, take several lines."""
+    """Return the text of a schema. Only objects with properties, and their containers, take several lines.
+
+    Of these, each description and each nested object is on a line of its own, and other keywords share a line.
+    """
     if '"properties"' not in json.dumps(schema):
         return json.dumps(schema, ensure_ascii=False)
     lines: list[str] = []
-    words: JsonSchema = {}
+    words_on_line: JsonSchema = {}
     for word, value in schema.items():
         if word == "description" or isinstance(value, dict):
-            lines += [*_on_one_line(words), f"{json.dumps(word)}: {_value_text(word, value, indent + 2)}"]
-            words = {}
+            lines += [*_on_one_line(words_on_line), f"{json.dumps(word)}: {_value_text(word, value, indent + 2)}"]
+            words_on_line = {}
         else:
-            words[word] = value
-    return _in_braces([*lines, *_on_one_line(words)], indent)
+            words_on_line[word] = value
+    return _in_braces([*lines, *_on_one_line(words_on_line)], indent)
 
 
 def _on_one_line(words: JsonSchema) -> list[str]:
@@ -158,12 +172,14 @@ def _on_one_line(words: JsonSchema) -> list[str]:
 
 
 def _value_text(word: str, value: Any, indent: int) -> str:
+    """Return the text of a value in a schema. Each of the ``properties`` is on a line of its own."""
     if word == "properties":
         return _in_braces([f"{json.dumps(name)}: {_text(inner, indent + 2)}" for name, inner in value.items()], indent)
     return _text(value, indent) if isinstance(value, dict) else json.dumps(value, ensure_ascii=False)
 
 
 def _in_braces(lines: Sequence[str], indent: int) -> str:
+    """Return lines in braces, separated by commas. ``indent`` is that of the closing brace."""
     margin = " " * (indent + 2)
     return "{\n" + ",\n".join(margin + line for line in lines) + "\n" + " " * indent + "}"
 

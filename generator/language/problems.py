@@ -106,7 +106,7 @@ class Report:
             path: The place in it. If it does not exist, its nearest ancestor is used.
             message: The error and its correction.
             at_key: Point at the key rather than at its value.
-            in_words: Only prose is affected, so that everything built from the place is reliable.
+            in_words: Only prose is affected. The place is not faulty, and everything built from it is reliable.
             cause: What the problem has in common with others of this rule, such as the name that is missing.
         """
         if not in_words and path and path[-1] not in WORDS_ONLY:
@@ -156,7 +156,7 @@ class Report:
 
     @property
     def by_cause(self) -> tuple[Problem, ...]:
-        """All problems, with those that have the same cause as one."""
+        """All problems, with those of one file that have the same rule and cause combined into the first of them."""
         problems_by_cause: dict[object, list[Problem]] = {}
         for problem in self.problems:
             key = (problem.file, problem.rule, problem.cause) if problem.cause else problem
@@ -170,7 +170,7 @@ class Report:
 
     @property
     def shown(self) -> tuple[Problem, ...]:
-        """The problems to list: the first ones of each file, and then one that counts the others."""
+        """The problems to list: for each file the first ``MAX_PROBLEMS``, and then one that counts the others."""
         shown_problems: list[Problem] = []
         for _, problems_of_file in groupby(self.by_cause, key=lambda problem: problem.file):
             shown_problems += _first_problems(list(problems_of_file))
@@ -184,7 +184,10 @@ class Report:
 
 
 def _as_one(problems: Sequence[Problem]) -> Problem:
-    """Return the first of several problems with one cause, with the lines of the others in its message."""
+    """Return the first of several problems with one cause, with the lines of the others in its message.
+
+    Problems on the line of the first one are not mentioned.
+    """
     first, *others = problems
     lines = [str(line) for line in dict.fromkeys(problem.line for problem in others) if line != first.line]
     if not lines:
@@ -194,15 +197,15 @@ def _as_one(problems: Sequence[Problem]) -> Problem:
 
 
 def joined_lines(lines: Sequence[str]) -> str:
-    """Return numbers of lines as a list, up to a number of them."""
+    """Return numbers of lines as a list, such as ``3, 5 and 9``, or the first ones and how many more there are."""
     if len(lines) > _MOST_LINES:
         return f"{', '.join(lines[:_MOST_LINES])} and {len(lines) - _MOST_LINES} more"
     return " and ".join(filter(None, (", ".join(lines[:-1]), lines[-1])))
 
 
 def _first_problems(file_problems: Sequence[Problem]) -> Iterator[Problem]:
-    """Yield the first problems of one file, and one that counts the others if there are more."""
-    # If checking ended early, one of the problems only says so.
+    """Yield the problems of one file, or the first ``MAX_PROBLEMS`` and one that counts the others."""
+    # If checking ended early, one of the problems only says so. Then there may be more than were counted.
     counted_problems = [problem for problem in file_problems if problem.rule != TOO_MANY]
     unlisted = len(counted_problems) - MAX_PROBLEMS
     if unlisted <= 0:
@@ -253,7 +256,7 @@ def excerpt(text: str, column: int, width: int = 80) -> list[str]:
 
 
 def quoted(value: Any) -> str:
-    """Return a value as shown in messages: text in quotes and shortened, a container by its kind."""
+    """Return a value as shown in messages: text in quotes and shortened, a container by its kind, None as nothing."""
     if isinstance(value, str):
         return f"'{value}'" if len(value) <= LONGEST_QUOTE else f"'{value[: LONGEST_QUOTE - 3]}...'"
     if isinstance(value, bool):
@@ -266,7 +269,7 @@ def quoted(value: Any) -> str:
 
 
 def listed(words: Iterable[str], last: str = "and") -> str:
-    """Join words as ``a``, ``a and b`` or ``a, b and c``."""
+    """Join words as ``a``, ``a and b`` or ``a, b and c``. ``last`` is the word before the last one."""
     items = list(words)
     if len(items) < 2:
         return "".join(items)
@@ -274,7 +277,7 @@ def listed(words: Iterable[str], last: str = "and") -> str:
 
 
 def missing(keys: Iterable[str], owner: str) -> str:
-    """Return the message about missing keys and the item that needs them."""
+    """Return the message about missing keys, such as ``'a' and 'b' are missing; a clock needs them``."""
     quoted_keys = [quoted(key) for key in keys]
     are, them = ("is", "it") if len(quoted_keys) == 1 else ("are", "them")
     return f"{listed(quoted_keys)} {are} missing; {owner} needs {them}"
@@ -285,8 +288,8 @@ def suggestion(word: str, known_words: Iterable[str], otherwise: str = "known") 
 
     Args:
         word: The unknown word.
-        known: The known words.
-        otherwise: The text before the list of all known words.
+        known_words: The known words.
+        otherwise: The text before the list of all known words, which is given if they are few.
     """
     choices = [known_word for known_word in dict.fromkeys(known_words) if known_word != word]
     nearest_word = nearest_choice(word, choices)
@@ -329,25 +332,27 @@ def _common_prefix_length(word: str, other_word: str) -> int:
 
 
 def is_typo(word: str, known_word: str) -> bool:
-    """Return True for one extra, missing or wrong letter, or two swapped ones, unless it is likely a different word.
+    """Return True for one extra, missing or wrong letter, or two swapped neighbours, unless the word is likely another.
 
-    Differences in short words, first letters, digits and units are rarely typos: spi is not ssi, reset not preset,
-    biss_4 not biss_6, min_khz not min_hz.
+    Differences in first letters, digits and units are rarely typos: reset is not preset, biss_4 not biss_6, min_khz
+    not min_hz. The shorter word needs 5 letters for a wrong one, 4 for the others, and 3 for only an s at the end.
     """
     if abs(len(word) - len(known_word)) > 1 or not _has_same_meaning(word, known_word):
         return False
     # What remains between the common beginning and the common end are the differing letters.
-    start = _common_prefix_length(word, known_word)
-    end = _common_prefix_length(word[start:][::-1], known_word[start:][::-1])
-    differing = word[start : len(word) - end]
-    known_differing = known_word[start : len(known_word) - end]
+    prefix_length = _common_prefix_length(word, known_word)
+    # The end is that of the rests after the beginning, so that no letter counts for both.
+    suffix_length = _common_prefix_length(word[prefix_length:][::-1], known_word[prefix_length:][::-1])
+    differing = word[prefix_length : len(word) - suffix_length]
+    known_differing = known_word[prefix_length : len(known_word) - suffix_length]
     shorter_length = min(len(word), len(known_word))
     if len(differing) == 2 and len(known_differing) == 2:
         are_swapped = differing == known_differing[::-1]
         return are_swapped and shorter_length >= 4
-    if start == 0 or len(differing) > 1 or len(known_differing) > 1:
+    # Now at most one letter may differ. One of the two is empty for an extra or missing letter.
+    if prefix_length == 0 or len(differing) > 1 or len(known_differing) > 1:
         return False
-    is_plural = end == 0 and "s" in (differing, known_differing)
+    is_plural = suffix_length == 0 and "s" in (differing, known_differing)
     if is_plural:
         return shorter_length >= 3
     is_wrong_letter = len(differing) == len(known_differing)
@@ -355,14 +360,15 @@ def is_typo(word: str, known_word: str) -> bool:
 
 
 def _has_same_meaning(word: str, known_word: str) -> bool:
-    """Return True if two words have the same digits and no different units at their ends."""
+    """Return True if two words have the same digits and do not end in two different units, such as hz and khz."""
     if _DIGITS.findall(word) != _DIGITS.findall(known_word):
         return False
-    unit, known_unit = word.rpartition("_")[2], known_word.rpartition("_")[2]
-    return unit == known_unit or unit not in UNITS or known_unit not in UNITS
+    ending, known_ending = word.rpartition("_")[2], known_word.rpartition("_")[2]
+    return ending == known_ending or ending not in UNITS or known_ending not in UNITS
 
 
 def _is_abbreviation(word: str, known_word: str) -> bool:
+    """Return True if a word of at least 4 letters is the beginning of a known word with the same digits and unit."""
     return len(word) >= 4 and known_word.startswith(word) and _has_same_meaning(word, known_word)
 
 
@@ -372,6 +378,7 @@ def visible(text: str) -> str:
 
 
 def _visible_character(character: str) -> str:
+    """Return a character, or an escape such as ``\\x1b`` if it controls the terminal."""
     if unicodedata.category(character) not in ("Cc", "Cf", "Cs", "Zl", "Zp"):
         return character
     if character == "\t":
@@ -383,32 +390,33 @@ def _visible_character(character: str) -> str:
 
 
 def _columns(text: str) -> int:
+    """Return the width of a text in a terminal: two columns for a wide character, none for a combining one."""
     wide = sum(unicodedata.east_asian_width(character) in "WF" for character in text)
     combining = sum(unicodedata.combining(character) != 0 for character in text)
     return len(text) + wide - combining
 
 
 def _window(text: str, column: int, width: int) -> tuple[str, int]:
-    """Return the part of a line to show, without its indentation, and the offset of the caret in it.
+    """Return the part of a line to show, without its indentation, and the offset of the caret in it, in columns.
 
-    A line that is too long is cut so that the caret is visible, with more text before it than after.
+    A line with more than ``width`` columns is cut so that the caret is visible, with more text before it than after.
     """
     indent = len(text) - len(text.lstrip(" "))
     stripped = text.strip(" ")
-    caret = max(0, min(column - 1 - indent, len(stripped)))
+    caret_index = max(0, min(column - 1 - indent, len(stripped)))
     # Each character takes at least one column, so nothing farther away can be shown. A line may have millions.
-    first = max(0, caret - width)
-    before = [_visible_character(character) for character in stripped[first:caret]]
-    after = [_visible_character(character) for character in stripped[caret : caret + width + 1]]
-    is_too_long = first > 0 or _columns("".join(before + after)) > width
+    first = max(0, caret_index - width)
+    pieces_before = [_visible_character(character) for character in stripped[first:caret_index]]
+    pieces_after = [_visible_character(character) for character in stripped[caret_index : caret_index + width + 1]]
+    is_too_long = first > 0 or _columns("".join(pieces_before + pieces_after)) > width
     if is_too_long:
-        before = _cut_at_start(before, width * 2 // 3, is_cut_already=first > 0)
-        after = _cut_at_end(after, width - _columns("".join(before)))
-    return "".join(before + after), _columns("".join(before))
+        pieces_before = _cut_at_start(pieces_before, width * 2 // 3, is_cut_already=first > 0)
+        pieces_after = _cut_at_end(pieces_after, width - _columns("".join(pieces_before)))
+    return "".join(pieces_before + pieces_after), _columns("".join(pieces_before))
 
 
 def _cut_at_start(pieces: list[str], room: int, *, is_cut_already: bool) -> list[str]:
-    """Return the last pieces that fit into ``room`` columns, after dots if any were omitted."""
+    """Return the last pieces that fit into ``room`` columns, after dots if any are omitted here or were before."""
     fitting_count = _fitting(pieces[::-1], room)
     if not is_cut_already and fitting_count == len(pieces):
         return pieces
@@ -416,7 +424,7 @@ def _cut_at_start(pieces: list[str], room: int, *, is_cut_already: bool) -> list
 
 
 def _cut_at_end(pieces: list[str], room: int) -> list[str]:
-    """Return the pieces, or the first ones and dots if not all fit into ``room`` columns."""
+    """Return the pieces, or the first ones and dots, which fit into ``room`` columns."""
     if _columns("".join(pieces)) <= room:
         return pieces
     return [*pieces[: _fitting(pieces, room - 3)], "..."]

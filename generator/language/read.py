@@ -91,7 +91,7 @@ def parse(
         stand_in: Called with the path of each value that could not be read and was replaced by None.
 
     Raises:
-        Unreadable: Nothing can be read: broken syntax, too deep, too many values, not a map.
+        Unreadable: Nothing can be read: broken syntax, too deep, too many values, several documents, not a map.
     """
     try:
         return _Parser(text, complain, stand_in).document()
@@ -115,15 +115,15 @@ class _Parser:
         self._complain(_refused(event, rule, message, path))
 
     def document(self) -> tuple[dict[str, Any], Mark]:
-        """Return the data and marks of the only document."""
-        next(self._events)  # The start of the stream.
+        """Return the data and marks of the only document, or raise Unreadable if it is not one map."""
+        next(self._events)  # Discarded: the start of the stream.
         start = next(self._events)
         if isinstance(start, yaml.StreamEndEvent):
             raise Unreadable(1, 1, "empty", "the file is empty; a spec begins with 'codewheel: 1'")
         if getattr(start, "version", None) not in (None, (1, 2)):
             raise _refused(start, "yaml-syntax", "specs are read as YAML 1.2; remove the %YAML line")
         value = self._value(next(self._events), (), 1)
-        next(self._events)  # The end of the document.
+        next(self._events)  # Discarded: the end of the document.
         next_event = next(self._events)
         if not isinstance(next_event, yaml.StreamEndEvent):
             raise _refused(next_event, "several-documents", "a second document begins here; a file holds one")
@@ -136,7 +136,7 @@ class _Parser:
         return value.data, value.mark
 
     def _value(self, event: Any, path: Path, depth: int) -> _Value:
-        """Return the value that begins with ``event``.
+        """Return the value that begins with ``event``, on the level ``depth`` of nesting.
 
         Raises:
             Unreadable: A bound is exceeded, or an alias cannot be followed.
@@ -162,7 +162,7 @@ class _Parser:
         return value
 
     def _alias(self, event: Any, depth: int) -> _Value:
-        """Return the value that an alias repeats."""
+        """Return the value that an alias repeats, with the place of the alias. All its values are counted again."""
         if event.anchor not in self._anchors:
             raise _refused(event, "alias", f"there is no anchor '&{event.anchor}' before this alias")
         value = self._anchors[event.anchor]
@@ -177,7 +177,7 @@ class _Parser:
         return _Value(value.data, Mark(line, column, line, column, value.mark.children), value.count, value.depth)
 
     def _add(self, count: int, event: Any) -> None:
-        """Count values and refuse the file if there are too many."""
+        """Count values, and raise Unreadable if the file has too many."""
         self._count += count
         if self._count > MAX_VALUES:
             message = (
@@ -187,29 +187,31 @@ class _Parser:
             raise _refused(event, "too-large", message)
 
     def _list(self, mark: Mark, path: Path, depth: int) -> _Value:
+        """Return the list whose start was read. ``depth`` is the level on which it is, counted from 1."""
         list_data: list[Any] = []
-        count, deepest = 1, 0
+        count, depth_below = 1, 0
         while True:
             event = next(self._events)
             if isinstance(event, yaml.SequenceEndEvent):
-                return _Value(list_data, mark, count, deepest + 1)
+                return _Value(list_data, mark, count, depth_below + 1)
             value = self._value(event, (*path, len(list_data)), depth + 1)
             mark.children[len(list_data)] = value.mark
             list_data.append(value.data)
             count += value.count
-            deepest = max(deepest, value.depth)
+            depth_below = max(depth_below, value.depth)
 
     def _map(self, mark: Mark, path: Path, depth: int) -> _Value:
+        """Return the map whose start was read, without the keys that are unusable or repeated, which are reported."""
         map_data: dict[str, Any] = {}
-        count, deepest = 1, 0
+        count, depth_below = 1, 0
         while True:
             key_event = next(self._events)
             if isinstance(key_event, yaml.MappingEndEvent):
-                return _Value(map_data, mark, count, deepest + 1)
+                return _Value(map_data, mark, count, depth_below + 1)
             key = self._key(key_event, path, depth)
             value = self._value(next(self._events), (*path, "" if key is None else key), depth + 1)
             count += value.count
-            deepest = max(deepest, value.depth)
+            depth_below = max(depth_below, value.depth)
             if key is None:
                 continue  # Already reported. Its value was read only to find its end.
             if key in map_data:
@@ -223,12 +225,9 @@ class _Parser:
             map_data[key] = value.data
 
     def _key(self, event: Any, path: Path, depth: int) -> str | None:
-        """Return the key as written, or None if it is not usable.
-
-        Keys are never numbers: an order code part ``01`` remains ``01``.
-        """
+        """Return the key as written, so that ``01`` stays a text, or None after a report if it is not usable."""
         if not isinstance(event, yaml.ScalarEvent):
-            self._value(event, (), depth + 1)
+            self._value(event, (), depth + 1)  # Discarded, but its events must be read.
             self._refuse(event, "bad-key", "a key is one word, not a list, a map or an alias", path)
             return None
         if event.value == "<<" and not event.style:
@@ -240,10 +239,10 @@ class _Parser:
         return str(event.value)
 
     def _scalar(self, event: Any, path: Path) -> Any:
-        """Return the value of a scalar by the core schema, or None, noted as a stand-in, if it is not valid."""
+        """Return a scalar as its tag, quotes or the core schema says, or None, noted as a stand-in, if not valid."""
         text, tag = event.value, event.tag
         is_quoted = bool(event.style)
-        # Elsewhere the whole file was searched. Only an escape in double quotes can still produce one.
+        # The text of the file was searched before. Only an escape in double quotes can still produce one.
         forbidden = FORBIDDEN.search(text) if event.style == '"' else None
         if forbidden is not None:
             message = f"the character U+{ord(forbidden[0]):04X} is not allowed in text; remove its escape"
@@ -271,7 +270,7 @@ class _Parser:
 
 
 def _resolved(text: str) -> str | int | float | bool | None:
-    """Resolve an unquoted scalar by the core schema of YAML 1.2."""
+    """Return the value of an unquoted scalar by the core schema of YAML 1.2."""
     if text in _NULL:
         return None
     if text in _BOOLEAN:
@@ -282,6 +281,7 @@ def _resolved(text: str) -> str | int | float | bool | None:
         return int(text)
     if _FLOAT.fullmatch(text):
         return float(text)
+    # Python writes infinities and NaN without the point.
     return float(text.replace(".", "")) if _SPECIAL_FLOAT.fullmatch(text) else text
 
 
@@ -318,12 +318,12 @@ def read_document(path: pathlib.Path, report: Report, shown_as: str | None = Non
         report.add_at(file, refusal.line, refusal.column, refusal.rule, refusal.message)
         return None
     lines = tuple(LINE_BREAK.split(text))
-    forbidden = FORBIDDEN.search(text)
-    if forbidden is None:
+    forbidden_character = FORBIDDEN.search(text)
+    if forbidden_character is None:
         return _parsed_document(file, text, lines, report)
-    lines_before = LINE_BREAK.split(text[: forbidden.start()])
+    lines_before = LINE_BREAK.split(text[: forbidden_character.start()])
     line, column = len(lines_before), len(lines_before[-1]) + 1
-    message = _not_text(content, f"the character U+{ord(forbidden[0]):04X} is not allowed in text; remove it")
+    message = _not_text(content, f"the character U+{ord(forbidden_character[0]):04X} is not allowed in text; remove it")
     is_binary = "\0" in text
     report.add_at(file, line, column, "not-text", message, text="" if is_binary else lines[line - 1])
     return None
@@ -336,20 +336,20 @@ def document_of_text(file: str, text: str, report: Report) -> Document | None:
 
 
 def _parsed_document(file: str, text: str, lines: tuple[str, ...], report: Report) -> Document | None:
-    """Return the document of a text, or None if nothing in it can be used. Report its errors."""
+    """Return the document of a text, with the places of errors, or None if nothing can be used. Report its errors."""
     errors: list[Unreadable] = []
     broken_places: list[Path] = []
-    parsed = None
+    data_and_marks = None
     try:
-        parsed = parse(text, errors.append, broken_places.append)
+        data_and_marks = parse(text, errors.append, broken_places.append)
     except Unreadable as last_error:
         errors.append(last_error)
     for error in errors:
         line_text = lines[error.line - 1] if error.line <= len(lines) else ""
         report.add_at(file, error.line, error.column, error.rule, error.message, text=line_text)
-    if parsed is None:
+    if data_and_marks is None:
         return None
-    data, marks = parsed
+    data, marks = data_and_marks
     doubtful_places = tuple(error.path for error in errors if error.path)
     return Document(file, lines, data, marks, broken=tuple(broken_places), doubtful=doubtful_places)
 
@@ -381,7 +381,7 @@ def read_specs(paths: Iterable[pathlib.Path], report: Report) -> list[Document]:
 
 
 def _report_lone_file(file: pathlib.Path, requested_paths: Sequence[pathlib.Path], report: Report) -> None:
-    """Report a second reading or a sheet of turning words that was given by name without its spec."""
+    """Report a second reading or a sheet of turning words that was given by name, unless its spec was given too."""
     spec = file.with_name(f"{family_of(str(file))}{file.suffix}")
     if spec not in requested_paths:
         kind, rule = (
@@ -391,7 +391,7 @@ def _report_lone_file(file: pathlib.Path, requested_paths: Sequence[pathlib.Path
 
 
 def _specs_at(path: pathlib.Path, report: Report) -> Sequence[pathlib.Path]:
-    """Return the specs in a folder, or the file itself. Report a folder without specs."""
+    """Return the specs in a folder, or the file itself. Report a folder without specs, and note its other files."""
     if not files.is_folder(path):
         return (path,)
     found_files = files.find_files(path)
@@ -432,7 +432,7 @@ def _content(path: pathlib.Path) -> bytes:
 
 
 def _text(content: bytes) -> str:
-    """Return the text of a file.
+    """Return the text of a file, without a byte order mark at its start.
 
     Raises:
         Unreadable: The file is not UTF-8.
@@ -446,4 +446,5 @@ def _text(content: bytes) -> str:
 
 
 def _not_text(content: bytes, problem: str) -> str:
+    """Return the problem, or instead that the file is binary if it has a NUL near its start."""
     return "this is a binary file; a spec is UTF-8 text" if b"\0" in content[:65536] else problem

@@ -38,7 +38,10 @@ _TYPES: Mapping[str, tuple[type, ...]] = {
 
 
 def follows_schema(value: Any, schema: Mapping[str, Any]) -> bool:
-    """Return True if a value follows a schema without references, and False if it may not."""
+    """Return True if a value follows a schema without references, and False if it may not.
+
+    Each keyword of the schema has a test in ``_TESTS``. A keyword without one may not be fulfilled.
+    """
     return all(key in _TESTS and _TESTS[key](value, expected, schema) for key, expected in schema.items())
 
 
@@ -51,15 +54,18 @@ def matches(pattern: str, text: str) -> bool:
 
 
 def _is_of_type(value: Any, expected: str | list[str], _: object) -> bool:
+    """Return True if a value has one of the expected types. True is a boolean, not an integer."""
     names = [expected] if isinstance(expected, str) else expected
     return any(type(value) in _TYPES.get(name, ()) for name in names)
 
 
 def _is_one_of(value: Any, expected: list[Any], _: object) -> bool:
+    """Return True if a value is one of the expected values, and of the same type."""
     return any(type(value) is type(allowed_value) and value == allowed_value for allowed_value in expected)
 
 
 def _has_properties(value: Any, expected: Mapping[str, Any], _: object) -> bool:
+    """Return True if the values under known keys follow the schemas of these keys."""
     if not isinstance(value, dict):
         return True
     return all(follows_schema(value[key], expected[key]) for key in value if key in expected)
@@ -69,10 +75,10 @@ def _has_additional(value: Any, expected: Any, schema: Mapping[str, Any]) -> boo
     """Return True if the keys without a schema of their own are allowed. ``expected`` is False or their schema."""
     if not isinstance(value, dict):
         return True
-    additional_values = [inner for key, inner in value.items() if key not in schema.get("properties", ())]
-    if not additional_values:
+    values_of_other_keys = [inner for key, inner in value.items() if key not in schema.get("properties", ())]
+    if not values_of_other_keys:
         return True
-    return isinstance(expected, dict) and all(follows_schema(inner, expected) for inner in additional_values)
+    return isinstance(expected, dict) and all(follows_schema(inner, expected) for inner in values_of_other_keys)
 
 
 def _only_for_type(kind: str, test: Callable[[Any, Any], bool]) -> Callable[[Any, Any, object], bool]:
@@ -145,8 +151,7 @@ def check_schema(document: Document, report: Report, kind: FileKind | None = Non
         kind: The kind of file. Default: derived from its keys.
 
     Returns:
-        The remaining data, or None if the document is not a device, manufacturer or master file, or has too many
-        errors.
+        The remaining data, or None if the kind of file cannot be derived, or the file has too many errors.
     """
     kind = kind or _kind_of(document.data)
     if kind is None:
@@ -170,7 +175,11 @@ def check_schema(document: Document, report: Report, kind: FileKind | None = Non
 
 
 def _places_to_remove(unread_places: set[Path], findings: Sequence[Finding]) -> set[Path]:
-    """Return the places that later checks cannot use."""
+    """Return the places that later checks cannot use.
+
+    Missing keys of a file or an interface and missing prose are tolerated. An error that its parent survives, such as
+    an extra key, removes only its place.
+    """
     places = set(map(place_to_remove, unread_places))
     for finding in findings:
         if _can_be_incomplete(finding.path) or _is_missing_prose(finding):
@@ -180,7 +189,7 @@ def _places_to_remove(unread_places: set[Path], findings: Sequence[Finding]) -> 
 
 
 def _report_findings(findings: Sequence[Finding], document: Document, report: Report) -> None:
-    """Report each finding that no other one explains, up to the largest number of problems."""
+    """Report each finding that no other one explains, up to the largest number, and then that there are more."""
     for finding in findings[:MAX_PROBLEMS]:
         if not _is_explained(finding, findings, document.data):
             in_words = _is_missing_prose(finding)
@@ -191,7 +200,10 @@ def _report_findings(findings: Sequence[Finding], document: Document, report: Re
 
 
 def renamed_keys(document: Document) -> list[tuple[Path, str]]:
-    """Return the keys that had another name in earlier versions of the language, each with its current name."""
+    """Return the keys that had another name in earlier versions of the language, each with its current name.
+
+    A key is renamed where the schema has the new name and not the old one. The keys are in the order of the file.
+    """
     kind = FileKind.SECOND if is_second(document.file) else _kind_of(document.data)
     if kind is None or follows_schema(document.data, shape_of(kind.value)):
         return []
@@ -213,7 +225,10 @@ def renamed_keys(document: Document) -> list[tuple[Path, str]]:
 
 
 def _kind_of(data: dict[str, Any]) -> FileKind | None:
-    """Return the kind of a file. A key that only device files have makes it a device file, even without ``device``."""
+    """Return the kind of a file by its keys, or None if no key decides it.
+
+    A key that only device files have makes it a device file, even without ``device``.
+    """
     if "master" in data or "takes" in data:
         return FileKind.MASTER
     if "overlay" in data or "changes" in data:
@@ -227,7 +242,11 @@ def _kind_of(data: dict[str, Any]) -> FileKind | None:
 def without_places(
     document: Document, cut: Collection[Path], stand_ins: Mapping[Path, Mapping[str, str]] = MappingProxyType({})
 ) -> dict[str, Any]:
-    """Return the data without these places and with these stand-ins. The document records the removed list items."""
+    """Return a copy of the data without these places and with these stand-ins.
+
+    The document records the original indices of the remaining list items. ``stand_ins`` has the values to add by key,
+    for the path of each map in the data as read.
+    """
     document.kept_indices.clear()
     data: dict[str, Any] = _pruned(document.data, cut, (), document.kept_indices)
     for path, stand_ins_by_key in stand_ins.items():
@@ -238,12 +257,16 @@ def without_places(
 
 
 def _remove_broken_items(validator: Any, document: Document, cut: set[Path], kind: FileKind) -> SchemaResult:
-    """Remove the items with broken places, and all that depend on them, until the rest follows the schema."""
+    """Remove the items with broken places, and all that depend on them, until the rest follows the schema.
+
+    The rest is checked again after each removal, because it can cause new errors, such as a list that is too short.
+    Missing prose gets stand-ins instead. A missing key of a file or an interface only makes the result incomplete.
+    """
     stand_ins: dict[Path, Mapping[str, str]] = {}
     while True:
         data = without_places(document, cut, stand_ins)
         is_complete = True
-        new_places: set[Path] = set()
+        places_to_cut: set[Path] = set()
         stand_ins_before = len(stand_ins)
         for error in validator.iter_errors(data):
             path = _original(tuple(error.absolute_path), document.kept_indices)
@@ -253,15 +276,15 @@ def _remove_broken_items(validator: Any, document: Document, cut: set[Path], kin
             elif is_missing_key and _can_be_incomplete(path):
                 is_complete = False
             elif path:
-                new_places.add(path)
-        has_changed = not new_places <= cut or len(stand_ins) > stand_ins_before
+                places_to_cut.add(path)
+        has_changed = not places_to_cut <= cut or len(stand_ins) > stand_ins_before
         if not has_changed:
             return SchemaResult(data, kind, is_complete, cut=frozenset(cut), stand_ins=stand_ins)
-        cut |= new_places
+        cut |= places_to_cut
 
 
 def _stand_ins(error: Any) -> dict[str, str]:
-    """Return a stand-in for each missing key of an error."""
+    """Return a stand-in for each missing key of an error: a valid source, or ``MISSING_PROSE`` for other prose."""
     missing_keys = [key for key in error.validator_value if key not in error.instance]
     stand_ins = dict.fromkeys(missing_keys, MISSING_PROSE)
     if "source" in stand_ins:
@@ -270,6 +293,7 @@ def _stand_ins(error: Any) -> dict[str, str]:
 
 
 def _is_missing_prose(finding: Finding) -> bool:
+    """Return True for a finding about missing keys of which all are prose."""
     return finding.alone and finding.rule == "missing-key"
 
 
@@ -284,10 +308,10 @@ def _can_be_incomplete(path: Path) -> bool:
 
 
 def place_to_remove(path: Path) -> Path:
-    """Return what to remove for an error at ``path``: the nearest list item, the parent of a field, or the place.
+    """Return what to remove for an error at ``path``: the owner of the fields around it, or the nearest list item.
 
-    Removing only a width or a key would cause further errors, such as a missing key or bits without a field. Prose
-    can be removed individually.
+    Prose, and a place in neither, is removed individually. Removing only a width or a key would cause further errors,
+    such as a missing key or bits without a field: ``("registers", 2, "fields", 0, "bits")`` removes the register.
     """
     is_prose = bool(path) and path[-1] in WORDS_ONLY
     if is_prose:
@@ -318,7 +342,10 @@ def _pruned(value: Any, cut: Collection[Path], path: Path, kept_indices: dict[Pa
 
 
 def value_at(data: Any, path: Path, kept_indices: Mapping[Path, Sequence[int]] = MappingProxyType({})) -> Any:
-    """Return the value in pruned data at a path into the data as read, or None if it was removed."""
+    """Return the value in pruned data at a path into the data as read, or None if it was removed.
+
+    ``kept_indices`` has the original indices of the remaining items, by the path of their list.
+    """
     for depth, step in enumerate(path):
         if isinstance(data, list) and isinstance(step, int):
             original_indices = kept_indices.get(path[:depth], range(len(data)))
@@ -331,7 +358,7 @@ def value_at(data: Any, path: Path, kept_indices: Mapping[Path, Sequence[int]] =
 
 
 def _original(path: Path, kept_indices: dict[Path, tuple[int, ...]]) -> Path:
-    """Return the path in the data as read of a path into pruned data."""
+    """Return the path in the data as read of a path into pruned data, whose indices in shortened lists differ."""
     original_path: Path = ()
     for step in path:
         if isinstance(step, int) and original_path in kept_indices:
@@ -342,12 +369,15 @@ def _original(path: Path, kept_indices: dict[Path, tuple[int, ...]]) -> Path:
 
 
 def _findings(validator: Any, data: dict[str, Any], unread_places: set[Path], kind: str) -> list[Finding]:
-    """Return one finding for each place, except places that the reader reported, and limit their number."""
+    """Return the first finding for each place, except at and below places that the reader reported.
+
+    Their number ends one above ``MAX_PROBLEMS``, so that the caller notices that there are more.
+    """
     findings: dict[tuple[Path, bool], Finding] = {}
     for error in validator.iter_errors(data):
         for finding in explain(error, kind):
-            parents = [finding.path[:length] for length in range(len(finding.path))]
-            if finding.path not in unread_places and unread_places.isdisjoint(parents):
+            enclosing_paths = [finding.path[:length] for length in range(len(finding.path))]
+            if finding.path not in unread_places and unread_places.isdisjoint(enclosing_paths):
                 findings.setdefault((finding.path, finding.at_key), finding)
             if len(findings) > MAX_PROBLEMS:  # One error can have a finding for each of thousands of keys.
                 return list(findings.values())
@@ -355,7 +385,10 @@ def _findings(validator: Any, data: dict[str, Any], unread_places: set[Path], ki
 
 
 def _is_explained(finding: Finding, findings: Sequence[Finding], data: dict[str, Any]) -> bool:
-    """Return True if another finding explains this one: a value under a wrong key, or an unknown interface by name."""
+    """Return True if another finding explains this one.
+
+    That is a value under a wrong key, or the name of an interface whose key under ``interfaces`` is wrong.
+    """
     wrong_key_paths = {key_finding.path for key_finding in findings if key_finding.at_key}
     if not finding.at_key and finding.path in wrong_key_paths and finding.rule != "missing-key":
         return True
@@ -368,7 +401,10 @@ def _is_explained(finding: Finding, findings: Sequence[Finding], data: dict[str,
 
 @functools.cache
 def _validator(kind: str) -> Any:
-    """Return a validator that is stricter than JSON Schema in two points."""
+    """Return a validator that is stricter than JSON Schema in two points.
+
+    A pattern must match the whole text, and 1.0 is not an integer.
+    """
     from jsonschema import Draft202012Validator, ValidationError, validators
 
     def pattern(_: Any, expected: str, instance: Any, __: Any) -> Iterator[ValidationError]:
@@ -393,7 +429,10 @@ def shape_of(kind: str) -> dict[str, Any]:
 
 
 def _inlined(schema: Any, definitions: dict[str, Any]) -> Any:
-    """Return the schema with each reference replaced by its definition, which halves the time. No definition recurs."""
+    """Return the schema with each reference replaced by its definition, which halves the time.
+
+    No definition refers to itself. The definitions themselves are left out.
+    """
     if isinstance(schema, list):
         return [_inlined(inner, definitions) for inner in schema]
     if not isinstance(schema, dict):

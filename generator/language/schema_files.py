@@ -87,7 +87,11 @@ def family_of(file: str) -> str:
 
 
 def second_reading_schema(schema: Mapping[str, Any]) -> dict[str, Any]:
-    """Derive the schema of second readings from that of device files."""
+    """Return the schema of second readings, derived from that of device files.
+
+    Prose and the manufacturer are optional, parts that explain or calculate are left out, and those of second readings
+    are added.
+    """
     derived: dict[str, Any] = _prose_optional(schema)
     derived["properties"] = {key: shape for key, shape in derived["properties"].items() if key not in NO_FACTS}
     derived["properties"] |= ONLY_SECOND
@@ -113,7 +117,10 @@ def _prose_optional(schema: Any) -> Any:
 
 
 def with_stand_ins(data: Any, schema: Mapping[str, Any]) -> Any:
-    """Return checked data of a second reading, with a stand-in for each key required by ``schema`` of device files."""
+    """Return checked data of a second reading, with a stand-in for each key for prose that device files must have.
+
+    ``schema`` is that of the data in device files, without references.
+    """
     if isinstance(data, list):
         return [with_stand_ins(inner, schema.get("items", {})) for inner in data]
     if not isinstance(data, dict):

@@ -42,7 +42,7 @@ class Located(Generic[T]):
         return name in self.data
 
     def is_valid(self, name: str) -> bool:
-        """Return True if a key was given with a value of its type."""
+        """Return True if a key was given with a value of its type, so that the part has the value as given."""
         return name in self.data and getattr(self.part, name) == self.data[name]
 
 
@@ -59,6 +59,7 @@ class WrittenPart:
         self._values: dict[str, Any] = {}
 
     def __init_subclass__(cls) -> None:
+        """Collect the keys of a class of parts, and make each of them an attribute that reads its value."""
         described_keys = []
         for name, notation in inspect.get_annotations(cls).items():
             member = cls.__dict__.get(name)
@@ -73,11 +74,11 @@ class WrittenPart:
         return any(name in self.data for name in names)
 
     def is_valid(self, name: str) -> bool:
-        """Return True if a key was given with a value of its type."""
+        """Return True if a key was given with a value of its type, so that the attribute has the value as given."""
         return name in self.data and getattr(self, name) == self.data[name]
 
     def names_in(self, name: str) -> list[str]:
-        """Return the names in a map, even of values with a wrong type."""
+        """Return the names in the map under a key, even of values with a wrong type. None if it is not a map."""
         entries = self.data.get(name)
         return list(entries) if isinstance(entries, dict) else []
 
@@ -93,6 +94,7 @@ class _Attribute:
         self.described, self.module = described, module
 
     def __get__(self, part: WrittenPart | None, owner: type) -> Any:
+        """Return the value of the key in a part, or this attribute itself if asked for by the class."""
         if part is None:
             return self
         name, values = self.described.name, part._values
@@ -101,6 +103,7 @@ class _Attribute:
         return values[name]
 
     def _read(self, part: WrittenPart) -> Any:
+        """Return the value of the key. If it is missing or has a wrong type, return its default or an empty value."""
         kind, name = key_type(self.described.notation), self.described.name
         value = None
         if name in part.data:
@@ -127,7 +130,10 @@ def written(about: str, **options: Any) -> Callable[[type[T]], type[T]]:
 
 @cache
 def _reader(kind: KeyType, module: str) -> Reader:
-    """Return the function that reads a value of a type. Classes are those of the module."""
+    """Return the function that reads a value of a type, or returns None for a value of another type.
+
+    Classes of parts are looked up in ``module``, where they are imported.
+    """
     if kind.container == "list":
         return _list_reader(_reader(kind.inner, module))
     if kind.container == "map":
@@ -140,6 +146,10 @@ def _reader(kind: KeyType, module: str) -> Reader:
 
 
 def _word_reader(kind: KeyType, module: str) -> Reader:
+    """Return the reader of a type that is one word: a part, the map of named values, or a type in ``_READERS``.
+
+    Other words are texts with a certain form.
+    """
     if kind.part:
         return _part_reader(_class_of(kind, module))
     if kind.word == "Values":
@@ -165,6 +175,7 @@ def _is_of(*types: type) -> Reader:
 
 
 def _expression(value: Any, _: Path) -> Expression | None:
+    """Return the expression in a whole number or text, or None if it is not valid."""
     try:
         return Expression.parse(value) if type(value) in (int, str) else None
     except ExpressionError:  # Reported by the rule on expressions.
@@ -172,6 +183,8 @@ def _expression(value: Any, _: Path) -> Expression | None:
 
 
 def _list_reader(read: Reader) -> Reader:
+    """Return the reader of lists, which returns a tuple. Items with a wrong type are left out."""
+
     def read_list(value: Any, path: Path) -> Any:
         if not isinstance(value, list):
             return None
@@ -182,6 +195,8 @@ def _list_reader(read: Reader) -> Reader:
 
 
 def _map_reader(read: Reader) -> Reader:
+    """Return the reader of maps. Values with a wrong type are left out."""
+
     def read_map(value: Any, path: Path) -> Any:
         if not isinstance(value, dict):
             return None
@@ -192,6 +207,7 @@ def _map_reader(read: Reader) -> Reader:
 
 
 def _one_or_more(value: Any, path: Path) -> Any:
+    """Return a tuple of texts for a list of texts or a single text, or None."""
     return (value,) if isinstance(value, str) else _list_reader(_text)(value, path)
 
 
@@ -234,12 +250,15 @@ def _located_reader(model_class: Any) -> Reader:
 
 
 def located(model_class: Any, data: Mapping[str, Any], path: Path) -> Located[Any]:
-    """Return a part of the model as it is written in a spec."""
-    values: dict[str, Any] = {}
+    """Return a part of the model as it is written in a spec, with its path and data.
+
+    A missing key has its default or, if it is required, is empty. Parts in it have no place, and sources are left out.
+    """
+    values_by_key: dict[str, Any] = {}
     for described in keys_of(model_class):
         kind = key_type(described.notation)
         if kind.word == "Sources":
-            values[described.name] = ()
+            values_by_key[described.name] = ()
             continue
         value = None
         if described.name in data:
@@ -248,12 +267,12 @@ def located(model_class: Any, data: Mapping[str, Any], path: Path) -> Located[An
         if value is None and described.default is MISSING:
             value = _empty_value(kind, model_class.__module__, path)
         if value is not None:
-            values[described.name] = value
-    return Located(model_class(**values), path, data)
+            values_by_key[described.name] = value
+    return Located(model_class(**values_by_key), path, data)
 
 
 def _empty_value(kind: KeyType, module: str, path: Path) -> Any:
-    """Return the value of a required key that is missing."""
+    """Return the value of a required key that is missing: an empty part, container or text, 0 or False."""
     if kind.container == "located":
         return located(_class_of(kind.inner, module), NOTHING, path)
     if kind.container:

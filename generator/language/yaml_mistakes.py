@@ -38,11 +38,12 @@ def explain(error: yaml.MarkedYAMLError, text: str) -> tuple[int, int, str, str]
     odd_space = _odd_space(lines, [mark.line for mark in (opened, stopped) if mark is not None])
     if odd_space is not None:
         return odd_space
-    # Where the parser stopped is only the end of its search for the colon.
+    # Here the parser stopped only at the end of its search for the colon.
     if opened is not None and problem == "could not find expected ':'":
         return *_place(opened), _RULE, _missing_colon(_character(lines, opened))
     if opened is not None and "quoted scalar" in context and "end of stream" in problem:
         return *_place(opened), _RULE, "the quote that opens here is never closed; close it on this line"
+    # An earlier quote may have closed too late, so that the error is only a consequence.
     quote = _last_quoted(text, stopped)
     if quote is not None:
         return *_place(quote.start_mark), _RULE, _about_quote(quote)
@@ -58,7 +59,7 @@ def explain(error: yaml.MarkedYAMLError, text: str) -> tuple[int, int, str, str]
 
 
 def _odd_space(lines: list[str], positions: list[int]) -> tuple[int, int, str, str] | None:
-    """Return the error for an unusual space in one of these lines, counted from 0, or in the line before."""
+    """Return the error for an unusual space in one of these lines, counted from 0, or in the one before, or None."""
     for position in positions:
         for line in (position, position - 1):
             if not 0 <= line < len(lines):
@@ -74,6 +75,7 @@ def _odd_space(lines: list[str], positions: list[int]) -> tuple[int, int, str, s
 
 
 def _place(mark: Any) -> tuple[int, int]:
+    """Return line and column of a mark, counted from 1."""
     return mark.line + 1, mark.column + 1
 
 
@@ -92,9 +94,10 @@ def _missing_colon(character: str) -> str:
 
 
 def _last_quoted(text: str, stopped: Any) -> Any:
-    """Return the quoted text before the error if it may be the cause: it spans several lines, or ends there.
+    """Return the token of the quoted text before the error if it may be the cause, otherwise None.
 
-    ``stopped`` is the place where the parser stopped, or None.
+    It must end on the line where the parser stopped, and span several lines or end exactly there. ``stopped`` is the
+    place where the parser stopped, or None.
     """
     last = None
     try:
@@ -114,6 +117,7 @@ def _last_quoted(text: str, stopped: Any) -> Any:
 
 
 def _about_quote(token: Any) -> str:
+    """Return the message about a quoted text that closes too late or too early."""
     if token.end_mark.line > token.start_mark.line:
         return f"the quote that opens here does not close until line {token.end_mark.line + 1}; close it on this line"
     if token.style == "'":
@@ -122,7 +126,10 @@ def _about_quote(token: Any) -> str:
 
 
 def _about_bracket(lines: list[str], opened: Any, stopped: Any) -> str:
-    """Return the message about an open bracket. ``stopped`` is the place where the parser stopped."""
+    """Return the message about an open bracket. ``stopped`` is the place where the parser stopped.
+
+    A comment on its line may hide the closing bracket.
+    """
     bracket = _character(lines, opened)
     closing = {"{": "}", "[": "]"}.get(bracket, "bracket")
     is_at_end = stopped.line >= len(lines) - 1 and not _character(lines, stopped)
@@ -134,6 +141,7 @@ def _about_bracket(lines: list[str], opened: Any, stopped: Any) -> str:
 
 
 def _message(problem: str, character: str, at_end: bool) -> str:
+    """Return the message for another problem of the parser, which stopped at ``character`` or at the file's end."""
     if character == "\t":
         return "tabs cannot be used for indentation; use spaces"
     if (character and character in "@`") or (character == "%" and "token" in problem):
@@ -194,6 +202,10 @@ class CorrectedEvents:
         self._open: list[_Container] = []
 
     def __iter__(self) -> Iterator[Any]:
+        """Yield the events, with an item of a list split where its keys repeat, and texts after a comma skipped.
+
+        Keys and values are counted in each open map, so that an event is known to be a key or a value.
+        """
         while True:
             event = self._next()
             if event is None:
@@ -223,6 +235,7 @@ class CorrectedEvents:
             self._open[-1].nodes += 1
 
     def _next(self) -> Any:
+        """Return the next event, first those that were looked at ahead, or None after the last one."""
         return self._ahead.popleft() if self._ahead else next(self._events, None)
 
     def _peek(self, index: int) -> Any:
@@ -232,7 +245,10 @@ class CorrectedEvents:
         return self._ahead[index]
 
     def _insert_item_end(self, key: Any, container: _Container) -> Iterator[Any]:
-        """Yield the end of the item and the start of the next if its keys repeat, beginning with the first one."""
+        """Yield the end of the item and the start of the next if its keys repeat, beginning with the first one.
+
+        Two keys in a row must repeat: then a dash is missing. A single duplicate key is reported elsewhere.
+        """
         if not container.in_list or container.flow or len(container.keys) < 2:
             return
         first_key = next(iter(container.keys))
@@ -266,7 +282,10 @@ class CorrectedEvents:
         return None
 
     def _skip_text_after_comma(self, value: Any) -> None:
-        """Skip the text after a comma in an unquoted text or number in {...}, which would be a key without a value."""
+        """Skip the text after a comma in an unquoted text or number in {...}, which would be a key without a value.
+
+        ``{meaning: low, or off}`` becomes ``low``. Groups of three digits, as in ``1,000``, are appended to a number.
+        """
         if value.style or value.tag or value.anchor:
             return
         first_skipped = None
@@ -286,13 +305,13 @@ class CorrectedEvents:
             self._complain(first_skipped, "yaml-syntax", _about_comma(first_skipped, number))
 
     def _is_key_without_colon(self, key: Any, value: Any) -> bool:
-        """Return True for a key without a colon and without a value."""
+        """Return True if two events are an unquoted key, after which there is no colon, and its empty value."""
         if not isinstance(key, yaml.ScalarEvent) or not isinstance(value, yaml.ScalarEvent):
             return False
         if key.style or value.style or value.value:
             return False
-        end: Any = key.end_mark
-        text_after = self._lines[end.line][end.column :]
+        key_end: Any = key.end_mark
+        text_after = self._lines[key_end.line][key_end.column :]
         return key.value != "" and not text_after.lstrip().startswith(":")
 
 

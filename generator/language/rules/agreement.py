@@ -52,7 +52,7 @@ class _Printed(Protocol):
 
 
 def misspelt_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a printed name does not differ by one letter from an entry of the contents, or from its flag."""
+    """Check that no printed name differs by one letter from an entry of the contents, or an alarm's from its flag's."""
     _compare_with_contents(spec, raw, report)
     for alarm in spec.alarms:
         owner = owner_of_alarm(spec, alarm)
@@ -68,7 +68,10 @@ def misspelt_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -
 
 
 def _compare_with_contents(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Report the printed names that differ by one letter from an entry of the contents."""
+    """Report the printed names that differ by one letter from an entry of the contents, and are not in an erratum.
+
+    Only names in the manual's language are compared. Very long contents are not searched.
+    """
     titles: dict[str, str] = {}
     for section in raw.manual.contents.values():
         titles |= {title.casefold(): title for title in section.names_in("entries")}
@@ -90,14 +93,17 @@ def _compare_with_contents(spec: WrittenSpec, raw: WrittenSpec, report: Document
 
 
 def _misspells(name: str, correct_name: str) -> bool:
-    """Return whether one letter in a word of a name is wrong. An entry of the contents can be in the plural."""
+    """Return True if two names differ in one word, which has a typo of the other name's word.
+
+    A word that is short in the correct name, or differs only in a plural s, is not counted as misspelt.
+    """
     if abs(len(name) - len(correct_name)) > 1:
         return False
     words, correct_words = name.casefold().split(), correct_name.casefold().split()
     if len(words) != len(correct_words):
         return False
-    pairs = zip(words, correct_words, strict=True)
-    different_pairs = [(word, correct_word) for word, correct_word in pairs if word != correct_word]
+    word_pairs = zip(words, correct_words, strict=True)
+    different_pairs = [(word, correct_word) for word, correct_word in word_pairs if word != correct_word]
     if len(different_pairs) != 1:
         return False
     word, correct_word = different_pairs[0]
@@ -113,9 +119,9 @@ def _printed_names(part: _Printed) -> Iterator[tuple[Path, str]]:
 
 
 def printed_number(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a value whose printed name is a number has that number."""
-    for fields in field_lists(spec):
-        for field in fields.fields:
+    """Check that a value whose printed name is a number, such as ``0Ah``, has that number."""
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
             for name, value in field.values.items():
                 number = _printed_number(value.printed_name, constant_width(field))
                 if number is not None and number != value.value:
@@ -125,7 +131,7 @@ def printed_number(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
 
 
 def _printed_number(printed_name: str, width: int | None) -> int | None:
-    """Return the number in a printed name if it is clearly only a number, otherwise None.
+    """Return the number if a printed name is one as in ``0x1F``, ``0b01``, ``0Ah`` or ``"01"``, otherwise None.
 
     Zeros and ones in quotes are a binary number if they have as many digits as the field has bits.
     """
@@ -139,9 +145,12 @@ def _printed_number(printed_name: str, width: int | None) -> int | None:
 
 
 def number_in_meaning(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a field with a fixed number does not have another hexadecimal number in its meaning."""
-    for fields in field_lists(spec):
-        for field in fields.fields:
+    """Check that a field with a fixed number does not have another hexadecimal number as the only one in its meaning.
+
+    A meaning that speaks of a register or an address is not checked, because its number may be that of a place.
+    """
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
             fixed_numbers = _fixed_numbers(field)
             if not fixed_numbers or _PLACE.search(field.meaning):
                 continue
@@ -156,15 +165,15 @@ def number_in_meaning(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
 
 
 def _fixed_numbers(field: WrittenField) -> list[tuple[str, int]]:
-    """Return the numbers that a field always has, each with its key."""
-    values = (("constant", field.constant), ("equals", field.equals), ("unused", field.unused))
-    return [(key, value) for key, value in values if isinstance(value, int)]
+    """Return the numbers that a field always has, each with its key: ``("constant", 5)``."""
+    numbers_by_key = (("constant", field.constant), ("equals", field.equals), ("unused", field.unused))
+    return [(key, value) for key, value in numbers_by_key if isinstance(value, int)]
 
 
 def polynomial_in_note(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a CRC does not have another polynomial in its note.
+    """Check that the polynomial of a CRC is among those in its note, if there are any.
 
-    A hexadecimal number with one bit more than the CRC is a polynomial with its top bit.
+    A note gives a polynomial with its top bit, which ``poly`` omits.
     """
     for located_crc in spec.crcs:
         crc = located_crc.part
@@ -180,7 +189,10 @@ def polynomial_in_note(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
 
 
 def _printed_polynomials(note: str, width: int) -> dict[str, int]:
-    """Return the polynomials of this width in a note, with their top bit, by their text."""
+    """Return the polynomials of this width in a note, with their top bit, by their text: ``{"x^2 + 1": 0x5}``.
+
+    A hexadecimal number is one if it is odd and has one bit more than the CRC, in a note that does not name a place.
+    """
     polynomials: dict[str, int] = {}
     top_bit = 1 << width
     if not _PLACE.search(note):
@@ -197,14 +209,14 @@ def _printed_polynomials(note: str, width: int) -> dict[str, int]:
 
 
 def unused_bits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a register has no field at bits that its note calls unused."""
-    for fields in field_lists(spec):
-        unused_in_note = set(_unused_bits_in(fields.owner.note))
-        if fields.kind is not Has.REGISTER or not unused_in_note:
+    """Check that a register has no field at bits that its note calls unused, unless its number is fixed."""
+    for field_list in field_lists(spec):
+        unused_in_note = set(_unused_bits_in(field_list.owner.note))
+        if field_list.kind is not Has.REGISTER or not unused_in_note:
             continue
-        for field in fields.fields:
-            bits = _bits_at(field.at)
-            used_bits = [bit for bit in unused_in_note if bit in bits]
+        for field in field_list.fields:
+            bits_of_field = _bits_at(field.at)
+            used_bits = [bit for bit in unused_in_note if bit in bits_of_field]
             is_without_content = field.constant is not None or field.unused is not None or field.equals == 0
             if used_bits and not is_without_content:
                 message = (
@@ -223,14 +235,17 @@ def _bits_at(at: int | str | None) -> range:
 
 
 def _unused_bits_in(text: str) -> Iterator[int]:
-    """Yield the bits that a text calls unused."""
+    """Yield the bits that a text calls unused, such as 7, 6 and 2 in ``bits 7:6 and 2 are not used``."""
     for match in _UNUSED.finditer(text):
         for high, low in re.findall(r"(\d{1,3})(?::(\d{1,3}))?", match[1]):
             yield from range(int(low or high), int(high) + 1)
 
 
 def access_repeated(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a register with fixed contents is not writable, and has the access that its errata use."""
+    """Check that a register with fixed contents is not writable, and that registers have the access that errata state.
+
+    A note or an erratum explains a writable register with fixed contents.
+    """
     for register in spec.registers:
         is_fixed = bool(register.fields) and all(field.equals is not None for field in register.fields)
         if not is_fixed or register.access != "read_write" or register.note:
@@ -246,7 +261,10 @@ def access_repeated(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
 
 
 def _check_access_in_erratum(spec: WrittenSpec, erratum: WrittenErratum, report: DocumentReport) -> None:
-    """Check that a register has the access that an erratum about it uses."""
+    """Check that the registers affected by an erratum have its access, if it says ``read only`` or ``write only``.
+
+    An erratum about bits or fields, or with both accesses, is not compared.
+    """
     registers = by_name(spec.registers)
     is_about_bits = re.search(r"\b(?:bit|field)", erratum.used, re.IGNORECASE) is not None
     stated_accesses = set(_ONLY.findall(erratum.used))
@@ -261,7 +279,7 @@ def _check_access_in_erratum(spec: WrittenSpec, erratum: WrittenErratum, report:
 
 
 def zero_within_limits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the number for which zero stands is within the limits of its register."""
+    """Check that the number for which zero stands is at most one more than the highest one of its register."""
     for register in spec.registers:
         for field in register.fields:
             zero, highest = field.zero_means, register.max
@@ -273,7 +291,7 @@ def zero_within_limits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
 
 
 def requests_repeated(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the number of requests in a text of a procedure is the one that its step sends."""
+    """Check that a text of a procedure with one step has the number of requests that the step sends."""
     for procedure in spec.procedures:
         times = procedure.steps[0].times if len(procedure.steps) == 1 else None
         if times is None:
@@ -295,9 +313,9 @@ def _number_of(text: str) -> int:
 
 
 def table_repeated(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that two tables with common columns agree in their numbers, if they do so in all cells but one.
+    """Report two tables with common columns whose numbers agree in all cells but one.
 
-    Rows belong together if a column whose cells are all different has the same cell in both.
+    Rows belong together if a column whose cells are all different in each table has the same cell in both.
     """
     tables = spec.tables[:_MOST_TABLES]
     for index, located_table in enumerate(tables):
@@ -328,12 +346,16 @@ class _CellPair:
 
 
 def _only_difference(table: Table, earlier_table: Table) -> _CellPair | None:
-    """Return the pair of cells that differs if the tables agree in all others."""
+    """Return the only pair of numbers that differs in the common columns of two tables, or None.
+
+    Rows are paired by each possible key column in turn. A column in which most pairs differ is left out, and enough
+    pairs must be left to compare.
+    """
     common_columns = [name for name in table.columns if name in earlier_table.columns]
     for key_column in common_columns:
         if not _is_key(table, key_column) or not _is_key(earlier_table, key_column):
             continue
-        compared: list[_CellPair] = []
+        compared_pairs: list[_CellPair] = []
         for column in common_columns:
             if column == key_column:
                 continue
@@ -341,24 +363,24 @@ def _only_difference(table: Table, earlier_table: Table) -> _CellPair | None:
             # A column that mostly differs, such as one of texts, is about something else.
             is_about_the_same = 2 * len(_differing_cells(pairs)) <= len(pairs)
             if is_about_the_same:
-                compared += pairs
-        differing = _differing_cells(compared)
-        if len(differing) == 1 and len(compared) > _CELLS:
-            return differing[0]
+                compared_pairs += pairs
+        differing_pairs = _differing_cells(compared_pairs)
+        if len(differing_pairs) == 1 and len(compared_pairs) > _CELLS:
+            return differing_pairs[0]
     return None
 
 
 def _number_pairs(table: Table, earlier_table: Table, key_column: str, column: str) -> list[_CellPair]:
-    """Return the pairs of numbers in a column, from the rows that have the same cell in the key column."""
+    """Return the pairs of cells in a column that are numbers, from the rows with the same cell in the key column."""
     earlier_cells: dict[str, str] = {}
     for row in earlier_table.rows:
         earlier_cells[_cell(earlier_table, row, key_column)] = _cell(earlier_table, row, column)
-    pairs = []
-    for index, row in enumerate(table.rows):
+    cell_pairs = []
+    for row_number, row in enumerate(table.rows):
         key_cell = _cell(table, row, key_column)
         if key_cell in earlier_cells:
-            pairs.append(_CellPair(index, column, _cell(table, row, column), earlier_cells[key_cell]))
-    return [pair for pair in pairs if pair.is_numeric]
+            cell_pairs.append(_CellPair(row_number, column, _cell(table, row, column), earlier_cells[key_cell]))
+    return [pair for pair in cell_pairs if pair.is_numeric]
 
 
 def _differing_cells(pairs: list[_CellPair]) -> list[_CellPair]:

@@ -23,7 +23,7 @@ _PLACES = {
 }
 _BANK_SELECT = (0x40, 1, "at 40h")
 
-#: nE and nW.
+#: Names of nE and nW in specs.
 _FLAGS = {"error", "warning"}
 #: Widths of the parts of a control frame, and the two access directions.
 _WIDTHS = {"register_address": 7, "address": 7, "rw": 2, "data": 8}
@@ -33,7 +33,10 @@ _INVERTED = {0x3F: 6, 0xFFFF: 16}
 
 
 def biss_places(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that registers with names fixed by BiSS are at their fixed place."""
+    """Check that registers with names fixed by BiSS are at their fixed place, with its length.
+
+    The register that selects banks has such a place under any name. Registers in a bank may have these names.
+    """
     for register in spec.registers:
         name = register.name
         selects_banks = name == bank_select(spec)
@@ -58,8 +61,9 @@ def biss_places(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
 def biss_taken(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no other register is at a place fixed by BiSS, unless an erratum explains it.
 
-    A read-only register inside that place is accepted as a part of it under another name. So is any register with the
-    name ``profile_id_low``. Manuals use 40h and 41h for other purposes if there are no banks.
+    A read-only register inside that place is accepted as a part of it under another name. So is any register inside it
+    whose name begins with the fixed one, such as ``profile_id_low``. Manuals use 40h and 41h for other purposes if
+    there are no banks.
     """
     for register in spec.registers:
         name = register.name
@@ -80,12 +84,15 @@ def biss_taken(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> N
 
 
 def _taken_place(register: WrittenRegister) -> str | None:
-    """Return the name of the register that BiSS has at these addresses, or None. A part of that register is allowed."""
-    first, end = register.address, register.address + register.length
+    """Return the name of the register that BiSS has at these addresses, or None if there is none or it may be here.
+
+    A part of that register may be here, and so may any register at 41h.
+    """
+    first_address, end_address = register.address, register.address + register.length
     for fixed_name, (fixed_first, length, _) in _PLACES.items():
         fixed_end = fixed_first + length
-        overlaps = first < fixed_end and fixed_first < end
-        is_inside = fixed_first <= first and end <= fixed_end
+        overlaps = first_address < fixed_end and fixed_first < end_address
+        is_inside = fixed_first <= first_address and end_address <= fixed_end
         is_part = is_inside and (register.access == "read_only" or register.name.startswith(fixed_name))
         if fixed_name != "eds_bank" and overlaps and not is_part:
             return fixed_name
@@ -108,13 +115,16 @@ def biss_byte_order(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
 
 
 def biss_frame(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that nE and nW are active low, that nE is sent first, and that an inverted CRC ends the frame."""
+    """Check that nE and nW are active low, in this order after the position, and that a frame has an inverted CRC.
+
+    A frame without either is not checked. An erratum explains what the manual prints differently.
+    """
     groups, crcs = by_name(raw.field_groups), by_part_name(raw.crcs)
-    for fields in layouts(spec):
-        layout = fields.layout
-        if layout is None or fields.interface != Biss.name or not fields.is_from_encoder:
+    for frame in layouts(spec):
+        layout = frame.layout
+        if layout is None or frame.interface != Biss.name or not frame.is_from_encoder:
             continue
-        sent_fields = list(expanded(fields, groups))
+        sent_fields = list(expanded(frame, groups))
         if _FLAGS.isdisjoint(field.name for _, field in sent_fields):
             continue
         frame_path = f"interfaces.{Biss.name}.{layout.name}"
@@ -142,7 +152,7 @@ SentFields = list[tuple[Path, WrittenField]]
 
 
 def _field_faults(sent_fields: SentFields, crcs: Mapping[str, Located[Crc]], frame_path: str) -> Iterator[_Fault]:
-    """Yield the errors of single fields of a frame."""
+    """Yield the errors of single fields of a frame: nE or nW active high, ``crc_of``, and the numbers of the CRC."""
     for path, field in sent_fields:
         name = field.name
         if name in _FLAGS and field.active == "high":
@@ -171,7 +181,10 @@ def _order_faults(sent_fields: SentFields, frame_name: Path, frame_path: str) ->
 
 
 def _late_positions(sent_fields: SentFields, positions: set[str], frame_path: str) -> Iterator[_Fault]:
-    """Yield an error for the first part of the position that is sent after nE or nW."""
+    """Yield an error for the first part of the position that is sent after nE or nW.
+
+    ``positions`` are the names of fields and joined numbers that form the position.
+    """
     first_flag = None
     for path, field in sent_fields:
         name = field.name
@@ -184,13 +197,13 @@ def _late_positions(sent_fields: SentFields, positions: set[str], frame_path: st
 
 
 def _inverts_another_width(crc: Crc) -> str:
-    """Return the message about a CRC whose width and inversion are those of two CRCs."""
+    """Return the message about a CRC whose ``xorout`` inverts 6 or 16 bits, but not all bits of its width."""
     inverted_bits, width = _INVERTED[crc.xorout], crc.width
     problem = (
         f"the CRC {quoted(crc.name)} has 'width' {width}, but its 'xorout' {crc.xorout:#x} inverts {inverted_bits} bits"
     )
-    xorout = f"'xorout: {_all_ones(width):#x}' if the manual has a CRC of {width} bits"
-    return f"{problem}; write 'width: {inverted_bits}', or {xorout}"
+    other_remedy = f"'xorout: {_all_ones(width):#x}' if the manual has a CRC of {width} bits"
+    return f"{problem}; write 'width: {inverted_bits}', or {other_remedy}"
 
 
 def _all_ones(width: int) -> int:
@@ -198,7 +211,10 @@ def _all_ones(width: int) -> int:
 
 
 def _crc_faults(located_crc: Located[Crc]) -> Iterator[tuple[str, str]]:
-    """Yield the keys of a CRC that contradict BiSS, each with the message. The data may have any shape."""
+    """Yield the keys of a CRC that contradict BiSS, each with the message: not inverted, or reflected.
+
+    The data may have any shape.
+    """
     crc = located_crc.part
     is_valid = 0 < crc.width <= 64 and located_crc.is_valid("xorout")
     if is_valid and crc.xorout < _all_ones(crc.width):
@@ -219,7 +235,7 @@ def _crc_faults(located_crc: Located[Crc]) -> Iterator[tuple[str, str]]:
 def biss_control(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the control frame has the widths, the directions and the CRC of BiSS.
 
-    Every master relies on them, so a spec has these numbers. An erratum records others that the manual prints.
+    Every master relies on them, so a spec has these numbers even if an erratum records others that the manual prints.
     """
     crcs = by_part_name(raw.crcs)
     interface = spec.interfaces.biss
@@ -249,7 +265,7 @@ def _is_control_crc(crc: Located[Crc]) -> bool:
 
 
 def _check_directions(field: WrittenField, report: DocumentReport) -> None:
-    """Check the bits of the names read and write in the field of a control frame that selects one of them."""
+    """Check that ``write`` is 01 and ``read`` is 10 in the field of a control frame that selects one of them."""
     for name, value in field.values.items():
         if name in _DIRECTIONS and value.value != _DIRECTIONS[name]:
             problem = f"{quoted(name)} is {value.value:02b}; in the BiSS control frame, 01 means write and 10"

@@ -31,15 +31,18 @@ _NO_ERROR = re.compile(r"(?i:\b(?:no|not|without|free)\b)")
 
 
 def makes_position_missing(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a flag in a frame with a position gives the verdict on the position while it is active."""
+    """Check that a flag in a frame with a position gives the verdict on the position while it is active.
+
+    The flags that an interface itself defines have a known verdict.
+    """
     groups = by_name(raw.field_groups)
     positions = {interface: position_names(spec, interface) for interface, _ in interfaces(spec)}
-    for fields in layouts(spec):
-        has_position = not positions[fields.interface].isdisjoint(field_names(fields, groups))
-        if not fields.is_from_encoder or not has_position:
+    for frame in layouts(spec):
+        has_position = not positions[frame.interface].isdisjoint(field_names(frame, groups))
+        if not frame.is_from_encoder or not has_position:
             continue
-        flags_with_known_verdict = INTERFACES[fields.interface].flags
-        for field in _with_groups(fields, spec):
+        flags_with_known_verdict = INTERFACES[frame.interface].flags
+        for field in _with_groups(frame, spec):
             if not field.active or field.makes_position or not field.name:
                 continue
             if field.name not in flags_with_known_verdict:
@@ -50,9 +53,9 @@ def makes_position_missing(spec: WrittenSpec, raw: WrittenSpec, report: Document
 
 
 def error_usable(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that an active error does not leave the position usable, unless a note explains it."""
-    for fields in field_lists(spec):
-        for field in fields.fields:
+    """Check that a flag or value called an error does not leave the position usable, unless a note explains it."""
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
             report_usable_values(field, report)
             is_error = field.active and names_error(field.name, field.printed_name)
             if is_error and field.makes_position == "usable" and not field.note:
@@ -81,12 +84,12 @@ def names_error(name: str, printed_name: str) -> bool:
 
 
 def flag_sums(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the flags combined by another one exist."""
+    """Check that the flags combined by another one exist in some list of fields."""
     flags: list[str] = []
-    for fields in field_lists(raw):
-        flags += [field.name for field in fields.fields if field.has("active") and field.name]
-    for fields in field_lists(spec):
-        for field in fields.fields:
+    for field_list in field_lists(raw):
+        flags += [field.name for field in field_list.fields if field.has("active") and field.name]
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
             other_flags = [name for name in dict.fromkeys(flags) if name != field.name]
             for index, name in enumerate(field.sums_up):
                 if name not in other_flags:
@@ -95,17 +98,20 @@ def flag_sums(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> No
 
 
 def alarm_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that an alarm with the name of a flag in its group or register is about that flag."""
+    """Check that an alarm with the name of a flag in its group or register is about that flag.
+
+    ``field`` is the flag of an alarm. Without it, it is the flag of the same name.
+    """
     for located_alarm in spec.alarms:
         alarm = located_alarm.part
-        name, flag = alarm.name, alarm.field or alarm.name
+        name, flag_name = alarm.name, alarm.field or alarm.name
         owner = owner_of_alarm(spec, located_alarm)
         flags = by_name(owner.fields) if owner is not None else {}
-        if name != flag and name in flags and flag in flags:
+        if name != flag_name and name in flags and flag_name in flags:
             owner_name = alarm.group or alarm.register
             problem = (
                 f"the alarm {quoted(name)} has the same name as a flag of {quoted(owner_name)}, but describes"
-                f" {quoted(flag)}; use that flag, or rename the alarm"
+                f" {quoted(flag_name)}; use that flag, or rename the alarm"
             )
             report.add("alarm-name", (*located_alarm.path, "field"), problem)
 
@@ -133,13 +139,13 @@ def plain_bits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> N
     """
     if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
         return
-    for fields in field_lists(spec):
-        if fields.kind is not Has.GROUP and not fields.is_from_encoder:
+    for field_list in field_lists(spec):
+        if field_list.kind is not Has.GROUP and not field_list.is_from_encoder:
             continue
-        for field in fields.fields:
+        for field in field_list.fields:
             name = field.name
             is_plain_bit = _bits(field) == 1 and _PLAIN.issuperset(field.data)
-            if not is_plain_bit or _is_fixed(fields, name):
+            if not is_plain_bit or _is_fixed(field_list, name):
                 continue
             problem = f"{quoted(name)} is a plain number, so decoders ignore it"
             if _PARITY.fullmatch(name):
@@ -153,7 +159,7 @@ def plain_bits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> N
 
 
 def _is_fixed(fields: FieldList, name: str) -> bool:
-    """Return True for a field with a fixed meaning in the frames of its interface."""
+    """Return True for a flag that the interface itself defines, such as the error bit of BiSS."""
     return fields.interface in INTERFACES and name in INTERFACES[fields.interface].flags
 
 
@@ -171,16 +177,16 @@ _UNKNOWN_POSITION = "POSITION"
 
 
 def output_code(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that ``output_code`` of an interface is the code in which its layouts send the position."""
+    """Check that ``output_code`` of SSI is the code in which its layouts send the position, up to the first error."""
     for kind, interface in interfaces(spec):
         if not isinstance(interface, WrittenSsi) or not interface.output_code:
             continue
         position_layouts = _with_position(spec, raw, kind)
-        has_gray = any(_gray_of(fields) is not None for fields in position_layouts)
-        for fields in position_layouts:
-            contradiction = _contradiction(interface.output_code, fields, spec, raw, has_gray=has_gray)
+        has_gray = any(_gray_of(frame) is not None for frame in position_layouts)
+        for frame in position_layouts:
+            contradiction = _contradiction(interface.output_code, frame, spec, raw, has_gray=has_gray)
             if contradiction:
-                message = f"'output_code' is {interface.output_code}, but {quoted(fields.name)} {contradiction}"
+                message = f"'output_code' is {interface.output_code}, but {quoted(frame.name)} {contradiction}"
                 report.add("output-code", interface.place_of("output_code"), message)
                 break
 
@@ -191,9 +197,10 @@ def _gray_of(fields: FieldList) -> WrittenGray | None:
 
 
 def _contradiction(code: str, fields: FieldList, spec: WrittenSpec, raw: WrittenSpec, *, has_gray: bool) -> str:
-    """Return how a layout contradicts ``output_code``, or an empty string.
+    """Return how a layout contradicts ``output_code``, such as ``has no 'gray', …``, or an empty string.
 
-    ``has_gray`` is set if any layout of the interface is in Gray code.
+    ``gray`` of a layout means that it is in Gray code, always or if the parameter in ``when`` is not 0. ``has_gray``
+    is True if any layout of the interface has it: with ``by_order_code``, another one may then have none.
     """
     gray = _gray_of(fields)
     if gray is None:
@@ -215,38 +222,44 @@ def _contradiction(code: str, fields: FieldList, spec: WrittenSpec, raw: Written
 
 
 def gray_named(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that an interface whose order codes name Gray code has a layout in Gray code."""
-    kinds = [kind for kind, _ in interfaces(spec)]
-    default_kind = kinds[0] if len(kinds) == 1 else ""
+    """Check that an interface whose order codes name Gray code has a layout in Gray code.
+
+    A value of an order code belongs to the interface that it selects, or to the only one.
+    """
+    interface_names = [interface_name for interface_name, _ in interfaces(spec)]
+    only_interface = interface_names[0] if len(interface_names) == 1 else ""
     for part in spec.order_code.parts:
-        for text, value in part.values.items():
+        for label, value in part.values.items():
             if not _names_gray(value):
                 continue
-            kind = value.interface or default_kind
-            position_layouts = _with_position(spec, raw, kind)
-            if position_layouts and all(_gray_of(fields) is None for fields in position_layouts):
+            interface_name = value.interface or only_interface
+            position_layouts = _with_position(spec, raw, interface_name)
+            if position_layouts and all(_gray_of(frame) is None for frame in position_layouts):
                 message = (
-                    f"the meaning of {quoted(text)} says Gray, but no layout of {kind} has 'gray', "
+                    f"the meaning of {quoted(label)} says Gray, but no layout of {interface_name} has 'gray', "
                     "so decoders take it as binary"
                 )
                 report.add("output-code", value.place_of("meaning"), message)
 
 
 def _names_gray(value: WrittenCodeValue) -> bool:
-    """Return True if the meaning of an order code value names Gray code, and not binary code too."""
+    """Return True if the meaning of an order code value names Gray code, and not binary code too.
+
+    If the value selects no interface, "Gray" alone may be a colour.
+    """
     gray = _GRAY if value.interface else _GRAY_CODE
     return gray.search(value.meaning) is not None and _BINARY.search(value.meaning) is None
 
 
 def _with_position(spec: WrittenSpec, raw: WrittenSpec, kind: str) -> list[FieldList]:
-    """Return the layouts of the encoder that contain the position, or all of them if none is known to do so."""
-    sent_layouts = [fields for fields in layouts(spec) if fields.interface == kind and fields.is_from_encoder]
-    with_position = [fields for fields in sent_layouts if _position(fields, spec, raw) != _UNKNOWN_POSITION]
+    """Return the layouts of the encoder that contain the position, or all of its layouts if none is known to do so."""
+    sent_layouts = [frame for frame in layouts(spec) if frame.interface == kind and frame.is_from_encoder]
+    with_position = [frame for frame in sent_layouts if _position(frame, spec, raw) != _UNKNOWN_POSITION]
     return with_position or sent_layouts
 
 
 def _position(fields: FieldList, spec: WrittenSpec, raw: WrittenSpec) -> str:
-    """Return the name of the position in a layout, or a placeholder."""
+    """Return the name of the joined number or field for the position in a layout, or ``POSITION`` if there is none."""
     known_names = position_names(spec, fields.interface)
     for name in (*fields.joins, *field_names(fields, by_name(raw.field_groups))):
         if name in known_names:
@@ -255,10 +268,13 @@ def _position(fields: FieldList, spec: WrittenSpec, raw: WrittenSpec) -> str:
 
 
 def _numbers_set(spec: WrittenSpec, kind: str, parameter: str) -> set[int]:
-    """Return the numbers to which the order codes of an interface set a parameter."""
-    numbers: set[int] = set()
+    """Return the numbers to which the order codes of an interface set a parameter.
+
+    A value that selects no interface applies to all of them.
+    """
+    set_numbers: set[int] = set()
     for part in spec.order_code.parts:
         for value in part.values.values():
             if (value.interface or kind) == kind and parameter in value.sets:
-                numbers.add(value.sets[parameter])
-    return numbers
+                set_numbers.add(value.sets[parameter])
+    return set_numbers

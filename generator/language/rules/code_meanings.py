@@ -32,7 +32,10 @@ MEANING_DIFFERS = "; if the manual prints it so, give the reason in 'meaning_dif
 
 
 def value_words(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the meaning of an order code value agrees with its settings: code, length and supply."""
+    """Check that the meaning of an order code value agrees with its settings: Gray or binary code, length and supply.
+
+    A value with ``meaning_differs`` explains a difference.
+    """
     for part in spec.order_code.parts:
         for label, value in part.values.items():
             if not value.meaning_differs:
@@ -43,7 +46,10 @@ def value_words(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
 
 
 def _check_code(value: WrittenCodeValue, says: str, spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a value whose meaning names Gray or binary code sets the parameters that decide the code."""
+    """Check that a value whose meaning names Gray or binary code sets the parameters that decide the code.
+
+    ``says`` is the beginning of the message, and that of the next two functions.
+    """
     for name, required_number in _codes_named(spec, value).items():
         if value.sets[name] != required_number:
             code = "Gray" if required_number else "binary"
@@ -52,7 +58,7 @@ def _check_code(value: WrittenCodeValue, says: str, spec: WrittenSpec, report: D
 
 
 def _check_lengths(value: WrittenCodeValue, says: str, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the lengths that a value sets are in its meaning, if it names any."""
+    """Check that each length that a value sets is in its meaning, if this names any."""
     lengths = _lengths_named(value.meaning)
     if not lengths:
         return
@@ -78,7 +84,10 @@ def _check_supply(value: WrittenCodeValue, says: str, report: DocumentReport) ->
 
 
 def _lengths_named(meaning: str) -> dict[Fraction, str]:
-    """Return the lengths in a meaning in nanometres, each with its text. A quotient also stands for its dividend."""
+    """Return the lengths in a meaning in nanometres, each with its text.
+
+    A quotient such as ``20/1024 mm`` stands for its result and also for its dividend, 20 mm.
+    """
     lengths = {}
     for dividend, number, unit in _LENGTH.findall(meaning):
         if dividend:
@@ -92,25 +101,29 @@ def _lengths_named(meaning: str) -> dict[Fraction, str]:
 
 
 def _codes_named(spec: WrittenSpec, value: WrittenCodeValue) -> dict[str, int]:
-    """Return the parameters that must be set by a value whose meaning names one code, with the required numbers.
+    """Return the parameters that a value sets and that decide the code, with the number for the code in its meaning.
 
-    A parameter that decides the code of a layout is 1 for Gray code and 0 for binary code.
+    A parameter that decides the code of a layout is 1 for Gray code and 0 for binary code. The result is empty if the
+    meaning names neither code or both.
     """
     says_gray = re.search(r"\bGray\b", value.meaning, re.IGNORECASE) is not None
     says_binary = re.search(r"\bbinary\b", value.meaning, re.IGNORECASE) is not None
     if says_gray == says_binary:
         return {}
     deciding_parameters = set()
-    for fields in layouts(spec):
-        is_of_value = value.interface is None or fields.interface == value.interface
-        if is_of_value and fields.layout is not None and fields.layout.gray is not None:
-            deciding_parameters.add(fields.layout.gray.when)
+    for frame in layouts(spec):
+        is_of_value = value.interface is None or frame.interface == value.interface
+        if is_of_value and frame.layout is not None and frame.layout.gray is not None:
+            deciding_parameters.add(frame.layout.gray.when)
     required_number = 1 if says_gray else 0
     return {name: required_number for name in value.sets if name in deciding_parameters}
 
 
 def supply_named(text: str) -> tuple[int, int] | None:
-    """Return the supply range given by a text, in millivolts, or None."""
+    """Return the supply range that a text consists of, in millivolts, or None if it does not.
+
+    ``5 V ± 5 %`` is ``(4750, 5250)``, ``5 to 30 V DC`` is ``(5000, 30000)``.
+    """
     two_voltages = _TWO_VOLTAGES.fullmatch(text)
     if two_voltages is not None:
         low, high = two_voltages.groups()
@@ -124,26 +137,33 @@ def supply_named(text: str) -> tuple[int, int] | None:
 
 
 def _millivolts(volts: str, per_cent: Fraction | int) -> int:
-    return int(Fraction(volts) * per_cent * 10)
+    """Return a percentage of a voltage in millivolts."""
+    return int(Fraction(volts) * per_cent * 10)  # 1000 mV per V, and 1 / 100 for the percentage.
 
 
 def interface_named(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that an order code value does not select a different interface than its meaning names."""
+    """Check that an order code value does not select another interface than the only one that its meaning names.
+
+    RS-485 also names the signals, so it is not compared, but next to SSI or BiSS it makes the meaning unclear.
+    """
     for part in spec.order_code.parts:
         for label, value in part.values.items():
-            words = _ANY_INTERFACE.findall(value.meaning)
-            names = {word.upper().replace("RS485", "RS-485") for word in words}
-            if len(names) != 1 or value.interface is None:
+            interface_words = _ANY_INTERFACE.findall(value.meaning)
+            interface_names = {word.upper().replace("RS485", "RS-485") for word in interface_words}
+            if len(interface_names) != 1 or value.interface is None:
                 continue
             named_kinds = [kind for kind, pattern in _INTERFACES.items() if pattern.search(value.meaning)]
             if named_kinds and value.interface != named_kinds[0]:
-                name = names.pop().replace("BISS", "BiSS")
+                name = interface_names.pop().replace("BISS", "BiSS")
                 problem = f"the meaning of {quoted(label)} mentions {name}, but the value selects {value.interface}"
                 report.add("interface-mismatch", value.place_of("interface"), problem)
 
 
 def labels(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the number on a label matches the expression of its part."""
+    """Check that a label that is a number has the number of the expression in ``label_is`` of its part.
+
+    Only labels whose value sets all parameters of the expression are checked.
+    """
     for part in spec.order_code.parts:
         expression = _expression(part.label_is)
         if expression is None:
@@ -166,6 +186,7 @@ def _expression(formula: int | str | None) -> Expression | None:
 
 
 def _number(expression: Expression, parameters: Mapping[str, int]) -> int | None:
+    """Return the value of an expression, or None if an exponent is out of range."""
     try:
         return expression.value(parameters)
     except ExpressionError:  # The exponent is out of range. Another rule reports it.

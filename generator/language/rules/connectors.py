@@ -74,13 +74,17 @@ class _Connector:
         return re.search(rf"(?<![\w/]){words}(?![\w+-])", note) is not None
 
     def shares_interface(self, other: _Connector) -> bool:
+        """Return True if two connectors or cables have an interface in common. Without any, one is for all of them."""
         if not self.part.interfaces or not other.part.interfaces:
             return True
         return not {*self.part.interfaces}.isdisjoint(other.part.interfaces)
 
 
 def signal_twice(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that no two contacts of a connector have the same signal, except supplies, grounds and shields."""
+    """Check that no two contacts of a connector have the same signal for the same order codes.
+
+    Supplies, grounds and shields may be on several contacts.
+    """
     for connector in _connectors(spec):
         earlier_contacts: list[_Contact] = []
         for contact in connector.contacts:
@@ -97,15 +101,23 @@ def signal_twice(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
 
 
 def _has_signal_of(contact: _Contact, earlier: _Contact) -> bool:
-    """Return True if two contacts have a signal in common for the same order codes."""
+    """Return True if two contacts have a signal in common, unless each is only for other order codes.
+
+    A signal is compared as a whole and by its names outside parentheses.
+    """
     if contact.only and earlier.only and contact.only != earlier.only:
         return False
-    names, earlier_names = ({*map(_plain, {*either.main_names, either.signal})} for either in (contact, earlier))
-    return not names.isdisjoint(earlier_names)
+    contact_names, earlier_names = (
+        {*map(_plain, {*either.main_names, either.signal})} for either in (contact, earlier)
+    )
+    return not contact_names.isdisjoint(earlier_names)
 
 
 def incomplete_pair(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that both lines of a differential pair are on a connector: ``MA +`` and ``MA -``, ``A`` and ``/A``."""
+    """Check that both lines of a differential pair are on a connector: ``MA +`` and ``MA -``, ``A`` and ``/A``.
+
+    A note that names the missing line explains it. A second reading has no notes.
+    """
     if is_second(report.document.file):
         return
     for connector in _connectors(spec):
@@ -123,7 +135,10 @@ def incomplete_pair(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
 
 
 def connector_and_cable(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a connector and a cable for the same interface have the same signals, or a note on missing ones."""
+    """Check that a connector and a cable for the same interface have the same signals, or a note on missing ones.
+
+    A second reading has no notes.
+    """
     if is_second(report.document.file):
         return
     connectors = _connectors(spec)
@@ -135,7 +150,7 @@ def connector_and_cable(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
 
 
 def _report_missing_signals(incomplete: _Connector, complete: _Connector, report: DocumentReport) -> None:
-    """Report the signals of one connector or cable that another lacks without a note."""
+    """Report the signals of a connector or cable that another, ``incomplete``, neither has nor names in its note."""
     signals = {_plain(contact.signal) for contact in incomplete.contacts}
     missing_signals = [contact.signal for contact in complete.contacts if _plain(contact.signal) not in signals]
     unexplained = [signal for signal in dict.fromkeys(missing_signals) if not incomplete.names_in_note(signal)]
@@ -178,7 +193,8 @@ def _names(text: str) -> Iterator[str]:
 def _partner(name: str, has_inverted: bool) -> str:
     """Return the name of the other line of a differential pair, or an empty string.
 
-    A single letter is the plain line of a pair if the connector has an inverted line.
+    It is ``MA-`` for ``MA+``, and ``A`` for ``/A``. A single letter is the plain line of a pair if the connector has
+    an inverted line.
     """
     if len(name) > 1 and name[-1] in _SIGNS:
         return name[:-1] + _SIGNS[name[-1]]

@@ -12,31 +12,38 @@ from ..schema_files import is_second
 from ..written import Located
 from ..written_parts import WrittenSpec
 
-#: Contacts with a number and its place in the list.
+#: The index in the list and the number of each contact with a number.
 Numbered = Sequence[tuple[int, int]]
 
 
 def contact_numbers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that numbered contacts are in order, without gaps from 1 on, unless a note explains it."""
+    """Check that numbered contacts are in order, without gaps from 1 on, unless a note explains it.
+
+    A cable whose wires all have numbers is likely a connector, unless its note says that they are numbered.
+    """
     if is_second(report.document.file) or report.document.family:  # The note is that of the newest edition.
         return
     for connector in spec.connectors:
         names = [contact.contact for contact in connector.part.contacts]
-        numbered = [(index, int(name)) for index, name in enumerate(names) if name.isdecimal()]
-        if not numbered:
+        numbered_contacts = [(index, int(name)) for index, name in enumerate(names) if name.isdecimal()]
+        if not numbered_contacts:
             continue
-        is_numbered_cable = connector.part.kind == "cable" and len(numbered) == len(names)
+        is_numbered_cable = connector.part.kind == "cable" and len(numbered_contacts) == len(names)
         if is_numbered_cable and "number" not in connector.part.note:
             message = (
                 f"all wires of {quoted(connector.part.name)} have numbers, as the contacts of a connector; write 'kind:"
                 " connector', or say in a 'note' that the wires are numbered"
             )
             report.add("contact-numbers", (*connector.path, "kind"), message)
-        _check_order(connector, numbered, report)
+        _check_order(connector, numbered_contacts, report)
 
 
 def _check_order(connector: Located[Connector], numbered: Numbered, report: DocumentReport) -> None:
-    """Report the first contact that has not the number after that of the one before it."""
+    """Report the first contact that does not have the number after that of the one before it, or has a leading zero.
+
+    The number may repeat. A note that contains the expected number explains a gap.
+    """
+    # The first contact is compared with an imaginary one that has the number 0.
     for (_, earlier_number), (index, number) in pairwise([(-1, 0), *numbered]):
         expected_number = earlier_number + 1
         is_explained = re.search(rf"\b{expected_number}\b", connector.part.note) is not None

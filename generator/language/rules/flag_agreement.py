@@ -23,21 +23,24 @@ _FLAGS_OF_GROUP = 4
 
 
 def lone_levels(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that no flag alone has another active level than all others of its list, unless a text gives it."""
+    """Check that no flag alone has another active level than at least four others of its list, unless a text gives it.
+
+    Flags that combine others are not counted.
+    """
     if is_second(report.document.file):  # It has no texts.
         return
-    for fields in field_lists(spec):
-        flags = [field for field in fields.fields if field.active and not field.sums_up]
+    for field_list in field_lists(spec):
+        flags = [field for field in field_list.fields if field.active and not field.sums_up]
         levels = Counter(flag.active for flag in flags)
         if len(levels) != 2:
             continue
-        (usual_level, usual_count), (_, count) = levels.most_common()
+        (usual_level, usual_count), (_, rarer_count) = levels.most_common()
         for flag in flags:
-            if count == 1 and usual_count >= _SEVERAL and flag.active != usual_level and not _gives_level(flag):
+            if rarer_count == 1 and usual_count >= _SEVERAL and flag.active != usual_level and not _gives_level(flag):
                 message = (
                     f"{quoted(flag.name)} is active {flag.active}, but the other {usual_count} flags of"
-                    f" {quoted(fields.name)} are active {usual_level}; correct it, or say in its 'meaning' that it is"
-                    f" active {flag.active}"
+                    f" {quoted(field_list.name)} are active {usual_level}; correct it, or say in its 'meaning' that it"
+                    f" is active {flag.active}"
                 )
                 report.add("level-differs", flag.place_of("active"), message)
 
@@ -51,12 +54,15 @@ def _gives_level(flag: WrittenField) -> bool:
 
 
 def repeated_flags(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that flags with the same name in several groups or layouts of an interface are the same flag."""
+    """Check that flags with the same name in groups or in layouts of an interface have the same level and verdict.
+
+    Flags of groups are compared with those of other groups. Verdicts are compared if both flags have one.
+    """
     first_flags: dict[tuple[str, str], WrittenField] = {}
-    for fields in field_lists(spec):
+    for field_list in field_lists(spec):
         # Another rule checks those of BiSS.
-        for flag in (field for field in _sent_fields(fields) if field.active and fields.interface != Biss.name):
-            first_flag = first_flags.setdefault((fields.interface, flag.name), flag)
+        for flag in (field for field in _sent_fields(field_list) if field.active and field_list.interface != Biss.name):
+            first_flag = first_flags.setdefault((field_list.interface, flag.name), flag)
             for key, value, first_value in _differences(flag, first_flag):
                 line, _ = report.document.position(first_flag.path)
                 message = (
@@ -67,11 +73,12 @@ def repeated_flags(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
 
 
 def _sent_fields(fields: FieldList) -> Sequence[WrittenField]:
+    """Return the fields of a group or a layout, and none for a register or control data."""
     return fields.fields if fields.kind in (Has.GROUP, Has.LAYOUT) else ()
 
 
 def _differences(flag: WrittenField, first_flag: WrittenField) -> Iterator[tuple[str, str, str]]:
-    """Yield the keys in which two flags differ, with both values."""
+    """Yield each key in which two flags differ, with both values: ``("active", "low", "high")``."""
     if flag.active != first_flag.active:
         yield "active", flag.active, first_flag.active
     if flag.makes_position and first_flag.makes_position and flag.makes_position != first_flag.makes_position:
@@ -79,7 +86,7 @@ def _differences(flag: WrittenField, first_flag: WrittenField) -> Iterator[tuple
 
 
 def cleared_alarms(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that only an alarm that latches names procedures that clear it."""
+    """Check that an alarm that does not latch, and so clears itself, names no procedures that clear it."""
     for alarm in spec.alarms:
         if alarm.part.latch is False and alarm.part.cleared_by:
             message = (
@@ -90,7 +97,7 @@ def cleared_alarms(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
 
 
 def implemented_alarms(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that an alarm and its flag are both implemented, or neither of them."""
+    """Check that an alarm is implemented if its flag is, and only then."""
     for alarm in spec.alarms:
         flag = _flag_of(spec, alarm)
         if flag is not None and flag.implemented != alarm.part.implemented:
@@ -101,6 +108,7 @@ def implemented_alarms(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
 
 
 def _flag_of(spec: WrittenSpec, alarm: Located[Alarm]) -> WrittenField | None:
+    """Return the flag of an alarm in its group or register, or None if it has none there."""
     owner = owner_of_alarm(spec, alarm)
     for field in owner.fields if owner is not None else ():
         if alarm.part.field and field.name == alarm.part.field:
@@ -128,24 +136,30 @@ def _gives_number(text: str, number: int) -> bool:
 
 
 def summands(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that one flag of a list combines each flag, and all flags of a group of which it combines several."""
+    """Check that at most one flag of a list combines each flag, and that it omits no single flag of a group."""
     groups = by_name(spec.field_groups)
-    for fields in field_lists(spec):
-        summed_by: dict[str, str] = {}
-        for flag in fields.fields:
+    for field_list in field_lists(spec):
+        combining_flags: dict[str, str] = {}
+        for flag in field_list.fields:
             for index, name in enumerate(flag.sums_up):
-                if name in summed_by and flag.name != summed_by[name]:
-                    message = f"{quoted(summed_by[name])} combines {quoted(name)} too; remove it from one of the two"
+                if name in combining_flags and flag.name != combining_flags[name]:
+                    message = (
+                        f"{quoted(combining_flags[name])} combines {quoted(name)} too; remove it from one of the two"
+                    )
                     report.add("summed-twice", (*flag.place_of("sums_up"), index), message)
-                summed_by.setdefault(name, flag.name)
+                combining_flags.setdefault(name, flag.name)
         for group in groups.values():
-            _report_unsummed(group, summed_by, fields, report)
+            _report_unsummed(group, combining_flags, field_list, report)
 
 
 def _report_unsummed(
     group: WrittenFieldGroup, summed_by: Mapping[str, str], fields: FieldList, report: DocumentReport
 ) -> None:
-    """Report the first flag of a group that no flag of a list combines, if this list combines most of the others."""
+    """Report the only flag of a group that no flag of a list combines, if the group has at least four flags.
+
+    ``summed_by`` has the name of the combining flag for each one. A meaning with the word "combine" explains the
+    omission.
+    """
     flags = [field for field in group.fields if field.active]
     unsummed = [flag for flag in flags if flag.name not in summed_by]
     if len(unsummed) == 1 and len(flags) >= _FLAGS_OF_GROUP and not _mentions(unsummed[0].meaning, "combine"):
@@ -165,12 +179,12 @@ _SEVERITIES = ("usable", "usable_with_warning", "not_usable")
 
 
 def summed_verdicts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the verdict of a flag that combines others is not milder than one of theirs."""
+    """Check that the verdict of a flag that combines others is not milder than theirs, if all of them have one."""
     flags: dict[str, WrittenField] = {}
-    for fields in field_lists(spec):
-        flags |= {field.name: field for field in fields.fields if field.active and not field.sums_up}
-    for fields in field_lists(spec):
-        for flag in fields.fields:
+    for field_list in field_lists(spec):
+        flags |= {field.name: field for field in field_list.fields if field.active and not field.sums_up}
+    for field_list in field_lists(spec):
+        for flag in field_list.fields:
             verdicts = [flags[name].makes_position for name in flag.sums_up if name in flags]
             if not verdicts or not all(verdict in _SEVERITIES for verdict in (flag.makes_position, *verdicts)):
                 continue
@@ -186,19 +200,22 @@ def summed_verdicts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
 def explained_flags(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a diagnostic bit explains only one flag of a register."""
     for register in spec.registers:
-        explained_by: dict[str, str] = {}
+        flags_by_bit: dict[str, str] = {}
         for flag in register.fields:
             for index, bit in enumerate(flag.explained_by):
-                if bit in explained_by:
+                if bit in flags_by_bit:
                     message = (
-                        f"{quoted(bit)} explains {quoted(explained_by[bit])} already; remove it from one of the two"
+                        f"{quoted(bit)} explains {quoted(flags_by_bit[bit])} already; remove it from one of the two"
                     )
                     report.add("explains-twice", (*flag.place_of("explained_by"), index), message)
-                explained_by.setdefault(bit, flag.name)
+                flags_by_bit.setdefault(bit, flag.name)
 
 
 def read_only_registers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a register with flags of alarms or with the position is not writable without anything to write."""
+    """Check that a writable register with flags of alarms or with the position has something to write.
+
+    That is a named value, a step that writes it, a key that matters only for writing, or a text with "writ" in it.
+    """
     if is_second(report.document.file):  # It has no notes.
         return
     written_names = {step.register for procedure in spec.procedures for step in procedure.steps if step.do == "write"}
@@ -208,19 +225,19 @@ def read_only_registers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
         is_used = has_values or register.name in written_names or register.has(*_KEYS_OF_WRITABLE)
         is_reported = register.name in flag_registers or any(field.explained_by for field in register.fields)
         is_reported = is_reported and all(field.has("active", "constant", "unused") for field in register.fields)
-        content = "flags of alarms" if is_reported else "the position"
+        content_text = "flags of alarms" if is_reported else "the position"
         has_position = register.name in position_names(spec, interface_of(register))
         is_explained = any(_mentions(text, "writ") for text in (register.meaning, register.note))
         if register.access == "read_write" and (is_reported or has_position) and not (is_used or is_explained):
             message = (
-                f"{quoted(register.name)} has {content}, and nothing says what to write there; write 'access:"
+                f"{quoted(register.name)} has {content_text}, and nothing says what to write there; write 'access:"
                 " read_only', or say in a 'note' what can be written"
             )
             report.add("access-mismatch", register.place_of("access"), message)
 
 
 def _explaining_registers(spec: WrittenSpec) -> Iterator[str]:
-    """Yield the registers whose bits explain flags."""
+    """Yield the registers whose bits explain flags, written as ``register.bit``. They may repeat."""
     for register in spec.registers:
         for field in register.fields:
             yield from (bit.partition(".")[0] for bit in field.explained_by)
@@ -243,7 +260,7 @@ def returning_registers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
 
 
 def equal_answers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the two answers of an alternative do not set the same numbers."""
+    """Check that the two answers of an alternative, if it has two, do not set the same numbers."""
     for alternative in spec.alternatives:
         answers = list(alternative.values.items())
         if len(answers) != 2:

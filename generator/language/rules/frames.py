@@ -13,7 +13,7 @@ from ..written_layouts import WrittenField, WrittenLayout
 from ..written_parts import WrittenSpec
 from .parts import FieldList, Groups, Has, by_name, expanded, explained, layouts
 
-#: Interfaces over which a master sends only a clock, or control data that are not a layout.
+#: Interfaces over which a master sends only a clock, or control data, which are not a layout.
 _WITHOUT_REQUESTS = frozenset((Biss.name, Ssi.name))
 _SENDERS = ("master", "encoder")
 #: Purposes of requests that carry an address.
@@ -22,15 +22,15 @@ _OF_MEMORY = frozenset(("read", "write"))
 
 def sent_by_encoder(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the encoder sends every layout of an interface without requests."""
-    for fields in layouts(spec):
-        layout = fields.layout
-        if layout is not None and fields.interface in _WITHOUT_REQUESTS and layout.from_ == "master":
-            message = f"a master sends no frame over {fields.interface}; write 'from: encoder'"
+    for frame in layouts(spec):
+        layout = frame.layout
+        if layout is not None and frame.interface in _WITHOUT_REQUESTS and layout.from_ == "master":
+            message = f"a master sends no frame over {frame.interface}; write 'from: encoder'"
             report.add("sender", layout.place_of("from"), message)
 
 
 def slaves(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that only a bus has several slaves."""
+    """Check that a bus has several slaves, and another topology has one, unless an erratum explains it."""
     biss = spec.interfaces.biss
     network = biss.network if biss is not None else None
     if network is None or not network.is_valid("topology") or not network.is_valid("multiple_slaves"):
@@ -46,7 +46,10 @@ def slaves(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
 
 
 def layouts_by_data_id(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a data ID with a request has a reply, and the other way round."""
+    """Check that a data ID with a request has a reply, and the other way round.
+
+    This is checked if there are requests and replies, and all layouts give their data IDs in ``when``.
+    """
     rs485 = spec.interfaces.rs485
     if rs485 is None or not rs485.data_ids:
         return
@@ -58,6 +61,7 @@ def layouts_by_data_id(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
 
 
 def _selected_ids(sent_layouts: Sequence[WrittenLayout]) -> Iterator[int]:
+    """Yield the numbers of the data IDs in ``when`` of these layouts."""
     for layout in sent_layouts:
         for numbers in layout.when.values():
             yield from numbers
@@ -66,7 +70,7 @@ def _selected_ids(sent_layouts: Sequence[WrittenLayout]) -> Iterator[int]:
 def _report_missing_frame(
     data_id: Located[DataId], requested_ids: set[int], replied_ids: set[int], report: DocumentReport
 ) -> None:
-    """Report a data ID with a request but no reply, or with a reply but no request."""
+    """Report a data ID with a request but no reply, or with a reply but no request, except those of memory accesses."""
     number = data_id.part.id
     is_complete = (number in requested_ids) == (number in replied_ids)
     if data_id.is_valid("id") and not is_complete and data_id.part.purpose not in _OF_MEMORY:
@@ -79,7 +83,7 @@ def _report_missing_frame(
 
 
 def purposes(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a request that reads or writes the memory carries an address."""
+    """Check that a request that reads or writes the memory, and so needs an address, has more than its data ID."""
     rs485, groups = spec.interfaces.rs485, by_name(raw.field_groups)
     for data_id in rs485.data_ids if rs485 is not None else ():
         request = _request_with(data_id, rs485) if rs485 is not None else None
@@ -94,10 +98,10 @@ def purposes(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> Non
 
 
 def _request_with(data_id: Located[DataId], rs485: WrittenRs485) -> WrittenLayout | None:
-    """Return the layout of the request with a data ID, or None."""
+    """Return the layout of the master that is selected by a data ID, or None."""
     for layout in rs485.layouts:
-        numbers = [number for selected in layout.when.values() for number in selected]
-        if layout.from_ == "master" and data_id.part.id in numbers:
+        selected_ids = [number for selected in layout.when.values() for number in selected]
+        if layout.from_ == "master" and data_id.part.id in selected_ids:
             return layout
     return None
 
@@ -108,12 +112,12 @@ def _fields_of(layout: WrittenLayout, groups: Groups) -> Iterator[WrittenField]:
 
 
 def _carries_data(field: WrittenField) -> bool:
-    """Return True for a field with data of the request, other than its data ID."""
+    """Return True for a field with data of the request, other than its data ID, fixed bits and check bits."""
     return bool(field.name) and not field.has("constant", "unused", "values_of", "crc", "parity_of")
 
 
 def sent_requests(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a step sends no request that needs an address."""
+    """Check that a step sends no request that reads or writes the memory, because it cannot give the address."""
     rs485 = spec.interfaces.rs485
     purpose_by_name = {data_id.part.name: data_id.part.purpose for data_id in rs485.data_ids} if rs485 else {}
     for procedure in spec.procedures:
@@ -128,13 +132,13 @@ def sent_requests(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -
 
 
 def memory_accesses(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the replies to memory accesses cover each access with each busy flag once."""
+    """Check that no two rows on the replies to memory accesses have the same access and busy flag."""
     rs485 = spec.interfaces.rs485
-    rows = [row for row in rs485.memory_access if row.is_valid("busy")] if rs485 is not None else []
-    seen_cases: set[tuple[str, int]] = set()
-    for row in rows:
-        case = row.part.access, row.part.busy
-        if case in seen_cases:
+    replies = [reply for reply in rs485.memory_access if reply.is_valid("busy")] if rs485 is not None else []
+    earlier_cases: set[tuple[str, int]] = set()
+    for reply in replies:
+        case = reply.part.access, reply.part.busy
+        if case in earlier_cases:
             message = f"there is already a row for {case[0]} with 'busy' {case[1]}; correct one of the two"
-            report.add("memory-access-repeated", (*row.path, "busy"), message)
-        seen_cases.add(case)
+            report.add("memory-access-repeated", (*reply.path, "busy"), message)
+        earlier_cases.add(case)

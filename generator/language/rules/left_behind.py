@@ -36,10 +36,11 @@ _Numbers = Mapping[str, int | None]
 
 
 def start_values(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that notes of CRCs, and errata about them, have the start value of the CRC."""
+    """Check that a start value in the note of a CRC, or in an erratum about it, is the ``init`` of the CRC."""
     for crc in spec.crcs:
         own_value = {crc.part.name: crc.part.init}
         _check_words((*crc.path, "note"), crc.part.note, _START_VALUE, "init", own_value, report)
+    # Reversed, so that the first of several CRCs with one name counts.
     start_values = {crc.part.name: crc.part.init for crc in reversed(spec.crcs)}
     for erratum in spec.errata:
         affected = _affected(erratum, "crcs", start_values, "init")
@@ -47,7 +48,7 @@ def start_values(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
 
 
 def defaults(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that errata and examples of a register have its default."""
+    """Check that a default in the text of an erratum, or shown by an example, is the ``default`` of its register."""
     registers = by_name(spec.registers)
     defaults = {name: register.default for name, register in registers.items()}
     for erratum in spec.errata:
@@ -60,18 +61,21 @@ def defaults(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> Non
 
 
 def _shows_default(example: WrittenExample) -> bool:
-    """Return True for an example whose name says that it shows the default of its register."""
+    """Return True for an example of a register whose name has the word default, defaults or delivered.
+
+    It also has bytes, and no erratum, which would explain a difference.
+    """
     is_named_so = not _AS_DELIVERED.isdisjoint(example.name.split("_"))
     return example.kind == "register" and bool(example.bytes) and is_named_so and not example.erratum
 
 
 def _check_shown_default(example: WrittenExample, register: WrittenRegister, report: DocumentReport) -> None:
-    """Check that the bytes of an example are the default of the register."""
-    default, shown = _bytes_of(register), example.bytes.replace(" ", "").casefold()
-    if not default or shown == default:
+    """Check that the bytes of an example are the default of the register. Its byte order must be known for that."""
+    default_digits, shown_digits = _bytes_of(register), example.bytes.replace(" ", "").casefold()
+    if not default_digits or shown_digits == default_digits:
         return
     message = f"the example shows the default of {quoted(example.register)}, which is {register.default:#x}"
-    if shown == bytes.fromhex(default)[::-1].hex():
+    if shown_digits == bytes.fromhex(default_digits)[::-1].hex():
         message += ", in the other byte order; correct 'byte_order', 'default' or the bytes"
     else:
         message += "; correct one of the two, or give the example another name"
@@ -79,7 +83,10 @@ def _check_shown_default(example: WrittenExample, register: WrittenRegister, rep
 
 
 def _affected(erratum: WrittenErratum, section: str, numbers: _Numbers, key: str) -> _Numbers:
-    """Return the numbers of those parts of a section that an erratum affects as a whole or by the key."""
+    """Return the numbers of the parts of a section that an erratum affects as a whole or by the key.
+
+    For the section ``crcs`` and the key ``init``, these are the paths ``crcs.word`` and ``crcs.word.init``.
+    """
     affected_numbers: dict[str, int | None] = {}
     for affected in erratum.affects:
         steps = affected.split(".")
@@ -92,7 +99,10 @@ def _affected(erratum: WrittenErratum, section: str, numbers: _Numbers, key: str
 def _check_words(
     path: Path, text: str, pattern: re.Pattern[str], key: str, numbers: _Numbers, report: DocumentReport
 ) -> None:
-    """Report the first part whose number is not the one in the words."""
+    """Report the first part whose number differs from the one that ``pattern`` finds in the text.
+
+    A text without a match says nothing about the number. A part whose number is None has none to compare.
+    """
     match = pattern.search(text)
     if match is None:
         return
@@ -107,13 +117,17 @@ def _check_words(
 
 
 def _number(text: str) -> int:
+    """Return the number written as ``10h`` or ``0x10``, both hexadecimal, or as decimal ``16``."""
     if text.endswith("h"):
         return int(text[:-1], 16)
     return int(text, 0) if text[:2].lower() == "0x" else int(text)
 
 
 def _bytes_of(register: WrittenRegister) -> str:
-    """Return the default of a register of one byte, or of several in a stated order, in hexadecimal digits."""
+    """Return the default of a register as hexadecimal digits in byte order, such as ``"3412"`` for 0x1234.
+
+    The result is empty without a default, without a byte order for several bytes, or if the default does not fit.
+    """
     length, default = register.length, register.default
     if default is None or (length > 1 and not register.byte_order):
         return ""
@@ -131,19 +145,19 @@ def order_codes_in_texts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRe
     """
     pattern = spec.order_code.pattern
     starts, pieces = _starts(spec.order_code), _pieces(spec.order_code)
-    # The texts of an older edition are those of today, with other order codes.
+    # An older edition is derived with its own order codes and with today's texts, so the two need not agree.
     if not starts or report.document.family:
         return
-    if pattern.startswith("{"):
+    if pattern.startswith("{"):  # The start is a label of the first part, so it is already matched.
         pieces = pieces[1:]
-    word = re.compile(rf"(?<![\w-])({'|'.join(starts)})([\w.…/*-]+)")
+    code_in_text = re.compile(rf"(?<![\w-])({'|'.join(starts)})([\w.…/*-]+)")
     for path, text in leaves_of(spec.data, report):
         if not isinstance(text, str) or not _is_text(path):
             continue
-        for start, rest in word.findall(text):
-            label = _unknown_label(rest.rstrip(".,"), pieces)
-            if label:
-                names = f"{quoted(start + rest)} names {quoted(label)}"
+        for start, rest in code_in_text.findall(text):
+            unknown_label = _unknown_label(rest.rstrip(".,"), pieces)
+            if unknown_label:
+                names = f"{quoted(start + rest)} names {quoted(unknown_label)}"
                 message = f"{names}, which is not in the order code; correct one of the two"
                 report.add("left-behind", path, message)
                 break
@@ -152,7 +166,8 @@ def order_codes_in_texts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRe
 def _starts(order_code: WrittenOrderCode) -> list[str]:
     """Return expressions for the start of an order code: the text of the pattern, or the labels of its first part.
 
-    A letter of a label can be an x for several models, as in ENx10 for EN10 and ENB10.
+    If all labels begin and end with the same letters, an x may replace what is between: ENx10 for EN10 and ENB10. The
+    list is empty if a start is too short, or a label begins with a digit, because it would match other words.
     """
     start, _, rest = order_code.pattern.partition("{")
     if start:
@@ -166,13 +181,13 @@ def _starts(order_code: WrittenOrderCode) -> list[str]:
     common_end = _common_start([label[::-1] for label in labels])[::-1]
     if len(labels) > 1 and common_start and common_end:
         expressions.add(f"{re.escape(common_start)}x{re.escape(common_end)}")
-    return sorted(expressions, key=len, reverse=True)
+    return sorted(expressions, key=len, reverse=True)  # A label comes before another one with which it begins.
 
 
 def _common_start(texts: Sequence[str]) -> str:
     """Return the letters with which all texts begin."""
-    columns = takewhile(lambda letters: len(set(letters)) == 1, zip(*texts, strict=False))
-    return "".join(letters[0] for letters in columns)
+    equal_letters = takewhile(lambda letters: len(set(letters)) == 1, zip(*texts, strict=False))
+    return "".join(letters[0] for letters in equal_letters)
 
 
 #: Texts about the encoder, without the titles and reasons of errata, and parts about other documents and editions.
@@ -181,7 +196,10 @@ _ELSEWHERE = frozenset(("documents", "manual", "order_code", "editions", "eviden
 
 
 def _is_text(path: Path) -> bool:
-    """Return whether a value at a path is a text in which each order code is one of today."""
+    """Return True if the value at a path is a text whose order codes must be those of the spec.
+
+    In tables, these are the cells and the prose. Documents, editions and evidence may name other order codes.
+    """
     if path[0] == "tables":
         return "rows" in path or path[-1] in _TEXTS
     is_value = (path[0], path[-1]) == ("characteristics", "value")
@@ -189,25 +207,36 @@ def _is_text(path: Path) -> bool:
 
 
 def _pieces(order_code: WrittenOrderCode) -> list[tuple[str, re.Pattern[str] | None]]:
-    """Return the text before each part of the pattern, and the expression for the part."""
+    """Return the literal text before each part of the pattern, and the expression that matches a label of the part.
+
+    For ``X-{bits}-{output}`` these are ``("", <bits>)`` and ``("-", <output>)``: the text before the first part is
+    empty, because the start of the order code is matched separately. The expression is None if the part is unknown, has
+    no labels or an empty one, or is open with an invalid expression. The text is not checked from there on.
+    """
     parts = by_name(order_code.parts)
-    texts = _BRACES.split(order_code.pattern)  # Text and names of parts in turn.
+    literals_and_names = _BRACES.split(order_code.pattern)  # Literals at even indices, names at odd ones.
     pieces: list[tuple[str, re.Pattern[str] | None]] = []
-    for place in range(1, len(texts), 2):
-        part = parts.get(texts[place])
+    for index in range(1, len(literals_and_names), 2):
+        part = parts.get(literals_and_names[index])
         alternatives: list[str] = []
         if part is not None:
+            # The longest label first, because a regular expression takes the first alternative that matches.
             alternatives = sorted(map(re.escape, part.values), key=len, reverse=True)
             alternatives += [part.open] if part.open else []
         expression = None
         with suppress(re.error):  # An invalid expression is reported elsewhere.
             expression = re.compile("|".join(alternatives)) if all(alternatives) and alternatives else None
-        pieces.append(("" if place == 1 else texts[place - 1], expression))
+        pieces.append(("" if index == 1 else literals_and_names[index - 1], expression))
     return pieces
 
 
 def _unknown_label(text: str, pieces: Sequence[tuple[str, re.Pattern[str] | None]]) -> str:
-    """Return the text of the first part that has none of its labels, or an empty text."""
+    """Return the first word of a text where a label is expected and none of the part's labels matches.
+
+    ``text`` is the rest of an order code after its start. The result is empty if all labels match, or if the text ends
+    or departs from the pattern before. An open place, such as ``xxx`` or ``...``, matches a part and may also replace
+    the next ones: after it, a part whose literal does not follow is skipped.
+    """
     is_left_open = False
     for before, expression in pieces:
         if _TAIL.fullmatch(text) or expression is None:
@@ -226,5 +255,6 @@ def _unknown_label(text: str, pieces: Sequence[tuple[str, re.Pattern[str] | None
 
 
 def _first_word(text: str) -> str:
+    """Return the letters and digits with which a text begins."""
     word = re.match(r"[0-9A-Za-z]+", text)
     return word[0] if word is not None else ""

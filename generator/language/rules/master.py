@@ -31,19 +31,23 @@ _PLACES = ("index", "symbol", "register", "address", "where")
 #: Keys of a place whose values can be lists, with one entry for each channel.
 _PER_CHANNEL = ("index", "subindex", "symbol", "register", "address")
 _FOR_NUMBERS = ("one_of", "none_of", "at_least", "at_most")
+#: A bit number, or the highest and the lowest bit of a range, such as 7:6.
 _BITS = re.compile(r"[0-9]{1,3}(:[0-9]{1,3})?")
 _BRACES = re.compile(r"\{([^{}]*)\}")
 
 
 def check_master(data: Mapping[str, Any], report: DocumentReport) -> None:
-    """Add every problem of a description that follows the schema."""
+    """Add every problem of a description of a master that follows the schema.
+
+    Sources, conditions and places can occur at any depth, so every map is searched for them.
+    """
     master = WrittenMaster(dict(data))
     _check_name(master, report)
     for path, node in _nodes(data, ()):
         source, condition, place_list = node.get("source"), WrittenCondition(node, path), node.get("places", ())
         if isinstance(source, str):
             _check_source(source, (*path, "source"), master, report)
-        if condition.item:
+        if condition.item:  # Only a map with this key is a condition or a limit.
             _check_limit(condition, report)
         for index, place in enumerate(place_list):
             _check_place(WrittenPlace(place, (*path, "places", index)), master, report)
@@ -56,7 +60,7 @@ def check_master(data: Mapping[str, Any], report: DocumentReport) -> None:
 
 
 def _check_files(master: WrittenMaster, report: DocumentReport) -> None:
-    """Check that each format is listed once, with what it needs."""
+    """Check that each file format is listed once, and that each file has what its format needs."""
     listed_formats: set[str] = set()
     for file in master.files:
         if file.format in listed_formats:
@@ -66,7 +70,10 @@ def _check_files(master: WrittenMaster, report: DocumentReport) -> None:
 
 
 def _written_setting(index: int, report: DocumentReport) -> WrittenSetting:
-    """Return a setting as written. The checked data no longer has values rejected by the schema."""
+    """Return a setting with all its keys, also those with values that the schema check removed.
+
+    ``index`` is that in the checked data, from which invalid settings may be missing.
+    """
     original_indices = report.document.kept_indices.get(("settings",))
     if original_indices is not None:
         index = original_indices[index]
@@ -74,7 +81,7 @@ def _written_setting(index: int, report: DocumentReport) -> WrittenSetting:
 
 
 def _check_name(master: WrittenMaster, report: DocumentReport) -> None:
-    """Check that a master and its file have the same name."""
+    """Check that a master has the name of its file, without the suffix. An empty name is not checked."""
     stem = PurePath(report.document.file).stem
     if master.master not in ("", stem):
         message = f"the master is called '{master.master}', but the file is called '{stem}'; use the same name for both"
@@ -82,7 +89,7 @@ def _check_name(master: WrittenMaster, report: DocumentReport) -> None:
 
 
 def _nodes(node: Any, path: Path) -> Iterator[tuple[Path, Mapping[str, Any]]]:
-    """Yield every map at a place and below it, with its path."""
+    """Yield every map in a value, and the value itself if it is a map, each with its path."""
     if isinstance(node, Mapping):
         yield path, node
         for key, value in node.items():
@@ -93,7 +100,7 @@ def _nodes(node: Any, path: Path) -> Iterator[tuple[Path, Mapping[str, Any]]]:
 
 
 def _check_source(text: str, path: Path, master: WrittenMaster, report: DocumentReport) -> None:
-    """Check a source: documents separated by semicolons, each with an optional place after a colon."""
+    """Check that the documents of a source, such as ``manual:6.4; errata``, are listed. The places are not checked."""
     documents = master.documents
     for piece in text.split(";"):
         key = piece.partition(":")[0].strip()
@@ -102,7 +109,10 @@ def _check_source(text: str, path: Path, master: WrittenMaster, report: Document
 
 
 def _is_item(name: str, path: Path, report: DocumentReport, valid_items: tuple[str, ...] = _ITEMS) -> bool:
-    """Return True if a record has an item of this name, otherwise report it."""
+    """Return True if ``name`` is one of the valid items of a record, otherwise report it.
+
+    A record describes an encoder for a master. Its items are words and numbers.
+    """
     if name in valid_items:
         return True
     hint = "; it is a word, not a number" if name in _ITEMS else suggestion(name, valid_items)
@@ -112,7 +122,7 @@ def _is_item(name: str, path: Path, report: DocumentReport, valid_items: tuple[s
 
 
 def _check_limit(condition: WrittenCondition, report: DocumentReport) -> None:
-    """Check that a condition or limit gives words for a word, and bounds for a number."""
+    """Check that a condition or limit gives words for a word, and bounds or numbers for a number."""
     name, path = condition.item, condition.path
     if not _is_item(name, condition.place_of("item"), report):
         return
@@ -140,7 +150,7 @@ class _Bound(NamedTuple):
 
 
 def _check_bounds(lowest: _Bound, highest: _Bound, path: Path, report: DocumentReport) -> None:
-    """Check that the highest number is not less than the lowest one. Either may be missing."""
+    """Check that the highest number is not less than the lowest one. Without a lowest one, it is not less than 0."""
     low = lowest.number or 0
     if highest.number is not None and highest.number < low:
         message = f"'{highest.key}' is less than '{lowest.key}', which is {low}"
@@ -157,7 +167,10 @@ def _check_word(word: int | str, name: str, path: Path, report: DocumentReport) 
 
 
 def _check_setting(setting: WrittenSetting, as_written: WrittenSetting, report: DocumentReport) -> None:
-    """Check that a setting has one kind of value, and that the value is possible."""
+    """Check that a setting has one kind of value, and that the value is possible.
+
+    The kinds are counted in the setting as written, so that an invalid value is not reported as missing.
+    """
     _check_braces(setting.name, _ITEMS, setting.place_of("name"), report)
     _check_braces(setting.at, _ITEMS, setting.place_of("at"), report)
     kinds = [kind for kind in _KINDS if as_written.has(kind)]
@@ -172,7 +185,7 @@ def _check_setting(setting: WrittenSetting, as_written: WrittenSetting, report: 
 
 
 def _check_setting_value(setting: WrittenSetting, kind: str, report: DocumentReport) -> None:
-    """Check the value of a setting, and the keys that belong to it."""
+    """Check the value of a setting, and that the keys ``as`` and ``bound`` are only next to a ``value``."""
     for key, text in (("as", setting.as_), ("bound", setting.bound)):
         if text and kind != "value":
             report.add("setting-shape", setting.place_of(key), f"'{key}' needs 'value'", at_key=True)
@@ -196,7 +209,7 @@ def _check_clocks(clocks: WrittenAnyClock, report: DocumentReport) -> None:
 
 
 def _check_place(place: WrittenPlace, master: WrittenMaster, report: DocumentReport) -> None:
-    """Check that a place is given once, on known devices, and with one entry for each of their channels."""
+    """Check that a place is given, on known devices, and not together with ``where``, which says that none is given."""
     path = place.path
     place_keys = [key for key in _PLACES if place.has(key)]
     if not place_keys:
@@ -212,7 +225,7 @@ def _check_place(place: WrittenPlace, master: WrittenMaster, report: DocumentRep
 
 
 def _check_object_and_bits(place: WrittenPlace, report: DocumentReport) -> None:
-    """Check that the index, the bits and the limits of a place are complete and possible."""
+    """Check that an index has a subindex, that the type ``bits`` has its bits in ``at``, and the order of limits."""
     has_index, has_subindex = place.index is not None, place.subindex is not None
     if has_index != has_subindex:
         report.add("setting-shape", place.path, "use 'index' and 'subindex' together or not at all")
@@ -225,7 +238,7 @@ def _check_object_and_bits(place: WrittenPlace, report: DocumentReport) -> None:
 
 
 def _check_channels(place: WrittenPlace, master: WrittenMaster, report: DocumentReport) -> None:
-    """Check that a place is on known devices, with one entry for each of their channels."""
+    """Check that a place is on known devices, and that a list has one entry for each channel of each of them."""
     channel_counts: dict[str, int] = {}
     for device in master.devices:
         channel_counts[device.name] = 1 if device.channels is None else len(device.channels)
@@ -234,12 +247,12 @@ def _check_channels(place: WrittenPlace, master: WrittenMaster, report: Document
     _check_devices(place.on or (), place.place_of("on"), list(channel_counts), report)
     used_devices = [name for name in channel_counts if place.on is None or name in place.on]
     for key in _PER_CHANNEL:
-        values = place.data.get(key)
-        if not isinstance(values, list):
+        values_by_channel = place.data.get(key)
+        if not isinstance(values_by_channel, list):
             continue
         for name in used_devices:
             count = channel_counts[name]
-            if len(values) != count:
+            if len(values_by_channel) != count:
                 message = f"'{key}' needs one entry for each channel of {name}, which has {counted(count, 'channel')}"
                 report.add("setting-shape", place.place_of(key), message, at_key=True)
 
@@ -253,7 +266,7 @@ def _check_devices(names: Sequence[str], path: Path, devices: Sequence[str], rep
 
 
 def _check_file(file: WrittenMasterFile, master: WrittenMaster, report: DocumentReport) -> None:
-    """Check that a file names existing devices and settings, and has the names that its format needs."""
+    """Check that a file names existing devices and settings, and has names if and only if its format needs them."""
     devices = [device.name for device in master.devices] or [master.title]  # Without devices, the master is one.
     _check_devices(file.on, file.place_of("on"), devices, report)
     for key, names in (("names", file.names), ("words", file.words)):
@@ -280,22 +293,27 @@ def _check_setting_name(
 
 
 def _check_writing(master: WrittenMaster, report: DocumentReport) -> None:
-    """Check that write conditions have one kind, name existing settings, and define an order without cycles."""
+    """Check that write conditions have one kind, name existing settings, and define an order without cycles.
+
+    A condition says with ``after`` which settings are written before those in ``of``.
+    """
     earlier_settings: dict[str, set[str]] = {}
     for condition in master.writing:
         _check_write_condition(condition, master, report)
         for name in condition.of:
             earlier_settings.setdefault(name, set()).update(condition.after)
         try:
+            # The order is not needed. The call raises an exception if there is a cycle.
             TopologicalSorter(earlier_settings).prepare()
         except CycleError as error:
+            # In the exception, each setting of the cycle is a predecessor of the next one.
             circle = " after ".join(quoted(name) for name in reversed(error.args[1]))
             report.add("value-clash", condition.place_of("after"), f"circular order: {circle}")
-            earlier_settings.clear()  # Each circle is reported once.
+            earlier_settings.clear()  # Otherwise the next conditions would report this circle again.
 
 
 def _check_write_condition(condition: WrittenWriting, master: WrittenMaster, report: DocumentReport) -> None:
-    """Check that a write condition has one kind and names existing settings."""
+    """Check that a write condition has one kind and names existing settings, and that ``after`` has its ``of``."""
     kinds = [key for key in _WRITING if condition.has(key)]
     if not kinds:
         message = f"a write condition is empty; add {listed(map(quoted, _WRITING), 'or')}"
@@ -311,6 +329,7 @@ def _check_write_condition(condition: WrittenWriting, master: WrittenMaster, rep
 
 
 def _check_expression(value: int | str, path: Path, report: DocumentReport) -> None:
+    """Check that an expression is valid, and that its names are numbers of a record."""
     try:
         expression = Expression.parse(value)
     except ExpressionError as error:
@@ -321,7 +340,7 @@ def _check_expression(value: int | str, path: Path, report: DocumentReport) -> N
 
 
 def _check_choice(choice: WrittenChoice, report: DocumentReport) -> None:
-    """Check that a choice has one case for each value, and only values that its item can have."""
+    """Check that a choice has at most one case for each value, and only values that its item can have."""
     name = choice.of
     if not _is_item(name, choice.place_of("of"), report):
         return
@@ -344,10 +363,13 @@ def _check_case_value(name: str, value: int | str, path: Path, report: DocumentR
 
 
 def _check_string(rule: WrittenString, report: DocumentReport) -> None:
-    """Check that a text composed of the fields of a frame has the position and only known names in braces."""
+    """Check that a text composed of the fields of a frame has the position and only known names in braces.
+
+    The position is one field, or the two fields multiturn and singleturn.
+    """
     _check_braces(rule.start, _ITEMS, rule.place_of("start"), report)
-    kinds = {field.of for field in rule.fields}
-    has_position = "position" in kinds or kinds >= {"multiturn", "singleturn"}
+    field_kinds = {field.of for field in rule.fields}
+    has_position = "position" in field_kinds or field_kinds >= {"multiturn", "singleturn"}
     if not has_position:
         message = "there is no entry for the position; add one for position, or for multiturn and singleturn"
         report.add("missing-key", rule.place_of("fields"), message)
@@ -356,6 +378,7 @@ def _check_string(rule: WrittenString, report: DocumentReport) -> None:
 
 
 def _check_braces(text: str, known_names: tuple[str, ...], path: Path, report: DocumentReport) -> None:
+    """Report each name in braces, as in ``{bits}``, that is not a known one."""
     for name in _BRACES.findall(text):
         if name not in known_names:
             report.add("undefined-reference", path, f"there is no {{{name}}}{suggestion(name, known_names)}")

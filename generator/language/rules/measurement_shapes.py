@@ -14,12 +14,15 @@ _LENGTH = ("step_um", "step_nm", "per_counts", "modulus")
 
 
 def measurement_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the measurement matches the movement."""
+    """Check that a measurement matches the movement: of an angle if it is rotary, of a length if it is linear.
+
+    Each needs the size of a count. ``highest`` needs ``turns`` or ``modulus``.
+    """
     movement = spec.movement
     if not spec.has("movement"):
         return
-    own_keys, foreign_keys = (_ANGLE, _LENGTH) if movement == "rotary" else (_LENGTH, _ANGLE)
-    unit_key, total_key = own_keys[0], own_keys[-1]
+    keys_of_movement, foreign_keys = (_ANGLE, _LENGTH) if movement == "rotary" else (_LENGTH, _ANGLE)
+    unit_key, total_key = keys_of_movement[0], keys_of_movement[-1]
     raw_measurements = {measurement.path: measurement for measurement in measurements(raw)}
     for measurement in measurements(spec):
         raw_measurement = raw_measurements[measurement.path]
@@ -41,24 +44,27 @@ def measurement_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
 
 
 def position_range_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the range of one layout has a position to refer to, and matches the movement."""
+    """Check that the range of one layout has a position to refer to, and matches the movement.
+
+    The layout must carry the position that the measurement of its interface, or else of the device, names.
+    """
     groups = by_name(raw.field_groups)
     own_measurements = {name: interface.measurement for name, interface in interfaces(raw)}
-    raw_fields = {fields.owner.path: fields for fields in layouts(raw)}
-    for fields in layouts(spec):
-        own_range = fields.layout.position_range if fields.layout is not None else None
+    raw_frames = {frame.owner.path: frame for frame in layouts(raw)}
+    for frame in layouts(spec):
+        own_range = frame.layout.position_range if frame.layout is not None else None
         if own_range is None or not own_range.data:
             continue
-        own_measurement = own_measurements[fields.interface]
-        has_own = own_measurement is not None and own_measurement.data
-        measurement = own_measurement if has_own else raw.measurement
-        raw_list = raw_fields[fields.owner.path]
-        name = quoted(raw_list.name)
+        own_measurement = own_measurements[frame.interface]
+        has_own_measurement = own_measurement is not None and own_measurement.data
+        measurement = own_measurement if has_own_measurement else raw.measurement
+        raw_frame = raw_frames[frame.owner.path]
+        name = quoted(raw_frame.name)
         if measurement is None or not measurement.data:
             problem = "'position_range' needs a 'measurement', which gives the unit of the position"
             message = f"{problem}; add it to the interface or the encoder"
             report.add("measurement-shape", own_range.path, message, at_key=True)
-        elif not raw_list.is_from_encoder or measurement.part.of not in readable_names(raw_list, groups):
+        elif not raw_frame.is_from_encoder or measurement.part.of not in readable_names(raw_frame, groups):
             problem = f"{name} does not carry the position, {quoted(measurement.part.of)}, to the master"
             report.add("measurement-shape", own_range.path, f"{problem}; leave 'position_range' out", at_key=True)
         _check_range_keys(own_range, measurement, spec.movement, report)
@@ -67,13 +73,16 @@ def position_range_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRe
 def _check_range_keys(
     own_range: Located[LayoutRange], measurement: Located[Measurement] | None, movement: str, report: DocumentReport
 ) -> None:
-    """Check that the keys of a range belong together."""
+    """Check that the keys of a range belong together: those of the movement, and none next to ``wraps: false``.
+
+    ``highest`` needs a number of turns or a modulus, in the range or in the measurement.
+    """
     path = own_range.path
     total_key, foreign_key = ("turns", "modulus") if movement == "rotary" else ("modulus", "turns")
     if own_range.has(foreign_key) and movement in ("rotary", "linear"):
         problem = f"{quoted(foreign_key)} does not apply to a {movement} encoder; write {quoted(total_key)}"
         report.add("measurement-shape", (*path, foreign_key), problem, at_key=True)
-    if own_range.has("wraps"):
+    if own_range.has("wraps"):  # Its only value is false.
         contradictions = [key for key in ("turns", "modulus", "highest") if own_range.has(key)]
         if contradictions:
             problem = f"{quoted(contradictions[0])} contradicts 'wraps: false'; leave one of the two out"

@@ -16,11 +16,15 @@ _NAME = re.compile("[a-z][a-z0-9]*(_[a-z0-9]+)*")
 
 
 class NameResolver:
-    """Names defined in a spec as read, by kind, and the report for undefined ones."""
+    """Names defined in a spec as read, by kind, and the report for undefined ones.
+
+    ``groups``, ``registers`` and ``procedures`` are the parts by their names.
+    """
 
     def __init__(self, raw: WrittenSpec, report: DocumentReport) -> None:
         self._report = report
         interfaces, self.parameter_names = list(raw.interfaces.data), raw.names_in("parameters")
+        # Names that are misspelt themselves: unknown interfaces, and those that the schema check rejected.
         self._broken = {name for name in interfaces if name not in INTERFACES}
         for path in report.faults():
             name = value_at(raw.data, path) if path[-1] == "name" else path[-1]
@@ -42,6 +46,7 @@ class NameResolver:
         """Report ``name`` at ``path`` unless it is in ``known_names``, by default all names of its kind.
 
         If one of the known names is itself broken, it is reported already, and ``name`` may be the correct spelling.
+        Then the place is only marked as faulty, unless an intact name is similar.
         """
         choices = self._known[kind] if known_names is None else known_names
         if name in choices:

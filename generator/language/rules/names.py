@@ -34,11 +34,12 @@ TAKEN = {
     ),
 }
 
+#: A value that must be unique, with its path.
 Named = tuple[Path, object]
 
 
 def device_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a family and its file have the same name."""
+    """Check that a family and its file have the same name, and that no output reserves it."""
     stem, name = report.document.family or family_of(report.document.file), spec.device
     if name and name != stem:
         message = f"the device is called {quoted(name)}, but the file is called {quoted(stem)}"
@@ -48,7 +49,7 @@ def device_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
 
 
 def duplicate_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that names are unique among items of one kind."""
+    """Check that names are unique among items of one kind, within the spec or within the item that contains them."""
     for word, parts in _named_parts(spec).items():
         _check_unique(_labels(parts, "name"), word, report)
     for _, interface in interfaces(spec):
@@ -86,7 +87,7 @@ def _named_parts(spec: WrittenSpec) -> dict[str, Sequence[PlacedPart]]:
         "a characteristic": spec.characteristics,
         "an example": spec.examples,
         "an erratum": spec.errata,
-        "a layout": [fields.owner for fields in layouts(spec)],
+        "a layout": [frame.owner for frame in layouts(spec)],
         "a part": spec.order_code.parts,
     }
 
@@ -105,30 +106,33 @@ def duplicate_title(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
 
 
 def duplicate_field(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that fields, joins and runs of digits of a layout have unique names, as a decoder returns all of them."""
+    """Check that fields, joins and runs of digits of a layout or register have unique names.
+
+    A decoder returns all of them.
+    """
     groups = by_name(spec.field_groups)
-    for fields in field_lists(spec):
+    for field_list in field_lists(spec):
         named_values: list[Named] = []
-        use_paths = {field.path for field in fields.fields if field.use}
-        for path, field in expanded(fields, groups):
+        use_paths = {field.path for field in field_list.fields if field.use}
+        for path, field in expanded(field_list, groups):
             # A name in a group is reported at its use, because that is what makes it occur twice.
             name_path = path if path in use_paths else (*path, "name")
-            named_values.append((name_path, field.name or None))
+            named_values.append((name_path, field.name or None))  # None is not compared.
             for index, run in enumerate(field.digits):
                 named_values.append(((*path, "digits", index, "name"), run.part.name))
-        named_values += [((*fields.owner.path, "join", name), name) for name in fields.joins]
+        named_values += [((*field_list.owner.path, "join", name), name) for name in field_list.joins]
         _check_unique(named_values, "a field", report)
 
 
 def duplicate_selection(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that each value of the selecting field identifies one frame of its sender."""
+    """Check that each value of the selecting field identifies one frame of its sender and interface."""
     first_names: dict[tuple[str, str, int], str] = {}
-    for fields in layouts(spec):
-        sender = fields.layout.from_ if fields.layout is not None else ""
-        for selector, values in fields.selectors.items():
+    for frame in layouts(spec):
+        sender = frame.layout.from_ if frame.layout is not None else ""
+        for selector, values in frame.selectors.items():
             for index, value in enumerate(values):
-                first_name = first_names.setdefault((fields.interface, sender, value), fields.name)
-                if first_name != fields.name:
+                first_name = first_names.setdefault((frame.interface, sender, value), frame.name)
+                if first_name != frame.name:
                     fault = f"used by {quoted(first_name)}"
                 elif value in values[:index]:
                     fault = "listed"
@@ -137,18 +141,18 @@ def duplicate_selection(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
                 message = (
                     f"{quoted(selector)} {value} is already {fault}; use each value for only one frame of the {sender}"
                 )
-                report.add("duplicate-name", (*fields.owner.path, "when", selector, index), message)
+                report.add("duplicate-name", (*frame.owner.path, "when", selector, index), message)
 
 
 def duplicate_address(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two registers of an interface and bank share a byte.
 
-    A read-only and a write-only register may have the same address.
+    A read-only and a write-only register may begin at the same address.
     """
-    by_address = sorted(spec.registers, key=lambda register: register.address)
-    for index, register in enumerate(by_address):
+    registers_by_address = sorted(spec.registers, key=lambda register: register.address)
+    for index, register in enumerate(registers_by_address):
         # Registers are short, so only the nearest ones can overlap. The limit bounds the time for long lists.
-        for lower_register in reversed(by_address[max(0, index - 128) : index]):
+        for lower_register in reversed(registers_by_address[max(0, index - 128) : index]):
             if not _share_a_byte(lower_register, register):
                 continue
             # The one that comes later in the file is reported.
@@ -160,7 +164,10 @@ def duplicate_address(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
 
 
 def _share_a_byte(lower_register: WrittenRegister, register: WrittenRegister) -> bool:
-    """Return True if a register has an address of one that begins at the same address or below, and must not."""
+    """Return True if two registers in one address space overlap, and are not such a pair with the same address.
+
+    A read-only and a write-only register are a pair. ``lower_register`` begins at the same address or below.
+    """
     if _address_space(lower_register) != _address_space(register):
         return False
     if last_address(lower_register) < register.address:
@@ -183,9 +190,9 @@ def _report_overlap(register: WrittenRegister, earlier_register: WrittenRegister
 
 
 def value_clash(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that no two names have the same number, because a decoder could not choose."""
-    for fields in field_lists(spec):
-        for field in fields.fields:
+    """Check that no two named values of a field have the same number, because a decoder could not choose."""
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
             first_names: dict[int, str] = {}
             for name, value in field.values.items():
                 first_name = first_names.setdefault(value.value, name)
@@ -201,13 +208,13 @@ def _labels(parts: Sequence[PlacedPart], label: str) -> Iterator[Named]:
 
 
 def _labels_in(path: Path, key: str, label: str, values: Iterable[str]) -> Iterator[Named]:
-    """Yield the value under the key ``label`` of each part in a list, with its path."""
+    """Yield the values under the key ``label`` of the items of the list ``key``, each with its path."""
     for index, value in enumerate(values):
         yield (*path, key, index, label), value
 
 
 def _check_unique(named_values: Iterable[Named], word: str, report: DocumentReport) -> None:
-    """Report every value equal to an earlier one. ``word`` is the kind of item, with its article."""
+    """Report every value equal to an earlier one, except None. ``word`` is the kind of item, with its article."""
     first_paths: dict[object, Path] = {}
     for path, value in named_values:
         if value is None:

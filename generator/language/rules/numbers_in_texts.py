@@ -14,11 +14,13 @@ from ..written_parts import WrittenSpec
 from .parts import field_lists, measurements
 from .walk import leaves_of
 
+#: Bytes, as in ``41 42 in hexadecimal``.
 _CHARACTERS = re.compile(r"\b((?:[0-9A-F]{2} )*[0-9A-F]{2}) in hexadecimal")
 _ALWAYS = re.compile(r"\balways (\d+)\b(?!\.\d)")
 _NUMBER = r"\d{1,3}(?:,\d{3})+|\d+"
 _COUNTS = re.compile(r"(?<![\d.,])(\d[\d,]*) (counts per (?:turn|revolution)|revolutions|turns)\b")
 _BITS_RANGE = re.compile(r"(?<![\d.,])(\d+) to (\d+) bits\b")
+#: A number in two bases, as in ``16 is 10h`` and ``0x10 = 16``.
 _EQUAL = re.compile(rf"(?<![\w.,+])({_NUMBER}) (?:is|=) (0x[0-9A-Fa-f]+|[0-9A-F]+h)\b")
 _EQUAL_HEX = re.compile(rf"\b(0x[0-9A-Fa-f]+|[0-9][0-9A-F]*h) (?:is|=) ({_NUMBER})(?![\w.,]*\d| bits?\b)")
 _SECTION_OF_BITS = re.compile(r"\bbits (\d+):(\d+), which are (\d+) bits")
@@ -31,36 +33,39 @@ _QUOTED = frozenset(("printed", "title", "why"))
 
 
 def characters(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the hexadecimal characters in the meaning of a text are those of the text."""
-    for fields in field_lists(spec):
-        for field in fields.fields:
+    """Check that the hexadecimal characters in the meaning of a text field are those of its ``equals``."""
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
             printed = _CHARACTERS.search(field.meaning)
             if printed is None or not isinstance(field.equals, str) or not field.equals.isascii() or not field.text:
                 continue
-            expected = field.equals.encode("ascii").hex(" ").upper()
-            if printed[1] != expected:
+            digits = field.equals.encode("ascii").hex(" ").upper()
+            if printed[1] != digits:
                 message = (
-                    f"the meaning says {printed[1]}, but 'equals' is {quoted(field.equals)}, which is {expected} in"
+                    f"the meaning says {printed[1]}, but 'equals' is {quoted(field.equals)}, which is {digits} in"
                     " hexadecimal; one of the two is wrong"
                 )
                 report.add("printed-number", field.place_of("equals"), message)
 
 
 def constant_bits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a field that is always a number in its meaning has this number."""
-    for fields in field_lists(spec):
-        for field in fields.fields:
-            always = _ALWAYS.findall(field.meaning)
+    """Check that a fixed field whose meaning says ``always`` and a single number has this number."""
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
+            stated = _ALWAYS.findall(field.meaning)
             for key, number in (("constant", field.constant), ("unused", field.unused)):
-                if number is not None and len(always) == 1 and int(always[0]) != number:
+                if number is not None and len(stated) == 1 and int(stated[0]) != number:
                     message = (
-                        f"the meaning says always {always[0]}, but {quoted(key)} is {number}; one of the two is wrong"
+                        f"the meaning says always {stated[0]}, but {quoted(key)} is {number}; one of the two is wrong"
                     )
                     report.add("printed-number", field.place_of(key), message)
 
 
 def counts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the counts or revolutions in the meaning of an order code value are those that it sets."""
+    """Check that the counts or revolutions in the meaning of an order code value are those that it sets.
+
+    They are computed by the formulas of the measurement, if the value sets all their parameters.
+    """
     formulas = dict(_formulas(spec))
     for part in spec.order_code.parts:
         for value in part.values.values():
@@ -78,7 +83,7 @@ def counts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
 
 
 def _formulas(spec: WrittenSpec) -> Iterator[tuple[str, str]]:
-    """Yield the formulas of the counts per turn and of the revolutions."""
+    """Yield the formulas of measurements, as ``("counts", "2^bits")`` per turn and ``("turns", "4096")``."""
     for measurement in measurements(spec):
         for kind, key in (("counts", "counts_per_turn"), ("turns", "turns")):
             if measurement.has(key):
@@ -87,13 +92,17 @@ def _formulas(spec: WrittenSpec) -> Iterator[tuple[str, str]]:
 
 def _number(formula: str, value: WrittenCodeValue, parameters: Mapping[str, WrittenParameter]) -> int | None:
     """Return the number of a formula for an order code value, or None if the value does not decide it."""
+    # A chain of derived parameters without a cycle has at most all of them.
     return _value_of(formula, value.sets, parameters, depth=len(parameters))
 
 
 def _value_of(
     formula: object, numbers: Mapping[str, int], parameters: Mapping[str, WrittenParameter], depth: int
 ) -> int | None:
-    """Return the value of a formula with derived parameters, or None. The depth limits cycles."""
+    """Return the value of a formula, or None if it needs a number that is neither given nor derived.
+
+    ``numbers`` has those of parameters. Others are derived by their ``equals``. The depth limits cycles.
+    """
     if not isinstance(formula, (int, str)) or depth < 0:
         return None
     try:
@@ -102,8 +111,8 @@ def _value_of(
         return None
     known_numbers: dict[str, int] = {}
     for name in expression.parameters:
-        derived = parameters[name].equals if name in parameters else None
-        number = numbers[name] if name in numbers else _value_of(derived, numbers, parameters, depth - 1)
+        definition = parameters[name].equals if name in parameters else None
+        number = numbers[name] if name in numbers else _value_of(definition, numbers, parameters, depth - 1)
         if number is None:
             return None
         known_numbers[name] = number
@@ -114,7 +123,11 @@ def _value_of(
 
 
 def widths(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the range of bits in the meaning of a parameter is that of the order codes."""
+    """Check that the only range of bits in the meaning of a parameter is that of the order codes.
+
+    The order codes set the parameter, or those from which it is derived. Its bounds are those with all at their lowest
+    and with all at their highest.
+    """
     ranges = _ranges_set(spec)
     for name, parameter in spec.parameters.items():
         printed_ranges = _BITS_RANGE.findall(parameter.meaning)
@@ -123,6 +136,7 @@ def widths(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
         formula = name if name in ranges else parameter.equals
         bounds = []
         for bound in (0, 1):
+            # The depth of 64 only limits cycles.
             bounds.append(_value_of(formula, {key: pair[bound] for key, pair in ranges.items()}, spec.parameters, 64))
         low, high = map(int, printed_ranges[0])
         if None not in bounds and bounds != [low, high]:
@@ -134,37 +148,45 @@ def widths(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
 
 
 def _ranges_set(spec: WrittenSpec) -> dict[str, tuple[int, int]]:
-    """Return the lowest and the highest number that order codes set, by parameter, if all combinations exist."""
-    numbers: dict[str, list[int]] = {}
+    """Return the lowest and the highest number that order codes set, by parameter: ``{"bits": (12, 16)}``.
+
+    The result is empty if ``only_with`` excludes some combinations.
+    """
+    numbers_by_parameter: dict[str, list[int]] = {}
     for part in spec.order_code.parts:
         for value in part.values.values():
             if value.only_with:
                 return {}
             for name, number in value.sets.items():
-                numbers.setdefault(name, []).append(number)
-    return {name: (min(set_numbers), max(set_numbers)) for name, set_numbers in numbers.items()}
+                numbers_by_parameter.setdefault(name, []).append(number)
+    return {name: (min(set_numbers), max(set_numbers)) for name, set_numbers in numbers_by_parameter.items()}
 
 
 def equal_numbers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a text that gives a number in decimal and in hexadecimal gives the same number, and its bits."""
+    """Check that a text that gives a number in decimal and in hexadecimal gives the same number.
+
+    A text that gives bits and their number, as in ``bits 7:4, which are 4 bits``, must agree as well.
+    """
     for path, text in _own_texts(spec, report):
-        pairs = [(decimal, hexadecimal) for decimal, hexadecimal in _EQUAL.findall(text)]
-        pairs += [(decimal, hexadecimal) for hexadecimal, decimal in _EQUAL_HEX.findall(text)]
-        for decimal, hexadecimal in pairs:
+        number_pairs = [(decimal, hexadecimal) for decimal, hexadecimal in _EQUAL.findall(text)]
+        number_pairs += [(decimal, hexadecimal) for hexadecimal, decimal in _EQUAL_HEX.findall(text)]
+        for decimal, hexadecimal in number_pairs:
             number = int(hexadecimal.removesuffix("h"), 16)
             if int(decimal.replace(",", "")) != number:
                 message = f"{hexadecimal} is {number}, not {decimal}; correct one of the two"
                 report.add("printed-number", path, message)
         for high, low, width in _SECTION_OF_BITS.findall(text):
-            bits = int(high) - int(low) + 1
-            if bits != int(width):
+            actual_width = int(high) - int(low) + 1
+            if actual_width != int(width):
                 report.add(
-                    "printed-number", path, f"bits {high}:{low} are {bits} bits, not {width}; correct one of them"
+                    "printed-number",
+                    path,
+                    f"bits {high}:{low} are {actual_width} bits, not {width}; correct one of them",
                 )
 
 
 def _own_texts(spec: WrittenSpec, report: DocumentReport) -> Iterator[tuple[Path, str]]:
-    """Yield the texts of a spec in its own words, with their places."""
+    """Yield the texts of a spec in its own words, which do not quote the manual, with their places."""
     for path, text in leaves_of(spec.data, report):
         is_prose = path[-1] in PROSE or (path[0], path[-1]) == ("characteristics", "value")
         if isinstance(text, str) and is_prose and path[-1] not in _QUOTED and path[0] not in _ELSEWHERE:
@@ -172,33 +194,33 @@ def _own_texts(spec: WrittenSpec, report: DocumentReport) -> Iterator[tuple[Path
 
 
 def standards(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a text names an existing standard, such as RS-485."""
+    """Check that a text names an existing standard, such as RS-485. Printed texts of errata are quoted as they are."""
     for path, text in leaves_of(spec.data, report):
         if not isinstance(text, str) or path[-1] == "printed" or path[0] in _ELSEWHERE:
             continue
-        unknown = [number for number in _STANDARD.findall(text) if number not in _STANDARDS]
-        if unknown:
+        unknown_numbers = [number for number in _STANDARD.findall(text) if number not in _STANDARDS]
+        if unknown_numbers:
             names = listed([f"RS-{number}" for number in _STANDARDS], "or")
-            message = f"there is no standard RS-{unknown[0]}; write {names}"
+            message = f"there is no standard RS-{unknown_numbers[0]}; write {names}"
             report.add("unknown-standard", path, message)
 
 
 def figures(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a figure that a text names is one of the figures that the spec lists as lost, if it numbers these."""
+    """Check that a figure that a text names is one of those that the spec lists as lost, if it gives their numbers."""
     lost_numbers: set[int] = set()
     for figure in spec.lost_figures:
         lost_numbers.update(_figure_numbers(figure.part.content))
     for path, text in _own_texts(spec, report):
         if not lost_numbers or path[0] == "lost_figures":
             continue
-        unlisted = [number for number in _figure_numbers(text) if number not in lost_numbers]
-        if unlisted:
-            message = f"'lost_figures' has no Figure {unlisted[0]}; correct the number, or add the figure"
+        unlisted_numbers = [number for number in _figure_numbers(text) if number not in lost_numbers]
+        if unlisted_numbers:
+            message = f"'lost_figures' has no Figure {unlisted_numbers[0]}; correct the number, or add the figure"
             report.add("figure-number", path, message)
 
 
 def _figure_numbers(text: str) -> Iterator[int]:
-    """Yield the numbers of the figures that a text names, and of those between two of them."""
+    """Yield the numbers of the figures that a text names: 2, 3, 4 and 7 for ``Figures 2 to 4 and 7``."""
     for listed_numbers in _FIGURES.findall(text):
         for numbers in re.split(", | and ", listed_numbers):
             first, _, last = numbers.partition(" to ")

@@ -1,4 +1,4 @@
-"""Rules for references to names, which must exist. Messages suggest the most similar name."""
+"""Rules for order codes: their references, their pattern, the parameters that they set, and how labels are read."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .parts import by_name, origins_of
 
 
 def order_code_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check the references of order code values: parameters, interfaces, other parts and their values."""
+    """Check the references of order code values: parameters, interfaces, other parts and their labels."""
     resolver, parts = NameResolver(raw, report), by_name(raw.order_code.parts)
     for part in spec.order_code.parts:
         other_parts = [name for name in parts if name != part.name]
@@ -38,7 +38,7 @@ def _check_combinations(
     parts: Mapping[str, WrittenCodePart],
     other_parts: Sequence[str],
 ) -> None:
-    """Check that the parts with which a value can be combined exist, and that they have the listed values."""
+    """Check that the parts with which a value can be combined exist, and that they have the listed labels."""
     for name, labels in labels_by_part.items():
         resolver.refer((*path, name), "other part", name, other_parts)
         if name in parts:
@@ -49,6 +49,7 @@ def _check_combinations(
 #: Largest number of codes of one family. More indicate an error, as the largest catalogue pages list a few hundred.
 MAX_CODES = 10_000
 
+#: The name of a part in a pattern, such as ``{bits}``. Splitting at it gives literals and names in turn.
 _BRACES = re.compile(r"\{([^{}]*)\}")
 _LITERAL = re.compile(r"[A-Za-z0-9/_. -]*")
 #: Keys of parameters that are not set by order codes, with the origin of their value.
@@ -64,7 +65,7 @@ _PARTS: tuple[str, str] = ("order_code", "parts")
 
 @dataclass(frozen=True, slots=True)
 class _Code:
-    """One enumerated code: its text and the chosen value of each part."""
+    """One enumerated code: its text, and for each part its name, the chosen label and the value of this label."""
 
     text: str
     chosen: tuple[tuple[str, str, WrittenCodeValue], ...]
@@ -83,7 +84,7 @@ class _Code:
 
 
 def parameter_cycle(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that no parameter is defined by itself."""
+    """Check that no parameter is defined by itself, directly or through others."""
     definitions: dict[str, tuple[str, ...]] = {}
     for name, parameter in spec.parameters.items():
         if parameter.equals is not None:
@@ -121,7 +122,7 @@ def _find_cycle(start: str, definitions: Mapping[str, tuple[str, ...]], settled:
 
 
 def order_code_pattern(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that pattern and parts agree, and that every code sets each parameter once and selects one interface."""
+    """Check that pattern and parts agree, and then that codes set each parameter once and select one interface."""
     if not is_whole(spec.data, raw.data):
         return
     problems_before = len(report)
@@ -141,7 +142,7 @@ def order_code_pattern(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
 
 
 def order_code_ambiguous(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that no text on a label can be read in two ways."""
+    """Check that no text on a label can be read in two ways: as two codes, or as one code split in two ways."""
     if not is_whole(spec.data, raw.data):
         return
     parts, pattern = spec.order_code.parts, spec.order_code.pattern
@@ -157,7 +158,7 @@ def order_code_ambiguous(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRe
 
 
 def _ambiguity(spec: WrittenSpec) -> str:
-    """Return the message about the first text that can be read in two ways, or an empty string."""
+    """Return the message about the first code that occurs twice or can be read in two ways. Empty if none is."""
     # Literals are at even indices, and names of parts at odd ones. Blanks on a label are ignored.
     parts = spec.order_code.parts
     pieces = _BRACES.split(spec.order_code.pattern)
@@ -165,18 +166,18 @@ def _ambiguity(spec: WrittenSpec) -> str:
     # With parts of fixed length each code splits at fixed places, so it can only be read as it was composed.
     has_fixed_lengths = all(map(_has_fixed_length, parts))
     value_tests = {part.name: _value_test(part) for part in parts}
-    first_codes: dict[str, _Code] = {}
+    codes_by_label: dict[str, _Code] = {}  # The first code with each text.
     for code in _codes(spec) or ():
         label = _without_blanks(code.text)
-        first_code = first_codes.setdefault(label, code)
+        first_code = codes_by_label.setdefault(label, code)
         if first_code is not code:
             occurrences = f"as {_parts_text(first_code)}, and as {_parts_text(code)}"
             return f"the code {quoted(code.text)} occurs twice: {occurrences}"
         if has_fixed_lengths:
             continue
-        readings = list(itertools.islice(_readings(label, pieces, value_tests), 2))
-        if len(readings) == 2:
-            first, second = (_reading_text(pieces[1::2], reading) for reading in readings)
+        first_readings = list(itertools.islice(_readings(label, pieces, value_tests), 2))
+        if len(first_readings) == 2:
+            first, second = (_reading_text(pieces[1::2], reading) for reading in first_readings)
             return f"the code {quoted(code.text)} can be read as {first}, and as {second}"
     return ""
 
@@ -190,7 +191,7 @@ def _reading_text(names: Sequence[str], reading: Sequence[str]) -> str:
 
 
 def also_written(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that an alternative spelling has every part exactly once, and that its texts represent listed values."""
+    """Check that an alternative spelling has every part exactly once, and that its texts represent listed labels."""
     if not is_whole(spec.data, raw.data):
         return
     parts = {part.name: part for part in spec.order_code.parts}
@@ -209,17 +210,19 @@ def also_written(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
 
 
 def _check_spelling(spelling: WrittenSpelling, parts: Mapping[str, WrittenCodePart], report: DocumentReport) -> None:
-    """Check that the texts of an alternative spelling represent listed values, and that its expression is valid."""
-    for name, labels in spelling.values.items():
+    """Check that the texts of an alternative spelling represent listed labels, and that its expression is valid."""
+    for name, texts_to_labels in spelling.values.items():
         if name not in parts:
             message = f"there is no part {quoted(name)}; known: {', '.join(parts)}"
             report.add("also-written", (*spelling.path, "values", name), message, at_key=True)
             continue
-        listed_values = parts[name].values
-        for label, value in labels.items():
-            if value not in listed_values:
-                message = f"{quoted(value)} is not a value of {name}; known: {', '.join(listed_values)}"
-                report.add("also-written", (*spelling.path, "values", name, label), message, cause=f"{name} {value}")
+        listed_labels = parts[name].values
+        for printed_text, label in texts_to_labels.items():
+            if label not in listed_labels:
+                message = f"{quoted(label)} is not a value of {name}; known: {', '.join(listed_labels)}"
+                report.add(
+                    "also-written", (*spelling.path, "values", name, printed_text), message, cause=f"{name} {label}"
+                )
     fault = _expression_fault(spelling.then)
     if fault:
         message = f"{quoted(spelling.then)} is not a valid regular expression: {fault}"
@@ -232,10 +235,7 @@ def _without_blanks(text: str) -> str:
 
 
 def is_whole(data: dict[str, Any], data_as_read: dict[str, Any]) -> bool:
-    """Return True if only prose was cut out of order codes and parameters.
-
-    Any other missing part would cause errors in the remaining data.
-    """
+    """Return True if only prose was cut out of order codes and parameters, so that no missing part causes errors."""
     for key in ("order_code", "parameters"):
         if key not in data or _without_prose(data[key]) != _without_prose(data_as_read[key]):
             return False
@@ -291,7 +291,7 @@ def _check_values(spec: WrittenSpec, report: DocumentReport) -> None:
 
 
 def _other_origin(spec: WrittenSpec, parameter: WrittenParameter) -> str | None:
-    """Return the key because of which an order code cannot set a parameter, or None if it can."""
+    """Return the key ('equals', …) because of which an order code cannot set a parameter, or None if it can."""
     origins = origins_of(parameter)
     if not origins:
         return None
@@ -317,20 +317,20 @@ def _expression_fault(text: str) -> str:
 
 
 def _check_codes(spec: WrittenSpec, codes: Sequence[_Code], report: DocumentReport) -> None:
-    """Report each kind of error once, for the first code that has it."""
-    problems: dict[str, tuple[Path, str]] = {}
+    """Report for the first code each that it does not select one interface, or set a required parameter once."""
+    first_problems: dict[str, tuple[Path, str]] = {}
     required_parameters = _required_parameters(spec, codes)
     for code in codes:
         interfaces = code.interfaces
         if len(interfaces) != 1:
             selected = f"{len(interfaces)} ({', '.join(interfaces)})" if interfaces else "none"
             message = f"each code must select one interface; {code.text} selects {selected}"
-            problems.setdefault("interface", (_PARTS, message))
+            first_problems.setdefault("interface", (_PARTS, message))
         for name in required_parameters:
             message = _parameter_fault(name, code, spec.parameters)
             if message:
-                problems.setdefault(name, (("parameters", name), message))
-    for path, message in problems.values():
+                first_problems.setdefault(name, (("parameters", name), message))
+    for path, message in first_problems.values():
         report.add("order-code-pattern", path, message, at_key=True)
     _check_selected_interfaces(spec, codes, report)
 
@@ -352,7 +352,7 @@ def _parameter_fault(name: str, code: _Code, parameters: Mapping[str, WrittenPar
 
 
 def _required_parameters(spec: WrittenSpec, codes: Sequence[_Code]) -> list[str]:
-    """Return the parameters that every code must set."""
+    """Return the parameters that every code must set: those without another origin, or read and set by some code."""
     set_by_codes = {name for code in codes for name in code.set_parameters}
     names = []
     for name, parameter in spec.parameters.items():
@@ -377,7 +377,7 @@ def _check_selected_interfaces(spec: WrittenSpec, codes: Sequence[_Code], report
 
 
 def _codes(spec: WrittenSpec) -> list[_Code] | None:
-    """Return every enumerated code, or None if there are too many."""
+    """Return every code composed of listed labels that ``only_with`` allows, or None if there are too many."""
     parts = spec.order_code.parts
     if math.prod(len(part.values) for part in parts) > MAX_CODES:
         return None
@@ -394,7 +394,7 @@ def _codes(spec: WrittenSpec) -> list[_Code] | None:
 
 
 def _is_allowed(chosen: Sequence[tuple[str, str, WrittenCodeValue]], labels: Mapping[str, str]) -> bool:
-    """Return True if each chosen value can be combined with the labels of the other parts."""
+    """Return True if the ``only_with`` of each chosen value allows the labels of the other parts."""
     for _, _, value in chosen:
         for name, allowed_labels in value.only_with.items():
             if labels.get(name) not in allowed_labels:
@@ -407,36 +407,36 @@ def _fill_pattern(pattern: str, labels: dict[str, str]) -> str:
 
 
 def _value_test(part: WrittenCodePart) -> Callable[[str], bool]:
-    """Return the test whether a text in capitals is a value of a part."""
-    listed_values = frozenset(value.upper() for value in part.values)
+    """Return the predicate that is True for a text in capitals that is a label of a part or matches its ``open``."""
+    listed_labels = frozenset(value.upper() for value in part.values)
     if not part.open:
-        return listed_values.__contains__
+        return listed_labels.__contains__
     expression = re.compile(part.open, re.IGNORECASE)
-    return lambda text: text in listed_values or expression.fullmatch(text) is not None
+    return lambda text: text in listed_labels or expression.fullmatch(text) is not None
 
 
 def _readings(
     text: str, pieces: Sequence[str], value_tests: Mapping[str, Callable[[str], bool]], start: int = 0, index: int = 0
 ) -> Iterator[tuple[str, ...]]:
-    """Yield every way to split ``text`` from ``start`` into the pattern's ``pieces`` from ``index``.
+    """Yield every way to split ``text`` from ``start`` into the pattern's ``pieces`` from ``index``, as the labels.
 
-    Pieces at even indices are literals, those at odd indices are parts.
+    Pieces at even indices are literals, those at odd indices are names of parts. The last piece is a literal.
     """
     literal = pieces[index].upper()
     if not text.startswith(literal, start):
         return
-    value_start = start + len(literal)
+    label_start = start + len(literal)
     is_last_piece = index == len(pieces) - 1
     if is_last_piece:
-        if value_start == len(text):
+        if label_start == len(text):
             yield ()
         return
-    is_value = value_tests[pieces[index + 1]]
-    for end in range(value_start, len(text) + 1):
-        value = text[value_start:end]
-        if is_value(value):
-            for later_values in _readings(text, pieces, value_tests, end, index + 2):
-                yield (value, *later_values)
+    is_label = value_tests[pieces[index + 1]]
+    for end in range(label_start, len(text) + 1):
+        label = text[label_start:end]
+        if is_label(label):
+            for later_labels in _readings(text, pieces, value_tests, end, index + 2):
+                yield (label, *later_labels)
 
 
 def _parts_text(code: _Code) -> str:

@@ -36,8 +36,9 @@ _KINDS = {
     "counts": ("count", "counts", "step", "steps", "position", "positions", "increments"),
 }
 _KIND_OF = {unit: kind for kind, units in _KINDS.items() for unit in units}
-#: Quantity of each number of a measurement.
+#: Keys of fields whose expressions are in bits.
 _WIDTHS = ("bits", "low_bit")
+#: Quantity of each number of a measurement.
 _MEASURED = {
     "counts_per_turn": "counts",
     "turns": "revolutions",
@@ -55,7 +56,7 @@ def kind_of_unit(unit: str) -> str:
 
 
 def parameter_interface(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a parameter of one interface is not used for another."""
+    """Check that an expression of one interface uses no parameter of another, directly or through other parameters."""
     for path, interface, text in uses(spec, raw):
         for name in dict.fromkeys(all_parameters(text, raw.parameters)):
             owner_interface = raw.parameters[name].interface
@@ -78,29 +79,32 @@ def expressions(spec: WrittenSpec) -> _Expressions:
         yield from _expressions_under(part, ("label_is",))
     for parameter in spec.parameters.values():
         yield from _expressions_under(parameter, ("equals",))
-    for fields in field_lists(spec):
-        for field in fields.fields:
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
             yield from _of_field(field, field.path)
     for register in spec.registers:
         for limited in (register, *register.meanings):
             yield from _expressions_under(limited, ("min", "max"))
     for measurement in measurements(spec):
         yield from _expressions_under(measurement, _MEASURED)
-    for fields in layouts(spec):
-        yield from _of_position_range(fields)
+    for field_list in layouts(spec):
+        yield from _of_position_range(field_list)
     for _, interface in interfaces(spec):
         yield from _of_words(interface)
 
 
 def uses(spec: WrittenSpec, raw: WrittenSpec | None = None) -> Iterator[tuple[Path, str, int | str]]:
-    """Yield each use of an expression or parameter by an interface: the place, the interface, and the text."""
+    """Yield each use of an expression or parameter by an interface: the place, the interface, and the text.
+
+    A field of a group is yielded for each layout or register that uses the group.
+    """
     groups = by_name((raw if raw is not None else spec).field_groups)
     field_owners = list(layouts(spec))
     field_owners += [FieldList(Has.REGISTER, register, interface_of(register)) for register in spec.registers]
-    for fields in field_owners:
-        for path, field in expanded(fields, groups):
-            yield from _used_by(fields.interface, _of_field(field, path))
-        yield from _used_by(fields.interface, _of_owner(fields))
+    for field_list in field_owners:
+        for path, field in expanded(field_list, groups):
+            yield from _used_by(field_list.interface, _of_field(field, path))
+        yield from _used_by(field_list.interface, _of_owner(field_list))
     for name, interface in interfaces(spec):
         # A measurement of the device applies to each interface without its own.
         measurement = interface.measurement if interface.has("measurement") else spec.measurement
@@ -110,7 +114,7 @@ def uses(spec: WrittenSpec, raw: WrittenSpec | None = None) -> Iterator[tuple[Pa
 
 
 def _used_by(interface: str, expressions: _Expressions) -> Iterator[tuple[Path, str, int | str]]:
-    """Yield expressions with the interface that uses them."""
+    """Yield expressions with the interface that uses them: the place, the interface, and the text."""
     for path, text in expressions:
         yield path, interface, text
 
@@ -136,29 +140,29 @@ def _expressions_under(part: PlacedPart, keys: Iterable[str]) -> _Expressions:
 
 
 def _of_words(interface: WrittenInterface) -> _Expressions:
-    """Yield the lengths of words over SPI: of the interface and of its exchanges."""
+    """Yield the lengths of words over SPI, of the interface and of its exchanges. Other interfaces have none."""
     if isinstance(interface, WrittenSpi):
         for owner in (interface, *interface.exchanges):
             yield from _expressions_under(owner, ("word_bits",))
 
 
 def _of_field(field: WrittenField, path: Path) -> _Expressions:
-    """Yield the expressions of a field at a place. ``equals`` of a text field is text, otherwise an expression."""
+    """Yield the expressions of a field, placed at ``path``. ``equals`` of a text field is text, not an expression."""
     keys = ("bits", "low_bit") if field.has("text") else ("bits", "low_bit", "equals")
     return (((*path, key), field.data[key]) for key in keys if key in field.data)
 
 
 def all_parameters(text: object, parameters: Mapping[str, WrittenParameter]) -> Iterator[str]:
-    """Yield the parameters in an expression, and those that define them."""
-    factors = _factors(text)
+    """Yield the parameters in an expression, and those in the expressions that define them, each once."""
+    factors_to_visit = _factors(text)
     visited_names: set[str] = set()
     # The list grows during the loop: parameters named directly come before those that define them.
-    for factor in factors:
+    for factor in factors_to_visit:
         name = factor.parameter
         if name not in visited_names and name in parameters:
             visited_names.add(name)
             yield name
-            factors += _factors(parameters[name].equals)
+            factors_to_visit += _factors(parameters[name].equals)
 
 
 def _factors(text: object) -> list[Factor]:
@@ -173,7 +177,10 @@ def _factors(text: object) -> list[Factor]:
 
 
 def parameter_origin(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the value of a parameter has one origin, and that codes are those of a register."""
+    """Check that the value of a parameter has at most one origin, and that ``by_code`` is next to ``read_from`` alone.
+
+    ``by_code`` lists the value for each code in the register, so it excludes limits.
+    """
     for name, parameter in spec.parameters.items():
         origins = origins_of(parameter)
         if len(origins) > 1:
@@ -181,17 +188,20 @@ def parameter_origin(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
             report.add("parameter-origin", parameter.place_of(origins[1]), problem, at_key=True)
         if not parameter.by_code:
             continue
-        limits = [key for key in ("min", "max") if parameter.has(key)]
+        limit_keys = [key for key in ("min", "max") if parameter.has(key)]
         if not parameter.read_from:
             problem = "'by_code' needs 'read_from', the register field that holds the code"
             report.add("parameter-origin", parameter.place_of("by_code"), problem, at_key=True)
-        elif limits:
-            problem = f"'by_code' already lists the values of {quoted(name)}; leave out {quoted(limits[0])}"
-            report.add("parameter-origin", parameter.place_of(limits[0]), problem, at_key=True)
+        elif limit_keys:
+            problem = f"'by_code' already lists the values of {quoted(name)}; leave out {quoted(limit_keys[0])}"
+            report.add("parameter-origin", parameter.place_of(limit_keys[0]), problem, at_key=True)
 
 
 def alternative_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the answers of an alternative set the same parameters, and that these name the alternative."""
+    """Check that the answers of an alternative set the same parameters, and that these name the alternative.
+
+    Parameters and examples must name alternatives that exist, and examples their answers.
+    """
     resolver, alternatives = NameResolver(raw, report), by_name(raw.alternatives)
     for alternative in spec.alternatives:
         parameters_as_read = raw.parameters.items()
@@ -200,8 +210,8 @@ def alternative_references(spec: WrittenSpec, raw: WrittenSpec, report: Document
     for name, parameter in spec.parameters.items():
         path = parameter.place_of("alternative")
         resolver.refer_if_given(path, "alternative", parameter.alternative, alternatives)
-        chosen = alternatives.get(parameter.alternative)
-        if chosen is not None and not _is_set(name, chosen):
+        alternative_of_parameter = alternatives.get(parameter.alternative)
+        if alternative_of_parameter is not None and not _is_set(name, alternative_of_parameter):
             problem = f"no answer of {quoted(parameter.alternative)} sets {quoted(name)}"
             report.add("undefined-reference", path, problem)
     for example in spec.examples:
@@ -219,7 +229,10 @@ def _is_set(parameter_name: str, alternative: WrittenAlternative) -> bool:
 
 
 def _check_answers(alternative: WrittenAlternative, own_parameters: Sequence[str], resolver: NameResolver) -> None:
-    """Check that each answer of an alternative sets all its parameters, and no others."""
+    """Check that each answer of an alternative sets all its parameters, and no others.
+
+    A parameter that no answer sets is reported elsewhere.
+    """
     owner = alternative.name
     first_answers: dict[str, str] = {}
     for answer_name, answer in alternative.values.items():
@@ -242,7 +255,7 @@ def _check_answers(alternative: WrittenAlternative, own_parameters: Sequence[str
 def alternative_use(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that alternatives affect only the places of fields, because generated code can use them only there.
 
-    Those with a default affect only verdicts, which do not need a choice.
+    Those with a default affect only verdicts, which do not need a choice. So their parameters are in no expression.
     """
     alternatives = by_name(raw.alternatives)
     set_by_alternative = {name: parameter for name, parameter in raw.parameters.items() if parameter.alternative}
@@ -266,9 +279,13 @@ def alternative_use(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
 
 
 def units(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that exponents are in bits, and that numbers of a measurement and fields have the right unit."""
-    for fields in field_lists(spec):
-        for field in fields.fields:
+    """Check the units of fields that equal a parameter, and of the parameters in expressions.
+
+    A field and its parameter have units of the same quantity, and an unknown unit is a quantity of its own. Exponents
+    and widths are in bits, and numbers of a measurement in its units. There, unknown units are not checked.
+    """
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
             equal_parameter = raw.parameters.get(str(field.equals))
             equal_unit = equal_parameter.unit if equal_parameter is not None else ""
             if field.unit and equal_unit and kind_of_unit(field.unit) != kind_of_unit(equal_unit):
@@ -281,7 +298,10 @@ def units(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
 
 
 def _check_unit_of_factor(path: Path, factor: Factor, unit: str, report: DocumentReport) -> None:
-    """Check that a parameter in an expression has the unit that its place needs, if that unit is known."""
+    """Check that a parameter in an expression has the unit that its place needs, if both are known.
+
+    ``unit`` is the unit of the parameter.
+    """
     key = str(path[-1])
     is_exponent = bool(factor.power)
     needed_kind = "bits" if is_exponent or key in _WIDTHS else _MEASURED.get(key)

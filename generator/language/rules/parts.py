@@ -70,7 +70,7 @@ _NamedModelPart = TypeVar("_NamedModelPart", bound=NamedModelPart)
 
 
 def by_name(parts: Iterable[_Named]) -> dict[str, _Named]:
-    """Return parts by name. If several have the same name, the first one is used."""
+    """Return parts by name, without those that have no valid name. Of several with one name, the first is used."""
     named_parts: dict[str, _Named] = {}
     for part in parts:
         if "name" in part.data and part.name == part.data["name"]:
@@ -79,7 +79,7 @@ def by_name(parts: Iterable[_Named]) -> dict[str, _Named]:
 
 
 def by_part_name(parts: Iterable[Located[_NamedModelPart]]) -> dict[str, Located[_NamedModelPart]]:
-    """Return parts of the model by name. If several have the same name, the first one is used."""
+    """Return parts of the model by name, as ``by_name`` does."""
     named_parts: dict[str, Located[_NamedModelPart]] = {}
     for located_part in parts:
         if located_part.is_valid("name"):
@@ -139,12 +139,12 @@ class FieldList:
 
     @property
     def joins(self) -> Mapping[str, tuple[str, ...]]:
-        """Names of joined fields."""
+        """Names of the joined fields, by the name of the joined number. Groups and control data have none."""
         return self.owner.join if isinstance(self.owner, WrittenLayout | WrittenRegister) else MappingProxyType({})
 
     @property
     def selectors(self) -> Mapping[str, tuple[int, ...]]:
-        """The field that identifies a frame, with its values."""
+        """The values by which a frame is identified, by the name of the field that has them. Empty if there is none."""
         return self.layout.when if self.layout is not None else MappingProxyType({})
 
 
@@ -156,7 +156,7 @@ def layouts(spec: WrittenSpec) -> Iterator[FieldList]:
 
 
 def field_lists(spec: WrittenSpec) -> Iterator[FieldList]:
-    """Yield every list of fields, in the order of the language."""
+    """Yield every list of fields: of groups, layouts, control data and registers, in the order of the language."""
     for group in spec.field_groups:
         yield FieldList(Has.GROUP, group, "")
     yield from layouts(spec)
@@ -192,6 +192,7 @@ def expanded(fields: FieldList, groups: Groups) -> Iterator[tuple[Path, WrittenF
 
 
 def _expanded(fields: FieldList, groups: Groups) -> Iterator[tuple[Path, WrittenField]]:
+    """Yield the fields with groups included, without a limit."""
     for field in fields.fields:
         group = groups.get(field.use)
         if group is None:
@@ -206,7 +207,7 @@ def field_names(fields: FieldList, groups: Groups) -> dict[str, WrittenField]:
 
 
 def readable_names(fields: FieldList, groups: Groups) -> list[str]:
-    """Return the names of all values of a decoder: fields, joins and runs of digits.
+    """Return the names of all values of a decoder: fields, joined numbers and runs of digits.
 
     A register without fields is one number.
     """
@@ -221,7 +222,7 @@ def readable_names(fields: FieldList, groups: Groups) -> list[str]:
 
 
 def origins_of(parameter: WrittenParameter) -> list[str]:
-    """Return the keys for the origin of a parameter's value. Without any, the order code sets it."""
+    """Return the keys for the origin of a parameter's value, such as ``equals``. Without any, order codes set it."""
     origins = {"equals": parameter.equals, "read_from": parameter.read_from, "alternative": parameter.alternative}
     return [key for key, origin in origins.items() if origin not in (None, "")]
 
@@ -248,24 +249,30 @@ def measurements(spec: WrittenSpec) -> Iterator[Located[Measurement]]:
 
 
 def measurement_of(spec: WrittenSpec, interface: str) -> Located[Measurement] | None:
-    """Return the measurement of an interface, which is that of the device unless it has one."""
+    """Return the measurement of an interface or, if it has none, that of the device. None if there is neither."""
     own_measurement = dict(interfaces(spec))[interface].measurement if interface in spec.interfaces.data else None
     return own_measurement if own_measurement is not None and own_measurement.data else spec.measurement
 
 
 def position_names(spec: WrittenSpec, interface: str) -> set[str]:
-    """Return the fields and joins that form the position: the measured ones, otherwise those named ``position``."""
+    """Return the names of the fields and joins that form the position.
+
+    These are the measured number, by default ``position``, and the fields that a layout of the interface joins to it.
+    """
     measurement = measurement_of(spec, interface)
     measured_name = measurement.part.of if measurement is not None and measurement.has("of") else "position"
     names = {measured_name}
-    for fields in layouts(spec):
-        if fields.interface == interface:
-            names.update(fields.joins.get(measured_name, ()))
+    for frame in layouts(spec):
+        if frame.interface == interface:
+            names.update(frame.joins.get(measured_name, ()))
     return names
 
 
 def constant_width(field: WrittenField) -> int | None:
-    """Return the width of a field if it is constant, or None if it depends on others or another rule reports it."""
+    """Return the width of a field if it is constant, or None if it depends on others or another rule reports it.
+
+    A flag has one bit, and so has a field at the number of a bit.
+    """
     if field.has("bits"):
         return field.bits if isinstance(field.bits, int) and field.bits > 0 else None
     bit_range = _RANGE.fullmatch(str(field.at))
@@ -284,7 +291,7 @@ def bits_of(register: WrittenRegister, groups: Groups) -> list[str]:
 
 
 def owner_of_alarm(spec: WrittenSpec, alarm: Located[Alarm]) -> WrittenFieldGroup | WrittenRegister | None:
-    """Return the field group or register that contains the flag of an alarm, or None if it does not exist."""
+    """Return the group of an alarm's flag or, if it names none, the register. None if it does not exist."""
     if alarm.part.group:
         return by_name(spec.field_groups).get(alarm.part.group)
     return by_name(spec.registers).get(alarm.part.register)
@@ -307,7 +314,7 @@ def fields_of(register: WrittenRegister, groups: Groups) -> Iterator[WrittenFiel
 
 
 def named_values(register: WrittenRegister, groups: Groups, field_name: str = "") -> list[str]:
-    """Return the names of values of all fields of a register, or of the field of this name."""
+    """Return the names of values of all fields of a register, or only of the field of this name."""
     names: list[str] = []
     for field in fields_of(register, groups):
         if not field_name or field.name == field_name:
@@ -321,9 +328,10 @@ def bank_select(spec: WrittenSpec) -> str:
 
 
 def explained(document: Document, *keys: str) -> bool:
-    """Return True if an erratum affects exactly this place, given by keys and names.
+    """Return True if an erratum affects exactly this place, given by keys and names: ``"interfaces", "ssi", "clock"``.
 
-    A second reading has no errata. It repeats the printed values, and its spec must agree or explain the difference.
+    A second reading has no errata, so everything counts as explained there. It repeats the printed values, and its
+    spec must agree or explain the difference.
     """
     if is_second(document.file):
         return True

@@ -34,22 +34,28 @@ Fields = Mapping[str, WrittenField]
 
 
 def value_verdicts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a named value has a verdict only in a frame with a position, and that an error has one there."""
+    """Check that a value has a verdict only where a frame with a position has it, and that an error has one there.
+
+    A group is in such a frame if one of them uses it. An error is a value whose name says so.
+    """
     groups = by_name(raw.field_groups)
-    position_frames = [fields for fields in layouts(spec) if _has_position(spec, fields, groups)]
-    position_paths = {fields.owner.path for fields in position_frames}
-    used_groups = {field.use for fields in position_frames for field in fields.fields}
-    for fields in field_lists(spec):
-        is_group = fields.kind is Has.GROUP
-        has_verdict = fields.name in used_groups if is_group else fields.owner.path in position_paths
-        for field in fields.fields:
-            _check_verdicts_of_values(fields, field, has_verdict, report)
+    position_frames = [field_list for field_list in layouts(spec) if _has_position(spec, field_list, groups)]
+    position_paths = {field_list.owner.path for field_list in position_frames}
+    used_groups = {field.use for field_list in position_frames for field in field_list.fields}
+    for field_list in field_lists(spec):
+        is_group = field_list.kind is Has.GROUP
+        has_verdict = field_list.name in used_groups if is_group else field_list.owner.path in position_paths
+        for field in field_list.fields:
+            _check_verdicts_of_values(field_list, field, has_verdict, report)
 
 
 def _check_verdicts_of_values(
     fields: FieldList, field: WrittenField, has_verdict: bool, report: DocumentReport
 ) -> None:
-    """Check the verdicts of the values of a field. ``has_verdict`` is set if its frame has a verdict on a position."""
+    """Report a value of a field that has a verdict and cannot have one, or is an error and has none.
+
+    ``has_verdict`` is True if the frame of the field contains the position.
+    """
     for name, value in field.values.items():
         if value.makes_position:
             problem = _no_verdict(fields, field, has_verdict)
@@ -87,7 +93,7 @@ def _reason_without_verdict(fields: FieldList) -> str:
 
 
 def _has_position(spec: WrittenSpec, fields: FieldList, groups: Groups) -> bool:
-    """Return True for a frame of the encoder that contains the position or a part of it."""
+    """Return True for a frame of the encoder that contains the position, a field that is joined to it, or the join."""
     if not fields.is_from_encoder:
         return False
     names = {*field_names(fields, groups), *fields.joins}
@@ -95,31 +101,36 @@ def _has_position(spec: WrittenSpec, fields: FieldList, groups: Groups) -> bool:
 
 
 def combinations(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check combinations: their fields and values exist, and each of them can decide."""
+    """Check that combinations are in frames with a position, that their conditions exist, and that each can decide.
+
+    A combination gives the verdict while several fields have certain values. It never decides if one of its conditions,
+    or a combination with some of them, already gives the same verdict or a worse one.
+    """
     groups = by_name(raw.field_groups)
-    for fields in layouts(spec):
-        listed_combinations = fields.layout.combinations if fields.layout is not None else ()
-        if listed_combinations and not _has_position(spec, fields, groups):
-            problem = f"{_reason_without_verdict(fields)}; leave 'combinations' out"
-            report.add("combination", fields.owner.place_of("combinations"), problem, at_key=True)
+    for frame in layouts(spec):
+        listed_combinations = frame.layout.combinations if frame.layout is not None else ()
+        if listed_combinations and not _has_position(spec, frame, groups):
+            problem = f"{_reason_without_verdict(frame)}; leave 'combinations' out"
+            report.add("combination", frame.owner.place_of("combinations"), problem, at_key=True)
             continue
-        fields_by_name = field_names(fields, groups)
+        fields_by_name = field_names(frame, groups)
         for index, combination in enumerate(listed_combinations):
-            if not _check_conditions(fields, fields_by_name, combination, report):
-                continue
-            verdicts = [
-                *_own_verdicts(fields, fields_by_name, combination),
+            if not _check_conditions(frame, fields_by_name, combination, report):
+                continue  # Its conditions are reported, and there may be no verdicts to compare.
+            # A combination decides only if no part of it makes the position at least as bad by itself.
+            verdicts_of_parts = [
+                *_own_verdicts(frame, fields_by_name, combination),
                 *_verdicts_of_parts(combination, listed_combinations[:index], listed_combinations[index + 1 :]),
             ]
-            _check_can_decide(combination, verdicts, report)
+            _check_can_decide(combination, verdicts_of_parts, report)
 
 
 def report_names(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that values with a verdict and combinations have other names than the fields of the frame."""
+    """Check that the reports of values with a verdict and of combinations have names that are unique in the frame."""
     groups = by_name(raw.field_groups)
-    for fields in layouts(spec):
-        used_names = set(readable_names(fields, groups))
-        for path, name in _report_names(fields, groups):
+    for frame in layouts(spec):
+        used_names = set(readable_names(frame, groups))
+        for path, name in _report_names(frame, groups):
             if name in used_names:
                 problem = (
                     f"this frame already has {quoted(name)}, which is also the name of this report; rename one of them"
@@ -129,13 +140,16 @@ def report_names(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
 
 
 def _report_names(fields: FieldList, groups: Groups) -> Iterator[tuple[Path, str]]:
-    """Yield the names of the reports of values and combinations, each with its path."""
+    """Yield the names of the reports of a frame, each with its path.
+
+    A value with a verdict is reported as ``field_value``, and a combination under its own name.
+    """
     use_paths = {field.path for field in fields.fields if field.use}
-    for path, field in expanded(fields, groups):
+    for field_path, field in expanded(fields, groups):
         for name, value in field.values.items():
             if value.has("makes_position"):
                 # A value in a group is reported at the use of the group.
-                yield path if path in use_paths else value.path, f"{field.name}_{name}"
+                yield field_path if field_path in use_paths else value.path, f"{field.name}_{name}"
     for combination in fields.layout.combinations if fields.layout is not None else ():
         yield combination.place_of("name"), combination.name
 
@@ -143,27 +157,32 @@ def _report_names(fields: FieldList, groups: Groups) -> Iterator[tuple[Path, str
 def _check_conditions(
     fields: FieldList, fields_by_name: Fields, combination: WrittenCombination, report: DocumentReport
 ) -> bool:
-    """Report conditions on fields or values that do not exist or cannot be combined. Return True if there are none."""
+    """Report conditions on fields or values that do not exist or cannot be combined. Return True if there are none.
+
+    A single condition is reported too, because its verdict belongs to the flag or the value.
+    """
     problems_before = len(report)
-    for name, value in combination.when.items():
-        condition_path = (*combination.place_of("when"), name)
-        if name not in fields_by_name:
-            problem = f"there is no field {quoted(name)} in this frame{suggestion(name, fields_by_name)}"
+    for field_name, value in combination.when.items():
+        condition_path = (*combination.place_of("when"), field_name)
+        if field_name not in fields_by_name:
+            problem = f"there is no field {quoted(field_name)} in this frame{suggestion(field_name, fields_by_name)}"
             report.add("undefined-reference", condition_path, problem, at_key=True)
             continue
-        field = fields_by_name[name]
-        problem = _no_condition(fields, name, field)
+        field = fields_by_name[field_name]
+        problem = _no_condition(fields, field_name, field)
         known_values = _words_of(field)
         if problem:
             report.add("combination", condition_path, problem, at_key=True)
         elif value not in known_values:
-            problem = f"{quoted(name)} has no value {quoted(value)}{suggestion(value, known_values)}"
+            problem = f"{quoted(field_name)} has no value {quoted(value)}{suggestion(value, known_values)}"
             report.add("undefined-reference", condition_path, problem)
     if len(combination.when) == 1 and len(report) == problems_before:
-        (name,) = combination.when
-        is_flag = fields_by_name[name].has("active")
-        place = f"the flag {quoted(name)}" if is_flag else f"the value of {quoted(name)}"
-        problem = f"{quoted(combination.name)} has only one condition; write 'makes_position' at {place} instead"
+        (field_name,) = combination.when
+        is_flag = fields_by_name[field_name].has("active")
+        verdict_place = f"the flag {quoted(field_name)}" if is_flag else f"the value of {quoted(field_name)}"
+        problem = (
+            f"{quoted(combination.name)} has only one condition; write 'makes_position' at {verdict_place} instead"
+        )
         report.add("combination", combination.place_of("when"), problem)
     return len(report) == problems_before
 
@@ -182,22 +201,29 @@ def _no_condition(fields: FieldList, name: str, field: WrittenField) -> str:
 
 
 def _words_of(field: WrittenField) -> list[str]:
-    """Return the possible values of a field in a condition."""
+    """Return the possible values of a field in a condition.
+
+    These are ``active`` and ``inactive`` for a flag, and the names of values for another field. If ``others`` gives a
+    meaning to the unlisted numbers, a narrow field also has ``reserved_5`` and the like for each of them.
+    """
     if field.has("active"):
         return list(_FLAG_WORDS)
-    words = value_names(field)
+    value_words = value_names(field)
     width = constant_width(field)
     if field.has("others") and width is not None and width <= MOST_RESERVED_BITS:
         listed_numbers = {value.value for value in field.values.values() if value.is_valid("value")}
         other_numbers = [number for number in range(1 << width) if number not in listed_numbers]
-        words += [f"{RESERVED}_{number}" for number in other_numbers]
-    return words
+        value_words += [f"{RESERVED}_{number}" for number in other_numbers]
+    return value_words
 
 
 def _check_can_decide(
     combination: WrittenCombination, verdicts: Iterable[tuple[str, str]], report: DocumentReport
 ) -> None:
-    """Report a combination that never decides, since a part of it already has the same verdict or a worse one."""
+    """Report a combination that never decides, since a part of it already has the same verdict or a worse one.
+
+    ``verdicts`` has the text for each part and its verdict: ``("'battery' alone", "not_usable")``.
+    """
     for part_text, verdict in verdicts:
         if verdict and _WORST_FIRST.index(verdict) <= _WORST_FIRST.index(combination.makes_position):
             problem = (
@@ -210,7 +236,10 @@ def _check_can_decide(
 def _own_verdicts(
     fields: FieldList, fields_by_name: Fields, combination: WrittenCombination
 ) -> Iterator[tuple[str, str]]:
-    """Yield the verdict of each flag and value of a combination by itself. It is empty if there is none."""
+    """Yield the verdict of each flag and value of a combination by itself, with a text that names it.
+
+    The verdict is empty if there is none. An inactive flag has none and is omitted.
+    """
     for name, value_name in combination.when.items():
         field = fields_by_name[name]
         if not field.has("active"):
@@ -226,7 +255,7 @@ def _verdicts_of_parts(
     earlier_combinations: Sequence[WrittenCombination],
     later_combinations: Sequence[WrittenCombination],
 ) -> Iterator[tuple[str, str]]:
-    """Yield the verdicts of other combinations that always apply when this one does."""
+    """Yield the name and the verdict of each other combination that always applies when this one does."""
     for earlier in earlier_combinations:
         if _is_part(earlier, combination):
             yield quoted(earlier.name), earlier.makes_position
@@ -238,36 +267,40 @@ def _verdicts_of_parts(
 
 
 def _is_part(other_combination: WrittenCombination, combination: WrittenCombination) -> bool:
-    """Return True if the conditions of another combination are among those of this one."""
+    """Return True if all conditions of another combination, at least two, are also conditions of this one."""
     conditions = other_combination.when.items()
     return len(conditions) > 1 and conditions <= combination.when.items()
 
 
 def default_answers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a default is the first answer, and that the answers set one parameter, to 0 or 1, that a flag uses."""
+    """Check that a default is the first answer, and that the answers set one parameter that a flag uses.
+
+    The default sets it to 0, and each other answer to 1. Flags use it in ``makes_position_if``.
+    """
     used_by_flags: set[str] = set()
-    for fields in field_lists(spec):
-        for field in fields.fields:
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
             used_by_flags.update(field.makes_position_if)
     for alternative in spec.alternatives:
         default = alternative.default
         if not default:
             continue
         first_answer, *_ = alternative.values
-        place = alternative.place_of("default")
+        default_path = alternative.place_of("default")
         if default != first_answer:
             problem = f"the default {quoted(default)} is not the first answer of {quoted(alternative.name)}"
-            report.add("alternative-default", place, f"{problem}; write {quoted(first_answer)}")
+            report.add("alternative-default", default_path, f"{problem}; write {quoted(first_answer)}")
             continue
         _check_settings(alternative, report)
+        # Of several parameters, which are reported, the first one is checked.
         parameter, *_ = alternative.values[first_answer].sets
         if parameter not in used_by_flags:
             problem = f"no flag has {quoted(parameter)} in 'makes_position_if', so the answer changes nothing"
-            report.add("alternative-default", place, f"{problem}; add it to a flag, or remove 'default'")
+            report.add("alternative-default", default_path, f"{problem}; add it to a flag, or remove 'default'")
 
 
 def _check_settings(alternative: WrittenAlternative, report: DocumentReport) -> None:
-    """Check that the default sets the only parameter to 0, and that the other answers set it to 1."""
+    """Check that the answers set one parameter: the first answer, which is the default, to 0, and the others to 1."""
     for index, (name, answer) in enumerate(alternative.values.items()):
         sets_path = answer.place_of("sets")
         if len(answer.sets) > 1:
@@ -283,24 +316,29 @@ def _check_settings(alternative: WrittenAlternative, report: DocumentReport) -> 
 
 
 def verdicts_by_answer(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the other verdict of a flag differs, and that it belongs to an alternative with a default."""
-    optional = {name for name, alternative in by_name(raw.alternatives).items() if alternative.has("default")}
-    for fields in field_lists(spec):
-        for field in fields.fields:
+    """Check the verdicts in ``makes_position_if``, which a flag has instead if an answer sets a parameter to 1.
+
+    Each belongs to a parameter of an alternative with a default, and differs from the verdict without a choice.
+    """
+    alternatives_with_default = {
+        name for name, alternative in by_name(raw.alternatives).items() if alternative.has("default")
+    }
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
             for name, verdict in field.makes_position_if.items():
                 verdict_path = (*field.place_of("makes_position_if"), name)
                 parameter = raw.parameters.get(name)
-                if parameter is None or parameter.alternative not in optional:
+                if parameter is None or parameter.alternative not in alternatives_with_default:
                     reason = f"{quoted(name)} is not a parameter of an alternative with a default"
                     report.add("verdict-choice", verdict_path, f"{reason}; give it 'alternative' with the name of one")
                     continue
-                problem = _no_other_verdict(fields, field, verdict)
+                problem = _no_other_verdict(field_list, field, verdict)
                 if problem:
                     report.add("verdict-choice", verdict_path, problem)
 
 
 def _no_other_verdict(fields: FieldList, field: WrittenField, other_verdict: str) -> str:
-    """Return the reason that a flag cannot have another verdict, and the fix. Empty if it can."""
+    """Return the reason that a flag cannot have another verdict for an answer, and the fix. Empty if it can."""
     name = quoted(field.name)
     if fields.kind in (Has.REGISTER, Has.CONTROL):
         return f"{name} is not in a frame, so it has no verdict on a position; remove 'makes_position_if'"

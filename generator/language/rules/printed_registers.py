@@ -12,19 +12,21 @@ from ..written_codes import WrittenPrintedDefault, WrittenRegister
 from ..written_parts import WrittenProcedure, WrittenSpec, WrittenStep
 from .parts import Groups, by_name, fields_of, last_address
 
+#: The highest and the lowest bit, as in ``7:6``.
 _RANGE = re.compile(r"([0-9]{1,4}):([0-9]{1,4})")
+#: A printed write, as in ``0x48 = 0x01``, ``0x49 bit 2 = 0`` or ``0x50-0x54``.
 _WRITE = re.compile(
     r"(?P<first>0x[0-9A-Fa-f]+)(?:-(?P<last>0x[0-9A-Fa-f]+))?(?: bit (?P<bit>[0-9]+))?(?: = (?P<value>\w+))?"
 )
 
 
 def addresses(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the printed addresses match address and length."""
+    """Check that the printed addresses of a register, such as ``0x4B-0x4D``, match its address and length."""
     for register in spec.registers:
         if register.addresses is None:
             continue
-        first, _, last = str(register.addresses).partition("-")
-        printed_range = (int(first, 0), int(last or first, 0))
+        first_text, _, last_text = str(register.addresses).partition("-")
+        printed_range = (int(first_text, 0), int(last_text or first_text, 0))
         actual_range = (register.address, last_address(register))
         if printed_range != actual_range:
             message = (
@@ -40,7 +42,10 @@ def _address_text(first: int, last: int) -> str:
 
 
 def default_lists(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the manual's list of defaults matches the registers, except for rows explained by an erratum."""
+    """Check that the manual's list of defaults matches the registers, except for rows explained by an erratum.
+
+    A row is about a whole register, given by ``bytes``, or about some bits of it, given by ``at`` and ``value``.
+    """
     registers = by_name(spec.registers)
     for row in spec.printed_defaults:
         has_bytes, has_place, has_value = bool(row.bytes), row.at is not None, row.value is not None
@@ -56,7 +61,10 @@ def default_lists(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -
 
 
 def _check_row(row: WrittenPrintedDefault, register: WrittenRegister, report: DocumentReport) -> None:
-    """Check that a row is correct, or that an erratum explains it."""
+    """Check that a row is correct, or that an erratum explains it. An erratum for a correct row is reported too.
+
+    Only the first error of a row is reported.
+    """
     faults = list(_byte_faults(row, register) if row.bytes else _bit_faults(row, register))
     if faults and not row.erratum:
         key, message = faults[0]
@@ -67,7 +75,7 @@ def _check_row(row: WrittenPrintedDefault, register: WrittenRegister, report: Do
 
 
 def _byte_faults(row: WrittenPrintedDefault, register: WrittenRegister) -> Iterator[tuple[str, str]]:
-    """Yield the error of a row with the bytes of the whole register, with its key."""
+    """Yield the error of a row with the bytes of the whole register: the key to blame and the message. At most one."""
     name, default = quoted(register.name), register.default
     printed_bytes = bytes.fromhex(row.bytes)
     byte_order: Literal["little", "big"] = "little" if register.byte_order == "low_byte_first" else "big"
@@ -81,7 +89,7 @@ def _byte_faults(row: WrittenPrintedDefault, register: WrittenRegister) -> Itera
 
 
 def _bit_faults(row: WrittenPrintedDefault, register: WrittenRegister) -> Iterator[tuple[str, str]]:
-    """Yield the errors of a row about some of the bits, each with its key."""
+    """Yield the errors of a row about some of the bits, each as the key to blame and the message."""
     name = quoted(register.name)
     bounds = _bounds(row.at)
     if bounds is None:
@@ -102,7 +110,10 @@ def _bit_faults(row: WrittenPrintedDefault, register: WrittenRegister) -> Iterat
 def _field_faults(
     row: WrittenPrintedDefault, register: WrittenRegister, bounds: tuple[int, int]
 ) -> Iterator[tuple[str, str]]:
-    """Yield the errors of a row's field: a different place, or a different name of the number."""
+    """Yield the errors of a row's field: a different place, or a different name of the number.
+
+    Each has the key to blame and the message. ``bounds`` are the highest and the lowest bit of the row.
+    """
     field = by_name(register.fields).get(row.field)
     if field is None:  # Reported by the rule on references, or the field is in a group.
         return
@@ -115,7 +126,7 @@ def _field_faults(
 
 
 def _bounds(at: int | str | None) -> tuple[int, int] | None:
-    """Return the highest and the lowest bit of a place, or None if it is not one."""
+    """Return the highest and the lowest bit of a place such as ``7:6`` or 5, or None if it is not one."""
     if isinstance(at, int):
         return (at, at) if 0 <= at < 1024 else None
     bit_range = _RANGE.fullmatch(str(at))
@@ -135,6 +146,7 @@ class _Write:
     value: int | None
 
     def __str__(self) -> str:
+        """Return the write as text, such as ``0x48 = 0x01``, ``0x49 bit 2 = 0`` or ``0x50-0x54``."""
         text = f"{self.first:#04x}"
         if self.last > self.first:
             text += f"-{self.last:#04x}"
@@ -146,7 +158,10 @@ class _Write:
 
 
 def writes(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the printed writes of a procedure match its steps."""
+    """Check that the printed writes of a procedure match its steps.
+
+    A procedure with a step whose write is not known is not checked.
+    """
     registers, groups = by_name(spec.registers), by_name(spec.field_groups)
     for procedure in spec.procedures:
         steps = [step for step in procedure.steps if step.do == "write"]
@@ -161,7 +176,7 @@ def _compare_writes(
     step_writes: list[_Write | None],
     report: DocumentReport,
 ) -> None:
-    """Report each printed write that is not the one of its step, and each further step."""
+    """Report each printed write that is not that of the step with the same number, and each further step."""
     for index, text in enumerate(procedure.printed_writes):
         printed_write = _printed_write(text)
         printed_path = (*procedure.path, "printed_writes", index)
@@ -187,20 +202,24 @@ def _printed_write(text: str) -> _Write:
 
 
 def _step_write(step: WrittenStep, registers: Mapping[str, WrittenRegister], groups: Groups) -> _Write | None:
-    """Return the write of a step, or None if the text does not determine it or another rule reports the step."""
+    """Return the write of a step, or None if the text does not determine it or another rule reports the step.
+
+    With ``field``, only its bits are written, and the printed write names the lowest one. Otherwise the whole register
+    is written, with the value in the bits of its field.
+    """
     register = registers.get(step.register)
     if register is None or not step.value:
         return None
-    fields = list(fields_of(register, groups))
-    candidates = [field for field in fields if step.field in ("", field.name)]
+    register_fields = list(fields_of(register, groups))
+    possible_fields = [field for field in register_fields if step.field in ("", field.name)]
     # The field that has the value. Without one, the value is an argument, whose number the caller supplies.
-    fields_with_value = [field for field in candidates if step.value in field.values]
+    fields_with_value = [field for field in possible_fields if step.value in field.values]
     number = fields_with_value[0].values[step.value].value if fields_with_value else None
     first, last = register.address, last_address(register)
-    writes_whole_register = not step.field and (not fields_with_value or len(fields) == 1)
+    writes_whole_register = not step.field and (not fields_with_value or len(register_fields) == 1)
     if writes_whole_register:
         return _Write(first=first, last=last, bit=None, value=number)
-    written_fields = fields_with_value or candidates
+    written_fields = fields_with_value or possible_fields
     bounds = _bounds(written_fields[0].at) if written_fields else None
     if bounds is None:
         return None

@@ -40,7 +40,7 @@ _ALL_STEPS = frozenset(("do", "meaning", "source"))
 
 
 def step_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that each step has the keys of its kind."""
+    """Check that each step has the keys of its kind, and conditions for several requests only if it sends several."""
     for procedure in spec.procedures:
         for step in procedure.steps:
             check_keys("step-shape", f"a {step.do} step", step.path, step.data, _STEPS[step.do], _ALL_STEPS, report)
@@ -48,7 +48,7 @@ def step_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> N
 
 
 def _check_repeated(step: WrittenStep, report: DocumentReport) -> None:
-    """Check that conditions between the requests of a step are only given for several requests."""
+    """Check that a step that sends one request has no conditions between requests. Without ``times``, it sends one."""
     conditions = ["in_succession"] if step.in_succession else []
     conditions += ["every_at_least_us"] if step.every_at_least_us else []
     times = 1 if step.times is None else step.times
@@ -60,7 +60,10 @@ def _check_repeated(step: WrittenStep, report: DocumentReport) -> None:
 
 
 def step_access(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that registers that are written are writable, and that those that are read are readable."""
+    """Check that registers that are written are writable, and that those that are read are readable.
+
+    To write one field of a register with other bits, a step reads the register first.
+    """
     registers, groups = by_name(raw.registers), by_name(raw.field_groups)
     for procedure in spec.procedures:
         for step in procedure.steps:
@@ -108,7 +111,7 @@ def _check_read_registers(spec: WrittenSpec, accesses: Mapping[str, str], report
 
 
 def step_waits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a procedure waits long enough after a write that takes time, at least before the next write."""
+    """Check that a procedure waits long enough after a write that takes time, until its next write or its end."""
     registers = by_name(spec.registers)
     for procedure in spec.procedures:
         for index, step in enumerate(procedure.steps):
@@ -116,15 +119,16 @@ def step_waits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> N
             if step.do == "write" and needed_ms is not None:
                 short_wait = _find_short_wait(step, procedure.steps[index + 1 :], needed_ms)
                 if short_wait is not None:
-                    place, wait_text = short_wait
+                    wait_path, wait_text = short_wait
                     problem = f"{quoted(step.register)} needs a wait of {needed_ms} ms after a write"
-                    report.add("wait-too-short", place, f"{problem}, but {wait_text}", cause=step.register)
+                    report.add("wait-too-short", wait_path, f"{problem}, but {wait_text}", cause=step.register)
 
 
 def _find_short_wait(write: WrittenStep, later_steps: Sequence[WrittenStep], needed_ms: int) -> tuple[Path, str] | None:
     """Return the place of a wait that is too short or missing after a write, and what is there. None if it is enough.
 
-    After the last write, a procedure need not wait at all.
+    All waits before the next write count together. Polling is enough, and without a wait so is the end of a procedure.
+    The text is ``there is no wait here`` or ``the wait here is 5 ms``.
     """
     until_write = list(takewhile(lambda step: step.do != "write", later_steps))
     waits = [step for step in until_write if step.do == "wait"]
@@ -139,7 +143,10 @@ def _find_short_wait(write: WrittenStep, later_steps: Sequence[WrittenStep], nee
 
 
 def step_opens(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a procedure that writes to the opener of a register writes the value that opens it."""
+    """Check that a procedure writes the value that opens a register before it writes the register.
+
+    Only the last of its writes to the opener before counts. If there is none, another procedure may open the register.
+    """
     registers = by_name(spec.registers)
     for procedure in spec.procedures:
         arguments = [argument.name for argument in procedure.arguments]
@@ -158,17 +165,17 @@ def step_opens(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> N
 
 
 def _writes(step: WrittenStep, opener: WrittenOpenedBy) -> bool:
-    """Return True if a step writes the register, or the field of it, that opens another register."""
+    """Return True if a step writes a value to the register, or the field of it, that opens another register."""
     if step.do != "write" or not step.value or not opener.value:
         return False
-    writes_opening_register = bool(step.register) and step.register == opener.register
+    is_opening_register = bool(step.register) and step.register == opener.register
     # A step without a field writes all of them.
-    writes_opening_field = not step.field or step.field == opener.field
-    return writes_opening_register and writes_opening_field
+    is_opening_field = not step.field or step.field == opener.field
+    return is_opening_register and is_opening_field
 
 
 def argument_written(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a procedure writes each of its arguments."""
+    """Check that some step of a procedure writes each of its arguments."""
     procedures = by_name(raw.procedures)
     for procedure in spec.procedures:
         # A step rejected by the schema may be the one that writes it.
@@ -184,7 +191,7 @@ def argument_written(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
 
 
 def procedure_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a procedure with the name of a command writes the value of that command to the register."""
+    """Check that a procedure with the name of a value of a register writes this value if it writes named ones there."""
     registers, groups = by_name(raw.registers), by_name(raw.field_groups)
     for procedure in spec.procedures:
         name = procedure.name
@@ -207,7 +214,10 @@ _ANY_BANK = "any"
 
 
 def saved_before_written(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a procedure writes its arguments before it saves, unless a note of the procedure explains it."""
+    """Check that a procedure writes its arguments before it saves, unless a note of the procedure explains it.
+
+    The last write of a value called save, store or burn counts. Arguments in volatile registers need no saving.
+    """
     if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
         return
     registers = by_name(raw.registers)
@@ -220,8 +230,8 @@ def saved_before_written(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRe
         if not saves:
             continue
         save, later_writes = writes[saves[-1]], writes[saves[-1] + 1 :]
-        later_steps = [step for step in later_writes if step.register != save.register]
-        unsaved_register = _first_unsaved(later_steps, arguments, registers)
+        writes_to_other_registers = [step for step in later_writes if step.register != save.register]
+        unsaved_register = _first_unsaved(writes_to_other_registers, arguments, registers)
         if unsaved_register:
             problem = f"this step saves before {quoted(unsaved_register)} is written"
             remedy = "move this step behind the write, or explain the order in a 'note' of the procedure"
@@ -230,12 +240,12 @@ def saved_before_written(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRe
 
 
 def _is_save(step: WrittenStep) -> bool:
-    """Return whether a step writes a value that is called save, store or burn."""
+    """Return True if a step writes a value that is called save, store or burn, or begins with one and an underscore."""
     return _SAVE.fullmatch(step.value) is not None
 
 
 def _first_unsaved(later_steps: Iterable[WrittenStep], arguments: set[str], registers: Registers) -> str:
-    """Return the first register that later steps write with an argument, or an empty text. Not a volatile one."""
+    """Return the first register, not a volatile one, that later steps write with an argument, or an empty text."""
     for step in later_steps:
         if step.value in arguments and step.register in registers and not registers[step.register].volatile:
             return step.register
@@ -264,7 +274,7 @@ def bank_named(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> N
 
 
 def bank_selected(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a procedure selects the bank before it accesses a register in it."""
+    """Check that a procedure selects the bank before it accesses a register in it. An argument may select any bank."""
     registers, select = by_name(raw.registers), bank_select(raw)
     if not select:
         return
@@ -274,7 +284,7 @@ def bank_selected(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -
         for step in procedure.steps:
             bank = registers.get(step.register, _NO_REGISTER).bank
             if step.do == "write" and step.register == select:
-                # An argument may select any bank.
+                # A value that is not a named one is an argument.
                 selected_bank = bank_numbers.get(step.value, _ANY_BANK)
             elif bank is not None and selected_bank not in (bank, _ANY_BANK):
                 message = (
@@ -284,10 +294,10 @@ def bank_selected(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -
 
 
 def _numbers(register: WrittenRegister, raw: WrittenSpec) -> dict[str, int | None]:
-    """Return the numbers of all named values of a register. Invalid ones are None."""
-    numbers: dict[str, int | None] = {}
+    """Return the numbers of all named values of a register by their names. Invalid ones are None."""
+    numbers_by_name: dict[str, int | None] = {}
     for field in fields_of(register, by_name(raw.field_groups)):
-        numbers |= dict.fromkeys(value_names(field))
+        numbers_by_name |= dict.fromkeys(value_names(field))
         for name, value in field.values.items():
-            numbers[name] = value.value if value.is_valid("value") else None
-    return numbers
+            numbers_by_name[name] = value.value if value.is_valid("value") else None
+    return numbers_by_name

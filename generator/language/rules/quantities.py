@@ -52,7 +52,7 @@ _ANY_TIME = re.compile(_TIME)
 #: A time that the reader or the encoder must keep.
 _KEPT_TIME = re.compile(rf"\b(?:[Ww]ait|[Pp]ause|[Ww]ithin|[Aa]t least|[Aa]t most)\w*\b[^.;:,]{{0,40}}?{_TIME}")
 _NO_TEXTS = frozenset(("source", "bytes", "bits", "name", "address"))
-#: A quantity that a text gives in two units.
+#: A quantity that a text gives in two units, as in ``10 °C is 50 °F``.
 _SAME = re.compile(
     r"(?<![\w.,±])(?P<one>[−+-]?\d+(?:\.\d+)?) ?(?P<one_unit>°[CF]|mm|in)(?:,? which)? (?:is|=) "
     r"(?P<two>[−+-]?\d+(?:\.\d+)?) ?(?P<two_unit>°[CF]|mm|in)\b"
@@ -67,30 +67,33 @@ _CELL = re.compile(r"(?:(?:above|at least|at most|below) |[<>≤≥] ?)?-?\d+(?:
 
 
 def quantity_text(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the quantities of a characteristic have possible units and bounds, and are those of its text."""
+    """Check that quantities of a characteristic have possible units and bounds, and the same numbers as its text."""
     for characteristic in spec.characteristics:
         text = characteristic.part.value
-        listed_quantities: set[tuple[Decimal, str]] = set()
+        numbers_with_units: set[tuple[Decimal, str]] = set()
         for index, quantity in enumerate(characteristic.part.values):
-            numbers = _check_quantity(quantity, text, (*characteristic.path, "values", index), report)
-            listed_quantities |= {(number, quantity.unit) for number in numbers}
-        for unit in sorted({unit for _, unit in listed_quantities}):
+            bounds = _check_quantity(quantity, text, (*characteristic.path, "values", index), report)
+            numbers_with_units |= {(number, quantity.unit) for number in bounds}
+        for unit in sorted({unit for _, unit in numbers_with_units}):
             for number in _plain_numbers(text, unit):
-                if (number, unit) not in listed_quantities:
+                if (number, unit) not in numbers_with_units:
                     message = f"'values' does not give {number} {unit}; one of the two is wrong"
                     report.add("quantity-text", (*characteristic.path, "value"), message)
 
 
 def _check_quantity(quantity: Quantity, text: str, path: Path, report: DocumentReport) -> list[Decimal]:
-    """Check a quantity of a characteristic against its text. Return its bounds, or none if they are invalid."""
+    """Check a quantity of a characteristic against its text. Return its bounds, or none if they are invalid.
+
+    A bound is a number of the text with the same unit, or one of its numbers plus or minus a tolerance.
+    """
     unit, kind = quantity.unit, quantity.quantity
     if unit not in _UNITS[kind].split():
         units_text = listed(_UNITS[kind].split(), "or")
         report.add("quantity-text", (*path, "unit"), f"{quoted(kind)} is given in {units_text}, not in {unit}")
         return []
     bounds = {name: Decimal(str(number)) for name, number in _bounds_of(quantity).items()}
-    numbers = list(bounds.values())
-    if not bounds or numbers != sorted(numbers):
+    bounds_in_order = list(bounds.values())
+    if not bounds or bounds_in_order != sorted(bounds_in_order):
         report.add("quantity-text", path, "give 'min', 'typical' or 'max', in ascending order")
         return []
     possible_numbers = set(_possible_numbers(text, unit))
@@ -98,19 +101,19 @@ def _check_quantity(quantity: Quantity, text: str, path: Path, report: DocumentR
         if number not in possible_numbers:
             message = f"the text does not give {number} {unit}; one of the two is wrong"
             report.add("quantity-text", (*path, name), message)
-    return numbers
+    return bounds_in_order
 
 
 def _bounds_of(quantity: Quantity) -> dict[str, float]:
-    """Return the numbers of a quantity by their key, in ascending order if they are right."""
+    """Return the numbers of a quantity by their key, such as ``{"min": 4.5, "max": 5.5}``, in the order of the keys."""
     bounds = {"min": quantity.min, "typical": quantity.typical, "max": quantity.max}
     return {name: number for name, number in bounds.items() if number is not None}
 
 
 def _signed_numbers(text: str, unit: str) -> Iterator[tuple[str, Decimal]]:
-    """Yield each number with a unit in a text, with its sign. The first of two numbers may have the unit of both."""
-    end = _WRITTEN.get(unit, re.escape(unit))
-    for match in re.finditer(rf"{_NUMBER}(?= ?{end}(?!\w|/))", text):
+    """Yield each number with a unit in a text, with its sign: ``("±", 5)`` and ``("-", 20)``."""
+    unit_pattern = _WRITTEN.get(unit, re.escape(unit))
+    for match in re.finditer(rf"{_NUMBER}(?= ?{unit_pattern}(?!\w|/))", text):
         yield match["sign"].replace("−", "-"), Decimal(match["number"].replace(",", ""))
 
 
@@ -122,7 +125,7 @@ def _plain_numbers(text: str, unit: str) -> Iterator[Decimal]:
 
 
 def _possible_numbers(text: str, unit: str) -> Iterator[Decimal]:
-    """Yield each number with a unit in a text, and the bounds that its tolerances give."""
+    """Yield each number with a unit in a text, and the bounds that its tolerances, in the unit or in percent, give."""
     plain_numbers = list(_plain_numbers(text, unit))
     yield from plain_numbers
     tolerances = [number for sign, number in _signed_numbers(text, unit) if sign == "±"]
@@ -136,7 +139,7 @@ def _possible_numbers(text: str, unit: str) -> Iterator[Decimal]:
 
 
 def quantity_repeated(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a supply in a characteristic or a contact, and a threshold in a text, match those given elsewhere."""
+    """Check that the supply ranges and the thresholds in texts match 'supply' of the spec and 'below_mv' of alarms."""
     supply_ranges = _supply_ranges(spec)
     for characteristic in spec.characteristics:
         for index, quantity in enumerate(characteristic.part.values):
@@ -164,7 +167,7 @@ def _supply_ranges(spec: WrittenSpec) -> list[tuple[int, int]]:
 def _compare_supply(
     supply_range: tuple[int, int], ranges: list[tuple[int, int]], path: Path, report: DocumentReport
 ) -> None:
-    """Report a supply that is not one of these ranges in millivolts, if there are any."""
+    """Report a supply that is not one of ``ranges`` in millivolts, if there are any."""
     if ranges and supply_range not in ranges:
         ranges_text = listed([f"{low} to {high} mV" for low, high in ranges], "or")
         message = (
@@ -178,10 +181,10 @@ def _check_threshold(spec: WrittenSpec, alarm: Located[Alarm], report: DocumentR
     threshold_mv = alarm.part.below_mv
     if threshold_mv is None:
         return
-    texts = [((*alarm.path, "meaning"), alarm.part.meaning)]
+    located_texts = [((*alarm.path, "meaning"), alarm.part.meaning)]
     for flag in _flags_of(spec, alarm.part):
-        texts += [(flag.place_of("meaning"), flag.meaning), (flag.place_of("when_active"), flag.when_active)]
-    for path, text in texts:
+        located_texts += [(flag.place_of("meaning"), flag.meaning), (flag.place_of("when_active"), flag.when_active)]
+    for path, text in located_texts:
         for number, unit in _VOLTAGE.findall(text):
             if Decimal(number) * _MILLIVOLTS[unit] != threshold_mv:
                 message = (
@@ -192,22 +195,23 @@ def _check_threshold(spec: WrittenSpec, alarm: Located[Alarm], report: DocumentR
 
 
 def _flags_of(spec: WrittenSpec, alarm: Alarm) -> list[WrittenField]:
-    """Return the flag of an alarm, in its group or in its register."""
-    fields: list[WrittenField] = []
+    """Return the fields with the name of an alarm's flag, in its group and in its register."""
+    fields_of_owner: list[WrittenField] = []
     for group in spec.field_groups:
         if group.name == alarm.group:
-            fields += group.fields
+            fields_of_owner += group.fields
     for register in spec.registers:
         if register.name == alarm.register:
-            fields += register.fields
-    return [field for field in fields if field.name == alarm.field]
+            fields_of_owner += register.fields
+    return [field for field in fields_of_owner if field.name == alarm.field]
 
 
 def time_repeated(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a text does not contradict the times of its item, nor an erratum those of the facts it affects.
 
-    A text may also repeat one of the ``timings``, or a time of another item. Overlays and older editions change times
-    without changing every text, so they are not checked.
+    A text is compared with the times next to it, or else with those of its register, procedure, timing or input. It may
+    also repeat one of the ``timings``, or a time of another item. Overlays and older editions change times without
+    changing every text, so specs with either are not checked.
     """
     if report.document.other_files or report.document.family:
         return
@@ -230,7 +234,7 @@ def time_repeated(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -
 
 
 def _compare_symbols(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Report each timing whose meaning gives another time after its symbol, as in ``tw > 20 µs``."""
+    """Report each timing whose meaning gives only other times after its symbol, as in ``tw > 20 µs``."""
     for timing in timings(spec):
         if not timing.part.symbol:
             continue
@@ -242,7 +246,7 @@ def _compare_symbols(spec: WrittenSpec, report: DocumentReport) -> None:
 
 
 def _compare_errata(spec: WrittenSpec, named_times: set[int], report: DocumentReport) -> None:
-    """Report each erratum whose times differ from all times of the facts it affects."""
+    """Report each erratum with times of which none is that of a fact it affects, or of its only timing."""
     affected_places, times_below = Affected(spec.data), _TimesBelow()
     for erratum in spec.errata:
         used_matches = list(_ANY_TIME.finditer(erratum.used))
@@ -253,8 +257,8 @@ def _compare_errata(spec: WrittenSpec, named_times: set[int], report: DocumentRe
         for affected in dict.fromkeys(erratum.affects):
             facts += affected_places.at(affected)
         affected_times = set().union(*map(times_below.of, facts))
-        timings = [fact for fact in facts if _is_timing(fact)]
-        timing_times = times_below.of(timings[0]) if len(timings) == 1 else set()
+        affected_timings = [fact for fact in facts if _is_timing(fact)]
+        timing_times = times_below.of(affected_timings[0]) if len(affected_timings) == 1 else set()
         if affected_times and used_times.isdisjoint(affected_times | named_times):
             _report_time(used_matches[0], affected_times, erratum.place_of("used"), report)
         elif timing_times and used_times.isdisjoint(timing_times):
@@ -294,6 +298,7 @@ class _Elsewhere:
 
     def have(self, time: Decimal) -> bool:
         """Return True if a time is named, or occurs in another part."""
+        # If the part itself has the time, it is one of those counted.
         parts_to_exceed = 1 if time in self.own_times else 0
         return time in self.named or self.parts_with.get(time, 0) > parts_to_exceed
 
@@ -301,7 +306,7 @@ class _Elsewhere:
 def _compare_times(
     text: str, expected_times: set[int], elsewhere: _Elsewhere, place: Path, report: DocumentReport
 ) -> None:
-    """Report the first time of a text that differs from all of these, if there are any."""
+    """Report the first time to keep in a text that is neither expected nor elsewhere, if any times are expected."""
     if not expected_times:
         return
     for match in _KEPT_TIME.finditer(text):
@@ -312,6 +317,7 @@ def _compare_times(
 
 
 def _report_time(match: re.Match[str], expected_times: set[int], place: Path, report: DocumentReport) -> None:
+    """Report a time in a text, as matched by ``_TIME``, that is not one of the expected ones."""
     times_text = listed([nanoseconds(time) for time in sorted(expected_times)], "or")
     message = (
         f"the text says {match['number']} {match['unit']}, but the time here is {times_text}; "
@@ -325,7 +331,7 @@ def _nanoseconds(match: re.Match[str]) -> Decimal:
 
 
 def _times(node: Any) -> Iterator[int]:
-    """Yield every time below a place, in nanoseconds."""
+    """Yield every whole number below a place whose key ends in a unit of time, such as ``wait_ms``, in nanoseconds."""
     for path, value in leaves(node):
         unit = str(path[-1]).rpartition("_")[2] if path else ""
         if unit in _NANOSECONDS and isinstance(value, int):
@@ -333,10 +339,10 @@ def _times(node: Any) -> Iterator[int]:
 
 
 def _texts(node: Any, path: Path) -> Iterator[tuple[Path, str, set[int]]]:
-    """Yield every text below a place, with the times next to it."""
+    """Yield every text below a place, with its path and the times in the same map."""
     if isinstance(node, dict):
-        numbers = {key: value for key, value in node.items() if isinstance(value, int)}
-        nearby_times = set(_times(numbers))
+        numbers_by_key = {key: value for key, value in node.items() if isinstance(value, int)}
+        nearby_times = set(_times(numbers_by_key))
         for key, value in node.items():
             if isinstance(value, str) and key not in _NO_TEXTS:
                 yield (*path, key), value, nearby_times
@@ -348,7 +354,7 @@ def _texts(node: Any, path: Path) -> Iterator[tuple[Path, str, set[int]]]:
 
 
 def conversions(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that quantities that are given in two units are the same in both."""
+    """Check that quantities that are given in two units are the same in both, in ``values`` and within texts."""
     for characteristic in spec.characteristics:
         indices_by_quantity: dict[tuple[str, str], list[int]] = {}
         for index, quantity in enumerate(characteristic.part.values):
@@ -376,7 +382,7 @@ class _Number:
 
 
 def _compare_bounds(quantity: Quantity, first: Quantity, path: Path, report: DocumentReport) -> None:
-    """Report each bound that differs from that of the same quantity in another unit."""
+    """Report each bound that differs from the same bound of ``first``, the quantity in another unit."""
     first_bounds = _bounds_of(first)
     for name, number in _bounds_of(quantity).items():
         if name in first_bounds:
@@ -385,7 +391,11 @@ def _compare_bounds(quantity: Quantity, first: Quantity, path: Path, report: Doc
 
 
 def _compare_numbers(measured: _Number, printed: _Number, path: Path, report: DocumentReport) -> None:
-    """Report a number that differs from another one, in another unit, by more than rounding."""
+    """Report a number that differs from another one, in another unit, by more than rounding.
+
+    It may differ by 1 %, or by half of the last printed digit in either unit. A temperature may also be a difference,
+    which is converted without the offset. Two numbers whose units have no conversion are not compared.
+    """
     convert = _CONVERTED.get((measured.unit, printed.unit))
     if convert is None:
         return
@@ -404,13 +414,13 @@ def _compare_numbers(measured: _Number, printed: _Number, path: Path, report: Do
 
 
 def _half_digit(number: Decimal | float) -> float:
-    """Return half a unit of the last digit of a number as it is printed."""
+    """Return half a unit of the last digit of a number as it is printed: 0.05 for 2.5."""
     exponent = Decimal(str(number)).as_tuple().exponent
     return 0.5 * 10.0**exponent if isinstance(exponent, int) else 0.0
 
 
 def column_units(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a table has one unit per column, and numbers in the columns that have a unit."""
+    """Check that a table with units has one per column, and only numbers in the columns whose unit is not empty."""
     for table in spec.tables:
         units, columns = table.part.units, table.part.columns
         if not units:
@@ -419,19 +429,21 @@ def column_units(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
             counts = f"{counted(len(columns), 'column')} but {counted(len(units), 'unit')}"
             report.add("column-units", (*table.path, "units"), f'the table has {counts}; give one for each, or ""')
             continue
-        for row, cells in enumerate(table.part.rows):
+        for row_index, cells in enumerate(table.part.rows):
             # Another rule reports a row with too few or too many cells.
-            for column, (unit, cell) in enumerate(zip(units, cells, strict=False)):
+            for column_index, (unit, cell) in enumerate(zip(units, cells, strict=False)):
                 if unit and not _CELL.fullmatch(cell):
                     message = f"{quoted(cell)} is not a number, but the column has the unit {unit}"
-                    report.add("column-units", (*table.path, "rows", row, column), message)
+                    report.add("column-units", (*table.path, "rows", row_index, column_index), message)
 
 
 def table_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that each row of a table has one cell per column."""
     for table in spec.tables:
-        columns = len(table.part.columns)
-        for index, row in enumerate(table.part.rows):
-            if len(row) != columns:
-                message = f"the row has {counted(len(row), 'cell')}, but the table has {counted(columns, 'column')}"
-                report.add("table-shape", (*table.path, "rows", index), message)
+        column_count = len(table.part.columns)
+        for row_index, row in enumerate(table.part.rows):
+            if len(row) != column_count:
+                message = (
+                    f"the row has {counted(len(row), 'cell')}, but the table has {counted(column_count, 'column')}"
+                )
+                report.add("table-shape", (*table.path, "rows", row_index), message)

@@ -29,7 +29,10 @@ _NS_PER_S, _NS_PER_US = 1_000_000_000, 1000
 
 
 def round_rates(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that rates have few significant digits, as in data sheets, unless a note of the interface gives them."""
+    """Check that rates have at most three significant digits, as in data sheets.
+
+    Slow rates and standard baud rates are accepted, and so is a rate that a note of the interface gives.
+    """
     if is_second(report.document.file):  # It has no notes.
         return
     for _, interface in interfaces(spec):
@@ -46,7 +49,7 @@ def round_rates(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
 
 
 def _rates(interface: WrittenInterface) -> Iterator[tuple[Path, int, str]]:
-    """Yield the clocks and the baud rate of an interface, with their places and units."""
+    """Yield the limits of the clock and for cables, or the baud rate, of an interface, with their places and units."""
     if isinstance(interface, WrittenRs485):
         if interface.port.is_valid("baud"):
             yield (*interface.port.path, "baud"), interface.port.part.baud, "baud"
@@ -62,7 +65,10 @@ def _rates(interface: WrittenInterface) -> Iterator[tuple[Path, int, str]]:
 
 
 def rates_of_lines(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that no clock or baud rate is above the 10 MHz of RS-422 and RS-485, unless an erratum explains it."""
+    """Check that no clock or baud rate is above the 10 MHz of RS-422 and RS-485, unless an erratum explains it.
+
+    An interface has such lines if it is RS-485 or its signals say so. Clocks for cables have a rule of their own.
+    """
     for name, interface in interfaces(spec):
         if isinstance(interface, WrittenSpi):
             continue
@@ -78,7 +84,10 @@ def rates_of_lines(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
 
 
 def monoflop(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the monoflop time of SSI is between half a period of the slowest clock and the pause."""
+    """Check that the monoflop time of SSI is between half a period of the slowest clock and the pause.
+
+    The shortest time that a timing gives counts, for the pause only a guaranteed one. An erratum explains others.
+    """
     ssi = spec.interfaces.ssi
     timings = {timing.part.name: timing for timing in ssi.timings} if ssi is not None else {}
     if ssi is None or _MONOFLOP not in timings:
@@ -105,7 +114,7 @@ def monoflop(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> Non
 
 
 def _shortest(timing: Located[Timing]) -> tuple[int | None, str]:
-    """Return the shortest time that a timing gives, with its key."""
+    """Return the shortest guaranteed or else the typical time of a timing, with its key, or ``(None, "")``."""
     part = timing.part
     for key, time_us in (("at_least_us", part.at_least_us), ("typical_us", part.typical_us)):
         if time_us is not None:
@@ -114,7 +123,7 @@ def _shortest(timing: Located[Timing]) -> tuple[int | None, str]:
 
 
 def cable_clocks(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the clocks for cables are above the slowest clock, except for one row that begins there."""
+    """Check that each clock limit for cables is within the limits of the clock, unless an erratum explains it."""
     ssi = spec.interfaces.ssi
     if ssi is None or explained(report.document, "interfaces", "ssi", "clock", "min_hz"):
         return
@@ -134,7 +143,10 @@ def cable_clocks(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
 
 
 def timeouts_and_clocks(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a BiSS time-out is longer than half a clock period, and a whole number of half periods."""
+    """Check that a BiSS time-out is longer than half a clock period and, if it follows the clock, in half periods.
+
+    Printed time-outs without a rule are then whole numbers of half periods, apart from rounding to nanoseconds.
+    """
     biss = spec.interfaces.biss
     timeout = biss.timeout if biss is not None else None
     if biss is None or timeout is None or explained(report.document, *map(str, timeout.path), "printed"):

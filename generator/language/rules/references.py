@@ -37,32 +37,38 @@ _NUMBER = "digits"
 
 
 def field_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check the references of fields and layouts: groups, CRCs, sibling fields, data IDs."""
+    """Check the references of fields and layouts: groups, CRCs, sibling fields, joined numbers, parameters, data IDs.
+
+    A group may use data IDs, because its interface is not known.
+    """
     resolver = NameResolver(raw, report)
-    for fields in field_lists(spec):
-        names = list(field_names(fields, resolver.groups))
-        has_data_ids = fields.kind is Has.GROUP or bool(_data_ids(raw, fields.interface))
-        for field in fields.fields:
-            _check_field(field, names, list(fields.joins), resolver)
+    for field_list in field_lists(spec):
+        names = list(field_names(field_list, resolver.groups))
+        has_data_ids = field_list.kind is Has.GROUP or bool(_data_ids(raw, field_list.interface))
+        for field in field_list.fields:
+            _check_field(field, names, list(field_list.joins), resolver)
             if field.values_of and not has_data_ids:
-                problem = f"the interface {quoted(fields.interface)} has no table of data IDs"
+                problem = f"the interface {quoted(field_list.interface)} has no table of data IDs"
                 message = f"{problem}; list the values with 'values'"
                 report.add("undefined-reference", field.place_of("values_of"), message)
-        _check_layout(fields, names, resolver)
+        _check_layout(field_list, names, resolver)
 
 
 def _data_ids(raw: WrittenSpec, interface: str) -> object:
-    """Return the table of data IDs of an interface as read, in any shape."""
+    """Return the table of data IDs of an interface as read, in any shape, or None if there is none."""
     return WrittenRs485(raw.interfaces.data.get(interface)).data.get("data_ids")
 
 
 def _check_layout(fields: FieldList, names: Sequence[str], resolver: NameResolver) -> None:
-    """Check the names in the Gray code, the identification and the joined numbers of a layout or register."""
+    """Check the names in the Gray code, the identification and the joined numbers of a layout or register.
+
+    ``names`` are its fields, with those of groups.
+    """
     layout, path = fields.layout, fields.owner.path
     gray = layout.gray if layout is not None else None
     if gray is not None:
-        numbers = [*names, *fields.joins]
-        resolver.refer_if_given(gray.place_of("of"), "field or joined number", gray.of, numbers)
+        number_names = [*names, *fields.joins]
+        resolver.refer_if_given(gray.place_of("of"), "field or joined number", gray.of, number_names)
         resolver.refer_if_given(gray.place_of("when"), "parameter", gray.when)
     for name in fields.selectors:
         resolver.refer((*path, "when", name), "field", name, names)
@@ -76,6 +82,7 @@ def _check_field(field: WrittenField, names: Sequence[str], joins: Sequence[str]
     resolver.refer_if_given(field.place_of("crc"), "CRC", field.crc)
     siblings = [name for name in names if name != field.name]
     parity_path = field.place_of("parity_of")
+    # A single name may be written without a list. Then its path has no index.
     is_single_name = isinstance(field.data.get("parity_of"), str)
     for index, name in enumerate(field.parity_of):
         name_path = parity_path if is_single_name else (*parity_path, index)
@@ -95,34 +102,34 @@ def register_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
             report.add("undefined-reference", register.path, message)
         if register.opened_by is not None:
             _check_opener(register.opened_by, resolver)
-        fields = FieldList(Has.REGISTER, register, "")
-        numbers = [*field_names(fields, resolver.groups), *register.join]
+        field_list = FieldList(Has.REGISTER, register, "")
+        number_names = [*field_names(field_list, resolver.groups), *register.join]
         limits_path = register.place_of("limits_of")
-        resolver.refer_if_given(limits_path, "field or joined number", register.limits_of, numbers)
+        resolver.refer_if_given(limits_path, "field or joined number", register.limits_of, number_names)
         resolver.refer_to_each(register.place_of("write_clears"), "register", register.write_clears)
         for meaning in register.meanings:
             _check_meaning(meaning, resolver)
 
 
 def _check_opener(opener: WrittenOpenedBy, resolver: NameResolver) -> None:
-    """Check the register, the field and the value that open another register."""
+    """Check the register, the field and the value that open another register, each if the one before exists."""
     name = opener.register
     resolver.refer_if_given(opener.place_of("register"), "register", name)
     if name not in resolver.registers:
         return
-    fields = resolver.bits(name)
-    resolver.refer_if_given(opener.place_of("field"), f"field of {quoted(name)} called", opener.field, fields)
-    if opener.field not in ("", *fields):
+    names_of_fields = resolver.bits(name)
+    resolver.refer_if_given(opener.place_of("field"), f"field of {quoted(name)} called", opener.field, names_of_fields)
+    if opener.field not in ("", *names_of_fields):
         return
-    values = resolver.values(name, opener.field)
-    resolver.refer_if_given(opener.place_of("value"), f"value of {quoted(name)} called", opener.value, values)
-    if not opener.field and opener.value in values and len(fields) > 1:
+    names_of_values = resolver.values(name, opener.field)
+    resolver.refer_if_given(opener.place_of("value"), f"value of {quoted(name)} called", opener.value, names_of_values)
+    if not opener.field and opener.value in names_of_values and len(names_of_fields) > 1:
         problem = f"{quoted(name)} has several fields; add 'field' with the name of the field"
         resolver.report_problem(opener.place_of("value"), f"{problem} that must hold {quoted(opener.value)}")
 
 
 def _check_meaning(meaning: WrittenRegisterMeaning, resolver: NameResolver) -> None:
-    """Check the field that selects the meaning of a register, and its value."""
+    """Check the field that selects the meaning of a register, written as ``register.field``, and its value."""
     resolver.refer_to_bit(meaning.place_of("when"), meaning.when)
     name, _, field = meaning.when.partition(".")
     if name in resolver.registers and field in resolver.bits(name):
@@ -131,7 +138,10 @@ def _check_meaning(meaning: WrittenRegisterMeaning, resolver: NameResolver) -> N
 
 
 def device_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check the references of parameters, hardware inputs, the measurement and BiSS as a whole."""
+    """Check the references of parameters, hardware inputs, measurements and the register that selects banks.
+
+    A measurement names a field or joined number that some frame has.
+    """
     resolver = NameResolver(raw, report)
     for parameter in spec.parameters.values():
         if parameter.read_from:
@@ -141,12 +151,12 @@ def device_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
         for key, text in (("inverts", hardware_input.part.inverts), ("needs", hardware_input.part.needs)):
             if text:
                 resolver.refer_to_bit((*hardware_input.path, key), text)
-    readable: dict[str, None] = {}
-    for fields in layouts(raw):
-        readable |= dict.fromkeys(readable_names(fields, resolver.groups))
+    readable_values: dict[str, None] = {}
+    for frame in layouts(raw):
+        readable_values |= dict.fromkeys(readable_names(frame, resolver.groups))
     for measurement in measurements(spec):
         if measurement.has("of"):
-            resolver.refer((*measurement.path, "of"), "field or joined number", measurement.part.of, readable)
+            resolver.refer((*measurement.path, "of"), "field or joined number", measurement.part.of, readable_values)
             _check_measured_field(measurement, raw, resolver, report)
     biss = spec.interfaces.biss
     if biss is not None:
@@ -156,23 +166,27 @@ def device_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
 def _check_measured_field(
     measurement: Located[Measurement], raw: WrittenSpec, resolver: NameResolver, report: DocumentReport
 ) -> None:
-    """Check that a field with the measured position is a number in at least one frame."""
+    """Check that a field with the measured position is a number in at least one frame of the encoder.
+
+    For the measurement of an interface, only its frames count.
+    """
     name, path = measurement.part.of, measurement.path
     is_of_device = path == ("measurement",)
-    kinds = []
-    for fields in layouts(raw):
-        is_measured = is_of_device or fields.interface in path
-        field = field_names(fields, resolver.groups).get(name)
-        if is_measured and fields.is_from_encoder and field is not None:
-            kinds.append(_kind_of(field))
-    if kinds and _NUMBER not in kinds:
-        problem = f"{quoted(name)} has {quoted(kinds[0])}, so it is not a number"
+    kinds_in_frames = []
+    for frame in layouts(raw):
+        # The path of a measurement of an interface contains the name of the interface.
+        is_measured = is_of_device or frame.interface in path
+        field = field_names(frame, resolver.groups).get(name)
+        if is_measured and frame.is_from_encoder and field is not None:
+            kinds_in_frames.append(_kind_of(field))
+    if kinds_in_frames and _NUMBER not in kinds_in_frames:
+        problem = f"{quoted(name)} has {quoted(kinds_in_frames[0])}, so it is not a number"
         message = f"{problem}; name the field that holds the position"
         report.add("measurement-shape", (*path, "of"), message)
 
 
 def _kind_of(field: WrittenField) -> str:
-    """Return the key for the kind of a field, or ``digits`` for a number."""
+    """Return the first key of a field that makes it something other than a number, such as ``crc``, or ``digits``."""
     kinds = [key for key in KINDS if field.has(key)]
     return kinds[0] if kinds else _NUMBER
 
@@ -192,7 +206,7 @@ def alarm_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
 
 
 def _check_flag(alarm: Alarm, path: Path, resolver: NameResolver) -> None:
-    """Check that the register or the group of an alarm has its flag."""
+    """Check that the register, or otherwise the group, of an alarm has its flag, if the owner exists."""
     owner_name = alarm.register or alarm.group
     owner = resolver.registers.get(owner_name) if alarm.register else resolver.groups.get(owner_name)
     if owner is not None:
@@ -200,28 +214,28 @@ def _check_flag(alarm: Alarm, path: Path, resolver: NameResolver) -> None:
 
 
 def by_hand_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that manual remedies refer to a characteristic with numbered steps."""
+    """Check that manual remedies name characteristics whose text has numbered steps."""
     resolver = NameResolver(raw, report)
     characteristics = by_part_name(raw.characteristics).items()
-    with_steps = [name for name, characteristic in characteristics if has_steps(characteristic.part.value)]
+    names_with_steps = [name for name, characteristic in characteristics if has_steps(characteristic.part.value)]
     for path, names in _remedies_by_hand(spec):
-        resolver.refer_to_each((*path, "by_hand"), "characteristic with numbered steps called", names, with_steps)
+        resolver.refer_to_each((*path, "by_hand"), "characteristic with numbered steps called", names, names_with_steps)
 
 
 def _remedies_by_hand(spec: WrittenSpec) -> Iterator[tuple[Path, Sequence[str]]]:
-    """Yield the names of the characteristics with the steps for an alarm, a state of an LED or a flag, and its path."""
+    """Yield the path of each alarm, LED state and field, with the characteristics that contain its manual remedy."""
     for alarm in spec.alarms:
         yield alarm.path, alarm.part.by_hand
     for led in spec.leds:
         for index, state in enumerate(led.part.states):
             yield (*led.path, "states", index), state.by_hand
-    for fields in field_lists(spec):
-        for field in fields.fields:
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
             yield field.path, field.by_hand
 
 
 def procedure_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check the references of procedures: their interface, registers, values and data IDs."""
+    """Check the references of procedures: interface, registers of arguments and steps, their values, data IDs."""
     resolver = NameResolver(raw, report)
     for procedure in spec.procedures:
         resolver.refer_if_given(procedure.place_of("interface"), "interface", procedure.interface)
@@ -239,25 +253,28 @@ def procedure_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRe
 
 
 def _check_step(step: WrittenStep, procedure: WrittenProcedure, resolver: NameResolver) -> None:
-    """Check the register of a step, with its field and its value."""
+    """Check the register of a step, its field, and its value if both exist."""
     name = step.register
     resolver.refer_if_given(step.place_of("register"), "register", name)
     register = resolver.registers.get(name)
     if register is None:
         return
-    fields = resolver.bits(name)
-    resolver.refer_if_given(step.place_of("field"), f"field of {quoted(name)} called", step.field, fields)
-    if step.field in ("", *fields):
+    names_of_fields = resolver.bits(name)
+    resolver.refer_if_given(step.place_of("field"), f"field of {quoted(name)} called", step.field, names_of_fields)
+    if step.field in ("", *names_of_fields):
         _check_written_value(step, register, [argument.name for argument in procedure.arguments], resolver)
 
 
 def _check_written_value(
     step: WrittenStep, register: WrittenRegister, arguments: Sequence[str], resolver: NameResolver
 ) -> None:
-    """Check that a step writes an argument or a value of its field, and that other bits keep theirs."""
+    """Check that a step writes an argument or a value of its field, and that other bits keep theirs.
+
+    Without a field, the step writes the whole register. Then a named value of one of several fields is an error.
+    """
     name, path = step.register, step.place_of("value")
-    values = [*resolver.values(name, step.field), *arguments]
-    resolver.refer_if_given(path, f"argument, or value of {quoted(name)}, called", step.value, values)
+    possible_values = [*resolver.values(name, step.field), *arguments]
+    resolver.refer_if_given(path, f"argument, or value of {quoted(name)}, called", step.value, possible_values)
     # The value of one field, written to the whole register, would change its other bits.
     is_value_of_field = step.value in resolver.values(name) and step.value not in arguments
     if not step.field and is_value_of_field and has_other_bits(register, resolver.groups):
@@ -268,9 +285,9 @@ def _check_written_value(
 
 
 def example_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check the references of examples: their subject, the fields with values, and errata."""
+    """Check the references of examples: their subject, the arguments and fields with values, and errata."""
     resolver = NameResolver(raw, report)
-    known_layouts = {fields.name: fields for fields in layouts(raw) if fields.name}
+    known_layouts = {frame.name: frame for frame in layouts(raw) if frame.name}
     for example in spec.examples:
         resolver.refer_if_given(example.place_of("procedure"), "procedure", example.procedure)
         resolver.refer_if_given(example.place_of("erratum"), "erratum", example.erratum)
@@ -288,12 +305,12 @@ def example_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
 def _check_example_values(
     example: WrittenExample, known_layouts: Mapping[str, FieldList], resolver: NameResolver
 ) -> None:
-    """Check that the layout or register of an example has the fields whose values it gives."""
-    fields = known_layouts.get(example.layout)
-    if fields is None and example.register in resolver.registers:
-        fields = FieldList(Has.REGISTER, resolver.registers[example.register], "")
-    if fields is not None:
-        names = readable_names(fields, resolver.groups)
+    """Check that the layout of an example, or else its register, has the fields whose values it gives."""
+    field_list = known_layouts.get(example.layout)
+    if field_list is None and example.register in resolver.registers:
+        field_list = FieldList(Has.REGISTER, resolver.registers[example.register], "")
+    if field_list is not None:
+        names = readable_names(field_list, resolver.groups)
         for name in example.values:
             resolver.refer((*example.path, "values", name), "field", name, names)
 
@@ -303,23 +320,26 @@ _LISTS = ("layouts", "fields", "combinations")
 
 
 def erratum_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that each path affected by an erratum exists."""
+    """Check that each path affected by an erratum exists and omits the lists of layouts, fields and combinations.
+
+    A path such as ``interfaces.biss.word.crc`` is followed step by step. The first missing step is reported.
+    """
     resolver = NameResolver(raw, report)
-    # Many errata affect the same places, so the steps of each place are found once.
-    steps_by_node: dict[int, dict[str, Any]] = {}
+    # The possible next steps of each map or list by its id, because many errata affect the same places.
+    next_nodes_by_id: dict[int, dict[str, Any]] = {}
     for erratum in spec.errata:
         for index, affected in enumerate(erratum.affects):
             steps = affected.split(".")
-            short_steps = [*(step for step in steps[:-1] if step not in _LISTS), steps[-1]]
-            if len(short_steps) < len(steps):
-                problem = f"no output would find {quoted(affected)}; write {'.'.join(short_steps)}"
+            steps_without_lists = [*(step for step in steps[:-1] if step not in _LISTS), steps[-1]]
+            if len(steps_without_lists) < len(steps):
+                problem = f"no output would find {quoted(affected)}; write {'.'.join(steps_without_lists)}"
                 report.add("undefined-reference", (*erratum.path, "affects", index), problem)
                 continue
             node: Any = raw.data
             for step in steps:
-                if id(node) not in steps_by_node:
-                    steps_by_node[id(node)] = dict(_next_steps(node))
-                next_nodes = steps_by_node[id(node)]
+                if id(node) not in next_nodes_by_id:
+                    next_nodes_by_id[id(node)] = dict(_next_steps(node))
+                next_nodes = next_nodes_by_id[id(node)]
                 if step not in next_nodes:
                     kind = f"place {quoted(affected)} in this spec: there is no"
                     resolver.refer((*erratum.path, "affects", index), kind, step, next_nodes)
@@ -328,9 +348,10 @@ def erratum_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
 
 
 def _next_steps(node: Any) -> Iterator[tuple[str, Any]]:
-    """Yield the possible next steps of a path: keys and names.
+    """Yield the possible next steps of a path from a map or list, each with the data to which it leads.
 
-    For a map these include the names in its lists, as in ``interfaces.biss.word``.
+    These are the keys of a map, the names of items in its lists, and the names in ``values``: in
+    ``interfaces.biss.word``, ``word`` is an item of ``layouts``.
     """
     if isinstance(node, list):
         for list_member in node:
@@ -364,12 +385,12 @@ def expressions(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
 def printed_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers, fields and errata named in the manual's list of defaults exist."""
     resolver = NameResolver(raw, report)
-    for row in spec.printed_defaults:
-        resolver.refer_if_given(row.place_of("register"), "register", row.register)
-        if row.register in resolver.registers:
-            kind = f"field of {quoted(row.register)} called"
-            resolver.refer_if_given(row.place_of("field"), kind, row.field, resolver.bits(row.register))
-        resolver.refer_if_given(row.place_of("erratum"), "erratum", row.erratum)
+    for printed in spec.printed_defaults:
+        resolver.refer_if_given(printed.place_of("register"), "register", printed.register)
+        if printed.register in resolver.registers:
+            kind = f"field of {quoted(printed.register)} called"
+            resolver.refer_if_given(printed.place_of("field"), kind, printed.field, resolver.bits(printed.register))
+        resolver.refer_if_given(printed.place_of("erratum"), "erratum", printed.erratum)
 
 
 def connector_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
@@ -380,10 +401,10 @@ def connector_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRe
 
 
 def unused_crc(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that each CRC is a field of some frame, or has a note."""
+    """Check that each CRC is that of a field in some list of fields, or has a note."""
     used_crcs: set[str] = set()
-    for fields in field_lists(raw):
-        used_crcs |= {field.crc for field in fields.fields if field.crc}
+    for field_list in field_lists(raw):
+        used_crcs |= {field.crc for field in field_list.fields if field.crc}
     if not used_crcs <= by_part_name(raw.crcs).keys():
         return  # A misspelt name, which another rule reports, may be meant as the unused CRC.
     for crc in spec.crcs:
@@ -396,7 +417,10 @@ def unused_crc(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> N
 
 
 def evidence_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check the names of documents, implementations and examples in the evidence."""
+    """Check the names of documents, implementations and examples in the evidence.
+
+    The manual is a document too, under ``manual`` and the language of each edition.
+    """
     resolver, evidence, documents = NameResolver(raw, report), spec.evidence, raw.names_in("documents")
     languages = [edition.part.language for edition in raw.manual.editions]
     for key in evidence.part.documents:

@@ -16,6 +16,7 @@ from .walk import leaves, leaves_of
 #: Name of a device description file: idbiss and the manufacturer ID in hexadecimal.
 _DESCRIPTION_FILE = re.compile(r"idbiss([0-9A-Fa-f]+)\.xml")
 _ALIGNMENTS = {"left": "msb_left", "right": "lsb_right"}
+#: A bit and the side to which it is aligned, as in ``MSB left-aligned`` and ``LSB aligned to the right``.
 _ALIGNED = re.compile(r"\b[ML]SB (?:(?=\w+[ -]aligned)|aligned to the )(left|right)\b", re.IGNORECASE)
 _NUMBERS = {"one": 1, "two": 2, "nine": 9, "ten": 10, "eleven": 11, "twelve": 12}
 _STOP_BITS = re.compile(r"\b(one|two|[12]) stop bits?\b", re.IGNORECASE)
@@ -24,14 +25,17 @@ _PARITY = re.compile(r"\b(no|even|odd) parity\b", re.IGNORECASE)
 
 
 def description_file(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the name of the description file contains the manufacturer ID of the register."""
+    """Check that the name of the description file of BiSS contains the manufacturer ID of the register.
+
+    This ID is two ASCII characters, and in the name their four hexadecimal digits.
+    """
     biss = spec.interfaces.biss
     file_name = _DESCRIPTION_FILE.fullmatch(biss.description_file) if biss is not None else None
     register = by_name(spec.registers).get("manufacturer_id")
     if biss is None or file_name is None or register is None or interface_of(register) != Biss.name:
         return
-    texts = [field.equals for field in register.fields if isinstance(field.equals, str) and field.equals.isascii()]
-    manufacturer_id = "".join(texts).encode("ascii").hex()
+    id_texts = [field.equals for field in register.fields if isinstance(field.equals, str) and field.equals.isascii()]
+    manufacturer_id = "".join(id_texts).encode("ascii").hex()
     if len(manufacturer_id) == 4 and manufacturer_id != file_name[1].casefold():
         message = (
             f"the file is for the manufacturer ID {file_name[1].upper()}h, but the register 'manufacturer_id' has"
@@ -41,16 +45,16 @@ def description_file(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
 
 
 def alignment(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the SSI word has the alignment that the contents and the order code name, if these name one."""
+    """Check that the SSI word has the alignment that the contents and the order code name, if these name only one."""
     ssi = spec.interfaces.ssi
-    titles = [section.title for section in spec.manual.contents.values()]
+    texts = [section.title for section in spec.manual.contents.values()]
     for part in spec.order_code.parts:
-        titles += [value.meaning for value in part.values.values()]
-    words = [_ALIGNED.findall(title) for title in titles]
-    named = {_ALIGNMENTS[word.casefold()] for found_words in words for word in found_words}
-    if ssi is None or len(named) != 1 or explained(report.document, "interfaces", "ssi", "alignment"):
+        texts += [value.meaning for value in part.values.values()]
+    sides_by_text = [_ALIGNED.findall(title) for title in texts]
+    named_alignments = {_ALIGNMENTS[side.casefold()] for sides in sides_by_text for side in sides}
+    if ssi is None or len(named_alignments) != 1 or explained(report.document, "interfaces", "ssi", "alignment"):
         return
-    named_alignment = named.pop()
+    named_alignment = named_alignments.pop()
     if ssi.alignment and ssi.alignment != named_alignment:
         message = (
             f"the contents of the manual or the order code name {quoted(named_alignment)}; correct one of the two. If"
@@ -60,20 +64,21 @@ def alignment(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> No
 
 
 def serial_port(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the texts of an RS-485 interface have the stop bits, parity and bits per character of its port."""
+    """Check that the note of an RS-485 interface has the stop bits, parity and bits per character of its port."""
     rs485 = spec.interfaces.rs485
     if rs485 is None or not rs485.port.data:
         return
     port = rs485.port.part
     parity_bits = 0 if port.parity == "none" else 1
-    numbers = {
+    words_by_key = {
         "stop_bits": (_STOP_BITS, str(port.stop_bits)),
         "parity": (_PARITY, {"none": "no"}.get(port.parity, port.parity)),
     }
     for path, text in leaves({"note": rs485.note}):
+        # Only if a text counts the start bit, its number of bits is that of the whole character.
         if "start bit" in text:
-            numbers["data_bits"] = (_CHARACTER, str(1 + port.data_bits + parity_bits + port.stop_bits))
-        _compare_with_port(text, numbers, (*rs485.path, *path), rs485, report)
+            words_by_key["data_bits"] = (_CHARACTER, str(1 + port.data_bits + parity_bits + port.stop_bits))
+        _compare_with_port(text, words_by_key, (*rs485.path, *path), rs485, report)
 
 
 def _compare_with_port(
@@ -83,7 +88,10 @@ def _compare_with_port(
     rs485: WrittenRs485,
     report: DocumentReport,
 ) -> None:
-    """Report the first words of a text that contradict a setting of the port."""
+    """Report the first words of a text that contradict a setting of the port.
+
+    ``numbers`` has for each key the pattern of its words and the number or word that is right: ``"1"`` or ``"even"``.
+    """
     for key, (pattern, expected) in numbers.items():
         for word in pattern.findall(text):
             if str(_NUMBERS.get(word.casefold(), word.casefold())) != expected:
@@ -96,7 +104,7 @@ def _compare_with_port(
 
 
 def bounds(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the two bounds of a quantity are different numbers."""
+    """Check that the lowest and the highest number of a quantity are different."""
     for characteristic in spec.characteristics:
         for index, value in enumerate(characteristic.part.values):
             if value.min is not None and value.min == value.max:
@@ -105,13 +113,13 @@ def bounds(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
 
 
 def numbers_of_conditions(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the numbers in the condition of a quantity are in the text of the characteristic."""
+    """Check that the numbers in ``where``, the condition of a quantity, are in the text of the characteristic."""
     for characteristic in spec.characteristics:
         printed_numbers = set(_NUMBER.findall(characteristic.part.value))
         for index, value in enumerate(characteristic.part.values):
-            unknown = [number for number in _NUMBER.findall(value.where) if number not in printed_numbers]
-            if unknown:
-                message = f"'where' has {unknown[0]}, which the text does not have; correct one of the two"
+            missing_numbers = [number for number in _NUMBER.findall(value.where) if number not in printed_numbers]
+            if missing_numbers:
+                message = f"'where' has {missing_numbers[0]}, which the text does not have; correct one of the two"
                 report.add("quantity-text", (*characteristic.path, "values", index, "where"), message)
 
 
@@ -120,19 +128,24 @@ _HEX_CELL = re.compile(r"(?:0x)?([0-9A-F]+)h?")
 
 
 def address_tables(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a table with first and last addresses has ranges, written with equally many digits."""
+    """Check that a table with first and last addresses has ranges in ascending order, with equally many digits.
+
+    Rows in which one of the two is not a hexadecimal number are skipped.
+    """
     for table in spec.tables:
-        columns = [column.casefold() for column in table.part.columns]
-        places = [index for index, column in enumerate(columns) if column in ("first address", "last address")]
-        if len(places) != 2:
+        column_names = [column.casefold() for column in table.part.columns]
+        address_columns = [
+            index for index, column in enumerate(column_names) if column in ("first address", "last address")
+        ]
+        if len(address_columns) != 2:
             continue
         for row_index, row in enumerate(table.part.rows):
-            cells = [row[place] for place in places if place < len(row)]
-            digits = [match[1] for match in map(_HEX_CELL.fullmatch, cells) if match is not None]
-            if len(digits) != 2:
+            cells = [row[place] for place in address_columns if place < len(row)]
+            hex_digits = [match[1] for match in map(_HEX_CELL.fullmatch, cells) if match is not None]
+            if len(hex_digits) != 2:
                 continue
-            path = (*table.path, "rows", row_index, places[0])
-            if len(digits[0]) != len(digits[1]) or int(digits[0], 16) > int(digits[1], 16):
+            path = (*table.path, "rows", row_index, address_columns[0])
+            if len(hex_digits[0]) != len(hex_digits[1]) or int(hex_digits[0], 16) > int(hex_digits[1], 16):
                 message = f"{cells[0]} to {cells[1]} is not a range of addresses; correct one of the two"
                 report.add("table-shape", path, message)
 
@@ -143,7 +156,10 @@ _SHORTEST_START = 5
 
 
 def swapped_letters(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that no text has the start of an order code with two characters swapped, such as ABC12 for ABC21."""
+    """Check that no text has the characters of the start of an order code in another order, such as ABC12 for ABC21.
+
+    The start is the text before the first part. One that is short is not compared.
+    """
     start = spec.order_code.pattern.partition("{")[0].strip("-/ ")
     if len(start) < _SHORTEST_START:
         return

@@ -24,7 +24,7 @@ _MAPS_OF_SETS = frozenset(("only_with", "open_only_with"))
 
 
 def repeated_item(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that no item of a list that is a set occurs twice."""
+    """Check that no item of a list that is a set, by its key, occurs twice."""
     for path, set_items in _unique_lists((), spec.data):
         for index, set_item in enumerate(set_items):
             first_index = set_items.index(set_item)
@@ -38,7 +38,11 @@ def repeated_item(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -
 
 
 def _unique_lists(path: Path, node: Any) -> Iterator[tuple[Path, list[Any]]]:
-    """Yield every list that is a set, at a place and below it."""
+    """Yield every list that is a set, at a place and below it, with its path.
+
+    The key of a list decides, or that of the map in which it is: both ``sums_up`` and each list in ``only_with`` are
+    sets.
+    """
     if isinstance(node, list):
         is_in_map_of_sets = len(path) > 1 and path[-2] in _MAPS_OF_SETS
         if path[-1] in _SETS or is_in_map_of_sets:
@@ -59,21 +63,21 @@ class _NamedText(NamedTuple):
 
 
 def repeated_text(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that registers, fields of a frame, and values of a field do not have the text of a neighbour."""
+    """Check that registers of a bank, fields of a frame, and values of a field do not have the text of a neighbour."""
     registers_by_bank: dict[object, list[WrittenRegister]] = {}
     for register in spec.registers:
         registers_by_bank.setdefault((interface_of(register), register.bank), []).append(register)
     for registers in registers_by_bank.values():
         _report_repeated("printed_name", map(_printed_name_of, registers), report)
-    for fields in field_lists(spec):
-        data_fields = filter(_has_data, fields.fields)
+    for field_list in field_lists(spec):
+        data_fields = filter(_has_data, field_list.fields)
         _report_repeated("printed_name", map(_printed_name_of, data_fields), report)
-        for field in fields.fields:
+        for field in field_list.fields:
             _check_values(field, report)
 
 
 def _check_values(field: WrittenField, report: DocumentReport) -> None:
-    """Check that the values of a field do not have the same printed name or the same meaning."""
+    """Check that the values of a field do not have the same printed name or the same meaning of several words."""
     printed_names, meanings = [], []
     for name, value in field.values.items():
         printed_names.append(_NamedText(value.printed_name, name, value.place_of("printed_name")))
@@ -85,18 +89,19 @@ def _check_values(field: WrittenField, report: DocumentReport) -> None:
 
 
 def _printed_name_of(part: WrittenRegister | WrittenField) -> _NamedText:
+    """Return the printed name of a part, with its name or, without one, its index."""
     return _NamedText(part.printed_name, part.name or str(part.path[-1]), part.place_of("printed_name"))
 
 
 def _has_data(field: WrittenField) -> bool:
-    """Return True for a field with data. Each word of a frame can have its own check bits with the same names."""
+    """Return True for a field that is neither fixed nor a check. Each word of a frame can repeat the names of these."""
     is_fixed = field.constant is not None or field.unused is not None
     is_check = bool(field.crc or field.parity_of)
     return not is_fixed and not is_check
 
 
 def _report_repeated(key: str, texts: Iterable[_NamedText], report: DocumentReport) -> None:
-    """Report every text under a key that an earlier neighbour has."""
+    """Report every text under a key that an earlier neighbour of another name has. Empty texts are missing ones."""
     first_names: dict[str, str] = {}
     for text, name, path in texts:
         if not text:

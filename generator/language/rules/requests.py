@@ -25,7 +25,7 @@ from .parts import (
 #: Requests with their replies, over SPI or RS-485.
 Exchanges = Sequence[WrittenRs485Exchange] | Sequence[WrittenSpiExchange]
 Layouts = Mapping[str, WrittenLayout]
-#: Senders with the key of their frames in an exchange.
+#: Key of the frame in an exchange by its sender.
 KEYS: Mapping[str, str] = {"master": "request", "encoder": "reply"}
 #: Bits of the longest SPI word. Another rule reports a longer one.
 _WIDEST_WORD = 64
@@ -40,7 +40,8 @@ def check_exchanges(
 ) -> None:
     """Check that the frames of exchanges exist, and that no two have the same request.
 
-    A request for the position needs a measurement, because without one no output has a position.
+    A request for the position needs a measurement, because without one no output has a position. Problems are reported
+    under ``rule``.
     """
     _check_layouts(interface.exchanges, by_name(raw_interface.layouts), report)
     has_measurement = raw.has("measurement") or raw_interface.has("measurement")
@@ -72,7 +73,7 @@ def _check_layouts(exchanges: Exchanges, layouts: Layouts, report: DocumentRepor
 
 
 def report_unused(layout: WrittenLayout, exchanges: Exchanges, rule: str, report: DocumentReport) -> None:
-    """Report a frame that no exchange contains."""
+    """Report a frame that no exchange contains: one of the master as request, one of the encoder as reply."""
     key = KEYS.get(layout.from_, "")
     if key and layout.name not in [_frame(exchange, key) for exchange in exchanges]:
         message = f"no exchange has {quoted(layout.name)} as its {key}; add one under 'exchanges'"
@@ -85,7 +86,10 @@ _OF_DATA_IDS = ("data_ids", "memory_access")
 
 
 def requests(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that each request over RS-485 has a data ID, or is in an exchange with its reply."""
+    """Check that an RS-485 interface describes its requests: by data IDs, or by exchanges of a request and its reply.
+
+    A character of a frame has 8 data bits.
+    """
     interface, raw_interface = spec.interfaces.rs485, raw.interfaces.rs485
     if interface is None or raw_interface is None or not interface.data:
         return
@@ -107,13 +111,13 @@ def requests(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> Non
 
 
 def _check_frames_of_rs485(interface: WrittenRs485, report: DocumentReport) -> None:
-    """Check that one exchange has the position, and that each frame is in an exchange."""
-    positions = [exchange for exchange in interface.exchanges if exchange.purpose == "position"]
-    for exchange in positions:
+    """Check that at most one exchange asks for the position, and has a reply, and that each frame is in an exchange."""
+    position_exchanges = [exchange for exchange in interface.exchanges if exchange.purpose == "position"]
+    for exchange in position_exchanges:
         if not exchange.reply:
             message = f"{quoted(exchange.request)} asks for the position, so it needs a 'reply'"
             report.add(_RULE, exchange.path, message)
-    for exchange in positions[1:]:
+    for exchange in position_exchanges[1:]:
         message = "a second request asks for the position; use 'other'"
         report.add(_RULE, exchange.place_of("purpose"), message)
     for layout in interface.layouts:
@@ -126,12 +130,12 @@ def _check_frames_of_rs485(interface: WrittenRs485, report: DocumentReport) -> N
             report.add(_RULE, layout.place_of("carried_as"), message)
 
 
-#: Fields of the requests, and of the reply, that access a register.
+#: Fields that access a register, by purpose: those of the request, and those of the reply.
 _NEEDED = {"read": (("address",), ("data",)), "write": (("address", "data"), ())}
 
 
 def exchanges(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that each frame over SPI is a request or its reply, and that accesses have their fields."""
+    """Check that each frame over SPI is a request or its reply, and that accesses to registers have their fields."""
     interface, raw_interface = spec.interfaces.spi, raw.interfaces.spi
     if interface is None or raw_interface is None or not interface.data:
         return
@@ -144,7 +148,7 @@ def exchanges(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> No
 
 
 def _check_registers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that registers over SPI have only keys that can be used over SPI, and that no parameter is read there."""
+    """Check that registers over SPI have no byte order and identify no encoder, and that no parameter is read there."""
     for register in spec.registers:
         if interface_of(register) != Spi.name:
             continue
@@ -170,7 +174,10 @@ def _check_registers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
 
 
 def _check_lengths(interface: WrittenSpi, report: DocumentReport) -> None:
-    """Check that only exchanges with another length say so, and that late replies can be read completely."""
+    """Check that only exchanges with another length than the interface give it, and that all writes have one length.
+
+    The second rule applies if each word carries the reply to the word before it.
+    """
     default_bits = interface.word_bits if interface.has("word_bits") else None
     for exchange in interface.exchanges:
         if default_bits is not None and exchange.word_bits == default_bits:
@@ -197,7 +204,7 @@ _DECIDED = ("constant", "unused", "parity_of", "crc", "use")
 
 
 def _check_frames(interface: WrittenSpi, report: DocumentReport) -> None:
-    """Check that each frame has a place in an exchange, or that there is only one frame."""
+    """Check that each frame over SPI is in an exchange and carried as bits."""
     for index, layout in enumerate(interface.layouts):
         is_request = layout.from_ == "master"
         # Without exchanges, the first frame can be the only one: it is read with any word.
@@ -209,7 +216,10 @@ def _check_frames(interface: WrittenSpi, report: DocumentReport) -> None:
 
 
 def _check_parities(interface: WrittenSpi, report: DocumentReport) -> None:
-    """Check that the parity bits of a word without a CRC cover the other fields, unless a note names those left out."""
+    """Check that the parity bits of a word without a CRC cover the other fields, unless a note names those left out.
+
+    A CRC whose width depends on the order code may be missing, so it does not count.
+    """
     for layout in interface.layouts:
         parity_fields = [field for field in layout.fields if field.parity_of]
         always_has_crc = any(field.crc and not isinstance(field.bits, str) for field in layout.fields)
@@ -232,20 +242,23 @@ def _check_parities(interface: WrittenSpi, report: DocumentReport) -> None:
 
 
 def _covered_fields(layout: WrittenLayout, parity_of: Sequence[str]) -> Iterator[str]:
-    """Yield the fields that a parity bit covers, with those of joined numbers."""
+    """Yield the fields that a parity bit covers. A joined number stands for its fields."""
     for name in parity_of:
         yield from layout.join.get(name, [name])
 
 
 def _free_fields(layout: WrittenLayout | None) -> Iterator[str]:
-    """Yield the fields of a request whose values a user chooses."""
+    """Yield the names of fields of a request whose values a user chooses. None without a request."""
     for field in layout.fields if layout is not None else ():
         if field.name and not field.has(*_DECIDED):
             yield field.name
 
 
 def _check_accesses(interface: WrittenSpi, raw_interface: WrittenSpi, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that registers have exchanges for their accesses, and that the frames of these have the needed fields."""
+    """Check that registers have exchanges for their accesses, and that the frames of these have the needed fields.
+
+    Only one exchange may read registers.
+    """
     groups, layouts = by_name(raw.field_groups), by_name(raw_interface.layouts)
     spi_registers = [register for register in raw.registers if interface_of(register) == Spi.name]
     for purpose, needed in _NEEDED.items():
@@ -275,22 +288,26 @@ def _check_fields(
     groups: Groups,
     report: DocumentReport,
 ) -> None:
-    """Check that the frames under a key of these exchanges have the needed fields, and requests no undecided ones."""
+    """Check that the frames of these exchanges together have the needed fields, and requests no others to decide.
+
+    ``key`` is ``request`` or ``reply``, the frames of the exchanges that are checked. Without exchanges, none is
+    needed.
+    """
     if not accesses:
         return
-    names: set[str] = set()
+    field_names_of_frames: set[str] = set()
     for exchange in accesses:
         layout = layouts.get(_frame(exchange, key))
-        names |= field_names(_as_fields(layout), groups).keys() if layout is not None else set()
-    missing_names = [name for name in needed if name not in names]
+        field_names_of_frames |= field_names(_as_fields(layout), groups).keys() if layout is not None else set()
+    missing_names = [field_name for field_name in needed if field_name not in field_names_of_frames]
     if missing_names:
-        name, place = _frame(accesses[0], key), accesses[0].place_of(key)
-        message = f"{quoted(name)} is for a register, so it needs the field {quoted(missing_names[0])}"
+        frame_name, place = _frame(accesses[0], key), accesses[0].place_of(key)
+        message = f"{quoted(frame_name)} is for a register, so it needs the field {quoted(missing_names[0])}"
         report.add("spi-exchange", place, message)
     elif key == "request":
         for exchange in accesses:
             free_names = _free_fields(layouts.get(exchange.request))
-            undecided_names = [name for name in free_names if name not in needed]
+            undecided_names = [field_name for field_name in free_names if field_name not in needed]
             if undecided_names:
                 problem = f"an access to a register gives no value for {quoted(undecided_names[0])}"
                 message = f"{problem} in {quoted(exchange.request)}; use 'constant' or 'unused' there"
@@ -304,24 +321,28 @@ def _as_fields(layout: WrittenLayout) -> FieldList:
 def requests_that_write(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that constants distinguish each request from those that write, unless a note of its layout explains it.
 
-    A second word of a write has no address. The encoder knows it by the word before.
+    Two words can be equal if they have the same length and no constant bit differs. Only a write with constants and an
+    address that the user chooses is compared: a second word of a write has no address, and the encoder knows it by the
+    word before.
     """
     interface = spec.interfaces.spi
     # A second reading repeats printed facts, without the notes that may explain them.
     if interface is None or is_second(report.document.file):
         return
     groups, layouts = by_name(raw.field_groups), by_name(interface.layouts)
-    bits = {name: _constant_bits(layout, groups) for name, layout in layouts.items()}
+    bits_by_layout = {name: _constant_bits(layout, groups) for name, layout in layouts.items()}
     write_requests = [exchange.request for exchange in interface.exchanges if exchange.purpose == "write"]
     distinguishable_writes = []
     for name in write_requests:
-        if name in layouts and "address" in _free_names(layouts[name], groups) and _has_constant(bits[name]):
+        if name in layouts and "address" in _free_names(layouts[name], groups) and _has_constant(bits_by_layout[name]):
             distinguishable_writes.append(name)
     for exchange in interface.exchanges:
         name = exchange.request
-        if name not in layouts or name in write_requests or layouts[name].note or not bits[name]:
+        if name not in layouts or name in write_requests or layouts[name].note or not bits_by_layout[name]:
             continue
-        equal_writes = [write for write in distinguishable_writes if _may_be_equal(bits[name], bits[write])]
+        equal_writes = [
+            write for write in distinguishable_writes if _may_be_equal(bits_by_layout[name], bits_by_layout[write])
+        ]
         if equal_writes:
             problem = f"{quoted(name)} can be the same word as {quoted(equal_writes[0])}, so it would write a register"
             remedy = "correct a 'constant' in one of them, or explain it in a 'note' of this layout"
@@ -329,27 +350,31 @@ def requests_that_write(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
 
 
 def _has_constant(bits: str) -> bool:
+    """Return True if a word such as ``01??`` has a constant bit."""
     return "0" in bits or "1" in bits
 
 
 def _may_be_equal(request: str, write: str) -> bool:
-    """Return True if two words have the same length and no constant bit differs."""
+    """Return True if two words, such as ``01??`` and ``0?1?``, have the same length and no constant bit differs."""
     if len(request) != len(write):
         return False
-    pairs = zip(request, write, strict=True)
-    return all(bit == write_bit or "?" in (bit, write_bit) for bit, write_bit in pairs)
+    bit_pairs = zip(request, write, strict=True)
+    return all(bit == write_bit or "?" in (bit, write_bit) for bit, write_bit in bit_pairs)
 
 
 def _constant_bits(layout: WrittenLayout, groups: Groups) -> str:
-    """Return a word as 0, 1 and ? for bits that are not constant. Empty if a width is not constant or too large."""
-    bits = ""
+    """Return a word as 0, 1 and ? for bits that are not constant, such as ``01??``.
+
+    The result is empty if a width depends on the order code or is too large.
+    """
+    word = ""
     for _, field in expanded(_as_fields(layout), groups):
         width = 1 if field.has("parity_of") else constant_width(field)
         if width is None or width > _WIDEST_WORD:
             return ""
         constant = _fixed_value(field)
-        bits += "?" * width if constant is None else f"{constant:0{width}b}"
-    return bits
+        word += "?" * width if constant is None else f"{constant:0{width}b}"
+    return word
 
 
 def _fixed_value(field: WrittenField) -> int | None:

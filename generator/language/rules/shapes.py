@@ -23,9 +23,9 @@ from .parts import (
 KINDS = ("constant", "unused", "active", "values", "values_of", "crc", "parity_of", "digits", "text")
 #: Keys that give the place of a field.
 PLACES = ("at", "top_bit", "low_bit")
-#: Begins the names of values that a manual reserves.
+#: Begins the names of values that a manual reserves, such as ``reserved_5``.
 RESERVED = "reserved"
-#: Each of the values gets a name in every output, so there cannot be many.
+#: Widest field with names for its reserved values, because each of these is in every output.
 MOST_RESERVED_BITS = 4
 _OF_FLAGS = (
     "when_active",
@@ -61,17 +61,17 @@ _ALL_EXAMPLES = frozenset(("name", "kind", "source", "erratum", "note"))
 
 
 def layout_keys(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that fields and layouts have valid combinations of keys."""
-    for fields in field_lists(spec):
-        for field in fields.fields:
+    """Check that fields and layouts have valid combinations of keys. A field with ``use`` only includes a group."""
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
             if field.use:
-                _check_use(fields, field, report)
+                _check_use(field_list, field, report)
             else:
                 _check_field(field, report)
-                _check_others(fields, field, report)
-        _check_placing(fields, report)
-        if fields.layout is not None:
-            _check_carriage(fields, fields.layout, raw, report)
+                _check_others(field_list, field, report)
+        _check_placing(field_list, report)
+        if field_list.layout is not None:
+            _check_carriage(field_list, field_list.layout, raw, report)
 
 
 def _check_use(fields: FieldList, field: WrittenField, report: DocumentReport) -> None:
@@ -90,6 +90,7 @@ def _check_use(fields: FieldList, field: WrittenField, report: DocumentReport) -
 
 
 def _check_field(field: WrittenField, report: DocumentReport) -> None:
+    """Check that a field has a name, and then its kind and its width."""
     if not field.name:
         report.add("layout-keys", field.path, "a field needs 'name', or 'use' to include a group")
         return
@@ -98,7 +99,7 @@ def _check_field(field: WrittenField, report: DocumentReport) -> None:
 
 
 def _check_kind(field: WrittenField, report: DocumentReport) -> None:
-    """Check that a field is of one kind, and has only keys of that kind."""
+    """Check that a field has one of ``KINDS`` or none, which makes it a number, and only keys of that kind."""
     name = quoted(field.name)
     kinds = [key for key in KINDS if field.has(key)]
     if len(kinds) > 1:
@@ -118,7 +119,7 @@ def _check_kind(field: WrittenField, report: DocumentReport) -> None:
 
 
 def _check_expected_value(field: WrittenField, kinds: list[str], report: DocumentReport) -> None:
-    """Check that only a number, a text or named values have ``equals``, and that it is of their type."""
+    """Check that only a number, a text or named values have ``equals``, and that it is not a number for a text."""
     name = quoted(field.name)
     if isinstance(field.equals, int) and field.text:
         report.add("layout-keys", field.place_of("equals"), f"{name} is text; put the value in quotes")
@@ -128,7 +129,7 @@ def _check_expected_value(field: WrittenField, kinds: list[str], report: Documen
 
 
 def _check_keys_of_checks(field: WrittenField, report: DocumentReport) -> None:
-    """Check that a field has keys of parity bits or CRCs only if it is one."""
+    """Check that only a parity bit has ``parity`` and ``over``, and only a CRC ``crc_of``."""
     name = quoted(field.name)
     for key in _OF_PARITIES:
         if field.has(key) and not field.parity_of:
@@ -141,7 +142,7 @@ def _check_keys_of_checks(field: WrittenField, report: DocumentReport) -> None:
 
 
 def _check_flag_keys(field: WrittenField, report: DocumentReport) -> None:
-    """Check that a field has keys of flags only if it is a flag."""
+    """Check that a field has keys of flags only if it is a flag. Unused bits may have ``makes_position``."""
     if field.active:
         return
     name = quoted(field.name)
@@ -151,6 +152,7 @@ def _check_flag_keys(field: WrittenField, report: DocumentReport) -> None:
             continue
         if is_verdict and field.values:
             remedy = "write it at a value, as in too_weak: {value: 2, makes_position: usable_with_warning}"
+            # The verdict of named values belongs to each value.
             problem = f"{name} has named values, and not each of them has the same effect on the position; {remedy}"
         else:
             problem = f"{quoted(key)} is only for flags; to make {name} a flag, add 'active: high' or 'active: low'"
@@ -158,14 +160,18 @@ def _check_flag_keys(field: WrittenField, report: DocumentReport) -> None:
 
 
 def _check_others(fields: FieldList, field: WrittenField, report: DocumentReport) -> None:
-    """Check that ``others`` names few values, none that a master writes, and none like a listed value."""
+    """Check that ``others``, which names the values that are not listed, is possible for a field."""
     problem = _problem_with_others(fields, field) if field.others else ""
     if problem:
         report.add("layout-keys", field.place_of("others"), problem, at_key=True)
 
 
 def _problem_with_others(fields: FieldList, field: WrittenField) -> str:
-    """Return the reason that a field cannot have ``others``, and the fix. Empty if it can."""
+    """Return the reason that a field cannot have ``others``, and the fix. Empty if it can.
+
+    It needs listed values and a small constant width, cannot be written by a master, and gives the unlisted values
+    names such as ``reserved_5``. A listed value may only have such a name if it has this number.
+    """
     name = quoted(field.name)
     width = constant_width(field)
     if not field.values:
@@ -186,7 +192,10 @@ def _problem_with_others(fields: FieldList, field: WrittenField) -> str:
 
 
 def _check_width(field: WrittenField, report: DocumentReport) -> None:
-    """Check that a field has a width, and that its width and place are given once."""
+    """Check that a field has a width, and that its width and place are given once.
+
+    The width is given by ``bits``, by a range in ``at``, or by the kind of field.
+    """
     name = quoted(field.name)
     if field.bits is not None and _is_nothing(field.bits):
         problem = f"{name} has no bits; a field needs at least one, unless its width depends on a parameter"
@@ -206,7 +215,7 @@ def _check_width(field: WrittenField, report: DocumentReport) -> None:
 
 
 def _is_nothing(bits: int | str) -> bool:
-    """Return True if a width is a plain number that is not valid for a field."""
+    """Return True if a width is a number, without parameters, and not positive."""
     try:
         width = Expression.parse(bits)
     except ExpressionError:  # Reported by the rule on expressions.
@@ -215,7 +224,7 @@ def _is_nothing(bits: int | str) -> bool:
 
 
 def _check_placing(fields: FieldList, report: DocumentReport) -> None:
-    """Check that either all or none of the fields of a layout have positions."""
+    """Check that all or none of the fields of a layout, register or group have places. Control data may mix them."""
     placed_fields = [field for field in fields.fields if field.has(*PLACES)]
     unplaced_fields = [field for field in fields.fields if not field.has(*PLACES)]
     if not placed_fields or not unplaced_fields or fields.kind is Has.CONTROL:
@@ -229,7 +238,10 @@ def _check_placing(fields: FieldList, report: DocumentReport) -> None:
 
 
 def _check_carriage(fields: FieldList, layout: WrittenLayout, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a layout has only keys for the way in which its interface carries it, as bits or as bytes."""
+    """Check that a layout has only keys for the way in which it is carried, as bits or as bytes.
+
+    Without ``carried_as``, it is carried in the way of its interface.
+    """
     interface = INTERFACES[fields.interface]
     carried_as = layout.carried_as or interface.carried_as
     name = quoted(layout.name)
@@ -250,9 +262,9 @@ def _check_carriage(fields: FieldList, layout: WrittenLayout, raw: WrittenSpec, 
 
 
 def _wrong_order(interface: str, layout: WrittenLayout) -> str:
-    """Return what is wrong with the byte order of a layout that is carried as bits. Empty if nothing is.
+    """Return the reason that a layout carried as bits cannot have its byte order, and the fix. Empty if it can.
 
-    Over SPI, it states in which order the bytes of a joined number are sent.
+    Only over SPI, ``low_byte_first`` states in which order the bytes of a joined number are sent.
     """
     name = quoted(layout.name)
     if not layout.byte_order:
@@ -267,9 +279,12 @@ def _wrong_order(interface: str, layout: WrittenLayout) -> str:
 
 
 def _is_one_byte(layout: WrittenLayout, raw: WrittenSpec) -> bool:
-    """Return True if the layout is one byte whose fields need no order: a single field, or all with positions."""
+    """Return True if the layout is one byte whose fields need no order: a single field, or all with places.
+
+    The single field may be a group, a CRC, a padded field or one with a constant width.
+    """
     if all(field.at is not None or field.top_bit is not None for field in layout.fields):
-        return max(map(_top_bit, layout.fields), default=0) == 7
+        return max(map(_top_bit, layout.fields), default=0) == 7  # The bits are 7 to 0.
     if len(layout.fields) > 1:
         return False
     field = layout.fields[0]
@@ -279,14 +294,14 @@ def _is_one_byte(layout: WrittenLayout, raw: WrittenSpec) -> bool:
 
 
 def _top_bit(field: WrittenField) -> int:
-    """Return the highest bit of a field with a position, or 0 if it depends on the order code."""
+    """Return the highest bit of a field with ``at`` or ``top_bit``, or 0 if it depends on the order code."""
     high, _, _ = str(field.at).partition(":")
     top_bit = high if field.top_bit is None else str(field.top_bit)
     return int(top_bit) if top_bit.isdecimal() else 0
 
 
 def byte_order_missing(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that registers of several bytes have a byte order, because no default is safe."""
+    """Check that registers of several bytes with addresses have a byte order, because no default is safe."""
     for register in spec.registers:
         interface = INTERFACES.get(interface_of(register))
         # A register without addresses for its bytes is sent as one number.
@@ -300,7 +315,7 @@ def byte_order_missing(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
 
 
 def example_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that each example has the keys of its kind, and that an incorrect one is explained."""
+    """Check that each example has the keys of its kind, and that a frame is complete."""
     for example in spec.examples:
         subject, keys_of_kind = f"a {example.kind} example", _EXAMPLES[example.kind]
         check_keys("example-shape", subject, example.path, example.data, keys_of_kind, _ALL_EXAMPLES, report)
@@ -309,7 +324,10 @@ def example_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -
 
 
 def _check_frame(example: WrittenExample, report: DocumentReport) -> None:
-    """Check that an example of a frame has bits or bytes, its layout, and what the decoder should make of it."""
+    """Check that an example of a frame has bits or bytes, its layout, and what the decoder should make of it.
+
+    That is ``values``, or ``refused`` with an explanation. A refused frame of bytes needs no layout.
+    """
     has_bytes, has_bits, is_refused = bool(example.bytes), bool(example.bits), bool(example.refused)
     if has_bytes and has_bits:
         message = "a frame example needs 'bytes' or 'bits'; this one has both; keep one of them"
@@ -328,7 +346,7 @@ def _check_frame(example: WrittenExample, report: DocumentReport) -> None:
 
 
 def example_arguments(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that an example of a procedure gives all its arguments."""
+    """Check that an example of a procedure has a value for each argument of the procedure."""
     procedures = by_name(raw.procedures)
     for example in spec.examples:
         procedure = procedures.get(example.procedure)
@@ -350,7 +368,10 @@ def check_keys(
     keys_of_all: Collection[str],
     report: DocumentReport,
 ) -> None:
-    """Check that a step or example has the keys that its kind requires, and no keys of other kinds."""
+    """Check that a step or example has the keys that its kind requires, and no keys of other kinds.
+
+    ``subject`` is its kind in messages, such as ``a wait step``. ``keys_of_all`` are the keys of every kind.
+    """
     required_keys, optional_keys = keys_of_kind
     missing_keys = [key for key in required_keys if key not in given_keys]
     if missing_keys:

@@ -18,11 +18,11 @@ from .walk import leaves, leaves_of, mapping, sources
 
 _CITED = re.compile(r"(?P<section>[0-9]+(?:\.[0-9]+)*|[^\W\d_][^:;]*?)(?:\s+p\.(?P<page>[0-9]+))?")
 _NUMBERED = re.compile(r"[0-9]+(?:\.[0-9]+)*")
-#: Where a section begins or ends if the contents do not say.
+#: Page on which a section begins or ends if the contents do not say.
 _FIRST, _END = 1, 10_000
 #: Name under which the pages of a whole section are kept.
 _WHOLE_SECTION = ""
-#: Number of cited pages that show which pages a spec cites, and the share of them that agrees.
+#: A spec cites first pages if at least this many citations do, and this share of all with a known first page.
 _ENOUGH, _SHARE = 50, 0.98
 
 
@@ -43,7 +43,8 @@ _Spans = Mapping[str, Mapping[str, tuple[int, int]]]
 def cited_place(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that every cited section of the manual is in its contents, and every cited page in its section.
 
-    In a spec whose sources cite the pages on which sections and entries begin, no source may cite another page.
+    In a spec whose sources cite the pages on which sections and entries begin, a source with only later pages is
+    reported.
     """
     contents = raw.manual.contents
     if not contents:
@@ -66,12 +67,13 @@ def cited_place(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
             elif first_pages and cited_pages.isdisjoint(first_pages):
                 earlier_pages = [first_page for first_page in first_pages if first_page < page]
                 later_pages.append(_LaterPage(path, section, page, max(earlier_pages, default=page)))
-    enough = max(_ENOUGH, _SHARE * (first_page_count + len(later_pages)))
-    if first_page_count >= enough:
+    first_pages_needed = max(_ENOUGH, _SHARE * (first_page_count + len(later_pages)))
+    if first_page_count >= first_pages_needed:
         _report_later_pages(later_pages, report)
 
 
 def _report_later_pages(later_pages: list[_LaterPage], report: DocumentReport) -> None:
+    """Report each citation of a later page, with the first page to cite."""
     for later in later_pages:
         problem = f"nothing in section {later.section} begins on page {later.page}, and other sources cite first pages"
         remedy = f"cite p.{later.first_page}, or p.{later.first_page} and p.{later.page}"
@@ -79,14 +81,21 @@ def _report_later_pages(later_pages: list[_LaterPage], report: DocumentReport) -
 
 
 def _citations(source: str) -> list[re.Match[str]]:
-    """Return the sections of the manual that a source cites, each perhaps with a page."""
+    """Return the matches of ``_CITED`` for the sections of the manual that a source cites, each perhaps with a page.
+
+    Sources in other documents, which have a key before a colon, and placeholders are left out.
+    """
     places = [piece.strip() for piece in source.split(";") if not is_placeholder(piece)]
     matches = [_CITED.fullmatch(place) for place in places]
     return [match for match in matches if match is not None]
 
 
 def _first_pages(spans: Mapping[str, tuple[int, int]], own_names: list[str]) -> set[int]:
-    """Return the first page of the entry of an item or, without one, those of its section and of all its entries."""
+    """Return the page on which the entry of an item begins or, without one, those of its section and all its entries.
+
+    ``spans`` is that of one section, and ``own_names`` are the printed names of the item. The result is empty if the
+    item has no entry, and the contents do not say where the section begins.
+    """
     for name in own_names:
         if name in spans:
             first_page, _ = spans[name]
@@ -100,7 +109,8 @@ def _first_pages(spans: Mapping[str, tuple[int, int]], own_names: list[str]) -> 
 def _spans(contents: Mapping[str, WrittenSection]) -> dict[str, dict[str, tuple[int, int]]]:
     """Return the first and the last page of each section, under an empty name, and of its entries by name.
 
-    The last page is the one on which the next section begins. A page that the contents omit is not checked.
+    For a section 4 with the entry Preset these are ``{"4": {"": (12, 24), "preset": (13, 15)}}``. The last page is the
+    one on which the next section or entry begins. Without pages, a section lasts from ``_FIRST`` to ``_END``.
     """
     sections = list(contents.items())
     page_spans: dict[str, dict[str, tuple[int, int]]] = {}
@@ -108,10 +118,10 @@ def _spans(contents: Mapping[str, WrittenSection]) -> dict[str, dict[str, tuple[
         after = sections[index + 1 :]
         subsections = [inner for inner_name, inner in after if inner_name.startswith(f"{name}.")]
         later_sections = [later for later_name, later in after if not later_name.startswith(f"{name}.")]
-        end = _page(later_sections[0], _END) if later_sections else _END
-        page_spans[name] = {_WHOLE_SECTION: (_page(section, _FIRST), end)}
+        last_page = _page(later_sections[0], _END) if later_sections else _END
+        page_spans[name] = {_WHOLE_SECTION: (_page(section, _FIRST), last_page)}
         # The entries of a section come before its subsections.
-        end_of_entries = _page(subsections[0], end) if subsections else end
+        end_of_entries = _page(subsections[0], last_page) if subsections else last_page
         entries = list(section.entries.items())
         starts_after = [*(page for _, page in entries[1:]), end_of_entries]
         for (title, page), next_page in zip(entries, starts_after, strict=False):
@@ -125,7 +135,10 @@ def _page(section: WrittenSection, default: int) -> int:
 
 
 def _printed_names(data: dict[str, Any], path: Path) -> tuple[list[str], list[str]]:
-    """Return the printed names of the item with a source, and those of all items around it, the innermost first."""
+    """Return the printed names of the item with a source, and those of all items around it, the innermost first.
+
+    The first list is empty if the innermost map has none. Names are in lower case, for comparison.
+    """
     enclosing_names: list[str] = []
     own_names: list[str] = []
     node: Any = data
@@ -141,7 +154,10 @@ def _printed_names(data: dict[str, Any], path: Path) -> tuple[list[str], list[st
 def _is_in_section(
     section: str, page: str | None, path: Path, spans: _Spans, names: list[str], report: DocumentReport
 ) -> bool:
-    """Return whether a page is given and is in its section, and report a section or page that cannot be right."""
+    """Return True if a page is given and is in its section, and report a section or page that cannot be right.
+
+    If one of the names around the source is an entry of the section, the page must be that of the entry.
+    """
     if section not in spans:
         if _NUMBERED.fullmatch(section):
             numbered_sections = [name for name in spans if _NUMBERED.fullmatch(name)]
@@ -151,16 +167,17 @@ def _is_in_section(
     if page is None:
         return False
     entries = [name for name in names if name in spans[section]]
-    start, end = spans[section][entries[0] if entries else _WHOLE_SECTION]
-    if start <= int(page) <= end:
+    first_page, last_page = spans[section][entries[0] if entries else _WHOLE_SECTION]
+    if first_page <= int(page) <= last_page:
         return True
     cited_part = f"the entry {quoted(entries[0])} of section {section}" if entries else f"section {section}"
-    pages = _pages_text(start, end)
+    pages = _pages_text(first_page, last_page)
     report.add("cited-place", path, f"{cited_part} is {pages} according to the table of contents, not on page {page}")
     return False
 
 
 def _pages_text(start: int, end: int) -> str:
+    """Return pages as text, such as ``on pages 3 to 5``."""
     if end == _END:
         return f"on page {start} or later"
     return f"on page {start}" if start == end else f"on pages {start} to {end}"
@@ -176,7 +193,10 @@ _SOURCE = re.compile(r"\s*(?:([a-z][a-z0-9_]*):\s)?(.*?)\s*", re.DOTALL)
 
 
 def evidence(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the evidence supports the grade, and report what is missing."""
+    """Check that the evidence supports the grade and lists each source once, and that each fact cites enough of them.
+
+    Only the grades ``quoted`` and ``corroborated`` make demands on the source of each fact.
+    """
     stated = spec.evidence.part
     for index, key in enumerate(stated.implementations):
         if key in stated.documents or key in stated.implementations[:index]:
@@ -192,7 +212,10 @@ def evidence(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> Non
 
 
 def _check_vectors(stated: Evidence, examples: Mapping[str, WrittenExample], report: DocumentReport) -> None:
-    """Check that the examples from hardware can show an error, and that one of them is data from an encoder."""
+    """Check that the examples from hardware can show an error, and that one of them is data from an encoder.
+
+    The second applies only to a grade that needs it, and if all of the examples exist.
+    """
     for index, name in enumerate(stated.vectors):
         if name in examples and not _discriminates(examples[name]):
             problem = f"{quoted(name)} has the same bits throughout, so it cannot show an error; use another example"
@@ -206,7 +229,7 @@ def _check_vectors(stated: Evidence, examples: Mapping[str, WrittenExample], rep
 
 
 def _missing(stated: Evidence) -> Iterator[str]:
-    """Yield what the grade needs and the evidence does not have."""
+    """Yield each reason that the evidence does not support its grade, such as what it needs, with the remedy."""
     grade, documents_read, implementations = stated.grade, stated.documents, stated.implementations
     has_source = bool(documents_read) or bool(implementations)
     if grade == "manual" and documents_read.get("manual") != _WHOLE:
@@ -227,7 +250,10 @@ def _missing(stated: Evidence) -> Iterator[str]:
 
 
 def _check_sources(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that each fact cites the manufacturer or, for a lower grade, two implementations."""
+    """Check that each fact cites the manufacturer or, for a corroborated grade, two implementations.
+
+    A source without a key cites the manual. Errata and examples are not checked.
+    """
     grade, documents_read = spec.evidence.part.grade, spec.evidence.part.documents
     implementations = spec.evidence.part.implementations
     is_corroborated = grade in _CORROBORATED
@@ -253,7 +279,7 @@ def _check_sources(spec: WrittenSpec, report: DocumentReport) -> None:
 
 
 def _remedy(place: str, documents: Collection[str]) -> str:
-    """Return how to write a source without the key of a document, or an empty string if all have one."""
+    """Return how to write a source whose place has no key of a document, or an empty string without such a place."""
     if not place:
         return ""
     if place in documents:
@@ -262,7 +288,7 @@ def _remedy(place: str, documents: Collection[str]) -> str:
 
 
 def _discriminates(example: WrittenExample) -> bool:
-    """Return whether the bits of an example differ from one another."""
+    """Return True if the bits of an example, or its bytes if it has those, differ from one another."""
     frame_text = example.bits or example.bytes
     is_bytes = " " in frame_text
     bits_or_bytes = frame_text.split() if is_bytes else list(frame_text)
@@ -270,7 +296,7 @@ def _discriminates(example: WrittenExample) -> bool:
 
 
 def _is_reading(example: WrittenExample) -> bool:
-    """Return whether an example is an accepted frame of the encoder or the content of a register."""
+    """Return True if an example is an accepted frame of the encoder or the content of a register."""
     is_frame = example.kind == "frame" and example.from_ == "encoder" and not example.has("refused")
     return is_frame or example.kind == "register"
 
@@ -306,7 +332,7 @@ _SUPPLY = _LimitKeys(("min_mv", "max_mv"), "list the voltage in use under 'chara
 
 
 def limit_source(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that limits come from a document of the manufacturer if other facts do not have to."""
+    """Check that limits cite a document of the manufacturer if the grade does not demand it of every fact."""
     grade, documents_read = spec.evidence.part.grade, spec.evidence.part.documents
     if not spec.evidence.is_valid("grade") or grade in _IN_THE_MANUFACTURERS_WORDS:
         return
@@ -319,15 +345,15 @@ def limit_source(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
             document = _DOCUMENT.match(piece)
             if document is not None:
                 cited_keys.add(document[1] or "manual")
-        limits = [key for key in limited.kind.keys if key in limited.part.data]
-        if limits and cited_keys.isdisjoint(documents_read):
-            problem = f"{quoted(limits[0])} needs {needed_source}, because it is a limit"
+        given_limits = [key for key in limited.kind.keys if key in limited.part.data]
+        if given_limits and cited_keys.isdisjoint(documents_read):
+            problem = f"{quoted(given_limits[0])} needs {needed_source}, because it is a limit"
             message = f"{problem}; without one, {limited.kind.alternative}"
-            report.add("limit-source", (*limited.part.path, limits[0]), message, at_key=True)
+            report.add("limit-source", (*limited.part.path, given_limits[0]), message, at_key=True)
 
 
 def _limits(spec: WrittenSpec) -> Iterator[_Limited]:
-    """Yield each part of a spec that can have limits."""
+    """Yield each part of a spec that can have limits, with its own source or else that of its interface."""
     if spec.supply is not None:
         yield _Limited(spec.supply, _source(spec.supply), _SUPPLY)
     for timing in spec.timings:
@@ -338,7 +364,7 @@ def _limits(spec: WrittenSpec) -> Iterator[_Limited]:
 
 
 def _limited_parts(interface: WrittenInterface) -> Iterator[tuple[Located[Any], _LimitKeys]]:
-    """Yield the parts of an interface that can have limits."""
+    """Yield the parts of an interface that can have limits, each with the keys for them."""
     clock = clock_of(interface)
     if clock is not None:
         yield clock, _CLOCK

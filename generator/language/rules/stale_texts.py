@@ -25,6 +25,7 @@ _UNITS: Mapping[str, Mapping[str, int]] = {
     "temperature": {"°C": 1},
     "torque": {"Nm": 1},
 }
+#: ``"voltage"`` for ``"mV"`` and so on. Units in lower case occur only at the ends of keys.
 _KIND_OF_UNIT = {unit: kind for kind, factors in _UNITS.items() for unit in factors}
 _UNITS_IN_TEXTS = "|".join(sorted((unit for unit in _KIND_OF_UNIT if not unit.islower()), key=len, reverse=True))
 _QUANTITY = re.compile(
@@ -45,7 +46,8 @@ _ELSEWHERE = frozenset(("documents", "manual", "editions", "evidence", "lost_fig
 def erratum_quantities(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the quantities that an erratum uses are those of the facts that it affects.
 
-    An erratum without quantities under 'used' uses those that are printed.
+    An erratum without quantities under 'used' uses those that are printed. A quantity is compared with all of its kind
+    in the facts, if there are any. Overlays and older editions change facts without changing every text.
     """
     if report.document.family or report.document.other_files:
         return
@@ -53,27 +55,32 @@ def erratum_quantities(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
     for erratum in spec.errata:
         key, text = ("used", erratum.used) if _QUANTITY.search(erratum.used) else ("printed", erratum.printed)
         matches = list(_QUANTITY.finditer(text))
+        # An erratum with readings is about two printed values, and the facts have only one of them.
         if not matches or erratum.readings:
             continue
         facts: list[Any] = []
         for affected in erratum.affects:
             facts += affected_places.at(affected)
-        stated: dict[str, dict[Decimal, str]] = {}
+        stated_by_kind: dict[str, dict[Decimal, str]] = {}
         for kind, number, stated_text in _stated_quantities(facts):
-            stated.setdefault(kind, {})[number] = stated_text
+            stated_by_kind.setdefault(kind, {})[number] = stated_text
         for match in matches:
             kind, number = _KIND_OF_UNIT[match["unit"]], _in_smallest_unit(match["number"], match["unit"])
-            if kind in stated and number not in stated[kind]:
-                known = listed(list(stated[kind].values()), "or")
+            if kind in stated_by_kind and number not in stated_by_kind[kind]:
+                texts = listed(list(stated_by_kind[kind].values()), "or")
                 message = (
-                    f"the text says {quoted(match[0])}, but the facts affected have {known}; correct one of the two"
+                    f"the text says {quoted(match[0])}, but the facts affected have {texts}; correct one of the two"
                 )
                 report.add("left-behind", erratum.place_of(key), message)
                 break
 
 
 def _stated_quantities(facts: Iterable[Any]) -> Iterator[tuple[str, Decimal, str]]:
-    """Yield the kind of each quantity, its number in the smallest unit, and its text."""
+    """Yield the kind of each quantity in facts, its number in the smallest unit, and its text.
+
+    For the key ``min_mv`` these are ``("voltage", Decimal(4500), "'min_mv: 4500'")``. The values of characteristics
+    have their unit under a key of its own.
+    """
     for fact in facts:
         for path, value in leaves(fact):
             unit = str(path[-1]).rpartition("_")[2] if path else ""
@@ -92,7 +99,7 @@ def _in_smallest_unit(number: str, unit: str) -> Decimal:
 
 
 def waits_given_twice(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a timing about writes to a register has the wait of this register."""
+    """Check that a timing about writes to a register, by its printed name, has the wait of this register."""
     waiting_registers: dict[str, WrittenRegister] = {}
     for register in by_name(spec.registers).values():
         if register.printed_name and register.wait_at_least_ms is not None:
@@ -103,7 +110,10 @@ def waits_given_twice(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
 
 
 def _check_wait(timing: Located[Timing], registers: Mapping[str, WrittenRegister], report: DocumentReport) -> None:
-    """Check that a timing about writes to one of these registers, by printed name, has its wait."""
+    """Check that a timing about writes to a register has its wait. ``registers`` has those with one by printed name.
+
+    The meaning of such a timing says ``write to the … register``.
+    """
     match = re.search(r"\bwrite to the (.+?) register\b", timing.part.meaning)
     register = registers.get(match[1].strip('"')) if match is not None else None
     wait_us = timing.part.at_least_us
@@ -118,23 +128,27 @@ def _check_wait(timing: Located[Timing], registers: Mapping[str, WrittenRegister
 
 
 def quoted_names(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a bit, register, command, alarm or input that a text names in quotes has this printed name."""
+    """Check that a bit, register, command, alarm or input that a text names in quotes has this printed name.
+
+    Names are compared without regard to capitals and punctuation. Overlays and older editions change names without
+    changing every text, so specs with either are not checked.
+    """
     if report.document.family or report.document.other_files:
         return
-    known = _printed_names(spec, report)
-    known_folded = {_folded(name) for name in known}
+    names_in_spec = _printed_names(spec, report)
+    folded_names = {_folded(name) for name in names_in_spec}
     for path, text in leaves_of(spec.data, report):
         if not isinstance(text, str) or path[0] in _ELSEWHERE or path[-1] not in _TEXTS:
             continue
         for match in _QUOTED_NAME.finditer(text):
             name = match["before"] or match["after"]
-            if _folded(name) not in known_folded:
-                message = f"nothing here is called {quoted(name)}{suggestion(name, known)}; correct the text"
+            if _folded(name) not in folded_names:
+                message = f"nothing here is called {quoted(name)}{suggestion(name, names_in_spec)}; correct the text"
                 report.add("left-behind", path, message, cause=name)
 
 
 def _printed_names(spec: WrittenSpec, report: DocumentReport) -> list[str]:
-    """Return the names of all parts of a spec, as printed and in other languages."""
+    """Return the names of all parts of a spec, as printed, in specs and in other languages, each once."""
     names: dict[str, None] = {}
     for path, text in leaves_of(spec.data, report):
         if path[0] in _ELSEWHERE or path[0] == "errata" or not isinstance(text, str):
@@ -145,6 +159,7 @@ def _printed_names(spec: WrittenSpec, report: DocumentReport) -> list[str]:
 
 
 def _folded(name: str) -> str:
+    """Return a name in lower case, with one space for all other characters between letters and digits."""
     return re.sub(r"[\W_]+", " ", name).strip().casefold()
 
 
@@ -152,23 +167,28 @@ _LABEL = re.compile(r"(?<![\w/-])[A-Z][A-Z0-9]+(?![\w/-])")
 
 
 def labels_in_errata(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that an erratum about order codes uses only existing labels next to another label of the part."""
+    """Check that an erratum about order codes uses only existing labels next to another label of the same shape.
+
+    Labels have the same shape if they have letters and digits at the same places, such as ``A12`` and ``B07``.
+    """
     if report.document.family or report.document.other_files:
         return
     known_labels = _known_labels(spec)
     for erratum in spec.errata:
         if not any(affected.split(".")[0] == "order_code" for affected in erratum.affects):
             continue
-        words = _LABEL.findall(erratum.used)
-        shapes = {_shape(word) for word in words if word in known_labels}
-        unknown_labels = [word for word in words if word not in known_labels and _shape(word) in shapes]
+        words_in_capitals = _LABEL.findall(erratum.used)
+        shapes_of_labels = {_shape(word) for word in words_in_capitals if word in known_labels}
+        unknown_labels = [
+            word for word in words_in_capitals if word not in known_labels and _shape(word) in shapes_of_labels
+        ]
         if unknown_labels:
             message = f"{quoted(unknown_labels[0])} is not in the order code; correct the text"
             report.add("left-behind", erratum.place_of("used"), message, cause=unknown_labels[0])
 
 
 def _known_labels(spec: WrittenSpec) -> set[str]:
-    """Return the labels of all parts of the order code, also as they are written elsewhere."""
+    """Return the labels of all parts of the order code, also as alternative spellings write them."""
     known_labels: set[str] = set()
     for part in by_name(spec.order_code.parts).values():
         known_labels.update(part.values)
@@ -188,9 +208,9 @@ _NAMED_ERROR = re.compile(r"\b([A-Z]{2,}) (error|alarm|flag|warning)\b")
 
 
 def alarm_names(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a text that lists alarms names only alarms that exist.
+    """Check that a name such as ``ST error`` in a text has a word in capitals that is in some printed name of the spec.
 
-    It lists alarms if it has the name of one of them, or says when one of their flags is active.
+    This holds if an alarm of the spec has such a name. Specs with overlays and older editions are not checked.
     """
     if report.document.family or report.document.other_files:
         return

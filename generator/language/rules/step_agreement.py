@@ -21,7 +21,7 @@ _REPETITIONS = re.compile(rf"\b({'|'.join(_NUMBERS)}|[1-9]\d?) requests\b", re.I
 
 
 def interface_of_steps(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a procedure accesses only registers of its interface."""
+    """Check that a procedure for an interface of the spec accesses only registers of this interface."""
     registers = by_name(spec.registers)
     for procedure in spec.procedures:
         for step in procedure.steps:
@@ -37,7 +37,7 @@ def interface_of_steps(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
 
 
 def register_of_argument(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a step writes an argument to the register whose limits apply to it."""
+    """Check that the register whose limits apply to an argument is one of those to which steps write the argument."""
     registers = by_name(raw.registers)
     for procedure in spec.procedures:
         for argument in procedure.arguments:
@@ -75,7 +75,10 @@ def _width_of(register: WrittenRegister, field_name: str, groups: Groups) -> int
 
 
 def waits_of_registers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a wait after a write is not longer than that of the register, unless a text gives its time."""
+    """Check that the waits after a write are together not longer than the register needs.
+
+    A text of the procedure that gives the time explains it.
+    """
     if is_second(report.document.file):  # It has no texts.
         return
     registers = by_name(spec.registers)
@@ -110,12 +113,16 @@ def _waits_after_writes(procedure: WrittenProcedure) -> Iterator[tuple[WrittenSt
 
 
 def wait_at_end(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the last wait of a procedure is not before a last write that needs it, after a step that does not."""
+    """Report a procedure that ends with a wait and a write, if the wait is exactly the one that this write needs.
+
+    Then the wait is likely on the wrong side of the write, unless the step before it needs one too.
+    """
     registers = by_name(spec.registers)
     for procedure in spec.procedures:
         steps = procedure.steps
         if len(steps) < 2 or (steps[-2].do, steps[-1].do) != ("wait", "write"):
             continue
+        # Without a step before the wait, the wait itself stands in. It has no register, so it needs no wait.
         earlier_register, last_register = (
             registers.get(step.register) for step in (steps[-3] if len(steps) > 2 else steps[-2], steps[-1])
         )
@@ -130,7 +137,7 @@ def wait_at_end(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
 
 
 def intervals(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the interval between requests is one of the times of the interface, if it has shortest times."""
+    """Check that the interval between requests is one of the shortest times of the RS-485 interface, if it has any."""
     interface = spec.interfaces.rs485
     shortest_times = [] if interface is None else [timing.part.at_least_us for timing in interface.timings]
     known_us = sorted({time for time in shortest_times if time is not None})
@@ -147,7 +154,7 @@ def intervals(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> No
 
 
 def counted_requests(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a text of a procedure with one repeated request gives the number of its repetitions."""
+    """Check that a text of a procedure with one repeated request among others gives the number of its repetitions."""
     for procedure in spec.procedures:
         repeated_steps = [step for step in procedure.steps if step.times is not None]
         if len(repeated_steps) != 1 or len(procedure.steps) == 1:  # Another rule checks a procedure of one step.
@@ -162,23 +169,30 @@ def counted_requests(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
 
 
 def _counts_in_texts(data: Mapping[str, object]) -> Iterator[tuple[Path, int]]:
-    """Yield the numbers of requests in the texts of a procedure, with the paths of the texts."""
+    """Yield the numbers of requests in the texts of a procedure, with the paths of the texts below it."""
     for path, text in leaves(data):
         for number_text in _REPETITIONS.findall(text) if isinstance(text, str) else ():
             is_digits = number_text.isdigit()
+            # The words begin with two.
             yield path, int(number_text) if is_digits else _NUMBERS.index(number_text.casefold()) + 2
 
 
 def polled_levels(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the meaning of a poll says what it waits for: 0 until, while or during something, or 1 when."""
+    """Check that a meaning such as ``0 until the value is saved`` agrees with the value for which the poll waits.
+
+    The bit has the stated level until, while or during something, so the poll waits for the other one. With ``when``,
+    it waits for the stated level.
+    """
     for procedure in spec.procedures:
         for step in procedure.steps:
-            level = _LEVEL_OF_STEP.match(step.meaning)
-            if step.do != "poll" or level is None or step.until not in (0, 1):
+            stated_level = _LEVEL_OF_STEP.match(step.meaning)
+            if step.do != "poll" or stated_level is None or step.until not in (0, 1):
                 continue
-            expected = int(level[1]) if level[2] == "when" else 1 - int(level[1])
-            if step.until != expected:
-                message = f"the meaning says {quoted(level[0])}, but 'until' is {step.until}; one of the two is wrong"
+            expected_level = int(stated_level[1]) if stated_level[2] == "when" else 1 - int(stated_level[1])
+            if step.until != expected_level:
+                message = (
+                    f"the meaning says {quoted(stated_level[0])}, but 'until' is {step.until}; one of the two is wrong"
+                )
                 report.add("words-contradict", step.place_of("until"), message)
 
 

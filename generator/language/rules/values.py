@@ -34,30 +34,31 @@ from .walk import leaves_of, sources
 
 _PIECE = re.compile(r"(?:(?P<key>[a-z][a-z0-9_]*):)?(?P<place>.*)")
 _NUMBER = r"(?:[A-Z]\.)?[0-9]+(?:[.-][0-9]+)*"
-#: A section by number, or by its heading if it has no number.
-#: A heading, a table or a figure may have its own number.
+#: A heading, possibly with a number, such as ``Table 41``. It does not begin with the word for a page.
 _HEADING = rf"(?!(?i:page|pag|pg|p)\b)[^\W\d_](?:[^\W\d_]|[ '&/()-])+(?: {_NUMBER})?"
+#: A section by number, possibly with a table or figure in it, or by its heading.
 _SECTION = rf"{_NUMBER}(?: (?:Table|Figure) {_NUMBER})?|{_HEADING}"
 _PAGE = r"p\.[0-9]+(?:-[0-9]+)?"
 _PLACE = re.compile(rf"(?:{_SECTION})(?: {_PAGE})?|{_PAGE}")
 
 
 def field_count(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that no list of fields is longer than the schema allows if the groups in it are written out."""
-    sizes = {name: len(group.fields) for name, group in by_name(raw.field_groups).items()}
-    for fields in field_lists(spec):
-        count = sum(sizes.get(field.use, 1) for field in fields.fields)
+    """Check that no list of fields has more than ``MAX_FIELDS`` if the groups in it are written out."""
+    counts_by_group = {name: len(group.fields) for name, group in by_name(raw.field_groups).items()}
+    for field_list in field_lists(spec):
+        count = sum(counts_by_group.get(field.use, 1) for field in field_list.fields)
         if count > MAX_FIELDS:
             problem = f"'fields' has {count} entries with those of its groups; the limit is {MAX_FIELDS}"
-            report.add("too-long", fields.owner.place_of("fields"), problem)
+            report.add("too-long", field_list.owner.place_of("fields"), problem)
 
 
 def crc_impossible(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the parameters of a CRC fit its width, and that its polynomial ends in + 1."""
+    """Check that polynomial, start value and final XOR of a CRC fit its width, and that the polynomial is odd."""
     for crc in spec.crcs:
         width, poly = crc.part.width, crc.part.poly
         bits_above_width = poly >> width
         if bits_above_width:
+            # The polynomial may be written with its top bit, which is implied.
             has_only_top_bit = bits_above_width == 1
             hint = f"; omit the top bit: {poly ^ (1 << width):#x}" if has_only_top_bit else ""
             message = f"the polynomial {poly:#x} does not fit into {width} bits{hint}"
@@ -72,7 +73,7 @@ def crc_impossible(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
 
 
 def _numbers_in(field: WrittenField) -> Iterator[tuple[Path, str, int]]:
-    """Yield each number that a field must hold, with its path and the beginning of a message about it."""
+    """Yield each number that a field must hold, with its path and the start of a message, such as ``'constant' is``."""
     for name, value in field.values.items():
         yield value.place_of("value"), f"the value {quoted(name)} is", value.value
     numbers = {"constant": field.constant, "unused": field.unused, "default": field.default, "equals": field.equals}
@@ -82,9 +83,9 @@ def _numbers_in(field: WrittenField) -> Iterator[tuple[Path, str, int]]:
 
 
 def value_too_wide(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the values of a field fit into it, if its width does not depend on the order code."""
-    for fields in field_lists(spec):
-        for field in fields.fields:
+    """Check that the numbers of a field are not negative and fit into it, if its width is the same for all codes."""
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
             width = constant_width(field)
             if width is None:
                 continue
@@ -98,23 +99,23 @@ def value_too_wide(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
 
 
 def register_range(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a register is within the addresses of its interface."""
+    """Check that a register is within the addresses of its interface, or of a bank if it is in one."""
     for register in spec.registers:
         interface = INTERFACES[interface_of(register)]
         if register.bank is not None and interface.highest_in_bank is not None:
-            area, highest = f"a bank of {interface.short}", interface.highest_in_bank
+            area_text, highest_address = f"a bank of {interface.short}", interface.highest_in_bank
         elif interface.highest_address is not None:
-            area, highest = f"the address range of {interface.short}", interface.highest_address
+            area_text, highest_address = f"the address range of {interface.short}", interface.highest_address
         else:
-            area, highest = "the range of register addresses", 0xFFFF
+            area_text, highest_address = "the range of register addresses", 0xFFFF
         last = last_address(register)
-        if last > highest:
-            message = f"{quoted(register.name)} extends to {last:#x}, but {area} ends at {highest:#x}"
+        if last > highest_address:
+            message = f"{quoted(register.name)} extends to {last:#x}, but {area_text} ends at {highest_address:#x}"
             report.add("register-range", register.place_of("address"), message)
 
 
 def timing_bounds(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a timing has bounds, in ascending order."""
+    """Check that a timing has a lowest, a typical or a highest value, and that these are in ascending order."""
     for timing in timings(spec):
         part = timing.part
         possible_bounds = (
@@ -133,7 +134,7 @@ def timing_bounds(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -
 
 
 def clock_range(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a clock has limits or clocks in use, in ascending order and within the limits."""
+    """Check that a clock has a highest limit or clocks in use, in ascending order and within the limits."""
     raw_clocks = {name: clock_of(interface) for name, interface in interfaces(raw)}
     for name, interface in interfaces(spec):
         clock, raw_clock = clock_of(interface), raw_clocks[name]
@@ -147,6 +148,7 @@ def clock_range(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
         if used_clocks != sorted(set(used_clocks)):
             message = "list the clocks of 'used_hz' once each, in ascending order"
             report.add("clock-range", (*clock.path, "used_hz"), message)
+        # In ascending order: the lowest limit, the clocks in use, the highest limit, each with its key.
         clocks = [("used_hz", hz) for hz in used_clocks]
         if clock.part.min_hz is not None:
             clocks.insert(0, ("min_hz", clock.part.min_hz))
@@ -159,7 +161,7 @@ def clock_range(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
 
 
 def _report_missing_limit(clock: Located[Clock], report: DocumentReport) -> None:
-    """Report that a clock has neither its highest frequency nor one in use."""
+    """Report that a clock has no highest frequency, which a clock without frequencies in use needs."""
     # A source that is still a placeholder marks a clock whose limits are still to be transcribed.
     if clock.part.max_hz is None and not is_placeholder(clock.source):
         remedy = "if no document of the manufacturer gives the limits, write 'used_hz'"
@@ -167,7 +169,10 @@ def _report_missing_limit(clock: Located[Clock], report: DocumentReport) -> None
 
 
 def cable_order(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that longer cables have slower clocks, and that no row of the table repeats another."""
+    """Check that longer cables have slower clocks, and that no two rows of the table have the same length.
+
+    An erratum that affects the clocks of the table explains a different order.
+    """
     for name, interface in interfaces(spec):
         if not isinstance(interface, WrittenSsi):
             continue
@@ -188,12 +193,13 @@ def cable_order(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
 
 
 def dates(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that dates exist, and that revisions are in order, up to the transcribed one."""
+    """Check that dates exist, that revisions are in order, and that the transcribed one has the manual's date."""
     manual = spec.manual
     dated_parts = [(manual.path, manual.date)]
     dated_parts += [(edition.path, edition.part.date) for edition in manual.editions]
     dated_parts += [(revision.path, revision.part.date) for revision in manual.history]
     for path, date in dated_parts:
+        # A date may be empty or only a year.
         is_only_a_year = len(date) <= len("2024")
         if not is_only_a_year and _date(date) is None:
             report.add("date", (*path, "date"), f"{quoted(date)} is not a valid date")
@@ -203,13 +209,16 @@ def dates(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
             problem = f"revision {later.part.revision} is dated {later.part.date}"
             problem += f", before revision {earlier.part.revision}, dated {earlier.part.date}"
             report.add("date", (*later.path, "date"), f"{problem}; list the oldest first")
-    own_dates = [revision.part.date for revision in dated_history if revision.part.revision == manual.revision]
-    if own_dates and _date(manual.date) and own_dates[-1] != manual.date:
-        problem = f"revision {manual.revision} is dated {manual.date}, but {own_dates[-1]} in 'history'"
+    dates_of_transcribed = [
+        revision.part.date for revision in dated_history if revision.part.revision == manual.revision
+    ]
+    if dates_of_transcribed and _date(manual.date) and dates_of_transcribed[-1] != manual.date:
+        problem = f"revision {manual.revision} is dated {manual.date}, but {dates_of_transcribed[-1]} in 'history'"
         report.add("date", manual.place_of("date"), problem)
 
 
 def _date(text: str) -> datetime.date | None:
+    """Return the date that a text gives as 2024-05-31, or None."""
     try:
         return datetime.date.fromisoformat(text)
     except ValueError:
@@ -217,7 +226,7 @@ def _date(text: str) -> datetime.date | None:
 
 
 def supply_range(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the lowest supply voltage of a device or order code value is not above the highest."""
+    """Check that not both the device and order code values have a supply, and that each has its voltages in order."""
     supplies: list[Located[Supply]] = []
     if spec.supply is not None and spec.supply.data:
         supplies.append(spec.supply)
@@ -237,7 +246,7 @@ def supply_range(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
 
 
 def timeout_mismatch(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the time-outs calculated in the manual match its rule, to the nearest nanosecond."""
+    """Check that the time-outs of BiSS that the manual calculates match its rule, and are at possible clocks."""
     biss = spec.interfaces.biss
     timeout = biss.timeout if biss is not None else None
     if biss is None or timeout is None or not timeout.data:
@@ -245,10 +254,12 @@ def timeout_mismatch(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
     _check_timeout_rule(timeout, report)
     clock, path = biss.clock.part, timeout.path
     if clock.max_hz is not None and not explained(report.document, *map(str, path)):
-        low, high = clock.min_hz or 0, clock.max_hz
+        lowest_hz, highest_hz = clock.min_hz or 0, clock.max_hz
         for index, printed in enumerate(timeout.part.printed):
-            if not low <= printed.clock_hz <= high:
-                problem = f"the clock is {low} to {high} Hz, so there is no time-out at {printed.clock_hz} Hz"
+            if not lowest_hz <= printed.clock_hz <= highest_hz:
+                problem = (
+                    f"the clock is {lowest_hz} to {highest_hz} Hz, so there is no time-out at {printed.clock_hz} Hz"
+                )
                 remedy = f"if the manual gives both, add an erratum that affects {'.'.join(map(str, path))}"
                 report.add("timeout-mismatch", (*path, "printed", index, "clock_hz"), f"{problem}; {remedy}")
     if timeout.part.rule != "fixed" and timeout.part.half_clock_periods is not None:
@@ -256,7 +267,10 @@ def timeout_mismatch(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
 
 
 def _check_timeout_rule(timeout: Located[Timeout], report: DocumentReport) -> None:
-    """Check that a time-out has the numbers for its rule."""
+    """Check that a time-out has the numbers for its rule: a time if it is fixed, or half clock periods.
+
+    Without half clock periods, a time-out that follows the clock needs a time or printed examples.
+    """
     part = timeout.part
     has_half_periods = part.half_clock_periods is not None
     has_limit = part.at_most_ns is not None or part.typical_ns is not None
@@ -276,9 +290,10 @@ def _check_timeout_rule(timeout: Located[Timeout], report: DocumentReport) -> No
 
 
 def _check_calculated_timeouts(timeout: Located[Timeout], half_periods: int, report: DocumentReport) -> None:
-    """Check that each printed time-out is the given number of half clock periods."""
+    """Check that each printed time-out is the given number of half clock periods, to the nearest nanosecond."""
     for index, printed in enumerate(timeout.part.printed):
         clock_hz, printed_ns = printed.clock_hz, printed.timeout_ns
+        # Half a period of the clock is 10**9 / (2 * clock_hz) ns.
         exact_ns = Fraction(half_periods * 10**9, 2 * clock_hz)
         if abs(exact_ns - printed_ns) > Fraction(1, 2):
             rounded_ns = math.floor(exact_ns + Fraction(1, 2))
@@ -287,13 +302,16 @@ def _check_calculated_timeouts(timeout: Located[Timeout], half_periods: int, rep
 
 
 def bad_source(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that sources are well-formed, and that cited editions and documents are listed."""
+    """Check that sources are well-formed, and that cited editions and documents are listed.
+
+    A source has one or more places, separated by semicolons, each with an optional document: ``6.4 p.35; errata: 2``.
+    """
     editions = [edition.part.language for edition in raw.manual.editions if edition.part.language]
     documents = document_names(raw)
     own_language = raw.manual.language
     for path, value in sources(leaves_of(spec.data, report)):
-        for piece in value.split(";"):
-            _check_piece(piece.strip(), path, editions, documents, own_language, report)
+        for cited_place in value.split(";"):
+            _check_piece(cited_place.strip(), path, editions, documents, own_language, report)
 
 
 def document_names(raw: WrittenSpec) -> list[str]:
@@ -304,7 +322,7 @@ def document_names(raw: WrittenSpec) -> list[str]:
 def _check_piece(
     piece: str, path: Path, editions: list[str], documents: list[str], own_language: str, report: DocumentReport
 ) -> None:
-    """Check one of the places that a source cites, with the edition or document before its colon."""
+    """Check one place that a source cites: its edition or document, and within the manual also its form."""
     match = _PIECE.fullmatch(piece.replace("\n", " ").removeprefix("TODO "))
     key, place = (match["key"], match["place"].strip()) if match is not None else (None, piece)
     if key is not None and key == own_language:
@@ -341,7 +359,7 @@ _STANDARD_BAUDS = (9600, 19_200, 38_400, 57_600, 115_200, 230_400, 460_800, 921_
 
 
 def plausible_rate(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that no clock or baud rate is too low for an encoder, unless a note of the interface mentions it."""
+    """Check that no clock or baud rate is too low for an encoder, unless the interface has a note."""
     if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
         return
     for _, interface in interfaces(spec):
@@ -382,15 +400,16 @@ _LEADING_ZERO = re.compile("[-+]?0[0-9]+")
 
 
 def number_base(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that numbers printed in hexadecimal have 0x, and that no number has leading zeros.
+    """Check that numbers printed in hexadecimal are written with 0x, and that no number has leading zeros.
 
-    A JSON file may use decimal numbers, because JSON has no others.
+    A JSON file may use decimal numbers, because JSON has no others. A single digit is the same in both bases.
     """
     is_json = report.document.line(1).startswith("{")
     for path, number in leaves_of(spec.data, report):
         if not isinstance(number, int) or isinstance(number, bool):
             continue
         spelling = report.document.spelling_at(path)
+        # The same digits read as hexadecimal, without sign and leading zeros, with at least two digits.
         hexadecimal = f"0x{spelling.lstrip('+-0'):0>2}"
         if not is_json and _is_hexadecimal(path) and _DECIMAL.fullmatch(spelling):
             decimal_hint = f", or {number:#04x} for decimal {number}" if number > 9 else ""
@@ -408,7 +427,7 @@ def number_base(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
 
 
 def typographic_quotes(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that no text is in typographic quotes, which YAML treats as part of the text."""
+    """Check that no text begins and ends with typographic quotes, which YAML treats as part of the text."""
     for path, value in leaves_of(spec.data, report):
         if isinstance(value, str) and len(value) > 1 and (value[0], value[-1]) in _TYPOGRAPHIC:
             message = (
@@ -419,7 +438,7 @@ def typographic_quotes(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
 
 
 def _is_hexadecimal(path: Path) -> bool:
-    """Return True for a number that manuals print in hexadecimal."""
+    """Return True for the ``value`` of a write, and for a key of ``HEXADECIMAL`` that is not a name of the spec."""
     if path[-1] == "value":
         return "writes" in path
     is_name_in_spec = len(path) > 1 and path[-2] in _OWN_NAMES

@@ -28,7 +28,10 @@ def mapping(data: Any, *keys: str) -> Spec:
 
 
 def items(data: Any, *keys: str) -> Iterator[tuple[Path, Spec]]:
-    """Yield the maps in the list found by following ``keys``, each with its path."""
+    """Yield the maps in the list found by following ``keys``, each with its path.
+
+    For ``("manual", "editions")`` these have paths such as ``("manual", "editions", 0)``.
+    """
     list_value = mapping(data, *keys[:-1]).get(keys[-1])
     for index, list_item in enumerate(list_value if isinstance(list_value, list) else ()):
         if isinstance(list_item, dict):
@@ -77,7 +80,7 @@ def layouts(data: Spec) -> Iterator[Fields]:
 
 
 def field_lists(data: Spec) -> Iterator[Fields]:
-    """Yield every list of fields, in the order of the language."""
+    """Yield every list of fields: of groups, layouts, control data and registers, in the order of the language."""
     for path, group in items(data, "field_groups"):
         yield Fields(Has.GROUP, group, path, "")
     yield from layouts(data)
@@ -104,6 +107,7 @@ def expanded(fields: Fields, groups: Mapping[str, Spec]) -> Iterator[tuple[Path,
 
 
 def _expanded(fields: Fields, groups: Mapping[str, Spec]) -> Iterator[tuple[Path, Spec]]:
+    """Yield the fields with groups included, without a limit."""
     for path, field in fields:
         group = groups.get(field["use"]) if isinstance(field.get("use"), str) else None
         if group is None:
@@ -113,7 +117,10 @@ def _expanded(fields: Fields, groups: Mapping[str, Spec]) -> Iterator[tuple[Path
 
 
 def leaves_of(spec: Spec, report: DocumentReport) -> Sequence[tuple[Path, Any]]:
-    """Return the leaves of a whole spec. The report keeps them, because one rule after another needs them."""
+    """Return the leaves of a whole spec, each with its path.
+
+    The report keeps those of the last spec, because one rule after another needs them.
+    """
     if report.leaves[0] is not spec:
         report.leaves = (spec, leaves(spec))
     return report.leaves[1]
@@ -127,6 +134,7 @@ def leaves(data: Any) -> list[tuple[Path, Any]]:
 
 
 def _add_leaves(node: Any, path: Path, located_values: list[tuple[Path, Any]]) -> None:
+    """Add every text, number and boolean below a place, with its path."""
     if isinstance(node, dict):
         for key, child in node.items():
             _add_leaves(child, (*path, key), located_values)

@@ -36,12 +36,13 @@ _STAYS = re.compile(
 )
 #: Two wires named together, as in "white and blue wires".
 _WIRES = re.compile(r"\b([A-Za-z]+(?:[-/_][A-Za-z]+)?) and ([A-Za-z]+(?:[-/_][A-Za-z]+)?) wires\b")
+#: A supply line, such as ``+5 V`` or ``0V``.
 _VOLTAGES = re.compile(r"(?<![A-Za-z])[+-]?\d*(?:[.,]\d+)? ?V", re.IGNORECASE)
 _TEXTS = ("meaning", "note", "remedy", "detected", "precondition", "result", "when_active", "when_inactive")
 
 
 def threshold_words(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the texts of an alarm below a voltage do not say that it is raised above it, and the reverse."""
+    """Check that the texts of an alarm below a voltage do not say that it is raised above the same voltage."""
     for alarm in spec.alarms:
         limit = alarm.part.below_mv
         for path, text in _texts_of(alarm, _TEXTS) if limit is not None else ():
@@ -55,7 +56,7 @@ def threshold_words(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
 
 
 def latch_words(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the texts of an alarm agree with 'latch'."""
+    """Check that no text of an alarm that latches says that it clears itself, and of another one that it stays."""
     for alarm in spec.alarms:
         latch = alarm.part.latch
         if latch is None:
@@ -69,25 +70,25 @@ def latch_words(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
 
 
 def level_words(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the texts of a flag agree with its active level."""
+    """Check that the texts of a flag that say at which level it is active name its active level."""
     levels = {"low": "0", "high": "1"}
-    for fields in field_lists(spec):
-        for field in fields.fields:
-            level = levels.get(field.active)
-            for path, text in _texts_of(field, _TEXTS) if level is not None else ():
-                wrong_levels = [stated for stated in _LEVEL.findall(text) if stated != level]
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
+            active_level = levels.get(field.active)
+            for path, text in _texts_of(field, _TEXTS) if active_level is not None else ():
+                wrong_levels = [stated for stated in _LEVEL.findall(text) if stated != active_level]
                 if wrong_levels:
                     message = (
                         f"the text says that it is active at {wrong_levels[0]}, but 'active: {field.active}' means"
-                        f" {level}; correct one of the two"
+                        f" {active_level}; correct one of the two"
                     )
                     report.add("words-contradict", path, message)
 
 
 def name_and_meaning(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the meaning of a value does not have the opposite of a word in its name, as in binary: Gray code."""
-    for fields in field_lists(spec):
-        for field in fields.fields:
+    """Check that a value whose name has a word such as ``binary`` does not have only its opposite in the meaning."""
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
             for name, value in field.values.items():
                 for word, opposite in _contradictions(name, value.meaning):
                     message = f"{quoted(name)} has a meaning with {quoted(opposite)} and without {quoted(word)}"
@@ -95,7 +96,7 @@ def name_and_meaning(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
 
 
 def _contradictions(name: str, meaning: str) -> Iterator[tuple[str, str]]:
-    """Yield each word of a name with its opposite, if only the opposite is in the meaning."""
+    """Yield each word of a name with its opposite, if only the opposite is in the meaning: ``("binary", "gray")``."""
     plain_name = name.replace("counter_clockwise", "counterclockwise")
     plain_meaning = re.sub(r"counter-?clockwise", "counterclockwise", meaning.casefold())
     meaning_words = set(re.findall(r"[a-z]+", plain_meaning))
@@ -106,13 +107,19 @@ def _contradictions(name: str, meaning: str) -> Iterator[tuple[str, str]]:
 
 
 def wires_named(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that two wires named together exist, and are both of a supply or of a pair, as the tables of cables say."""
-    signals = _signals_by_wire(spec)
-    for path, text in _all_texts(spec) if signals else ():
+    """Check that two wires named together are both of a supply or of a pair, as the tables of cables say.
+
+    Wires that no cable has are not checked. A colour may have several signals, in different cables.
+    """
+    signals_by_colour = _signals_by_wire(spec)
+    for path, text in _all_texts(spec) if signals_by_colour else ():
         for first_wire, second_wire in _WIRES.findall(text):
-            if first_wire.casefold() not in signals or second_wire.casefold() not in signals:
+            if first_wire.casefold() not in signals_by_colour or second_wire.casefold() not in signals_by_colour:
                 continue
-            first_signals, second_signals = signals[first_wire.casefold()], signals[second_wire.casefold()]
+            first_signals, second_signals = (
+                signals_by_colour[first_wire.casefold()],
+                signals_by_colour[second_wire.casefold()],
+            )
             if not any(_belong_together(first, second) for first in first_signals for second in second_signals):
                 first, second = min(first_signals), min(second_signals)
                 message = (
@@ -123,16 +130,19 @@ def wires_named(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
 
 
 def _signals_by_wire(spec: WrittenSpec) -> dict[str, set[str]]:
-    """Return the signals of each wire colour, in lower case, in all cables."""
-    signals: dict[str, set[str]] = {}
+    """Return the signals of each wire colour, in lower case, in all cables: ``{"white": {"MA+"}}``."""
+    signals_by_colour: dict[str, set[str]] = {}
     for cable in spec.connectors:
         for contact in cable.part.contacts if cable.part.kind == "cable" else ():
-            signals.setdefault(contact.contact.casefold(), set()).add(contact.signal)
-    return signals
+            signals_by_colour.setdefault(contact.contact.casefold(), set()).add(contact.signal)
+    return signals_by_colour
 
 
 def _belong_together(first: str, second: str) -> bool:
-    """Return True for two supply lines, two unused wires, or the lines of a differential pair."""
+    """Return True for the signals of two supply lines or of a differential pair, or for two equal ones.
+
+    The lines of a pair have the same letters and digits, as in ``MA+`` and ``MA-``.
+    """
     if _VOLTAGES.search(first) and _VOLTAGES.search(second):
         return True
     plain_first, plain_second = (re.sub(r"[^a-z0-9]", "", signal.casefold()) for signal in (first, second))
