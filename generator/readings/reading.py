@@ -141,7 +141,7 @@ class Word:
 
     @property
     def everywhere(self) -> WordCase | None:
-        """The word if it is the same in every case, so that it can be compared independently of the order codes."""
+        """The word if all cases share one ``WordCase``, so that it can be compared without order codes, or None."""
         distinct_words = {id(word_case): word_case for word_case in self.cases.values()}
         if len(distinct_words) > 1:
             return None
@@ -166,7 +166,7 @@ class Facts:
     decided: Sequence[str] = ()
 
     def add(self, facts: Iterator[Fact]) -> None:
-        """Add facts. A repeated key gets the next number of its kind."""
+        """Add facts. A key that already exists gets the first free number: ``(*key, 2)``, ``(*key, 3)``."""
         for fact in facts:
             key, number = fact.key, 1
             while key in self.facts:
@@ -177,7 +177,7 @@ class Facts:
                 self._add_name_of(key, fact)
 
     def _add_name_of(self, key: Key, fact: Fact) -> None:
-        """Add the reader's name of the item whose first fact this is."""
+        """Add ``fact.name`` as the name of an item, under its kind: ``("register", "ssi")``, or one element."""
         kind = key[:2] if key[0] in _BY_INTERFACE else key[:1]
         item_place = fact.place[: fact.place.index(fact.name) + 1]
         description = f"name of {fact.description}"
@@ -192,13 +192,12 @@ class Facts:
 #: Items with separate names for each interface, which is the second element of their keys.
 _BY_INTERFACE = frozenset(("connector", "frame", "procedure", "register", "time"))
 
-
 #: Share of equal names from which the second reading is assumed to use the names of the spec.
 _SHARE_OF_EQUAL_NAMES = 0.9
 
 
 def use_same_names(spec: Facts, second: Facts) -> bool:
-    """Return whether the second reading uses the names of the spec, so that any different name is a mistake."""
+    """Return whether 90 % of the names of items in both readings are equal, so that any other one is a mistake."""
     compared_count, equal_count = 0, 0
     for spec_names, second_names in _name_maps_of_both(spec, second):
         for key in spec_names.keys() & second_names.keys():
@@ -209,7 +208,7 @@ def use_same_names(spec: Facts, second: Facts) -> bool:
 
 
 def _name_maps_of_both(spec: Facts, second: Facts) -> Iterator[tuple[Names, Names]]:
-    """Yield the names of each kind that both readings have, those of fields for the first case of each word."""
+    """Yield the names of each kind in both readings, by key. For fields, the first common case of a word is enough."""
     yield from _names_by_kind(spec.names, second.names)
     for key in spec.words.keys() & second.words.keys():
         spec_cases, second_cases = spec.words[key].cases, second.words[key].cases
@@ -225,7 +224,7 @@ def _names_by_kind(spec: Mapping[Key, Names], second: Mapping[Key, Names]) -> It
 
 
 def mistaken_pairs(spec_names: Names, second_names: Names, *, must_be_equal: bool) -> Iterator[tuple[Fact, Fact]]:
-    """Yield pairs of different names of one item if one must be a mistake.
+    """Yield the names of an item in the spec and the second reading if they differ and one must be a mistake.
 
     This is the case if the second reader uses the name for another item, if the two differ in one letter, or if all
     names ``must_be_equal``.
@@ -272,10 +271,10 @@ class Reading:
     document: Document
 
     def cases(self, interface: str) -> Mapping[Case, Parameters]:
-        """Return the parameters of each order code of an interface.
+        """Return the parameters in each case of an interface, or an empty map if no order code has it.
 
-        The cases are the factory defaults, both ends of the range of each parameter in a register, and each other
-        answer of an alternative.
+        The cases of an order code are the factory defaults, both ends of the range of each parameter in a register, and
+        each other answer of an alternative.
         """
         return self._cases.get(interface, {})
 
@@ -292,7 +291,7 @@ class Reading:
         return cases_by_interface
 
     def _states_to_compare(self, interface: str) -> Iterator[tuple[str, Parameters]]:
-        """Yield the states of an encoder with this interface other than the factory defaults, and what each changes."""
+        """Yield each state other than the factory defaults, in words, with the parameters that it changes."""
         for parameter in self.device.run_time_parameters:
             # A parameter without an interface is the same over all of them.
             if parameter.interface and parameter.interface != interface:
@@ -306,14 +305,14 @@ class Reading:
                 yield f"answer {answer_number} of alternative {number}", answer.sets
 
     def bits_at(self, path: str) -> str:
-        """Return the bits of a register given by ``register.field``, in words without names."""
+        """Return ``register 0x49 bits 7:4`` for ``register.field``, or the path if there is no such field."""
         register, field = self._field_at(path)
         if register is None or field is None:
             return path
         return f"{register_text(register)} {self.bits_of(register.interface, field)}"
 
     def state(self, path: str, name: str) -> str:
-        """Return the condition that ``register.field`` has the value ``name``, in words without names."""
+        """Return ``register 0x49 bits 7:4 is 3`` for ``register.field`` and the name of one of its values."""
         _, field = self._field_at(path)
         number_text = name
         for named_value in field.values if field is not None else ():
@@ -349,7 +348,7 @@ class Reading:
         return None
 
     def field_place(self, owner: Path, field: Field) -> Path:
-        """Return the place of a field in the spec: in its group, in the layout, or at another key of the layout."""
+        """Return the place of a field in the spec, or ``other_bits`` for added zero bits, or else its owner."""
         if field.group:
             owner = ("field_groups", field.group)
         own_place: Path = (*owner, "fields", field.padding_of or field.name)
@@ -358,7 +357,7 @@ class Reading:
         return self.first_existing(own_place, owner)
 
     def bits_in_frames(self, interface: str, layout: Layout, field: Field) -> Iterator[str]:
-        """Yield a bit of each frame with a layout, in words without names, for the first order code."""
+        """Yield ``bit 3 of the encoder's frame``, once for each selector of the layout, for the first code."""
         low_bit = field.low.value(self._parameters_of_first_code(interface))
         bit_text = f"bit {low_bit} of the {layout.sender}'s frame"
         if not layout.selects:
@@ -367,7 +366,7 @@ class Reading:
             yield f"{bit_text} with {in_hex(selector_value)}"
 
     def printed_names(self, part: Any) -> Mapping[str, str]:
-        """Return the names of an item as printed, by language. Several in one language are alternatives."""
+        """Return the printed names of an item by language. Alternatives are joined: ``{"en": "turn | rev"}``."""
         translations: Mapping[str, str] = getattr(part, "names", {})
         names_by_language = {language: [plain(name)] for language, name in translations.items()}
         printed_name = getattr(part, "printed_name", "")
@@ -415,7 +414,7 @@ def short(value: int) -> str:
 
 
 def as_delivered(register: Register) -> int | None:
-    """Return the factory default of the register, as stated or from the documented values of all its fields."""
+    """Return the factory default as stated, or else from the fixed values of all fields, or None if one has none."""
     if register.default is not None:
         return register.default
     default = 0
