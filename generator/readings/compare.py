@@ -22,7 +22,11 @@ _TEXT_SORTS = frozenset((Sort.TEXT, Sort.SECTION))
 
 
 def compare(spec: Facts, second: Facts) -> Comparison:
-    """Compare the facts of a spec with those of its second reading."""
+    """Return the comparison of the facts of a spec with those of its second reading.
+
+    Facts are compared by their keys, and frames and registers bit by bit. Facts that the second reading gives only by a
+    path or that no manual prints are counted as such at the end.
+    """
     comparison = Comparison(has_names_of_spec=use_same_names(spec, second))
     place_in_spec = partial(_nearest_place, comparison, spec, second)
     second_facts = second.facts | dict(_facts_by_path(spec, second))
@@ -42,6 +46,7 @@ def compare(spec: Facts, second: Facts) -> Comparison:
 
 
 def _has_two_byte_orders(word_key: Key, spec: Facts, second: Facts) -> bool:
+    """Return whether both readings state the byte order of a frame, and differ."""
     order_key = (*word_key, "order")
     if order_key not in spec.facts or order_key not in second.facts:
         return False
@@ -73,7 +78,11 @@ def _nearest_place(comparison: Comparison, spec: Facts, second: Facts, second_fa
 
 
 def _container(place: Path) -> Path:
-    """Return the nearest list or map around a place that exists in any spec."""
+    """Return the nearest list or map around a place that exists in any spec.
+
+    This is its first step, such as ``("registers",)``. In interfaces and the manual, it has three steps, such as
+    ``("interfaces", "ssi", "layouts")``, or two if there is no third one or that is an index.
+    """
     if place[0] not in ("interfaces", "manual"):
         return place[:1]
     has_name_inside = len(place) > 2 and isinstance(place[2], str)
@@ -81,7 +90,10 @@ def _container(place: Path) -> Path:
 
 
 def _facts_by_path(spec: Facts, second: Facts) -> Iterator[tuple[Key, Fact]]:
-    """Yield the facts that the second reading gives by paths: numbers in texts, and sections."""
+    """Yield the facts that the second reading gives by paths, as copies of the spec's facts with its values and places.
+
+    These are numbers in texts, and sections of sources. A path that the spec lacks gives a fact of its own.
+    """
     text_facts = [fact for fact in spec.facts.values() if fact.sort in _TEXT_SORTS]
     spec_fact_by_path = {dotted(fact.place): fact for fact in text_facts}
     for path, (numbers, second_place) in second.printed_numbers.items():
@@ -98,7 +110,7 @@ def _facts_by_path(spec: Facts, second: Facts) -> Iterator[tuple[Key, Fact]]:
 
 
 def _sections_at(place: Path, second: Facts) -> Sequence[str]:
-    """Return the sections that the second reading gives for a place, or for the nearest place around it."""
+    """Return the sections that the second reading gives for a place, or else for the nearest place around it."""
     for length in range(len(place), 0, -1):
         path = dotted(place[:length])
         if path in second.sections:
@@ -107,11 +119,16 @@ def _sections_at(place: Path, second: Facts) -> Sequence[str]:
 
 
 def _count_undecided(comparison: Comparison, spec: Facts, second: Facts) -> None:
-    """Count facts that no manual prints as decided, and texts of which only a name was compared as read once."""
+    """Count facts that no manual prints as decided, and texts of which little was compared as read once.
+
+    Only facts that count as read twice so far change. Little was compared of a text or source by path, and of a
+    characteristic without numbers, of which only the name is known.
+    """
     for (sort, place), read in comparison.read_by_place.items():
         if read is not Read.TWICE:
             continue
         path = dotted(place)
+        # The place of a characteristic itself, such as ("characteristics", "weight").
         is_characteristic = sort is Sort.CHARACTERISTIC and len(place) == 2
         is_only_name = is_characteristic and (NUMBERS, *place, "value") not in spec.facts
         is_from_path = sort in _TEXT_SORTS and path in second.printed_numbers
@@ -122,7 +139,7 @@ def _count_undecided(comparison: Comparison, spec: Facts, second: Facts) -> None
 
 
 def _is_decided(sort: Sort, path: str, decided: Sequence[str]) -> bool:
-    """Return whether ``decided`` contains the class of a fact, its path or a path above it."""
+    """Return whether ``decided`` contains the class of a fact, such as "time", its path or a path above it."""
     if sort.value in decided:
         return True
     return any(f"{path}.".startswith(f"{decided_path}.") for decided_path in decided)

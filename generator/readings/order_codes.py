@@ -14,7 +14,10 @@ from .stated import Subject
 
 
 def add_codes(reading: Reading, facts: Facts) -> None:
-    """Add facts about order codes, their parameters in registers, and the measurement of the position."""
+    """Add the facts about order codes: notations, supplies, parameters, alternatives, measurements and the movement.
+
+    Parameters with a formula follow from the others, so they only count as derived.
+    """
     facts.add(_order_code_facts(reading))
     facts.add(_spelling_facts(reading))
     facts.add(_supply_facts(reading))
@@ -42,7 +45,11 @@ def add_codes(reading: Reading, facts: Facts) -> None:
 
 
 def _order_code_facts(reading: Reading) -> Iterator[Fact]:
-    """Yield the order codes, and the values that the manual leaves open."""
+    """Yield each order code with its interface, and each part whose values the manual leaves open.
+
+    Such a part is identified by the values that the manual prints. If these combine only with certain values of other
+    parts, the text lists those.
+    """
     place: Path = ("order_code", "parts")
     for variant in reading.device.variants:
         description = f"interface of the order code {variant.code}"
@@ -69,7 +76,7 @@ def _order_code_facts(reading: Reading) -> Iterator[Fact]:
 
 
 def _supply_facts(reading: Reading) -> Iterator[Fact]:
-    """Yield the supply of each order code."""
+    """Yield one fact with the supply of each order code: ``5000 to 30000 mV``, or nothing if none is stated."""
     supplies: dict[Case, str] = {}
     for variant in reading.device.variants:
         supply = reading.device.supply_of(variant)
@@ -86,23 +93,26 @@ def _supply_facts(reading: Reading) -> Iterator[Fact]:
 
 
 def _parameter_facts(reading: Reading) -> Iterator[Fact]:
-    """Yield each parameter for each order code. Readers choose their parameters, but one name has one meaning."""
+    """Yield a fact for each parameter, with its value in each case of each order code.
+
+    A parameter may be missing from the other reading, since readers choose their own. One name has one meaning.
+    """
     for parameter in reading.device.parameters:
-        values: dict[Case, str] = {}
+        value_by_case: dict[Case, str] = {}
         for interface in reading.device.interfaces:
             for case, parameters in reading.cases(interface.name).items():
                 if parameter.name in parameters:
-                    values[case] = short(parameters[parameter.name])
+                    value_by_case[case] = short(parameters[parameter.name])
         place = ("parameters", parameter.name)
         subject = Subject(
             reading, key=("parameter", parameter.name), place=place, description=f"the parameter '{parameter.name}'"
         )
-        yield replace(subject.existence_fact(Sort.ORDER_CODE, values), may_be_missing=True)
+        yield replace(subject.existence_fact(Sort.ORDER_CODE, value_by_case), may_be_missing=True)
         yield from subject.stated_facts(parameter)
 
 
 def _add_alternatives(reading: Reading, facts: Facts) -> None:
-    """Add the names of the alternatives and of their answers."""
+    """Add the names of the alternatives and of their answers, which are identified by their numbers from 1."""
     for number, alternative in enumerate(reading.device.alternatives, 1):
         place: Path = ("alternatives", alternative.name)
         description = f"name of alternative {number}"
@@ -116,16 +126,28 @@ def _add_alternatives(reading: Reading, facts: Facts) -> None:
                 place=(*place, "name"),
             ),
         )
-        for index, answer in enumerate(alternative.answers, 1):
-            description, path = f"name of answer {index} of alternative {number}", (*place, "values", answer.name)
+        for answer_number, answer in enumerate(alternative.answers, 1):
+            description, answer_place = (
+                f"name of answer {answer_number} of alternative {number}",
+                (*place, "values", answer.name),
+            )
             facts.add_name(
                 ("answer", number),
-                Fact(sort=Sort.ORDER_CODE, key=(index,), value=answer.name, description=description, place=path),
+                Fact(
+                    sort=Sort.ORDER_CODE,
+                    key=(answer_number,),
+                    value=answer.name,
+                    description=description,
+                    place=answer_place,
+                ),
             )
 
 
 def _spelling_facts(reading: Reading) -> Iterator[Fact]:
-    """Yield labels in alternative spellings, with their suffix."""
+    """Yield each label in an additional notation, with the order code that it stands for.
+
+    A label is identified by its text and by what follows it (``then``).
+    """
     for index, spelling in enumerate(reading.device.order_code.also_written):
         place: Path = ("order_code", "also_written", index)
         for variant in reading.device.variants:
@@ -136,7 +158,10 @@ def _spelling_facts(reading: Reading) -> Iterator[Fact]:
 
 
 def _label_with_spelling(spelling: Spelling, variant: Variant, parts: Iterable[CodePart]) -> str | None:
-    """Return the label of an order code in an alternative spelling, or None if the spelling lacks one of its values."""
+    """Return the label of an order code in an additional notation: ``X24B`` for ``X-24-B``.
+
+    Return None if the pattern of the notation has a part whose value it does not spell.
+    """
     label = spelling.pattern
     for part in parts:
         placeholder = f"{{{part.name}}}"
@@ -149,7 +174,7 @@ def _label_with_spelling(spelling: Spelling, variant: Variant, parts: Iterable[C
 
 
 def _held_parameter_facts(reading: Reading, parameter: Parameter) -> Iterator[Fact]:
-    """Yield the limits of a parameter in a register."""
+    """Yield the limits of a parameter in a register, identified by the bits that hold it."""
     bits_text = reading.bits_at(parameter.read_from)
     register = reading.register(parameter.register)
     for name, bound in (("min", parameter.min), ("max", parameter.max)):
@@ -165,7 +190,10 @@ def _held_parameter_facts(reading: Reading, parameter: Parameter) -> Iterator[Fa
 
 
 def _measurement_facts(reading: Reading, interface: Interface) -> Iterator[Fact]:
-    """Yield the facts about the position over an interface, and its bits in each frame."""
+    """Yield the facts about the position over an interface, and its bits in each frame that contains it.
+
+    The measurement is that of the interface, or else that of the device.
+    """
     measurement = reading.device.measurement_of(interface.name)
     if measurement is None:
         return
@@ -185,6 +213,7 @@ def _measurement_facts(reading: Reading, interface: Interface) -> Iterator[Fact]
         yield from _range_facts(subject, interface, layout)
         position_bits: dict[Case, str] = {}
         for case, parameters in reading.cases(interface.name).items():
+            # The width is 0 if the frame lacks the position in this case.
             low, width = layout.place(parameters).place_of(measurement.of)
             if width:
                 position_bits[case] = bits(low + width - 1, low)
@@ -202,7 +231,7 @@ def _measurement_facts(reading: Reading, interface: Interface) -> Iterator[Fact]
 
 
 def _range_facts(measured: Subject, interface: Interface, layout: Layout) -> Iterator[Fact]:
-    """Yield the facts about the range that a layout has for itself."""
+    """Yield the facts about the range of the position that a layout states for itself, which most do not."""
     if layout.position_range is None:
         return
     place: Path = ("interfaces", interface.name, "layouts", layout.name, "position_range")
