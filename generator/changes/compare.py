@@ -183,7 +183,7 @@ def compare_pair(
     """Yield the changes of one thing: new, gone or renamed, and its members and content if both versions have it.
 
     ``subject`` is the thing, and ``compare_content`` is as in ``compare_parts``. A decision with a default, which
-    nobody must answer, has its own rules for its presence, such as "choice-new".
+    users need not make, has its own rules for its presence, such as "choice-new".
     """
     part = pair.new_or_old
     is_decision_with_default = isinstance(part, Alternative) and bool(part.default)

@@ -125,7 +125,7 @@ def _neighbours(fields_in_order: Sequence[Field], paired_names: Mapping[str, str
     ``{"counts": ("status", "crc")}`` is a value, with "" for a missing neighbour. ``paired_names`` has the new name of
     each paired field by the name that it has in ``fields_in_order``.
     """
-    # The name is empty for a field without a counterpart, which is no neighbour.
+    # The name is empty for a field without a counterpart, which does not count as a neighbour.
     new_names = [paired_names.get(field.name, "") for field in fields_in_order]
     neighbours: dict[str, tuple[str, str]] = {}
     for index, field in enumerate(fields_in_order):

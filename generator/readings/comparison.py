@@ -56,7 +56,7 @@ class Comparison:
     has_names_of_spec: bool = False
 
     def count_fact(self, sort: Sort, spec_place: Path, read: Read) -> None:
-        """Count a fact at a place of the spec. Of several facts of one class at the place, the worst count remains."""
+        """Count a fact of the spec. Of several facts of one class with this place, the worst count remains."""
         key = sort, spec_place
         self.read_by_place[key] = max(read, self.read_by_place.get(key, Read.TWICE))
 

@@ -162,7 +162,7 @@ def compare_readings(
     """Compare each family with its second reading, report the differences, and return the coverage.
 
     ``sound`` are the files of specs without problems. Left out are derived families, families without a second reading,
-    and those in which one of the two files has problems. A second reading is checked even if its spec is not sound.
+    and those in which one of the two files has problems. A second reading is checked even if its spec has some.
     """
     coverages = []
     for loaded_family in families:

@@ -77,7 +77,7 @@ def _contact_facts(reading: Reading, connector: Connector, interface: str, numbe
 
 
 def _alarm_bits_texts(reading: Reading, alarm: Alarm) -> Iterator[str]:
-    """Yield the places of an alarm: ``register 0x49 bits 3:3``, a whole register, and its bit in each frame.
+    """Yield the places of an alarm: ``register 0x49 bit 3``, a whole register, and its bit in each frame.
 
     A bit in a frame is that of the alarm's field in a field group, with the interface: ``bit 3 of … over SSI``.
     """

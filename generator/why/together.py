@@ -21,7 +21,10 @@ class CommonMistake:
 
 
 def judge_together(diagnoses: Sequence[Diagnosis]) -> list[CommonMistake]:
-    """Return the mistakes that explain the most frames, most likely first."""
+    """Return the mistakes that explain the most frames, most likely first.
+
+    A mistake is the same in several frames if its kind and its text without details are (``Explanation.mistake``).
+    """
     explanations_by_mistake: dict[tuple[str, str, bool], list[Explanation]] = {}
     for diagnosis in diagnoses:
         for explanation in _likeliest_explanations(diagnosis):
@@ -50,14 +53,20 @@ def _likeliest_explanations(diagnosis: Diagnosis) -> Iterable[Explanation]:
 
 
 def _common_score(explanations: Sequence[Explanation]) -> float:
-    """Return the logarithm of the likelihood. A mistake is made once, so its frequency counts once."""
+    """Return the logarithm to base 2 of the likelihood that a mistake explains all frames.
+
+    The score of each frame contains the frequency of the mistake. It is made once, so its frequency counts once.
+    """
     frequency = log2(MISTAKES[explanations[0].kind])
     evidence = sum(log2(explanation.score) - frequency for explanation in explanations)
     return frequency + evidence
 
 
 def _common_text(explanations: Sequence[Explanation]) -> str:
-    """Return the text of the explanations, without the details in which the frames differ."""
+    """Return the text of the explanations, without the details in which the frames differ.
+
+    ``the first bit ({0}) is missing`` becomes ``the first bit is missing``, and any other detail ``some``.
+    """
     texts = {explanation.text for explanation in explanations}
     if len(texts) == 1:
         return explanations[0].text
