@@ -77,9 +77,10 @@ class Diagnosis:
 
 
 def diagnose_without_crc(device: Device, hypotheses: Iterable[Hypothesis], missing: str) -> Diagnosis | None:
-    """Return the readings of a frame without a CRC, most likely first, or None if there are none and nothing is missing.
+    """Return the readings of a frame without a CRC, most likely first. Nothing proves one of them.
 
-    Nothing proves one of them. Of readings that lead to the same frame, only the likeliest is an explanation.
+    Of readings that lead to the same frame, only the likeliest is an explanation. Return None if there is no reading
+    and ``missing`` is empty, which says what a recording lacks.
     """
     fitting_hypotheses = [hypothesis for hypothesis in hypotheses if hypothesis.fits]
     fitting_hypotheses.sort(key=lambda hypothesis: -hypothesis.score)
@@ -172,7 +173,7 @@ def is_significant(hypothesis: Hypothesis) -> bool:
 
 
 def significant_hypotheses(hypotheses: Iterable[Hypothesis], refuted: Sequence[Hypothesis]) -> list[Hypothesis]:
-    """Return the hypotheses that do not match too many random frames, without those that match the same as refuted ones."""
+    """Return the significant hypotheses, without those that match the same frames as a refuted one."""
     refuted_keys = {hypothesis.match_key for hypothesis in refuted}
     significant = [hypothesis for hypothesis in hypotheses if is_significant(hypothesis)]
     return [hypothesis for hypothesis in significant if hypothesis.match_key not in refuted_keys]

@@ -60,7 +60,8 @@ def other_positions(device: Device, variant: Variant, decoded: codec.Decoded) ->
 def _frames_without_mistake(placed_layout: PlacedLayout, position_name: str, frame: int) -> Iterator[int | None]:
     """Yield the frame without each mistake in ``READINGS``, in this order, or None if it cannot have the mistake.
 
-    A frame that was read early lacks its last bit, and one that was read late has a bit too many at its end.
+    A frame that was read early has a bit too many at its start and lacks its last bit. One that was read late is the
+    reverse.
     """
     yield _read_one_clock_later(placed_layout, frame)
     read_one_clock_earlier = frame >> 1

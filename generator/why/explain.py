@@ -200,9 +200,9 @@ def _refuted_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_frame: Type
 
 
 def _diagnose_equal_bits(variant: Variant, number: int, bit_count: int, doubt: str) -> Diagnosis | None:
-    """Explain a frame of at least 12 bits that are all equal, or return None. No other mistake is tried for such a frame.
+    """Explain a frame of at least 12 bits that are all equal, or return None for any other frame.
 
-    ``doubt`` is the reason why nothing proves that the line is dead, or "".
+    No other mistake is tried for such a frame. ``doubt`` is the reason why nothing proves that the line is dead, or "".
     """
     all_ones = (1 << bit_count) - 1
     if bit_count < _LEAST_EQUAL_BITS or number not in (0, all_ones):
