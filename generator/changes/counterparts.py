@@ -53,7 +53,11 @@ def _remember_renamings_in_frames(family_pair: FamilyPair, old: Interface, new: 
 def _remember_renamings_in_layout(
     family_pair: FamilyPair, old: Layout, new: Layout, interface: str, scope: str
 ) -> None:
-    """Remember the renamed fields, joined numbers and values of a frame or register, whose new name is ``scope``."""
+    """Remember the renamed fields, joined numbers and values of a frame or register, whose new name is ``scope``.
+
+    Fields are remembered for this layout, and as "any-field" for references that do not name the layout. Values are
+    remembered for all fields together, as "any-value".
+    """
     field_pairs = pair_fields(family_pair, old, new, interface)
     family_pair.remember_renamings(f"field {scope}", field_pairs)
     join_pairs = pair_parts(family_pair, old.joins, new.joins, scope=scope)

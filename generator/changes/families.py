@@ -267,6 +267,7 @@ def compare_quantities(family_pair: FamilyPair) -> Iterator[Change]:
 def _compare_measurement(
     family_pair: FamilyPair, subject: Subject, old: Measurement | None, new: Measurement | None
 ) -> Iterator[Change]:
+    """Yield the changes of a measurement, or that it is new or gone."""
     if old is not None and new is not None:
         yield from compare_members(family_pair, subject, old, new)
     elif old is not new:
@@ -274,6 +275,7 @@ def _compare_measurement(
 
 
 def _compare_answers(family_pair: FamilyPair, subject: Subject, old: Alternative, new: Alternative) -> Iterator[Change]:
+    """Yield the changes of the answers to a question that the manual leaves open."""
     yield from compare_parts(
         family_pair, "answer", old.answers, new.answers, replace(subject, label=f"{subject.label}: answer")
     )

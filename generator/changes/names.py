@@ -75,15 +75,18 @@ def _is_private_module(path: str) -> bool:
 
 
 def _changes_in_file(family: str, path: str, old_text: str, new_text: str) -> Iterator[NameChange]:
-    """Yield the macros of a C header, or the names of a Python module, that are gone or have another value."""
+    """Yield the macros of a C header, or the names of a Python module, that are gone or have another value.
+
+    Names that are new are not listed. Other files and private modules have none.
+    """
     if path.endswith(".h"):
-        kind, old_values, new_values = "C macro", _macros(old_text), _macros(new_text)
+        kind, old_value_by_name, new_value_by_name = "C macro", _macros(old_text), _macros(new_text)
     elif path.endswith(".py") and not _is_private_module(path):
-        kind, old_values, new_values = "Python name", _python_names(old_text), _python_names(new_text)
+        kind, old_value_by_name, new_value_by_name = "Python name", _python_names(old_text), _python_names(new_text)
     else:
         return
-    for name, old_value in old_values.items():
-        new_value = new_values.get(name)
+    for name, old_value in old_value_by_name.items():
+        new_value = new_value_by_name.get(name)
         if new_value != old_value:
             full_name = name if kind == "C macro" else f"{family}.{name}"
             yield NameChange(family=family, kind=kind, name=full_name, old=old_value, new=new_value)

@@ -121,6 +121,7 @@ def as_data(findings: DiffResult) -> dict[str, Any]:
 
 
 def _files_data(files: Files) -> dict[str, Any]:
+    """Return the generated files in the JSON output: their number, those that change, and the changed names."""
     name_changes_data = [
         {"family": name.family, "kind": name.kind, "name": name.name, "old": name.old, "new": name.new}
         for name in files.names
@@ -139,6 +140,7 @@ def _package_data(package: Package) -> dict[str, str]:
 
 
 def _change_data(change: Change) -> dict[str, Any]:
+    """Return a change in the JSON output, with its impact on each output: ``{"c": "breaking", "pages": …}``."""
     return {
         "family": change.family,
         "rule": change.rule.name,

@@ -56,7 +56,9 @@ def _has_two_byte_orders(word_key: Key, spec: Facts, second: Facts) -> bool:
 def _nearest_place(comparison: Comparison, spec: Facts, second: Facts, second_fact: Fact) -> Path | None:
     """Return the place where the spec would state a fact of the second reading, or None if the spec may lack it.
 
-    This is its subject, or the only item of the same kind that the second reading lacks, or the list of such items.
+    For a fact that depends on another one, such as the register of a default, this is the place of that one, or None if
+    the spec lacks it, since only that is then reported. Otherwise it is the only item of the same kind that the second
+    reading lacks, or else the list or map of such items.
     """
     if second_fact.key[0] == "code":
         return None  # Missing order codes are reported together.
@@ -64,7 +66,6 @@ def _nearest_place(comparison: Comparison, spec: Facts, second: Facts, second_fa
     if second_fact.may_be_missing and not is_needed_name:
         return None
     if second_fact.depends_on:
-        # If the subject is missing, only that is reported.
         subject = spec.facts.get(second_fact.depends_on)
         return subject.place if subject is not None else None
     unmatched_facts: list[Fact] = []
@@ -148,7 +149,8 @@ def _is_decided(sort: Sort, path: str, decided: Sequence[str]) -> bool:
 def _compare_order_codes(spec: Facts, second: Facts) -> Iterator[Disagreement]:
     """Yield one disagreement for all order codes that only the spec has, and one for those that it lacks.
 
-    A reading without any order code is not compared.
+    Each has the text of the first code and counts the others. If a reading has no order code at all, nothing is
+    yielded.
     """
     spec_codes, second_codes = _order_codes_of(spec), _order_codes_of(second)
     if not spec_codes or not second_codes:

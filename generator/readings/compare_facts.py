@@ -53,7 +53,10 @@ def compare_facts(
 
 
 def missing_in_spec(second_fact: Fact, nearest_place: Path) -> Disagreement:
-    """Return the disagreement on a fact that only the second reading has."""
+    """Return the disagreement on a fact that only the second reading has.
+
+    ``nearest_place`` is where the spec would state it, since it has no place there.
+    """
     return Disagreement(
         sort=second_fact.sort,
         description=second_fact.description,

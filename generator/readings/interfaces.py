@@ -211,12 +211,14 @@ def _group_name(frame: Subject, field: Field) -> Fact:
 
 
 def _frame_facts(frame: Subject, layout: Layout) -> Iterator[Fact]:
-    """Yield the facts about a frame as a whole: its sender, its units, its byte order and its length."""
+    """Yield the facts about a frame as a whole: its sender, units, byte order, length and combinations of values.
+
+    A frame of one byte needs no byte order. If only one reading states it, that is no disagreement.
+    """
     reading = frame.reading
     yield from frame.all_facts(Sort.POSITION, layout, f"sent by the {layout.sender}", at="name")
     carried_place = reading.first_existing((*frame.place, "carried_as"), frame.place)
     yield frame.detail_fact(Sort.POSITION, "carried", layout.carried_as, "units", carried_place)
-    # A frame of one byte needs no byte order, but a reader may state one.
     has_several_bytes = layout.widest > 8
     is_stated = reading.document.has((*frame.place, "byte_order"))
     if layout.in_bytes and (has_several_bytes or is_stated):

@@ -280,6 +280,7 @@ class Reading:
 
     @cached_property
     def _cases(self) -> Mapping[str, Mapping[Case, Parameters]]:
+        """The parameters of every order code by its interface and by case, first with the factory defaults."""
         interfaces = {variant.interface for variant in self.device.variants}
         states_by_interface = {interface: list(self._states_to_compare(interface)) for interface in interfaces}
         cases_by_interface: dict[str, dict[Case, Parameters]] = {interface: {} for interface in interfaces}

@@ -220,7 +220,10 @@ class _Explanation:
 
 
 def _explanations(spec: Document) -> Iterator[_Explanation]:
-    """Yield each pair of values that the errata of a spec explain."""
+    """Yield each pair of values that the errata of a spec explain, under ``readings``.
+
+    Several pairs of an erratum are separate explanations with the same printed text and affected paths.
+    """
     for erratum_index, erratum in enumerate(spec.data.get("errata", ())):
         for pair_index, pair in enumerate(erratum.get("readings", ())):
             yield _Explanation(

@@ -59,13 +59,15 @@ class Vocabulary:
     """The turning words of a family: those of the language, and the signals on its connectors."""
 
     def __init__(self, signals: Iterable[str]) -> None:
+        #: The kind of each word, and the first word of its sense.
         self._senses: dict[str, Gap] = {}
-        #: First words of the senses, by kind.
+        #: First words of the senses, by kind: ``{"level": ["high", "low"]}``.
         self.choices: dict[str, Sequence[str]] = {}
         for line in _WORDS.splitlines():
             kind, _, senses = line.partition(": ")
             self._add_kind(kind, [sense.split(", ") for sense in senses.split(" | ")])
         self._add_kind(SIGNAL, [[signal] for signal in sorted(set(signals)) if len(signal) > 2])
+        # The regular expression takes the first alternative that matches, so "no longer" must come before "no".
         spellings = sorted(self._senses, key=len, reverse=True)
         self._pattern = re.compile(rf"(?<![\w/])(?:{'|'.join(map(_pattern, spellings))})(?!\w)", re.IGNORECASE)
 

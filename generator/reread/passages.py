@@ -54,7 +54,7 @@ def same_language(old: Manual, new: Manual) -> bool:
 
 
 def changed(old: Manual, new: Manual) -> Iterator[Passage]:
-    """Yield the passages that differ.
+    """Yield the passages that differ. A section that only one edition has is one passage.
 
     Sections that were only renumbered or moved do not differ. A running head of one edition can be the title on the
     cover of both, so text that only one edition has is skipped if it is a running head.

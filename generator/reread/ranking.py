@@ -91,6 +91,7 @@ class TouchedFacts:
         self._facts_by_item: dict[str, list[Citing]] = {}
         for fact in facts:
             self._facts_by_item.setdefault(fact.item, []).append(fact)
+        #: The items that refer to a name or path.
         self._items_by_reference: dict[str, list[str]] = {}
         for item, item_facts in self._facts_by_item.items():
             references: set[str] = set()
@@ -98,6 +99,7 @@ class TouchedFacts:
                 references.update(fact.refers_to)
             for reference in references:
                 self._items_by_reference.setdefault(reference, []).append(item)
+        #: The facts already collected, by the cited sections and the number of the passage's section.
         self._facts_by_sections: dict[tuple[frozenset[str], str], SectionFacts] = {}
 
     def touched_by(self, passage: Passage, sections: Set[str]) -> tuple[list[Citing], int]:
@@ -213,6 +215,7 @@ class _Change:
         # If the passage only adds words, all of the old ones count as changed.
         changed_words = [word for word in passage.old if word not in passage.new] or list(passage.old)
         shown_old_text, _ = passage.shown
+        # The text is only compared if new words replace it. Texts have spaces at both ends (see ``spaced``).
         is_replaced = bool(changed_words) and bool(passage.new)
         self._text = spaced(" ".join(changed_words)) if is_replaced else ""
         self._old_context = spaced(shown_old_text) if is_replaced else ""

@@ -217,7 +217,7 @@ def _explanations(
     *,
     by_two_mistakes: bool = False,
 ) -> list[Explanation]:
-    """Return an explanation for each hypothesis that fits the frame."""
+    """Return an explanation for each hypothesis that fits the frame. ``by_two_mistakes`` marks pairs of mistakes."""
     explanations: list[Explanation] = []
     for hypothesis in hypotheses:
         if hypothesis.fits:

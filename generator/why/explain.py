@@ -146,7 +146,8 @@ def explain_bytes(
 ) -> Diagnosis | None:
     """Explain the wrong CRC of ``data``, which should be a frame of the layout ``placed_layout`` if that is known.
 
-    Return None if there is no mistake to try.
+    Return None if there is no mistake to try. Single bits that would make the frame valid are only searched if the
+    layout is known and has the length of the data.
     """
     dead_line = _diagnose_equal_bits(variant, int.from_bytes(data, "big"), 8 * len(data), doubt="")
     if dead_line is not None:

@@ -20,9 +20,9 @@ def all_hypotheses(
 ) -> Iterator[Hypothesis]:
     """Yield every single mistake that could have turned a valid frame into the typed one.
 
-    If the CRC covers only a part of the frame, only other parameters of the CRC, and inverted and moved frames, are
-    tried. ``placed_layout`` is the layout of the expected frame. A number without leading zeros may have any length
-    from its first 1 on. If it can have the right length, other lengths are tried only if they lead to another frame.
+    ``placed_layout`` is the layout of the expected frame. If the CRC covers only a part of the frame, only other CRC
+    parameters, and rearranged and moved frames, are tried. A frame that can have the right length is tried in another
+    one only if that leads to another frame.
     """
     if placed_layout.bits in _possible_lengths(placed_layout, typed_frame):
         yield from other_crc_hypotheses(placed_layout, crc, typed_frame.number)

@@ -105,7 +105,7 @@ def _missing_first_byte_hypotheses(
 def _frame_hypothesis(
     kind: str, description: str, placed_layout: PlacedLayout, crc: Crc | None, frame: bytes
 ) -> Hypothesis:
-    """Return the hypothesis that the frame was ``frame``."""
+    """Return the hypothesis that the frame was ``frame``, whose last byte is the CRC if there is one."""
     frame_number = number_from_bytes(placed_layout.layout, frame)
     hypothesis = frame_hypothesis(kind, description, placed_layout, crc, frame_number)
     return hypothesis if crc is None else _with_crc_over_bytes(hypothesis, frame)

@@ -194,7 +194,10 @@ def _place_of_position(placed_layout: PlacedLayout) -> tuple[int, int]:
 
 
 def _start_bit_hypotheses(without_mistake: Hypothesis) -> Iterator[Hypothesis]:
-    """Yield hypotheses in which the CRC also covers the bits that BiSS sends in front of the frame."""
+    """Yield hypotheses in which the CRC also covers the bits that BiSS sends in front of the frame.
+
+    These are a start bit, a CDS bit, or both (``START_BITS``). They become the highest bits of the covered data.
+    """
     for front_bits, description in START_BITS:
         front_number = int(front_bits, 2)
         yield replace(
@@ -210,7 +213,8 @@ def other_polynomial_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_fra
     """Yield hypotheses with data of the right length before a CRC of another length.
 
     The CRC is complete, truncated by a reader that expects fewer bits, or followed by zeros. The stop bit is 0, and
-    with one slave the bits after it are 0 too, since the master holds SLI at 0.
+    with one slave the bits after it are 0 too, since the master holds SLI at 0. So the whole has either the length of
+    data and CRC, or that of the expected frame. The typed frame must have it, or lack only leading zeros.
     """
     data_bits = placed_layout.bits - crc.width
     for polynomial in POLYNOMIALS:
@@ -219,8 +223,8 @@ def other_polynomial_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_fra
         other_crc = _with_polynomial(crc, polynomial)
         complete_length = data_bits + other_crc.width
         for length in dict.fromkeys((complete_length, placed_layout.bits)):
-            has_hidden_zeros = not typed_frame.exact and length > typed_frame.bits
-            if length == typed_frame.bits or has_hidden_zeros:
+            may_lack_leading_zeros = not typed_frame.exact and length > typed_frame.bits
+            if length == typed_frame.bits or may_lack_leading_zeros:
                 yield _polynomial_hypothesis(placed_layout, crc, other_crc, typed_frame.number, length)
 
 

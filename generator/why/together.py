@@ -44,9 +44,12 @@ def judge_together(diagnoses: Sequence[Diagnosis]) -> list[CommonMistake]:
 
 
 def _likeliest_explanations(diagnosis: Diagnosis) -> Iterable[Explanation]:
-    """Return one explanation for each mistake, the likeliest, since a mistake may explain a frame in several ways."""
+    """Return one explanation for each mistake, the likeliest, since a mistake may explain a frame in several ways.
+
+    Explanations of a diagnosis are sorted, the likeliest first.
+    """
     likeliest_by_mistake: dict[tuple[str, str, bool], Explanation] = {}
-    # The likeliest come first, so they are the last ones to be set.
+    # In reverse order, a likelier one replaces the ones before it.
     for explanation in reversed(diagnosis.unmerged or diagnosis.explanations):
         likeliest_by_mistake[explanation.mistake] = explanation
     return likeliest_by_mistake.values()
