@@ -257,19 +257,19 @@ def _named_in_code(family_pair: FamilyPair, pair: Pair[Any], section_subject: Su
     """
     # The last step of the path, such as ``layouts`` of ``interfaces.ssi.layouts``.
     section = section_subject.path.rpartition(".")[2]
-    name = pair.new_or_old.name
+    thing_name = pair.new_or_old.name
     subject = Subject(
-        path=f"{section_subject.path}.{name}",
-        label=f"{section_subject.label} {name}",
+        path=f"{section_subject.path}.{thing_name}",
+        label=f"{section_subject.label} {thing_name}",
         interface=section_subject.interface,
-        scope=section_subject.scope or name,
+        scope=section_subject.scope or thing_name,
     )
     is_known_to_users = pair.old is not None or section == "data_ids"
     if section not in _NAME_PATTERNS or not is_known_to_users:
         return subject
     device = family_pair.new if pair.old is None else family_pair.old
-    names = _names_in_code(device, section, pair.old_or_new, section_subject.interface)
-    return replace(subject, names=names)
+    names_in_code = _names_in_code(device, section, pair.old_or_new, section_subject.interface)
+    return replace(subject, names=names_in_code)
 
 
 def _names_in_code(device: Device, section: str, part: Any, section_interface: str) -> dict[str, str]:
@@ -288,7 +288,9 @@ def _names_in_code(device: Device, section: str, part: Any, section_interface: s
         "interface": interface,
     }
     # Macros have the same words in capitals. ``Name`` is that of a Python class.
-    text_by_placeholder |= {key.upper(): text.upper() for key, text in text_by_placeholder.items()}
+    text_by_placeholder |= {
+        placeholder.upper(): replacement.upper() for placeholder, replacement in text_by_placeholder.items()
+    }
     text_by_placeholder["Name"] = "".join(word[:1].upper() + word[1:] for word in part.name.split("_"))
     c_pattern, python_pattern = _NAME_PATTERNS[section]
     c_name = c_pattern.format(**text_by_placeholder)

@@ -99,8 +99,8 @@ def fold_length(
     last_name = max(resized_fields, key=lambda resized_field: resized_field.low_bits).name
     has_same_gain_everywhere = len(set(gained_bits)) == 1
     resized_frames = {frame: gained_bits[0] if has_same_gain_everywhere else 0}
-    names = [compared_field.name for compared_field in compared_fields]
-    last_index = names.index(last_name)
+    field_names = [compared_field.name for compared_field in compared_fields]
+    last_index = field_names.index(last_name)
     last_resized_field = _with_resized_frames(compared_fields[last_index], resized_frames)
     return [*compared_fields[:last_index], last_resized_field, *compared_fields[last_index + 1 :]]
 
@@ -201,15 +201,15 @@ def with_consequences(change: Change) -> Change:
     """
     if not change.moved_fields and not change.resized_frames:
         return change
-    texts = [change.text]
+    text_and_consequences = [change.text]
     impacts = change.rule.impacts
     if change.moved_fields:
-        texts.append(f"moves {counted(len(change.moved_fields), 'field')}")
+        text_and_consequences.append(f"moves {counted(len(change.moved_fields), 'field')}")
         impacts = _highest(impacts, RULES["field-moved"].impacts)
     if change.resized_frames:
-        texts.append(_resized_frames_text(change.resized_frames))
+        text_and_consequences.append(_resized_frames_text(change.resized_frames))
         impacts = _highest(impacts, RULES["frame-length"].impacts)
-    return replace(change, text=", ".join(texts), rule=replace(change.rule, impacts=impacts))
+    return replace(change, text=", ".join(text_and_consequences), rule=replace(change.rule, impacts=impacts))
 
 
 def fold_defaults(changes: Sequence[Change]) -> Iterator[Change]:
@@ -274,8 +274,8 @@ def fold_alike(changes: Sequence[Change]) -> Iterator[Change]:
     alike_changes_by_key: dict[object, list[Change]] = {}
     for change in changes:
         # A change that stands alone gets a key that no other change has.
-        key = _alike_key(change) or id(change)
-        alike_changes_by_key.setdefault(key, []).append(change)
+        alike_key = _alike_key(change) or id(change)
+        alike_changes_by_key.setdefault(alike_key, []).append(change)
     for alike_changes in alike_changes_by_key.values():
         if len(alike_changes) == 1:
             yield alike_changes[0]
@@ -320,8 +320,8 @@ def fold_types(changes: Sequence[Change]) -> Iterator[Change]:
         type_change = type_change_by_subject.get(subject_text)
         if type_change is not None and change.rule.name == "field-width":
             impacts = _highest(change.rule.impacts, type_change.rule.impacts)
-            text = f"{change.text}, in C {_value_text(type_change)}"
-            yield replace(change, text=text, rule=replace(change.rule, impacts=impacts))
+            text_with_type = f"{change.text}, in C {_value_text(type_change)}"
+            yield replace(change, text=text_with_type, rule=replace(change.rule, impacts=impacts))
         elif change.rule.name != "field-type" or subject_text not in resized_subjects:
             yield change
 

@@ -190,15 +190,15 @@ def _identity_of(part: Any, family_pair: FamilyPair, *, is_old: bool, interface:
         part = family_pair.with_new_names(part, scope)
     identity_of_inner = partial(_identity_of, family_pair=family_pair, is_old=is_old, interface=interface, scope=scope)
     members = PARTS_BY_CLASS[type(part).__name__].identity
-    values = [_identifying_value(getattr(part, name), identity_of_inner) for name in members]
+    identifying_values = [_identifying_value(getattr(part, member_name), identity_of_inner) for member_name in members]
     layout = part.layout if isinstance(part, Register) else part
     if isinstance(layout, Layout):
         layout_interface = interface or part.interface
         field_bits: list[tuple[int | str, ...]] = []
         for field in layout.fields:
             field_bits.append(family_pair.low_bits_and_widths(field, layout_interface, is_old=is_old))
-        values.append(tuple(field_bits))
-    return tuple(values) if any(values) else None
+        identifying_values.append(tuple(field_bits))
+    return tuple(identifying_values) if any(identifying_values) else None
 
 
 def _parameter_identity(family_pair: FamilyPair, parameter: Parameter, *, is_old: bool) -> Hashable | None:

@@ -365,11 +365,11 @@ def _merge_repeated(changes: Iterable[Change]) -> Iterator[Change]:
     for change in changes:
         # Documentation of one place is one change, even if its text names different frames.
         is_documentation = change.impact <= Impact.DOCUMENTATION
-        key = change.rule.name, change.path if is_documentation else change.text
-        if key in change_by_key:
-            change_by_key[key] = _merge_pair(change_by_key[key], change)
+        change_key = change.rule.name, change.path if is_documentation else change.text
+        if change_key in change_by_key:
+            change_by_key[change_key] = _merge_pair(change_by_key[change_key], change)
         else:
-            change_by_key[key] = change
+            change_by_key[change_key] = change
     yield from map(with_consequences, change_by_key.values())
 
 

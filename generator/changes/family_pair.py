@@ -284,18 +284,18 @@ class FamilyPair:
         """
         if side == "old":
             return describe_codes(self.old, codes)
-        text = describe_codes(self.new, codes)
+        codes_text = describe_codes(self.new, codes)
         common_variants = tuple(variant for variant in self.new.variants if variant.code in self.common_new_codes)
         # No code is common, or every new one is.
         have_same_codes = len(common_variants) in (0, len(self.new.variants))
-        if side == "new" or have_same_codes or text.startswith("all "):
-            return text
+        if side == "new" or have_same_codes or codes_text.startswith("all "):
+            return codes_text
         # All common codes of an interface are not all of the new family.
         new_family_without_new_codes = replace(self.new, variants=common_variants)
         text_among_common = describe_codes(new_family_without_new_codes, codes)
         if text_among_common.startswith("all "):
             return f"{text_among_common} that stay"
-        return text
+        return codes_text
 
     def compare_presence(
         self, kind: str, subject: Subject, old: Any, new: Any, common_property: str = ""

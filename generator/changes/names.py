@@ -127,8 +127,8 @@ def _named_values(
     for statement in statements:
         public_names = [name for name in _bound_names(statement) if not name.startswith("_")]
         for name in public_names:
-            value = getattr(statement, "value", None)
-            value_text = ast.unparse(value) if isinstance(value, ast.Constant) else ""
+            bound_value = getattr(statement, "value", None)
+            value_text = ast.unparse(bound_value) if isinstance(bound_value, ast.Constant) else ""
             yield f"{prefix}{name}", value_text
             if isinstance(statement, ast.ClassDef):
                 yield from _named_values(statement.body, classes, prefix=f"{prefix}{name}.")

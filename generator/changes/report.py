@@ -107,12 +107,12 @@ def describe_versions(package: Package) -> str:
 
 def as_data(findings: DiffResult) -> dict[str, Any]:
     """Return the output of ``codewheel diff --json``."""
-    counts = _counts_by_impact(findings.changes)
+    counts_by_impact = _counts_by_impact(findings.changes)
     files = findings.files
     return {
         "version": VERSION,
         "impact": findings.impact.word,
-        "counts": {impact.word: counts[impact] for impact in Impact if impact},
+        "counts": {impact.word: counts_by_impact[impact] for impact in Impact if impact},
         "changes": list(map(_change_data, findings.changes)),
         "generated": _files_data(files) if files else None,
         "packages": list(map(_package_data, findings.packages)),
@@ -145,7 +145,7 @@ def _change_data(change: Change) -> dict[str, Any]:
         "family": change.family,
         "rule": change.rule.name,
         "impact": change.impact.word,
-        "outputs": {name: impact.word for name, impact in zip(OUTPUTS, change.rule.impacts, strict=True)},
+        "outputs": {output: impact.word for output, impact in zip(OUTPUTS, change.rule.impacts, strict=True)},
         "path": change.path,
         "text": change.text,
         "old": change.old,
@@ -291,14 +291,14 @@ def _place_or_text(change: Change) -> str:
 
 def _result_lines(findings: DiffResult) -> Iterator[str]:
     """Yield one wrapped text about generated files and package versions, or nothing without both."""
-    results: list[str] = []
+    statements: list[str] = []
     if findings.files is not None:
         changed_count = len(findings.files.changed)
         verb = "changes" if changed_count == 1 else "change"
-        results.append(f"{changed_count} of {counted(findings.files.count, 'file')} {verb}")
-    results += map(describe_versions, findings.packages)
-    if results:
-        yield wrapped(f"generated: {'; '.join(results)}", WIDTH, "  ", "")
+        statements.append(f"{changed_count} of {counted(findings.files.count, 'file')} {verb}")
+    statements += map(describe_versions, findings.packages)
+    if statements:
+        yield wrapped(f"generated: {'; '.join(statements)}", WIDTH, "  ", "")
 
 
 #: The version of a manufacturer's package in its file, whose first group precedes the number.

@@ -152,10 +152,10 @@ def due_version(version: str, impact: Impact) -> str:
     Before 1.0.0, ``0.2.3`` becomes ``0.3.0`` in the first case and otherwise ``0.2.4``. Without an impact, or if
     ``version`` is not three numbers, it stays.
     """
-    numbers = _version_numbers(version)
-    if not impact or not numbers:
+    version_numbers = _version_numbers(version)
+    if not impact or not version_numbers:
         return version
-    major, minor, patch = numbers
+    major, minor, patch = version_numbers
     is_incompatible = impact >= Impact.BEHAVIOUR
     adds_something = impact is Impact.COMPATIBLE
     if major > 0 and is_incompatible:
@@ -171,14 +171,14 @@ def packages(old: Sequence[Device], new: Sequence[Device], changes: Collection[C
     The due version follows from the old one and the highest impact of the changes of the manufacturer's families.
     """
     old_maker_by_name, new_maker_by_name = _maker_by_name(old), _maker_by_name(new)
-    common_names = [name for name in new_maker_by_name if name in old_maker_by_name]
+    common_names = [maker_name for maker_name in new_maker_by_name if maker_name in old_maker_by_name]
     packages_of_makers: list[Package] = []
-    for name in common_names:
-        old_maker, new_maker = old_maker_by_name[name], new_maker_by_name[name]
-        families = {device.name for device in (*old, *new) if device.manufacturer.name == name}
+    for maker_name in common_names:
+        old_maker, new_maker = old_maker_by_name[maker_name], new_maker_by_name[maker_name]
+        families = {device.name for device in (*old, *new) if device.manufacturer.name == maker_name}
         impacts = [change.impact for change in changes if change.family in families]
         package = Package(
-            maker=name,
+            maker=maker_name,
             name=new_maker.python_package,
             old=old_maker.version,
             stated=new_maker.version,

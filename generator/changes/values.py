@@ -297,8 +297,10 @@ def without_texts(value: Any) -> Any:
     if isinstance(value, tuple):
         return [without_texts(member) for member in value]
     if is_dataclass(value) and not isinstance(value, type):
-        data = as_plain_data(value)
-        return {key: member for key, member in data.items() if key not in _TEXT_MEMBERS}
+        data_by_member = as_plain_data(value)
+        return {
+            member_name: member for member_name, member in data_by_member.items() if member_name not in _TEXT_MEMBERS
+        }
     return value
 
 

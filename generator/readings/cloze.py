@@ -45,10 +45,10 @@ def clozes(spec: Document) -> dict[str, _SpecText]:
             continue
         cloze = vocabulary.cloze(text)
         if cloze.gaps:
-            path, number = dotted(place), 1
+            path, repetition = dotted(place), 1
             while path in spec_texts:
-                number += 1
-                path = f"{dotted(place)} {number}"
+                repetition += 1
+                path = f"{dotted(place)} {repetition}"
             spec_texts[path] = _SpecText(place, cloze)
     return spec_texts
 
@@ -132,8 +132,8 @@ def compare_words(spec: Document, sheet_document: Document, report: Report) -> N
     for path, (place, cloze) in spec_texts.items():
         filled_text = sheet_texts.get(path)
         if filled_text is None:
-            words = counted(len(cloze.gaps), "turning word")
-            message = f"{sheet_name} lacks this text, which has {words}; {_refill(spec)}"
+            word_count_text = counted(len(cloze.gaps), "turning word")
+            message = f"{sheet_name} lacks this text, which has {word_count_text}; {_refill(spec)}"
             report.add(OUTDATED_RULE, spec, place, message, cause=sheet_name)
             is_outdated = True
         elif filled_text["text"] != cloze.text or len(filled_text["words"]) != len(cloze.gaps):

@@ -66,11 +66,11 @@ def _nearest_place(comparison: Comparison, spec: Facts, second: Facts, second_fa
     if second_fact.may_be_missing and not is_needed_name:
         return None
     if second_fact.depends_on:
-        subject = spec.facts.get(second_fact.depends_on)
-        return subject.place if subject is not None else None
+        subject_fact = spec.facts.get(second_fact.depends_on)
+        return subject_fact.place if subject_fact is not None else None
     unmatched_facts: list[Fact] = []
-    for key, spec_fact in spec.facts.items():
-        is_of_same_kind = key[:2] == second_fact.key[:2] and spec_fact.sort is second_fact.sort
+    for spec_key, spec_fact in spec.facts.items():
+        is_of_same_kind = spec_key[:2] == second_fact.key[:2] and spec_fact.sort is second_fact.sort
         if is_of_same_kind and not spec_fact.depends_on and spec_fact.key not in second.facts:
             unmatched_facts.append(spec_fact)
     if len(unmatched_facts) == 1:

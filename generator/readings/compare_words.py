@@ -30,11 +30,11 @@ def compare_word(comparison: Comparison, spec_word: Word, second_word: Word | No
         is_repetition = case.state != FACTORY_DEFAULTS and spec_case is spec_word.cases.get(case.by_default)
         if case not in second_cases and not is_repetition:
             _count_as_read_once(comparison, spec_case)
-    for disagreement, cases in _disagreements_with_cases(comparison, spec_word, second_cases):
-        if len(cases) == len(spec_word.cases):
+    for disagreement, differing_cases in _disagreements_with_cases(comparison, spec_word, second_cases):
+        if len(differing_cases) == len(spec_word.cases):
             comparison.add_disagreement(disagreement)
         else:
-            description = disagreement.description + cases_text(cases)
+            description = disagreement.description + cases_text(differing_cases)
             comparison.add_disagreement(replace(disagreement, description=description))
 
 
@@ -87,11 +87,11 @@ def _numbered(disagreements: Iterable[Disagreement]) -> Iterator[tuple[_Disagree
 
     Those with the same places and class are numbered from 1.
     """
-    counts: Counter[tuple[Path, Path, Sort]] = Counter()
+    counts_so_far: Counter[tuple[Path, Path, Sort]] = Counter()
     for disagreement in disagreements:
         places_and_sort = disagreement.spec_place, disagreement.second_place, disagreement.sort
-        counts[places_and_sort] += 1
-        yield (*places_and_sort, counts[places_and_sort]), disagreement
+        counts_so_far[places_and_sort] += 1
+        yield (*places_and_sort, counts_so_far[places_and_sort]), disagreement
 
 
 def _compare_in_case(

@@ -91,8 +91,8 @@ def _facts_of_kind(subject: Subject, field: Field) -> Iterator[Fact]:
     for fact in subject.stated_facts(field.kind):
         if fact.sort is Sort.VERDICT:
             # The verdict of a flag that the interface defines is not in the spec.
-            place = reading.first_existing(fact.place, subject.place)
-            yield replace(fact, place=place, may_be_missing=isinstance(field.kind, Unused))
+            verdict_place = reading.first_existing(fact.place, subject.place)
+            yield replace(fact, place=verdict_place, may_be_missing=isinstance(field.kind, Unused))
         else:
             yield replace(fact, may_be_missing=False)
     if isinstance(field.kind, CrcValue):
@@ -209,8 +209,8 @@ def _owner_text(kind: Kind, placed_field: PlacedField, placed_layout: PlacedLayo
         case CrcValue(_, covered):
             if not covered:
                 return "the CRC"
-            low, covered_width = placed_layout.crc_covers
-            return f"the CRC of {bits(low + covered_width - 1, low)}"
+            lowest_covered, covered_width = placed_layout.crc_covers
+            return f"the CRC of {bits(lowest_covered + covered_width - 1, lowest_covered)}"
         case Parity():
             return _parity_text(kind, placed_layout)
         case Text():
@@ -260,13 +260,13 @@ def _weight_in_join(placed_field: PlacedField, placed_layout: PlacedLayout) -> i
 
 def describe_bits(adjacent_bits: Sequence[Bit]) -> str:
     """Describe adjacent bits of one item, highest first: ``bits 7:0 of a number``, ``constant 0010``, ``a flag``."""
-    first, last = adjacent_bits[0], adjacent_bits[-1]
-    if first.fixed is not None:
+    highest_bit, lowest_bit = adjacent_bits[0], adjacent_bits[-1]
+    if highest_bit.fixed is not None:
         digits = "".join(str(bit.fixed) for bit in adjacent_bits)
-        return f"{first.part} {digits}"
-    if first.weight is None or last.weight is None:
-        return first.part
-    return f"{bits(first.weight, last.weight)} of {first.part}"
+        return f"{highest_bit.part} {digits}"
+    if highest_bit.weight is None or lowest_bit.weight is None:
+        return highest_bit.part
+    return f"{bits(highest_bit.weight, lowest_bit.weight)} of {highest_bit.part}"
 
 
 def continues_item(bit: Bit, above: Bit) -> bool:

@@ -67,10 +67,11 @@ def _add_names(subject: Subject, register: Register, facts: Facts) -> None:
         Fact(sort=Sort.LIMIT, key=subject.key, value=register.limits_of, description=description, place=place),
     )
     if register.opened_by:
-        name, description = register.opened_by_field or NOTHING, f"field that opens {subject.description}"
+        opening_field_name, description = register.opened_by_field or NOTHING, f"field that opens {subject.description}"
         place = (*subject.place, "opened_by")
         facts.add_name(
-            ("opener",), Fact(sort=Sort.BEHAVIOUR, key=subject.key, value=name, description=description, place=place)
+            ("opener",),
+            Fact(sort=Sort.BEHAVIOUR, key=subject.key, value=opening_field_name, description=description, place=place),
         )
 
 
@@ -175,7 +176,9 @@ def _exchange_constants(interface: Interface) -> dict[str, str]:
     for exchange in interface.exchanges:
         fields = layouts[exchange.request].fields
         constants = [(field.low, field.kind.value) for field in fields if isinstance(field.kind, Constant)]
-        constants_text = ", ".join(f"{in_hex(value)} from bit {low.render()}" for low, value in constants)
+        constants_text = ", ".join(
+            f"{in_hex(constant_value)} from bit {low_bit.render()}" for low_bit, constant_value in constants
+        )
         constants_by_frame[exchange.request] = constants_text
         # A reply to several requests is identified by the first one.
         constants_by_frame.setdefault(exchange.reply, constants_text)

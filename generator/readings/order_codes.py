@@ -165,9 +165,13 @@ def _label_with_spelling(spelling: Spelling, variant: Variant, parts: Iterable[C
     label = spelling.pattern
     for part in parts:
         placeholder = f"{{{part.name}}}"
-        texts = [text for text, value in spelled(part, spelling).items() if value == variant.parts[part.name]]
-        if texts:
-            label = label.replace(placeholder, texts[0])
+        spelled_texts = [
+            spelled_text
+            for spelled_text, listed_value in spelled(part, spelling).items()
+            if listed_value == variant.parts[part.name]
+        ]
+        if spelled_texts:
+            label = label.replace(placeholder, spelled_texts[0])
         elif placeholder in label:
             return None
     return label
@@ -177,14 +181,14 @@ def _held_parameter_facts(reading: Reading, parameter: Parameter) -> Iterator[Fa
     """Yield the limits of a parameter in a register, identified by the bits that hold it."""
     bits_text = reading.bits_at(parameter.read_from)
     register = reading.register(parameter.register)
-    for name, bound in (("min", parameter.min), ("max", parameter.max)):
+    for bound_name, bound in (("min", parameter.min), ("max", parameter.max)):
         if bound is not None:
             yield Fact(
                 sort=Sort.LIMIT,
-                key=("held", bits_text, name),
+                key=("held", bits_text, bound_name),
                 value=short(bound),
-                description=f"{name}imum held in {bits_text}",
-                place=("parameters", parameter.name, name),
+                description=f"{bound_name}imum held in {bits_text}",
+                place=("parameters", parameter.name, bound_name),
                 depends_on=reading.key_of(register) if register is not None else (),
             )
 
@@ -197,13 +201,13 @@ def _measurement_facts(reading: Reading, interface: Interface) -> Iterator[Fact]
     measurement = reading.device.measurement_of(interface.name)
     if measurement is None:
         return
-    place: Path = ("measurement",)
+    measurement_place: Path = ("measurement",)
     if interface.measurement is not None:
-        place = ("interfaces", interface.name, "measurement")
+        measurement_place = ("interfaces", interface.name, "measurement")
     subject = Subject(
         reading,
         key=("measurement", interface.name),
-        place=place,
+        place=measurement_place,
         description=f"measurement over {interface.short}",
         interface=interface.name,
         joint=" of the ",
@@ -214,18 +218,18 @@ def _measurement_facts(reading: Reading, interface: Interface) -> Iterator[Fact]
         position_bits: dict[Case, str] = {}
         for case, parameters in reading.cases(interface.name).items():
             # The width is 0 if the frame lacks the position in this case.
-            low, width = layout.place(parameters).place_of(measurement.of)
+            low_bit, width = layout.place(parameters).place_of(measurement.of)
             if width:
-                position_bits[case] = bits(low + width - 1, low)
+                position_bits[case] = bits(low_bit + width - 1, low_bit)
         if position_bits:
-            key = (*subject.key, "of", layout.sender, *layout.selects)
+            position_key = (*subject.key, "of", layout.sender, *layout.selects)
             description = f"measured bits of '{layout.name}'"
             yield Fact(
                 sort=Sort.MEASUREMENT,
-                key=key,
+                key=position_key,
                 value=position_bits,
                 description=description,
-                place=(*place, "of"),
+                place=(*measurement_place, "of"),
                 depends_on=subject.key,
             )
 

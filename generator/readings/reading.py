@@ -246,9 +246,9 @@ def _differ_in_one_letter(name: str, other_name: str) -> bool:
     if len(shorter) < len(longer):
         return any(longer[:index] + longer[index + 1 :] == shorter for index in range(len(longer)))
     differing_indices = [index for index in range(len(name)) if name[index] != other_name[index]]
-    first, end = differing_indices[0], differing_indices[-1] + 1
-    is_one_wrong_letter = end - first == 1
-    are_two_swapped = end - first == 2 and name[first:end] == other_name[first:end][::-1]
+    start, end = differing_indices[0], differing_indices[-1] + 1
+    is_one_wrong_letter = end - start == 1
+    are_two_swapped = end - start == 2 and name[start:end] == other_name[start:end][::-1]
     return is_one_wrong_letter or are_two_swapped
 
 
@@ -285,10 +285,10 @@ class Reading:
         states_by_interface = {interface: list(self._states_to_compare(interface)) for interface in interfaces}
         cases_by_interface: dict[str, dict[Case, Parameters]] = {interface: {} for interface in interfaces}
         for variant in self.device.variants:
-            cases = cases_by_interface[variant.interface]
-            cases[Case(variant.code, FACTORY_DEFAULTS)] = variant.parameters
+            parameters_by_case = cases_by_interface[variant.interface]
+            parameters_by_case[Case(variant.code, FACTORY_DEFAULTS)] = variant.parameters
             for state, changed_parameters in states_by_interface[variant.interface]:
-                cases[Case(variant.code, state)] = with_changed(self.device, variant, changed_parameters)
+                parameters_by_case[Case(variant.code, state)] = with_changed(self.device, variant, changed_parameters)
         return cases_by_interface
 
     def _states_to_compare(self, interface: str) -> Iterator[tuple[str, Parameters]]:
@@ -327,8 +327,8 @@ class Reading:
         register = self.register(register_name)
         if register is None:
             return None, None
-        fields = {field.name: field for field in register.layout.fields}
-        return register, fields.get(field_name)
+        field_by_name = {field.name: field for field in register.layout.fields}
+        return register, field_by_name.get(field_name)
 
     def bits_of(self, interface: str, field: Field) -> str:
         """Return text such as ``bits 7:4`` for a field of a register or frame, for the first order code."""
@@ -385,12 +385,12 @@ class Reading:
     def key_of(self, register: Register) -> Key:
         """Return the key of a register: interface, bank, address, and readability if several share the address."""
         bank = -1 if register.bank is None else register.bank
-        key = ("register", register.interface, bank, register.address)
+        address_key = ("register", register.interface, bank, register.address)
         all_addresses = [(other.interface, other.bank, other.address) for other in self.device.registers]
         is_address_shared = all_addresses.count((register.interface, register.bank, register.address)) > 1
         if not is_address_shared:
-            return key
-        return (*key, "read" if register.readable else "write")
+            return address_key
+        return (*address_key, "read" if register.readable else "write")
 
 
 def register_text(register: Register) -> str:
@@ -429,12 +429,12 @@ def as_delivered(register: Register) -> int | None:
 
 def _documented_number(field: Field) -> int | None:
     """Return the value that a field always has as a number, or None if it has none or the order code decides it."""
-    value = field.equals
-    if isinstance(value, str):
-        return int.from_bytes(value.encode("ascii"), "big")
-    if isinstance(value, Expression):
-        return value.constant if value.is_constant else None
-    return value
+    documented_value = field.equals
+    if isinstance(documented_value, str):
+        return int.from_bytes(documented_value.encode("ascii"), "big")
+    if isinstance(documented_value, Expression):
+        return documented_value.constant if documented_value.is_constant else None
+    return documented_value
 
 
 def same_name(names: str, other_names: str) -> bool:

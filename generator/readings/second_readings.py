@@ -142,8 +142,10 @@ def second_of(document: Document, manufacturer: Manufacturer, report: Report) ->
     The problems are added to ``report``.
     """
     problems_before = len(report)
-    data = check_second(document, report)
-    device = build_device(data, manufacturer, report.for_document(document)) if data is not None else None
+    checked_data = check_second(document, report)
+    device = (
+        build_device(checked_data, manufacturer, report.for_document(document)) if checked_data is not None else None
+    )
     # A device can be built although the report has new problems.
     if device is None or len(report) != problems_before:
         return SecondReading(document, facts=None)
@@ -267,16 +269,18 @@ def _others_text(disagreements: Related, spec: Document, second: Document) -> st
     For example ``, and 3 more with the same cause in lines 12 and 15``. Places in the second reading come with its
     name: ``x24.second.yaml:30``.
     """
-    first = disagreements.first_disagreement
-    first_places = first.spec_place, first.second_place
+    first_disagreement = disagreements.first_disagreement
+    first_places = first_disagreement.spec_place, first_disagreement.second_place
     # A disagreement at the same two places, such as one contact for both interfaces, is not counted again.
-    others = [other for other in disagreements.others if (other.spec_place, other.second_place) != first_places]
-    if not others:
+    other_disagreements = [
+        other for other in disagreements.others if (other.spec_place, other.second_place) != first_places
+    ]
+    if not other_disagreements:
         return ""
     # Keys of maps without values, for distinct lines and places in their order.
     spec_lines: dict[str, None] = {}
     places_in_second: dict[str, None] = {}
-    for other in others:
+    for other in other_disagreements:
         if other.spec_value == NOTHING:
             places_in_second[_file_and_line(second, other.second_place)] = None
         else:
@@ -286,7 +290,7 @@ def _others_text(disagreements: Related, spec: Document, second: Document) -> st
     if spec_lines:
         noun = "line" if len(spec_lines) == 1 else "lines"
         places.insert(0, f"{noun} {joined_lines(list(spec_lines))}")
-    return f", and {len(others)} more with the same cause in {', '.join(places)}"
+    return f", and {len(other_disagreements)} more with the same cause in {', '.join(places)}"
 
 
 def _check_explanation(explanation: _Explanation, spec: Document, report: Report, *, is_used: bool) -> None:

@@ -94,7 +94,7 @@ def _waits_and_repetitions(reading: Reading, procedure: Procedure) -> Iterator[_
     """
     step_number, total_wait_us, position_text = 0, 0, "at its start"
     for index, step in enumerate(procedure.steps):
-        place = ("steps", index)
+        step_place = ("steps", index)
         if isinstance(step, WaitStep):
             total_wait_us += step.microseconds
             following_steps = procedure.steps[index + 1 :]
@@ -105,7 +105,7 @@ def _waits_and_repetitions(reading: Reading, procedure: Procedure) -> Iterator[_
                 yield _Detail(
                     sort=Sort.WAIT,
                     key=("wait", step_number),
-                    place=(*place, "at_least_ms"),
+                    place=(*step_place, "at_least_ms"),
                     value=wait_text,
                     description=description,
                 )
@@ -119,12 +119,12 @@ def _waits_and_repetitions(reading: Reading, procedure: Procedure) -> Iterator[_
             yield _Detail(
                 sort=Sort.PROCEDURE,
                 key=("bits", step_number),
-                place=(*place, "field"),
+                place=(*step_place, "field"),
                 value=bits_read,
                 description=description,
             )
         if isinstance(step, SendStep):
-            yield from _repetitions(step, step_number, place, f"{step_text} in the procedure '{procedure.name}'")
+            yield from _repetitions(step, step_number, step_place, f"{step_text} in the procedure '{procedure.name}'")
 
 
 def _repetitions(step: SendStep, step_number: int, place: Path, request_text: str) -> Iterator[_Detail]:
@@ -294,11 +294,11 @@ class Subject:
         for member in PARTS_BY_CLASS[type(model_part).__name__].members:
             if not member.read or member.attribute not in attributes or member.name in without:
                 continue
-            value = getattr(model_part, member.attribute)
-            if member.is_stated(value):
+            member_value = getattr(model_part, member.attribute)
+            if member.is_stated(member_value):
                 # The key of the member in the spec is its name in the model or in the table.
                 place = self.reading.first_existing((*self.place, member.attribute), (*self.place, member.name))
-                text = _value_text(self.reading, member, value, self.interface)
+                text = _value_text(self.reading, member, member_value, self.interface)
                 yield self.detail_fact(Sort(member.read), member.name, text, member.noun or member.words, place)
         for language, text in self.reading.printed_names(model_part).items():
             places = (*self.place, "names", language), (*self.place, "printed_name"), self.place

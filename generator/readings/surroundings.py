@@ -120,9 +120,9 @@ def _characteristic_facts(reading: Reading) -> Iterator[Fact]:
         key, place = ("characteristic", characteristic.name), ("characteristics", characteristic.name)
         subject = Subject(reading, key=key, place=place, description=f"the characteristic '{characteristic.name}'")
         yield from subject.all_facts(Sort.CHARACTERISTIC, characteristic)
-        for index, value in enumerate(characteristic.values):
-            description = f"{value.quantity} {index + 1} of {subject.description}"
-            yield from subject.inside((index,), ("values", index), description).stated_facts(value)
+        for index, quantity_value in enumerate(characteristic.values):
+            description = f"{quantity_value.quantity} {index + 1} of {subject.description}"
+            yield from subject.inside((index,), ("values", index), description).stated_facts(quantity_value)
 
 
 def _table_facts(reading: Reading) -> Iterator[Fact]:
@@ -134,11 +134,11 @@ def _table_facts(reading: Reading) -> Iterator[Fact]:
         yield from subject.all_facts(Sort.TABLE, table, f"{len(table.rows)} rows")
         for row_index, row in enumerate(table.rows):
             for column_index, cell in enumerate(row):
-                numbers = numbers_in(cell)
-                if numbers:
+                cell_numbers = numbers_in(cell)
+                if cell_numbers:
                     place = (*subject.place, "rows", row_index, column_index)
                     noun = f"row {row_index + 1}, column {column_index + 1}"
-                    yield subject.detail_fact(Sort.TABLE, f"{row_index} {column_index}", numbers, noun, place)
+                    yield subject.detail_fact(Sort.TABLE, f"{row_index} {column_index}", cell_numbers, noun, place)
 
 
 def _led_facts(reading: Reading) -> Iterator[Fact]:

@@ -119,28 +119,32 @@ def find_heads_at_edges(pages: Sequence[Sequence[str]]) -> set[str]:
 
     An edge is the first or last 2 lines of a page. 80 % of the lines must be there.
     """
-    counts: Counter[str] = Counter()
+    counts_anywhere: Counter[str] = Counter()
     counts_at_edges: Counter[str] = Counter()
     for page in pages:
         top, below_top = page[:_PAGE_EDGE], page[_PAGE_EDGE:]
         # On a short page, the bottom does not contain lines of the top again.
         bottom = below_top[-_PAGE_EDGE:]
-        counts.update(map(without_digits, page))
+        counts_anywhere.update(map(without_digits, page))
         counts_at_edges.update(map(without_digits, (*top, *bottom)))
-    return {head for head, count in counts_at_edges.items() if count >= max(LEAST_REPETITIONS, _MOSTLY * counts[head])}
+    return {
+        head
+        for head, count in counts_at_edges.items()
+        if count >= max(LEAST_REPETITIONS, _MOSTLY * counts_anywhere[head])
+    }
 
 
 def without_edges(pages: Sequence[Sequence[str]], heads: Collection[str]) -> Iterator[Sequence[str]]:
     """Yield the lines of each page, without page numbers and running heads among its first and last two."""
     for page in pages:
         first_bottom_index = len(page) - _PAGE_EDGE
-        lines: list[str] = []
+        remaining_lines: list[str] = []
         for index, line in enumerate(page):
             is_at_edge = not _PAGE_EDGE <= index < first_bottom_index
             is_head_or_page = without_digits(line) in heads or bool(_PAGE.fullmatch(line))
             if not is_at_edge or not is_head_or_page:
-                lines.append(line)
-        yield lines
+                remaining_lines.append(line)
+        yield remaining_lines
 
 
 def _counts_pages(lines: Sequence[str]) -> bool:

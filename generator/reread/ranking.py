@@ -126,11 +126,11 @@ class TouchedFacts:
 
     def _facts_citing(self, sections: Set[str], passage: Passage) -> SectionFacts:
         """Return the facts that cite one of the sections. They are kept for the next passage of the same section."""
-        key = frozenset(sections), passage.section.number
-        if key not in self._facts_by_sections:
+        section_key = frozenset(sections), passage.section.number
+        if section_key not in self._facts_by_sections:
             citing_facts = [fact for fact in self.all_facts if not fact.sections.isdisjoint(sections)]
-            self._facts_by_sections[key] = SectionFacts(citing_facts, passage.section.words)
-        return self._facts_by_sections[key]
+            self._facts_by_sections[section_key] = SectionFacts(citing_facts, passage.section.words)
+        return self._facts_by_sections[section_key]
 
     def _list_by_item(
         self, likely_facts: Sequence[Citing], all_facts: Sequence[Citing], passage: Passage
@@ -181,9 +181,9 @@ class TouchedFacts:
         It is the one with the most words of the passage, and items with more such words come first. An item without any
         is left out, except an erratum, of which the value that is used instead is returned.
         """
-        name = item.rpartition(".")[2]
+        item_name = item.rpartition(".")[2]
         items_by_reference = self._items_by_reference
-        referring_items = dict.fromkeys((*items_by_reference.get(item, ()), *items_by_reference.get(name, ())))
+        referring_items = dict.fromkeys((*items_by_reference.get(item, ()), *items_by_reference.get(item_name, ())))
         passage_words = _comparable_words((*passage.old, *passage.new))
 
         def common_word_count(fact: Citing) -> int:
@@ -316,13 +316,13 @@ def _comparable_words(words: Iterable[str]) -> set[str]:
     comparable_words = {word.casefold() for word in words}
     comparable_words |= {word.replace(",", ".") for word in comparable_words}
     comparable_words |= {word.removesuffix("h") for word in comparable_words if _HEXADECIMAL.fullmatch(word)}
-    numbers: set[str] = set()
+    numbers_in_words: set[str] = set()
     for word in comparable_words:
         # The first group of either pattern is the number.
         for number_match in (_WITH_UNIT.fullmatch(word), ORDER_CODE.fullmatch(word)):
             if number_match is not None:
-                numbers.add(number_match[1])
-    return comparable_words | numbers
+                numbers_in_words.add(number_match[1])
+    return comparable_words | numbers_in_words
 
 
 def _rarity(words: Set[str], fact_counts: Mapping[str, int]) -> float:

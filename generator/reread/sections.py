@@ -88,13 +88,13 @@ class Manual:
 
         Their numbers are between this one and the next one that the text has. A section without a number has none.
         """
-        numbers = [section.number for section in self.sections if _NUMBER.fullmatch(section.number)]
-        if number not in numbers:
+        section_numbers = [section.number for section in self.sections if _NUMBER.fullmatch(section.number)]
+        if number not in section_numbers:
             return set()
-        next_index = numbers.index(number) + 1
-        start = _number_key(number)
-        end = _number_key(numbers[next_index]) if next_index < len(numbers) else _AFTER_ALL_SECTIONS
-        return {missing_number for missing_number in self.missing if start < _number_key(missing_number) < end}
+        next_index = section_numbers.index(number) + 1
+        start_key = _number_key(number)
+        end_key = _number_key(section_numbers[next_index]) if next_index < len(section_numbers) else _AFTER_ALL_SECTIONS
+        return {missing_number for missing_number in self.missing if start_key < _number_key(missing_number) < end_key}
 
 
 def read(path: Path) -> Manual:
@@ -106,17 +106,17 @@ def read(path: Path) -> Manual:
     try:
         if path.stat().st_size > MOST_BYTES:
             raise NoText(f"{path} has more than {MOST_BYTES:,} bytes")
-        data = path.read_bytes()
+        file_bytes = path.read_bytes()
     except OSError as error:
         raise NoText(f"cannot read {path}: {error.strerror or error}") from None
-    if data.startswith(b"%PDF-"):
-        text = _text_of_pdf(path)
+    if file_bytes.startswith(b"%PDF-"):
+        manual_text = _text_of_pdf(path)
     else:
         try:
-            text = data.decode("utf-8-sig")
+            manual_text = file_bytes.decode("utf-8-sig")
         except UnicodeDecodeError:
             raise NoText(f"{path} is not text in UTF-8; convert it, or give the PDF") from None
-    manual = divide(text)
+    manual = divide(manual_text)
     if not manual.words:
         raise NoText(f"{path} has no text; a scanned manual must be recognised (OCR) first")
     return manual
@@ -196,7 +196,7 @@ def _bodies(
     bodies: list[tuple[_Heading, list[str]]] = [((COVER, COVER), [])]
     rest_of_title: list[str] = []
     for index, line in enumerate(lines):
-        words = _folded_words(line)
+        folded_words = _folded_words(line)
         # A line with dots and a page is only an entry of the contents before the first heading.
         is_in_contents = index < first_numbered_heading and (index in contents_lines or _IN_CONTENTS.search(line))
         if index in headings:
@@ -204,8 +204,8 @@ def _bodies(
             bodies.append((headings[index], []))
             words_on_this_line = _folded_words(_without_number(line))
             rest_of_title = _folded_words(title)[len(words_on_this_line) :]
-        elif words and words == rest_of_title[: len(words)]:
-            rest_of_title = rest_of_title[len(words) :]  # The heading continues on this line.
+        elif folded_words and folded_words == rest_of_title[: len(folded_words)]:
+            rest_of_title = rest_of_title[len(folded_words) :]  # The heading continues on this line.
         elif not is_in_contents and index not in left_out:
             _, body = bodies[-1]
             body.append(line)
@@ -244,11 +244,11 @@ def _join_entry_lines(lines: Sequence[str]) -> list[str]:
 
     A running head between two rows of a table can look like one, but occurs often.
     """
-    counts = Counter(map(without_digits, lines))
+    repetitions = Counter(map(without_digits, lines))
     joined_lines: list[str] = []
     for line in lines:
         is_second_line = len(joined_lines) >= 2 and _continues_entry(joined_lines[-2], joined_lines[-1], line)
-        if is_second_line and counts[without_digits(joined_lines[-1])] < LEAST_REPETITIONS:
+        if is_second_line and repetitions[without_digits(joined_lines[-1])] < LEAST_REPETITIONS:
             joined_lines[-1] += f" {line}"
         else:
             joined_lines.append(line)
@@ -357,12 +357,12 @@ def _contents_lines(lines: Sequence[str], numbered_lines: Mapping[int, _Heading]
     for index, (number, _) in numbered_lines.items():
         if index < first_line:
             continue
-        key = _number_key(number)
-        is_lower_chapter = key[:1] < highest_key[:1]
+        number_key = _number_key(number)
+        is_lower_chapter = number_key[:1] < highest_key[:1]
         if is_lower_chapter:
             break
         contents_lines.add(index)
-        highest_key = max(key, highest_key)
+        highest_key = max(number_key, highest_key)
     return contents_lines | lines_with_page
 
 

@@ -186,10 +186,10 @@ def _distinct_hypotheses(hypotheses: Iterable[Hypothesis]) -> list[Hypothesis]:
     """
     likeliest_by_result: dict[object, Hypothesis] = {}
     for hypothesis in hypotheses:
-        key = hypothesis.match_key, _resulting_frame(hypothesis)
-        known_hypothesis = likeliest_by_result.get(key)
+        result_key = hypothesis.match_key, _resulting_frame(hypothesis)
+        known_hypothesis = likeliest_by_result.get(result_key)
         if known_hypothesis is None or _likeliness(hypothesis) > _likeliness(known_hypothesis):
-            likeliest_by_result[key] = hypothesis
+            likeliest_by_result[result_key] = hypothesis
     return list(likeliest_by_result.values())
 
 

@@ -41,19 +41,19 @@ def other_positions(device: Device, variant: Variant, decoded: codec.Decoded) ->
         return []
     if decoded.problems or decoded.crc is not None:
         return []
-    name = position_name(device, variant)
-    position = decoded.values.get(name)
+    position_field = position_name(device, variant)
+    position = decoded.values.get(position_field)
     is_count = isinstance(position, int) and not isinstance(position, bool)
     if not is_count:
         return []
     readings: list[tuple[str, int]] = []
-    other_frames = _frames_without_mistake(placed_layout, name, decoded.number)
-    for text, other_frame in zip(READINGS, other_frames, strict=True):
+    other_frames = _frames_without_mistake(placed_layout, position_field, decoded.number)
+    for reading_text, other_frame in zip(READINGS, other_frames, strict=True):
         if other_frame is None:
             continue
-        other_position = codec.decode(device, placed_layout, other_frame).values[name]
+        other_position = codec.decode(device, placed_layout, other_frame).values[position_field]
         if isinstance(other_position, int) and other_position != position:
-            readings.append((text, other_position))
+            readings.append((reading_text, other_position))
     return readings
 
 

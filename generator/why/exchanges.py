@@ -53,14 +53,14 @@ def exchange_hypotheses(device: Device, variant: Variant, data: bytes) -> Iterat
     is_one_reply = len(frames) == 1 and not frames[0].is_request
     if is_one_reply:
         return
-    kind = _mistake_kind(frames)
-    if kind == "echo":
+    mistake_kind = _mistake_kind(frames)
+    if mistake_kind == "echo":
         description = ECHO_TEXT.format(frames[0].placed_layout.name)
     else:
         titles = ", then ".join(frame.title for frame in frames)
         description = FRAMES_TEXT.format(titles)
     hypothesis = Hypothesis(
-        kind=kind,
+        kind=mistake_kind,
         description=description,
         crc=None,
         covered_data=int.from_bytes(data, "big"),

@@ -221,10 +221,10 @@ def _shapes_of_order_codes(device: Device, variant: Variant, layout: Layout) -> 
         other_layout = layout.place({**other_variant.parameters, **answers})
         constants = [field for field in other_layout.fields if isinstance(field.field.kind, Constant)]
         constant_places = tuple((constant.low, constant.width) for constant in constants)
-        key = other_layout.bits, device.crc_of(other_layout), constant_places
-        known_shape = shape_by_key.get(key, FrameShape(other_layout, order_codes=()))
+        shape_key = other_layout.bits, device.crc_of(other_layout), constant_places
+        known_shape = shape_by_key.get(shape_key, FrameShape(other_layout, order_codes=()))
         order_codes = (*known_shape.order_codes, other_variant.code)
-        shape_by_key[key] = FrameShape(known_shape.placed_layout, order_codes)
+        shape_by_key[shape_key] = FrameShape(known_shape.placed_layout, order_codes)
     return list(shape_by_key.values())
 
 

@@ -70,8 +70,8 @@ def _common_text(explanations: Sequence[Explanation]) -> str:
 
     ``the first bit ({0}) is missing`` becomes ``the first bit is missing``, and any other detail ``some``.
     """
-    texts = {explanation.text for explanation in explanations}
-    if len(texts) == 1:
+    distinct_texts = {explanation.text for explanation in explanations}
+    if len(distinct_texts) == 1:
         return explanations[0].text
     template = explanations[0].template
     return template.replace("({0}) ", "").format("some")
