@@ -199,6 +199,7 @@ def _compare_spellings(family_pair: FamilyPair) -> Iterator[Change]:
     """
 
     def texts_of(spelling: Spelling) -> Hashable:
+        """Return a notation with the new names of parts, without its place of use and source."""
         return replace(family_pair.with_new_names(spelling), where="", source=())
 
     old_spellings, new_spellings = family_pair.old.order_code.also_written, family_pair.new.order_code.also_written
@@ -332,8 +333,8 @@ def _section_changes(family_pair: FamilyPair) -> Iterator[Change]:
 def compare_family(old: Device, new: Device) -> list[Change]:
     """Return all changes of a family, by descending impact.
 
-    Renamings come first, since references to a renamed thing do not count as changes. If only the order of items
-    differs, that is the only change.
+    Renamings are found first, since references to a renamed thing do not count as changes. If no change is found but
+    the devices differ, only the order of items does, which is then the only change.
     """
     family_pair = FamilyPair(old, new)
     remember_all_renamings(family_pair)

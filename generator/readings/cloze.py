@@ -123,8 +123,8 @@ def check_sheets(families: Iterable[Family], sound: Collection[str], report: Rep
 def compare_words(spec: Document, sheet_document: Document, report: Report) -> None:
     """Report each gap that the sheet fills with another word than the spec, and each outdated text of the sheet.
 
-    A text is outdated if only the spec has it, or if it has changed. Only without these, texts that only the sheet has
-    are reported, since the command that the messages name also removes them.
+    A text is outdated if only the spec has it, or if it has changed. Texts that only the sheet has are not reported
+    next to these, since the command that refills the sheet also removes them.
     """
     spec_texts, sheet_texts = clozes(spec), sheet_document.data["texts"]
     is_outdated = False
@@ -187,7 +187,7 @@ _GAP = re.compile(r"\{(\d+) (\w+)\}")
 
 
 def _context(cloze: ClozeText, number: int) -> str:
-    """Return up to 30 letters on each side of a gap, in quotes: ``"the position [change] when turned clockwise"``.
+    """Return up to 30 characters on each side of a gap, in quotes: ``"the position [change] when turned clockwise"``.
 
     The gap is shown as its kind. Other gaps have their words.
     """

@@ -94,7 +94,7 @@ def _register_facts(subject: Subject, register: Register) -> Iterator[Fact]:
 def _opener_text(reading: Reading, register: Register) -> str:
     """Return the value that opens a register, and its bits: ``0x5A in register 0x49 bits 7:0``.
 
-    Without a value in the opener, any write opens the register, and the text is only the opener: ``register 0x49``.
+    Without such a value, the text is only the register that must be written: ``register 0x49``.
     """
     opener = reading.register(register.opened_by)
     if opener is None:

@@ -197,7 +197,7 @@ _SHARE_OF_EQUAL_NAMES = 0.9
 
 
 def use_same_names(spec: Facts, second: Facts) -> bool:
-    """Return whether 90 % of the names of items in both readings are equal, so that any other one is a mistake."""
+    """Return whether at least 90 % of the common names are equal, so that any other name is a mistake."""
     compared_count, equal_count = 0, 0
     for spec_names, second_names in _name_maps_of_both(spec, second):
         for key in spec_names.keys() & second_names.keys():
@@ -415,7 +415,7 @@ def short(value: int) -> str:
 
 
 def as_delivered(register: Register) -> int | None:
-    """Return the factory default as stated, or else from the fixed values of all fields, or None if one has none."""
+    """Return the factory default as stated, or from the fixed values of all fields, or None if one is not known."""
     if register.default is not None:
         return register.default
     default = 0

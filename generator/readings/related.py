@@ -36,7 +36,7 @@ class Related:
 
 
 def related(disagreements: Sequence[Disagreement]) -> list[Related]:
-    """Return the disagreements in groups with the same cause, in which the most telling one is the first.
+    """Return the disagreements in groups with the same cause. Names come first in a group.
 
     A known cause is looked up first, then the disagreement's own cause (``_own_cause``) is used. One without a cause is
     alone. In a frame with another length, all bits after the difference are others, so only its length is reported.
@@ -54,7 +54,7 @@ def related(disagreements: Sequence[Disagreement]) -> list[Related]:
             or _known_renaming_of_place(disagreement, known_causes)
             or _known_change_of_time(disagreement, known_causes)
             or _own_cause(disagreement)
-            # A number is no other disagreement's cause.
+            # A number of its own, so that the disagreement is alone.
             or index
         )
         disagreements_by_cause.setdefault(cause, []).append(disagreement)

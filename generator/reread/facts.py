@@ -246,9 +246,10 @@ def _parse_source(source: str) -> Sources:
 
 
 def _facts_in(document: Document, data: Any, path: Path, around: _Surroundings) -> Iterator[Citing]:
-    """Yield the facts in part of a spec, with what they have from the items around it.
+    """Yield the facts in part of a spec, with names, source and references from the items around them.
 
-    A fact is a value other than a map or list that has a source, or is about the manual.
+    A fact is a value, neither map nor list, with a source, or any value about the manual. Keys of ``_NO_FACTS`` and
+    sources themselves are left out.
     """
     if isinstance(data, dict):
         in_map = _surroundings_in(data, path, around)
@@ -272,7 +273,7 @@ def _facts_in(document: Document, data: Any, path: Path, around: _Surroundings) 
 def _source_of_member(data: Mapping[str, Any], path: Path, key: str, in_map: _Surroundings) -> Sources:
     """Return what a member of a map cites: its own source, ``<key>_source``, or else that of the map.
 
-    Entries of the contents without a source cite their section, which is the third step of the path.
+    Contents without a source cite their section, which is the step after ``manual.contents`` in the path of the member.
     """
     own_source = data.get(f"{key}_source")
     source = _parse_source(own_source) if isinstance(own_source, str) else in_map.source

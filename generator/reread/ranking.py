@@ -138,8 +138,8 @@ class TouchedFacts:
         """Return facts in the order of display, each path once.
 
         First facts that are or have the changed text, and differing values. Then for each likely item its first facts:
-        6 of the first item, 4 of the second, 2 of each other one. Those that refer to the first item follow it. Then
-        all others.
+        6 of the first item, 4 of the second, 2 of each other one. Facts that refer to the first item follow it. All
+        other likely facts are last.
         """
         likely_by_item: dict[str, list[Citing]] = {}
         for fact in likely_facts:
@@ -148,8 +148,8 @@ class TouchedFacts:
         items_of_listed = [fact.item for fact in listed_facts if fact.item in likely_by_item]
         for rank, item in enumerate(dict.fromkeys((*items_of_listed, *likely_by_item))):
             item_facts = list(dict.fromkeys((*likely_by_item[item], *self._facts_by_item[item])))
-            is_first_item = rank < len(_MOST_OF_FIRST_ITEMS)
-            fact_limit = _MOST_OF_FIRST_ITEMS[rank] if is_first_item else _MOST_OF_OTHER_ITEM
+            is_among_first_items = rank < len(_MOST_OF_FIRST_ITEMS)
+            fact_limit = _MOST_OF_FIRST_ITEMS[rank] if is_among_first_items else _MOST_OF_OTHER_ITEM
             listed_facts += item_facts[:fact_limit]
             if rank == 0:
                 listed_facts += self._facts_of_referring_items(item, passage)

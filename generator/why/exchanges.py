@@ -79,9 +79,9 @@ def exchange_hypotheses(device: Device, variant: Variant, data: bytes) -> Iterat
 
 
 def _mistake_kind(frames: Sequence[ExchangedFrame]) -> str:
-    """Return the kind of mistake: only requests ("echo"), several replies, or one reply.
+    """Return the kind of mistake: "echo" for only requests, "several_frames" for several replies, or the place of bytes.
 
-    With one reply, the other bytes are in front of it if the first frame is a request, and else behind it.
+    With one reply, other bytes are "bytes_in_front" of it if the first frame is a request, and else "bytes_behind" it.
     """
     replies = [frame for frame in frames if not frame.is_request]
     if not replies:

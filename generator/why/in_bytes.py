@@ -139,14 +139,14 @@ def _possible_first_bytes(placed_layout: PlacedLayout) -> Iterator[int]:
     if not all(isinstance(field.field.kind, (Constant, Parity)) for field in other_fields):
         return
     for selector_value in layout.selects:
-        frame = 0
+        frame_number = 0
         for field in fields_in_first_byte:
             if field.name == layout.selector:
-                frame |= selector_value << field.low
+                frame_number |= selector_value << field.low
             elif isinstance(field.field.kind, Constant):
-                frame |= field.field.kind.value << field.low
+                frame_number |= field.field.kind.value << field.low
         # The parity covers the other bits, so it is set last.
         for field in fields_in_first_byte:
             if isinstance(field.field.kind, Parity):
-                frame |= parity_bit(placed_layout, field.field.kind, frame) << field.low
-        yield number_to_bytes(layout, frame, placed_layout.bits)[0]
+                frame_number |= parity_bit(placed_layout, field.field.kind, frame_number) << field.low
+        yield number_to_bytes(layout, frame_number, placed_layout.bits)[0]

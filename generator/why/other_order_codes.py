@@ -234,8 +234,11 @@ def _parameters_of_states(device: Device, variant: Variant, layout: Layout) -> I
     At most 4,096 combinations are tried. Without such registers, nothing is yielded.
     """
     registers = run_time_widths(device, layout)
-    parameters_in_registers = [width for width in device.run_time_parameters if width.read_from in registers]
+    parameters_in_registers = [
+        parameter for parameter in device.run_time_parameters if parameter.read_from in registers
+    ]
     if not parameters_in_registers:
         return
+    # A state has the values of one field each, as pairs of parameter name and value.
     for state in islice(product(*possible_states(parameters_in_registers)), _MOST_STATES):
         yield with_changed(device, variant, ChainMap(*map(dict, state)))
