@@ -126,7 +126,7 @@ def _with_renamed_between_neighbours(
 def _neighbours(fields_in_order: Sequence[Field], paired_names: Mapping[str, str]) -> dict[str, tuple[str, str]]:
     """Return the new names of the nearest paired fields before and after each field, by the name of the field.
 
-    ``{"counts": ("status", "crc")}`` is a value, with "" for a missing neighbour. ``paired_names`` has the new name of
+    For example ``{"counts": ("status", "crc")}``, with "" for a missing neighbour. ``paired_names`` has the new name of
     each paired field by the name that it has in ``fields_in_order``.
     """
     # The name is empty for a field without a counterpart, which does not count as a neighbour.

@@ -271,7 +271,7 @@ def _number_text(value: int, notation: str) -> str:
 
 
 def _quantity_text(value: Expression | Supply | Scale | CodedValue) -> str:
-    """Return a formula, or a quantity with its unit: ``5 V to 30 V``."""
+    """Return a formula, a quantity with its unit, ``5 V to 30 V``, or a code with its value, ``3 = 24``."""
     match value:
         case Expression():
             return value.render()
@@ -313,7 +313,7 @@ def differing_items(old: Any, new: Any) -> tuple[Any, Any]:
     if not are_parts:
         return old, new
     old_only, new_only = _items_not_in(old, new), _items_not_in(new, old)
-    # Only the order of the items differs.
+    # Only the order of the items or their texts differ.
     if not old_only and not new_only:
         return old, new
     return old_only, new_only

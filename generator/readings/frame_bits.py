@@ -34,8 +34,8 @@ from .stated import Subject
 def add_names(subject: Subject, placed_field: PlacedField, owner: str | int, facts: Facts) -> None:
     """Add the names of a field of the frame or register ``owner``, and of the field's values.
 
-    A field is identified by low bit and width, ``(3, 5)``, and a value by its number and its field. Fields of a group
-    and fields that the build adds are left out, since they have no name at this place of the spec.
+    A field is identified by low bit and width, ``(3, 5)``, and a value by its number and its field. The names of fields
+    of a group and of fields that the build adds are left out, since they are not at this place of the spec.
     """
     field_name, place = placed_field.name, subject.place
     bits_text = f"{bits(placed_field.high, placed_field.low)} of '{owner}'"

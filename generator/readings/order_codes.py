@@ -127,7 +127,7 @@ def _add_alternatives(reading: Reading, facts: Facts) -> None:
             ),
         )
         for answer_number, answer in enumerate(alternative.answers, 1):
-            description, answer_place = (
+            description, path = (
                 f"name of answer {answer_number} of alternative {number}",
                 (*place, "values", answer.name),
             )
@@ -138,7 +138,7 @@ def _add_alternatives(reading: Reading, facts: Facts) -> None:
                     key=(answer_number,),
                     value=answer.name,
                     description=description,
-                    place=answer_place,
+                    place=path,
                 ),
             )
 

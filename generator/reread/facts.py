@@ -125,8 +125,8 @@ class Citing:
     def _is_option_named_in(self, passage: Passage) -> bool:
         """Return whether the fact is about an option of the order code whose label is in the passage.
 
-        The label is one of the old words, or the last two digits of an order code among them. For a passage that adds
-        an order code, it is one of the words around it.
+        The label is one of the old words, or is the last two digits of an order code among them. For a passage that
+        adds an order code, the words around it count instead of the old ones.
         """
         option_match = _OPTION.fullmatch(self.path)
         if option_match is None:

@@ -244,7 +244,7 @@ class _Change:
     def _is_changed_name(self, text: str) -> bool:
         """Return whether a text is the changed one, or one of both is a part of the other.
 
-        A part of the change must have several words. A longer text must occur in the passage before the change.
+        A part of the change must have several words. A longer text must occur in the old text of the passage.
         """
         if not self._text or not text.strip():
             return False

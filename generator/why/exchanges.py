@@ -79,7 +79,7 @@ def exchange_hypotheses(device: Device, variant: Variant, data: bytes) -> Iterat
 
 
 def _mistake_kind(frames: Sequence[ExchangedFrame]) -> str:
-    """Return the kind of mistake: "echo" for only requests, "several_frames" for several replies, or the place of bytes.
+    """Return the kind of mistake: "echo" for only requests, or "several_frames" for several replies.
 
     With one reply, other bytes are "bytes_in_front" of it if the first frame is a request, and else "bytes_behind" it.
     """

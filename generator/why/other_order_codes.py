@@ -239,6 +239,6 @@ def _parameters_of_states(device: Device, variant: Variant, layout: Layout) -> I
     ]
     if not parameters_in_registers:
         return
-    # A state has the values of one field each, as pairs of parameter name and value.
+    # A combination has a state of each field: values by parameter name.
     for state in islice(product(*possible_states(parameters_in_registers)), _MOST_STATES):
         yield with_changed(device, variant, ChainMap(*map(dict, state)))

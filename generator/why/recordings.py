@@ -293,7 +293,7 @@ def window_hypotheses(placed_layout: PlacedLayout, crc: Crc, received_bits: str)
 def missing_part(line: Line, frame_length: int, received_bits: str) -> str:
     """Return what a recording without a complete frame lacks, or "" if no pattern of the line matches.
 
-    The first matching pattern counts. If it has a group ``frame``, that has the bits of the frame that were received.
+    The group ``frame`` has those bits of the frame that were received. A pattern with a complete frame does not count.
     """
     for incomplete in line.incomplete:
         match = _compile_for_length(incomplete.pattern, frame_length).match(received_bits)
