@@ -126,7 +126,10 @@ def _as_expression(number: Any) -> Any:
 
 
 def _allows_less(member: Member, old_limit: int | None, new_limit: int | None) -> bool:
-    """Return whether a new limit allows less than the old one. None means that there is no limit."""
+    """Return whether a new limit allows less than the old one: a lower maximum, or a higher minimum.
+
+    None means that there is no limit.
+    """
     if new_limit is None:
         return False
     if old_limit is None:

@@ -37,10 +37,9 @@ _CAN_READ, _CAN_WRITE = ("read_only", "read_write"), ("write_only", "read_write"
 
 
 def compare_register(family_pair: FamilyPair, subject: Subject, old: Register, new: Register) -> Iterator[Change]:
-    """Yield changes of the access, the meanings and the bits of a register.
+    """Yield changes of the access, the meanings and the bits of a register. Its members are compared by the caller.
 
-    Changes of its bits keep the names in code, so they have none. Members of the register itself are compared by the
-    caller.
+    Its names in code stay the same if its bits change, so such a change does not list them.
     """
     yield from _compare_access(family_pair, subject, old, new)
     meaning_subject = replace(subject, label=f"{subject.label}: meaning")

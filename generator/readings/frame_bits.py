@@ -111,10 +111,10 @@ def _facts_of_kind(subject: Subject, field: Field) -> Iterator[Fact]:
 
 
 def _default_and_is_implied(placed_field: PlacedField, register: Register) -> tuple[int | None, bool]:
-    """Return the default of a field, and whether it is implied.
+    """Return the default of a field, and whether it is implied: ``(3, True)`` for bits of the register's default.
 
-    A default is implied if only that of the register is stated or known. There is none if the field is the whole
-    register, whose default is a fact of the register, or if it carries no data.
+    A default is implied if the spec states or implies only that of the register. There is none if the field is the
+    whole register, whose default is a fact of the register, or if it carries no data.
     """
     stated_default, register_default = placed_field.field.default, as_delivered(register)
     if register_default is None:

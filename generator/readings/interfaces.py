@@ -216,7 +216,7 @@ def _group_name(frame: Subject, field: Field) -> Fact:
 def _frame_facts(frame: Subject, layout: Layout) -> Iterator[Fact]:
     """Yield the facts about a frame as a whole: its sender, units, byte order, length and combinations of values.
 
-    A frame of one byte needs no byte order. If only one reading states it, that is no disagreement.
+    A frame of one byte needs no byte order. If only one reading states it, they do not disagree.
     """
     reading = frame.reading
     yield from frame.all_facts(Sort.POSITION, layout, f"sent by the {layout.sender}", at="name")
@@ -246,6 +246,7 @@ def _combination_facts(frame: Subject, layout: Layout) -> Iterator[Fact]:
     first_parameters = next(iter(frame.reading.cases(frame.interface).values()), {})
     placed_fields = {placed_field.name: placed_field for placed_field in layout.place(first_parameters).fields}
     for combination in layout.combinations:
+        # The conditions are pairs of a field's name and value. A flag is 1 while it is active.
         field_values = sign_by_name[combination.name].conditions
         condition_texts = [_condition_text(placed_fields[name], value) for name, value in field_values]
         conditions = ", ".join(sorted(condition_texts))

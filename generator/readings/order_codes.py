@@ -126,20 +126,11 @@ def _add_alternatives(reading: Reading, facts: Facts) -> None:
                 place=(*place, "name"),
             ),
         )
-        for answer_number, answer in enumerate(alternative.answers, 1):
-            description, path = (
-                f"name of answer {answer_number} of alternative {number}",
-                (*place, "values", answer.name),
-            )
+        for index, answer in enumerate(alternative.answers, 1):
+            description, path = f"name of answer {index} of alternative {number}", (*place, "values", answer.name)
             facts.add_name(
                 ("answer", number),
-                Fact(
-                    sort=Sort.ORDER_CODE,
-                    key=(answer_number,),
-                    value=answer.name,
-                    description=description,
-                    place=path,
-                ),
+                Fact(sort=Sort.ORDER_CODE, key=(index,), value=answer.name, description=description, place=path),
             )
 
 

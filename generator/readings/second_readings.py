@@ -142,10 +142,8 @@ def second_of(document: Document, manufacturer: Manufacturer, report: Report) ->
     The problems are added to ``report``.
     """
     problems_before = len(report)
-    checked_data = check_second(document, report)
-    device = (
-        build_device(checked_data, manufacturer, report.for_document(document)) if checked_data is not None else None
-    )
+    valid_data = check_second(document, report)
+    device = build_device(valid_data, manufacturer, report.for_document(document)) if valid_data is not None else None
     # A device can be built although the report has new problems.
     if device is None or len(report) != problems_before:
         return SecondReading(document, facts=None)

@@ -165,15 +165,15 @@ def _step_text(reading: Reading, step: Step, procedure: Procedure) -> str:
     match step:
         case WriteStep(register, name, value):
             written_register = reading.device.register(register)
-            new_value_text = (
+            value_text = (
                 written_register.bytes_of(value).hex(" ").upper()
                 if value is not None
                 else _argument_text(procedure, name)
             )
-            return f"write {_register_and_bits(reading, register, '')} = {new_value_text}"
+            return f"write {_register_and_bits(reading, register, '')} = {value_text}"
         case ModifyStep(register, field, name, value):
-            new_value_text = in_hex(value) if value is not None else _argument_text(procedure, name)
-            return f"set {_register_and_bits(reading, register, field)} to {new_value_text}"
+            value_text = in_hex(value) if value is not None else _argument_text(procedure, name)
+            return f"set {_register_and_bits(reading, register, field)} to {value_text}"
         case ReadStep(register):
             return f"read {_register_and_bits(reading, register, '')}"
         case PollStep(register, field, value):

@@ -103,7 +103,7 @@ class TouchedFacts:
         self._facts_by_sections: dict[tuple[frozenset[str], str], SectionFacts] = {}
 
     def touched_by(self, passage: Passage, sections: Set[str]) -> tuple[list[Citing], int]:
-        """Return the facts that a passage touches, the most likely first, and how many facts may be concerned.
+        """Return the facts that a passage touches, the most likely first, and how many facts it may concern in all.
 
         ``sections`` are the numbers of the sections that the passage may belong to. The facts citing one of them count,
         and so do facts from elsewhere: those of the edition itself, and of an order code that the passage names.

@@ -274,6 +274,7 @@ def _words(lines: Iterable[str], title_by_number: Mapping[str, str]) -> list[str
     """
 
     def without_number(reference: re.Match[str]) -> str:
+        """Return the quote before a reference without its number. The match does not contain the title."""
         listed_title = title_by_number.get(reference["number"], "")
         is_reference = _have_same_start(listed_title, reference["title"])
         return '"' if is_reference else reference[0]

@@ -129,7 +129,7 @@ class Hypothesis:
 
     @property
     def fits(self) -> bool:
-        """Whether a frame with the mistake has these bits: the ones that it determines, and the CRC."""
+        """True if a frame with the mistake has these bits: those that the mistake determines, and the CRC."""
         if not self.are_determined_right:
             return False
         if self.crc is None:

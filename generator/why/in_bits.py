@@ -39,7 +39,8 @@ def all_hypotheses(
 def _possible_lengths(placed_layout: PlacedLayout, typed_frame: TypedFrame) -> list[int]:
     """Return the lengths in bits that the text may have, longest first.
 
-    Without leading zeros, these are the length of the frame and one bit less, if they are not below the typed bits.
+    Without leading zeros, these are the length of the frame and one bit less, since the first bit may be missing.
+    Neither is below the number of typed bits.
     """
     has_known_length = typed_frame.exact or typed_frame.bits > placed_layout.bits
     if has_known_length:
