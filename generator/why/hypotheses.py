@@ -232,9 +232,8 @@ def frame_hypothesis(
 ) -> Hypothesis:
     """Return the hypothesis that the frame was ``frame``, whose last ``lost_bits`` bits were not received.
 
-    Lost bits belong to the CRC, of which only the others are compared. Without a CRC, they are those with which
-    constants and parity are right. Constants and parity add to ``determined_bits``, which the mistake itself
-    determines.
+    Lost bits belong to the CRC, of which only the others are compared. Without a CRC, those with which constants and
+    parity are right are assumed. The bits of constants and parity count as determined, too.
     """
     if crc is None:
         frame_without_crc = _with_right_last_bits(placed_layout, frame, lost_bits)
