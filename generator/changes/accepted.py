@@ -39,10 +39,11 @@ def read_accepted(file: Path) -> list[Accepted]:
     """Return the accepted changes in a file.
 
     Raises:
-        NotAccepted: The file cannot be read, or an entry lacks a key, names no rule of ``diff``, or has no date.
+        NotAccepted: The file cannot be read, has another shape, or an entry lacks a key, names no rule or has no date.
     """
     report = Report()
     document = read_document(file, report)
+    # A report with problems is true.
     if document is None or report:
         raise NotAccepted(report.problems[0].format().splitlines()[0])
     acceptances = document.data.get("accepted")
@@ -55,7 +56,7 @@ def _read_acceptance(document: Document, index: int, acceptance: object) -> Acce
     """Return the accepted change at this index of the file.
 
     Raises:
-        NotAccepted: A key is missing, or has no valid value.
+        NotAccepted: The entry is not a map with exactly the keys ``_KEYS``, or has no valid rule or date.
     """
     line, _ = document.position(("accepted", index))
     location = f"{document.file}:{line}"
@@ -78,7 +79,10 @@ def _has_texts(acceptance: dict[object, object]) -> bool:
 def changes_to_accept(
     changes: Sequence[Change], acceptances: Sequence[Accepted], today: date
 ) -> tuple[list[Change], Sequence[str]]:
-    """Return the changes that are not accepted on this day, and a notice about each acceptance."""
+    """Return the changes that are not accepted on this day, and one notice about each acceptance.
+
+    An acceptance covers a change of the same family, rule and path, up to and including its last day.
+    """
     valid_acceptances = [acceptance for acceptance in acceptances if acceptance.until >= today]
     open_changes: list[Change] = []
     for change in changes:
@@ -88,7 +92,7 @@ def changes_to_accept(
 
 
 def _notice(acceptance: Accepted, changes: Sequence[Change], today: date) -> str:
-    """Return a sentence on an acceptance: it covers no change, it has expired, or it is valid."""
+    """Return a sentence on an acceptance: there is no such change, it has expired, or it is valid."""
     accepted_change = f"{acceptance.family}: {acceptance.rule} {acceptance.path}"
     is_found = any(acceptance.covers(change) for change in changes)
     if not is_found:
@@ -99,7 +103,10 @@ def _notice(acceptance: Accepted, changes: Sequence[Change], today: date) -> str
 
 
 def _suggestion(acceptance: Accepted, changes: Sequence[Change]) -> str:
-    """Return a suggestion for the family of an acceptance if it has no changes, or else for the path."""
+    """Return a suggestion of a similar family or path for an acceptance without a change, or "".
+
+    If its family has changes, the path may be misspelled, so the paths of changes by its rule are suggested.
+    """
     families = {change.family for change in changes}
     if acceptance.family not in families:
         return suggestion(acceptance.family, sorted(families), "families with changes")

@@ -55,10 +55,14 @@ CompareContent = Callable[[FamilyPair, Subject, Any, Any], Iterator[Change]]
 
 
 def compare_members(family_pair: FamilyPair, subject: Subject, old: Any, new: Any) -> Iterator[Change]:
-    """Yield every changed member."""
+    """Yield a change for each member of a part that differs, by the rule of the member.
+
+    Members without a rule are compared elsewhere. References are compared by the new names of the things.
+    """
     old = family_pair.with_new_names(old, subject.scope)
     members_by_name = {"source": _SOURCE, **PARTS_BY_CLASS[type(new).__name__].by_attribute}
     for attribute in fields(new):
+        # An attribute that the table lacks still gives a change, so that nothing is overlooked.
         member = members_by_name.get(attribute.name) or Member(attribute.name, rule="unforeseen")
         # A member without a rule is compared elsewhere, or by its order code.
         if member.rule:
@@ -68,9 +72,12 @@ def compare_members(family_pair: FamilyPair, subject: Subject, old: Any, new: An
 
 
 def _compare_member(family_pair: FamilyPair, subject: Subject, member: Member, old: Any, new: Any) -> Iterator[Change]:
-    """Yield a change if the member differs: in its value, else in its texts, else in its citations."""
+    """Yield a change if the member differs: in its value, else in its texts, else in its citations.
+
+    Limits and expressions are compared by their numbers. For changes of texts and citations, only the member is named.
+    """
     types = {type(old), type(new)}
-    # Either side may be a number or missing, but a text has no value for each order code.
+    # Either side may be a number or missing. A text has no value for each order code.
     is_expression = Expression in types and str not in types
     if member.is_limit or is_expression:
         yield from _compare_number(family_pair, subject, member, old, new)
@@ -93,7 +100,10 @@ def _compare_member(family_pair: FamilyPair, subject: Subject, member: Member, o
 
 
 def _compare_number(family_pair: FamilyPair, subject: Subject, member: Member, old: Any, new: Any) -> Iterator[Change]:
-    """Compare numbers and expressions by their values for each order code."""
+    """Yield a change if two numbers or expressions have different values for an order code.
+
+    For a limit that allows less nowhere, the rule is the "wider" counterpart of the member's rule.
+    """
     old_expression, new_expression = _as_expression(old), _as_expression(new)
     difference = family_pair.compare_expressions(subject.interface, old_expression, new_expression)
     if difference is None:
@@ -116,7 +126,10 @@ def _as_expression(number: Any) -> Any:
 
 
 def _allows_less(member: Member, old_limit: int | None, new_limit: int | None) -> bool:
-    """Return whether a new limit allows less than the old one. Without a number, there is no limit."""
+    """Return whether a new limit allows less than the old one: a lower maximum, or a higher minimum.
+
+    None means that there is no limit.
+    """
     if new_limit is None:
         return False
     if old_limit is None:
@@ -129,7 +142,11 @@ def _allows_less(member: Member, old_limit: int | None, new_limit: int | None) -
 def _difference_text(
     difference: NumberDifferences, old: Expression | None, new: Expression | None, notation: str
 ) -> str:
-    """Return the differing values of two expressions: one pair of numbers, else the expressions, else some pairs."""
+    """Return the differing values of two expressions, by the first of these forms that applies.
+
+    ``17 → 19`` if there is one pair of numbers under every setting, the two expressions if their texts differ, or the
+    first two pairs of numbers.
+    """
     pair_texts = [old_to_new(old_value, new_value, notation) for old_value, new_value in difference.value_pairs]
     if len(pair_texts) == 1 and difference.is_everywhere:
         return pair_texts[0]
@@ -166,7 +183,11 @@ def compare_parts(
 def compare_pair(
     family_pair: FamilyPair, kind: str, subject: Subject, pair: Pair[Any], compare_content: CompareContent | None = None
 ) -> Iterator[Change]:
-    """Yield the changes of one thing, like ``compare_parts``."""
+    """Yield the changes of one thing: new, gone or renamed, and its members and content if both versions have it.
+
+    ``subject`` is the thing, and ``compare_content`` is as in ``compare_parts``. A decision with a default, which
+    users need not make, has its own rules for its presence, such as "choice-new".
+    """
     part = pair.new_or_old
     is_decision_with_default = isinstance(part, Alternative) and bool(part.default)
     presence_kind = "choice" if is_decision_with_default else kind
@@ -180,7 +201,11 @@ def compare_pair(
 def compare_section(
     family_pair: FamilyPair, kind: str, compare_content: CompareContent | None = None
 ) -> Iterator[Change]:
-    """Yield the changes of all things in a section of the spec."""
+    """Yield the changes of all things in a section of the spec, such as ``"register"``, a key of ``_SECTIONS``.
+
+    A thing concerns its interface in the new version. Things that are gone, CRCs and procedures concern that of the old
+    version.
+    """
     section_path, label = _SECTIONS[kind]
     for pair in pair_section(family_pair, section_path):
         section_label = label if isinstance(label, str) else label(pair)
@@ -195,13 +220,17 @@ def compare_section(
 
 
 def _only_interface_of(device: Device, part: Any) -> str:
-    """Return the only interface that a thing concerns, or "" if it concerns several or all."""
+    """Return the only interface that a thing of a section concerns, or "" if it concerns several or all."""
     interfaces = _interfaces_of(device, part)
     return interfaces.pop() if len(interfaces) == 1 else ""
 
 
 def _interfaces_of(device: Device, part: Any) -> set[str]:
-    """Return the names of the interfaces that a part of the model concerns."""
+    """Return the names of the interfaces that a thing concerns, in which "" stands for all.
+
+    These are those of the parameters of a decision, of the register or frames with the bits of an alarm, of a
+    connector, and those that send a CRC. Any other thing has its own interface.
+    """
     match part:
         case Alternative(name):
             return {parameter.interface for parameter in device.parameters if parameter.alternative == name}
@@ -225,43 +254,53 @@ def _has_group(layout: Layout, group: str) -> bool:
 
 
 def _named_in_code(family_pair: FamilyPair, pair: Pair[Any], section_subject: Subject) -> Subject:
-    """Return a thing in a section, with its names in code if users already know it by them."""
+    """Return a thing of a section as a subject, with its old names in code if it has any.
+
+    A new thing has no names that users know, except a new data ID, which extends an enumeration that they already use.
+    """
+    # The last step of the path, such as ``layouts`` of ``interfaces.ssi.layouts``.
     section = section_subject.path.rpartition(".")[2]
-    name = pair.new_or_old.name
+    thing_name = pair.new_or_old.name
     subject = Subject(
-        path=f"{section_subject.path}.{name}",
-        label=f"{section_subject.label} {name}",
+        path=f"{section_subject.path}.{thing_name}",
+        label=f"{section_subject.label} {thing_name}",
         interface=section_subject.interface,
-        scope=section_subject.scope or name,
+        scope=section_subject.scope or thing_name,
     )
-    # A new data ID is a new member of an enumeration that users already have.
     is_known_to_users = pair.old is not None or section == "data_ids"
     if section not in _NAME_PATTERNS or not is_known_to_users:
         return subject
     device = family_pair.new if pair.old is None else family_pair.old
-    names = _names_in_code(device, section, pair.old_or_new, section_subject.interface)
-    return replace(subject, names=names)
+    names_in_code = _names_in_code(device, section, pair.old_or_new, section_subject.interface)
+    return replace(subject, names=names_in_code)
 
 
 def _names_in_code(device: Device, section: str, part: Any, section_interface: str) -> dict[str, str]:
-    """Return the names of a thing of a section in C and in Python, by output."""
+    """Return the names of a thing of a section in code: ``{"c": "acme_x24_ssi_frame_…", "python": "x24.Frame"}``.
+
+    ``section_interface`` is "" for things without an interface of their own. The name in C is then that of the first
+    interface, or for a CRC the part that all names have.
+    """
     interface = section_interface or getattr(part, "interface", "")
     if not interface and device.interfaces:
         interface = device.interfaces[0].name
-    words = {
+    text_by_placeholder = {
         "manufacturer": device.manufacturer.name,
         "family": device.name,
         "name": part.name,
         "interface": interface,
     }
-    words |= {key.upper(): text.upper() for key, text in words.items()}
-    words["Name"] = "".join(word[:1].upper() + word[1:] for word in part.name.split("_"))
+    # Macros have the same words in capitals. ``Name`` is that of a Python class.
+    text_by_placeholder |= {
+        placeholder.upper(): replacement.upper() for placeholder, replacement in text_by_placeholder.items()
+    }
+    text_by_placeholder["Name"] = "".join(word[:1].upper() + word[1:] for word in part.name.split("_"))
     c_pattern, python_pattern = _NAME_PATTERNS[section]
-    c_name = c_pattern.format(**words)
+    c_name = c_pattern.format(**text_by_placeholder)
     if section == "layouts" and len(device.interface(interface).layouts) == 1:
         # The only frame of an interface needs no further name.
         c_name = c_name.replace(f"_{part.name}_…", "_…")
     if section == "crcs" and not section_interface:
         # C has no function for a CRC that no frame uses.
-        c_name = "{manufacturer}_{family}_…".format(**words)
-    return {"c": c_name, "python": python_pattern.format(**words)}
+        c_name = "{manufacturer}_{family}_…".format(**text_by_placeholder)
+    return {"c": c_name, "python": python_pattern.format(**text_by_placeholder)}

@@ -51,8 +51,13 @@ class _ResizedField:
 def fold_moves(
     family_pair: FamilyPair, interface: str, frame: str, compared_fields: Sequence[ComparedField]
 ) -> Iterator[Change]:
-    """Yield the changes of the fields of a layout. A field that moves because of another one counts for that one."""
+    """Yield the changes of the fields of a layout, without those moves that a resized field explains.
+
+    A moved field is instead listed as ``frame.field`` in ``moved_fields`` of the change that resized the other one.
+    ``_cause_of_move`` has the rule.
+    """
     resized_fields = list(_resized_fields(family_pair, interface, compared_fields))
+    # Paths of the moved fields by the name of the resized field that moves them.
     moved_by_cause: dict[str, list[str]] = {resized_field.name: [] for resized_field in resized_fields}
     other_changes: list[tuple[ComparedField, Change]] = []
     for compared_field in compared_fields:
@@ -78,7 +83,12 @@ def fold_length(
     new_length: Expression,
     compared_fields: Sequence[ComparedField],
 ) -> Sequence[ComparedField]:
-    """Return the fields. If their sizes explain a different length of the frame, the last resized one has it."""
+    """Return the fields, of which one has the different length of the frame as a consequence of its resizing.
+
+    This is the resized field with the highest low bit. Its change gets ``{frame: gained bits}``, with 0 if the gain
+    depends on the order code. If the length is the same, or differs by other bits than the resized fields gain, the
+    fields are returned as they are.
+    """
     old_lengths = family_pair.values_at_points(old_length, interface, is_old=True)
     new_lengths = family_pair.values_at_points(new_length, interface, is_old=False)
     gained_bits = _differences(old_lengths, new_lengths)
@@ -89,8 +99,8 @@ def fold_length(
     last_name = max(resized_fields, key=lambda resized_field: resized_field.low_bits).name
     has_same_gain_everywhere = len(set(gained_bits)) == 1
     resized_frames = {frame: gained_bits[0] if has_same_gain_everywhere else 0}
-    names = [compared_field.name for compared_field in compared_fields]
-    last_index = names.index(last_name)
+    field_names = [compared_field.name for compared_field in compared_fields]
+    last_index = field_names.index(last_name)
     last_resized_field = _with_resized_frames(compared_fields[last_index], resized_frames)
     return [*compared_fields[:last_index], last_resized_field, *compared_fields[last_index + 1 :]]
 
@@ -100,7 +110,7 @@ def _differences(old_numbers: Sequence[int], new_numbers: Sequence[int]) -> tupl
 
 
 def _with_resized_frames(compared_field: ComparedField, resized_frames: dict[str, int]) -> ComparedField:
-    """Return the field, whose change of size also has the frames that it makes longer or shorter."""
+    """Return a resized field whose resizing change also has ``resized_frames``: gained bits by frame."""
     changes = list(compared_field.changes)
     resizing_change = compared_field.resizing_change
     assert resizing_change is not None
@@ -109,7 +119,7 @@ def _with_resized_frames(compared_field: ComparedField, resized_frames: dict[str
 
 
 def without_explained_lengths(changes: Sequence[Change]) -> Iterator[Change]:
-    """Yield the changes of frames without the lengths that follow from the size of a field."""
+    """Yield the changes of frames, except "frame-length" for frames in ``resized_frames`` of another change."""
     explained_paths = {f"{frame}.bits" for change in changes for frame in change.resized_frames}
     for change in changes:
         is_explained = change.rule.name == "frame-length" and change.path in explained_paths
@@ -120,6 +130,7 @@ def without_explained_lengths(changes: Sequence[Change]) -> Iterator[Change]:
 def _resized_fields(
     family_pair: FamilyPair, interface: str, compared_fields: Sequence[ComparedField]
 ) -> Iterator[_ResizedField]:
+    """Yield the fields that have a change of their size, are new or are gone, with the bits that they gain."""
     for compared_field in compared_fields:
         if compared_field.resizing_change is None:
             continue
@@ -138,7 +149,10 @@ def _resized_fields(
 def _low_bits_and_sizes(
     family_pair: FamilyPair, interface: str, field: Field | None, *, is_old: bool
 ) -> tuple[tuple[int, ...], tuple[int, ...]]:
-    """Return the lowest bit and the number of bits with padding of a field at every point of an interface."""
+    """Return two tuples with a number for each point: the lowest bits of a field, and its sizes with padding.
+
+    Both are empty if there is no field.
+    """
     if field is None:
         return (), ()
     low_bits = family_pair.values_at_points(field.low, interface, is_old=is_old)
@@ -150,7 +164,11 @@ def _low_bits_and_sizes(
 def _cause_of_move(
     family_pair: FamilyPair, interface: str, pair: Pair[Field], resized_fields: Sequence[_ResizedField]
 ) -> _ResizedField | None:
-    """Return the nearest resized field below one that moved, if the resized ones below it explain the distance."""
+    """Return the resized field that explains why a field moved, or None.
+
+    The sizes of all resized fields at lower bits, in either version, must add up to the distance of the move at every
+    point. The cause is then the highest of them.
+    """
     if pair.old is None or pair.new is None:
         return None
     old_low_bits = family_pair.values_at_points(pair.old.low, interface, is_old=True)
@@ -158,6 +176,7 @@ def _cause_of_move(
     distances = _differences(old_low_bits, new_low_bits)
     fields_below: list[_ResizedField] = []
     for resized_field in resized_fields:
+        # The tuples have a low bit for each point. The first point at which they differ decides.
         is_below = resized_field.low_bits < new_low_bits or resized_field.low_bits < old_low_bits
         if is_below and resized_field.name != pair.new.name:
             fields_below.append(resized_field)
@@ -168,7 +187,7 @@ def _cause_of_move(
 
 
 def _total_gained_bits(resized_fields: Sequence[_ResizedField], point_count: int) -> tuple[int, ...]:
-    """Return the sum of the gained bits at every point."""
+    """Return the sum of the gained bits at every point: ``(3, 3)`` for ``(1, 1)`` and ``(2, 2)``."""
     if not resized_fields:
         return (0,) * point_count
     gained_bits_by_point = zip(*(resized_field.gained_bits for resized_field in resized_fields), strict=True)
@@ -176,35 +195,43 @@ def _total_gained_bits(resized_fields: Sequence[_ResizedField], point_count: int
 
 
 def with_consequences(change: Change) -> Change:
-    """Return a change with its consequences in its text, and with the impact that they have."""
+    """Return a change with its consequences in its text, and with at least their impacts.
+
+    Its text continues with ``, moves 3 fields`` or ``, frame 2 bits longer``.
+    """
     if not change.moved_fields and not change.resized_frames:
         return change
-    texts = [change.text]
+    text_and_consequences = [change.text]
     impacts = change.rule.impacts
     if change.moved_fields:
-        texts.append(f"moves {counted(len(change.moved_fields), 'field')}")
+        text_and_consequences.append(f"moves {counted(len(change.moved_fields), 'field')}")
         impacts = _highest(impacts, RULES["field-moved"].impacts)
     if change.resized_frames:
-        texts.append(_resized_frames_text(change.resized_frames))
+        text_and_consequences.append(_resized_frames_text(change.resized_frames))
         impacts = _highest(impacts, RULES["frame-length"].impacts)
-    return replace(change, text=", ".join(texts), rule=replace(change.rule, impacts=impacts))
+    return replace(change, text=", ".join(text_and_consequences), rule=replace(change.rule, impacts=impacts))
 
 
 def fold_defaults(changes: Sequence[Change]) -> Iterator[Change]:
-    """Yield the changes. A default of a field that changes with the default of its register is part of that change."""
-    registers = {_owner_path(change) for change in changes if change.rule.name == "register-default"}
+    """Yield the changes, with the default of a field as part of the change of its register's default.
+
+    The text of the register's change continues with ``(speed 1 → 2)``. A default of a field whose register has no such
+    change stays alone.
+    """
+    register_paths = {_owner_path(change) for change in changes if change.rule.name == "register-default"}
     field_changes = [change for change in changes if change.rule.name == "field-default"]
-    field_texts: dict[str, list[str]] = {register: [] for register in registers}
+    field_texts_by_register: dict[str, list[str]] = {register_path: [] for register_path in register_paths}
     for change in field_changes:
-        register = _register_path(change)
-        if register in registers:
-            _, _, field_text = change.text.partition(": field ")
-            field_texts[register].append(field_text.replace(": default", ""))
+        register_path = _register_path(change)
+        if register_path in register_paths:
+            # The text is ``mode: field speed: default 1 → 2``.
+            _, _, changed_default = change.text.partition(": field ")
+            field_texts_by_register[register_path].append(changed_default.replace(": default", ""))
     for change in changes:
-        if change.rule.name == "register-default" and field_texts[_owner_path(change)]:
-            texts_of_fields = ", ".join(field_texts[_owner_path(change)])
+        if change.rule.name == "register-default" and field_texts_by_register[_owner_path(change)]:
+            texts_of_fields = ", ".join(field_texts_by_register[_owner_path(change)])
             yield replace(change, text=f"{change.text} ({texts_of_fields})")
-        elif change.rule.name != "field-default" or _register_path(change) not in registers:
+        elif change.rule.name != "field-default" or _register_path(change) not in register_paths:
             yield change
 
 
@@ -225,7 +252,10 @@ def _highest(first: _Impacts, second: _Impacts) -> _Impacts:
 
 
 def _resized_frames_text(resized_frames: Mapping[str, int]) -> str:
-    """Return a text such as ``frame 2 bits longer`` or ``3 frames with a different length``."""
+    """Return a text such as ``frame 2 bits longer`` or ``3 frames with a different length``.
+
+    Frames that gain different numbers of bits, or one that depends on the order code (0), have a different length.
+    """
     frames_text = "frame" if len(resized_frames) == 1 else counted(len(resized_frames), "frame")
     different_gains = set(resized_frames.values())
     gained_bits = different_gains.pop() if len(different_gains) == 1 else 0
@@ -237,11 +267,15 @@ def _resized_frames_text(resized_frames: Mapping[str, int]) -> str:
 
 
 def fold_alike(changes: Sequence[Change]) -> Iterator[Change]:
-    """Yield the changes. The same pause in several procedures, or signal at several contacts, is one change."""
+    """Yield the changes, with alike ones as one change.
+
+    Alike are the same pause in several procedures, and the same signal at several contacts, for the same order codes.
+    """
     alike_changes_by_key: dict[object, list[Change]] = {}
     for change in changes:
-        key = _alike_key(change) or id(change)
-        alike_changes_by_key.setdefault(key, []).append(change)
+        # A change that stands alone gets a key that no other change has.
+        alike_key = _alike_key(change) or id(change)
+        alike_changes_by_key.setdefault(alike_key, []).append(change)
     for alike_changes in alike_changes_by_key.values():
         if len(alike_changes) == 1:
             yield alike_changes[0]
@@ -250,7 +284,11 @@ def fold_alike(changes: Sequence[Change]) -> Iterator[Change]:
 
 
 def _merge_alike(alike_changes: Sequence[Change]) -> Change:
-    """Return the first of the changes, with the subjects of all in its text."""
+    """Return the first of the changes, with the subjects of all in its text.
+
+    Contacts give ``M12 A: contact 1, M12 A: contact 2: signal SL → SLO``, and procedures
+    ``procedures preset, reset: pause 5 ms → 10 ms``.
+    """
     first_change = alike_changes[0]
     subjects = [_subject_text(change) for change in alike_changes]
     if first_change.rule.name == "procedure-steps":
@@ -260,7 +298,7 @@ def _merge_alike(alike_changes: Sequence[Change]) -> Change:
 
 
 def _alike_key(change: Change) -> object:
-    """Return the key shared by changes that are shown as one, or None if the change stands alone."""
+    """Return rule, new value and order codes of a pause or a signal, or None for another change, which stands alone."""
     value_text = _value_text(change)
     is_pause = change.rule.name == "procedure-steps" and value_text.startswith("pause ")
     is_signal = change.rule.name == "contact" and value_text.startswith("signal ")
@@ -270,17 +308,21 @@ def _alike_key(change: Change) -> object:
 
 
 def fold_types(changes: Sequence[Change]) -> Iterator[Change]:
-    """Yield the changes. Another type in C of a field with another width is part of that change."""
+    """Yield the changes, with a different type in C as part of the change of the field's width.
+
+    The text of the width's change continues with ``, in C uint16_t → uint32_t``. A different type without a different
+    width stays alone.
+    """
     type_change_by_subject = {_subject_text(change): change for change in changes if change.rule.name == "field-type"}
     resized_subjects = {_subject_text(change) for change in changes if change.rule.name == "field-width"}
     for change in changes:
-        subject = _subject_text(change)
-        type_change = type_change_by_subject.get(subject)
+        subject_text = _subject_text(change)
+        type_change = type_change_by_subject.get(subject_text)
         if type_change is not None and change.rule.name == "field-width":
             impacts = _highest(change.rule.impacts, type_change.rule.impacts)
-            text = f"{change.text}, in C {_value_text(type_change)}"
-            yield replace(change, text=text, rule=replace(change.rule, impacts=impacts))
-        elif change.rule.name != "field-type" or subject not in resized_subjects:
+            text_with_type = f"{change.text}, in C {_value_text(type_change)}"
+            yield replace(change, text=text_with_type, rule=replace(change.rule, impacts=impacts))
+        elif change.rule.name != "field-type" or subject_text not in resized_subjects:
             yield change
 
 

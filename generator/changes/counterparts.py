@@ -17,7 +17,11 @@ _Item = TypeVar("_Item")
 
 
 def remember_all_renamings(family_pair: FamilyPair) -> None:
-    """Remember every renaming, so that references to the renamed thing do not count as changed."""
+    """Remember every renaming, so that references to the renamed thing do not count as changed.
+
+    Parameters come first and procedures last, since the identity of a thing contains the new names of those that it
+    refers to.
+    """
     family_pair.remember_renamings("parameter", pair_section(family_pair, "parameters"))
     family_pair.remember_renamings("part", pair_section(family_pair, "order_code.parts"))
     family_pair.remember_renamings("crc", pair_section(family_pair, "crcs"))
@@ -38,6 +42,7 @@ def remember_all_renamings(family_pair: FamilyPair) -> None:
 
 
 def _remember_renamings_in_frames(family_pair: FamilyPair, old: Interface, new: Interface) -> None:
+    """Remember the renamed fields, joined numbers and values of the frames of an interface, and its data IDs."""
     for old_frame, new_frame in complete_pairs(pair_parts(family_pair, old.layouts, new.layouts, new.name)):
         _remember_renamings_in_layout(family_pair, old_frame, new_frame, interface=new.name, scope=new_frame.name)
     if isinstance(old, Rs485) and isinstance(new, Rs485):
@@ -48,7 +53,11 @@ def _remember_renamings_in_frames(family_pair: FamilyPair, old: Interface, new: 
 def _remember_renamings_in_layout(
     family_pair: FamilyPair, old: Layout, new: Layout, interface: str, scope: str
 ) -> None:
-    """Remember the renamed fields, joined numbers and values of a frame or register, whose new name is ``scope``."""
+    """Remember the renamed fields, joined numbers and values of a frame or register, whose new name is ``scope``.
+
+    Fields are remembered for this layout, and as "any-field" for references that do not name the layout. Values are
+    remembered for all fields together, as "any-value".
+    """
     field_pairs = pair_fields(family_pair, old, new, interface)
     family_pair.remember_renamings(f"field {scope}", field_pairs)
     join_pairs = pair_parts(family_pair, old.joins, new.joins, scope=scope)
@@ -59,13 +68,16 @@ def _remember_renamings_in_layout(
 
 
 def pair_section(family_pair: FamilyPair, path: str) -> list[Pair[Any]]:
-    """Pair the things in a section of the spec, such as ``order_code.parts``."""
+    """Return the pairs of things in a section of the spec, such as ``order_code.parts``, as from ``pair_parts``."""
     section_of = attrgetter(path)
     return pair_parts(family_pair, section_of(family_pair.old), section_of(family_pair.new))
 
 
 def pair_fields(family_pair: FamilyPair, old: Layout, new: Layout, interface: str) -> list[Pair[Field]]:
-    """Pair the fields of a frame or register, except those that only fill gaps."""
+    """Return the pairs of fields of a frame or register, except those that only fill gaps.
+
+    Fields are paired by name, then by the same bits, then by the same width between the same neighbours.
+    """
     old_fields, new_fields = _fields_without_filling(old), _fields_without_filling(new)
     pairs = pair_parts(family_pair, old_fields, new_fields, interface)
     gone_names = {pair.old.name for pair in pairs if pair.old is not None and pair.new is None}
@@ -82,15 +94,18 @@ def _with_renamed_between_neighbours(
     new_fields: Sequence[Field],
     interface: str,
 ) -> list[Pair[Field]]:
-    """Return the pairs, also of a field that is gone and a new one that are as wide and between the same fields.
+    """Return the pairs with further ones: a field that is gone and a new one of the same width between the same fields.
 
-    Such a field was renamed while a change elsewhere in the frame moved it.
+    Both are also in the same group, and either both carry data or neither does. Such a field was renamed while a
+    change elsewhere in the frame moved it. Pairs with a new field are in the new order, and gone fields follow.
     """
     new_name_by_old = {old.name: new.name for old, new in complete_pairs(pairs)}
+    # Neighbours are compared by their new names, which the new fields already have.
     paired_new_names = {new_name: new_name for new_name in new_name_by_old.values()}
     old_neighbours = _neighbours(old_fields, new_name_by_old)
     new_neighbours = _neighbours(new_fields, paired_new_names)
 
+    # Low bits and widths are in turn, so every second number is a width.
     def identity_of_old(field: Field) -> Hashable:
         widths = family_pair.low_bits_and_widths(field, interface, is_old=True)[1::2]
         return (*old_neighbours[field.name], field.group, field.carries_data, widths)
@@ -101,20 +116,25 @@ def _with_renamed_between_neighbours(
 
     gone_fields = [pair.old for pair in pairs if pair.old is not None and pair.new is None]
     added_fields = [pair.new for pair in pairs if pair.new is not None and pair.old is None]
-    other_pairs = pair_by_name(gone_fields, added_fields, identity_of_old, identity_of_new)
-    other_pair_by_name = {pair.new_or_old.name: pair for pair in other_pairs}
-    in_new_order = [other_pair_by_name.get(pair.new_or_old.name, pair) for pair in pairs if pair.new is not None]
-    still_gone = [pair for pair in other_pairs if pair.new is None]
+    pairs_of_unpaired = pair_by_name(gone_fields, added_fields, identity_of_old, identity_of_new)
+    pair_of_unpaired_by_name = {pair.new_or_old.name: pair for pair in pairs_of_unpaired}
+    in_new_order = [pair_of_unpaired_by_name.get(pair.new_or_old.name, pair) for pair in pairs if pair.new is not None]
+    still_gone = [pair for pair in pairs_of_unpaired if pair.new is None]
     return in_new_order + still_gone
 
 
 def _neighbours(fields_in_order: Sequence[Field], paired_names: Mapping[str, str]) -> dict[str, tuple[str, str]]:
-    """Return the new names of the nearest paired fields before and after each field."""
-    names = [paired_names.get(field.name, "") for field in fields_in_order]
+    """Return the new names of the nearest paired fields before and after each field, by the name of the field.
+
+    For example ``{"counts": ("status", "crc")}``, with "" for a missing neighbour. ``paired_names`` has the new name of
+    each paired field by the name that it has in ``fields_in_order``.
+    """
+    # The name is empty for a field without a counterpart, which does not count as a neighbour.
+    new_names = [paired_names.get(field.name, "") for field in fields_in_order]
     neighbours: dict[str, tuple[str, str]] = {}
     for index, field in enumerate(fields_in_order):
-        name_before = next(filter(None, reversed(names[:index])), "")
-        name_after = next(filter(None, names[index + 1 :]), "")
+        name_before = next(filter(None, reversed(new_names[:index])), "")
+        name_after = next(filter(None, new_names[index + 1 :]), "")
         neighbours[field.name] = name_before, name_after
     return neighbours
 
@@ -130,14 +150,18 @@ def pair_parts(
     interface: str = "",
     scope: str = "",
 ) -> list[Pair[_Item]]:
-    """Pair parts of the model by name, or by what identifies them under another name.
+    """Return every part with its counterpart, or with None if it is new or gone.
+
+    Parts with the same name are a pair. So are a part whose name is gone and one whose name is new if their identities
+    are equal and no other such part has this identity. An identity is what stays the same when a part is renamed,
+    such as the address of a register or the bits of a field (see ``_identity_of``).
 
     Args:
         family_pair: The two versions of the family.
         old_parts: The old parts.
         new_parts: The new parts.
-        interface: The interface of frames and fields.
-        scope: The frame or register in which to look up the names of fields.
+        interface: The interface of frames and fields, at whose order codes their bits are compared.
+        scope: The frame or register in which to look up the new names of fields.
     """
     identity_of_old = partial(_identity_of, family_pair=family_pair, is_old=True, interface=interface, scope=scope)
     identity_of_new = partial(_identity_of, family_pair=family_pair, is_old=False, interface=interface, scope=scope)
@@ -145,10 +169,11 @@ def pair_parts(
 
 
 def _identity_of(part: Any, family_pair: FamilyPair, *, is_old: bool, interface: str, scope: str) -> Hashable | None:
-    """Return what identifies a part: the members that the table of members names, or for some parts as follows.
+    """Return what a renamed part has in common with its old version, or None if only its name identifies it.
 
-    Fields have the same bits, and a new one carries data only if the old one does. Frames and registers also have the
-    same bits. Procedures have the same steps, and parameters the same number for every order code.
+    This is the tuple of the members that the table of members names as identity, with new names in references. Frames
+    and registers add the bits of their fields. Exceptions: the bits of a field and whether it carries data, the
+    interface, argument count and steps of a procedure, and the numbers of a parameter for each common order code.
     """
     match part:
         case Field():
@@ -165,19 +190,22 @@ def _identity_of(part: Any, family_pair: FamilyPair, *, is_old: bool, interface:
         part = family_pair.with_new_names(part, scope)
     identity_of_inner = partial(_identity_of, family_pair=family_pair, is_old=is_old, interface=interface, scope=scope)
     members = PARTS_BY_CLASS[type(part).__name__].identity
-    values = [_identifying_value(getattr(part, name), identity_of_inner) for name in members]
+    identifying_values = [_identifying_value(getattr(part, member_name), identity_of_inner) for member_name in members]
     layout = part.layout if isinstance(part, Register) else part
     if isinstance(layout, Layout):
         layout_interface = interface or part.interface
         field_bits: list[tuple[int | str, ...]] = []
         for field in layout.fields:
             field_bits.append(family_pair.low_bits_and_widths(field, layout_interface, is_old=is_old))
-        values.append(tuple(field_bits))
-    return tuple(values) if any(values) else None
+        identifying_values.append(tuple(field_bits))
+    return tuple(identifying_values) if any(identifying_values) else None
 
 
 def _parameter_identity(family_pair: FamilyPair, parameter: Parameter, *, is_old: bool) -> Hashable | None:
-    """Return the unit and the origin of a parameter, and its numbers for the common order codes, if there are any."""
+    """Return unit, origin and numbers of a parameter, or None without common order codes.
+
+    The origin is a register, an alternative or neither. There is one number for each common order code.
+    """
     device = family_pair.old if is_old else family_pair.new
     common_codes = family_pair.new_code_by_old.keys() if is_old else family_pair.common_new_codes
     numbers = tuple(variant.parameters[parameter.name] for variant in device.variants if variant.code in common_codes)
@@ -187,7 +215,10 @@ def _parameter_identity(family_pair: FamilyPair, parameter: Parameter, *, is_old
 
 
 def _identifying_value(member_value: Any, identity_of_inner: Callable[[Any], Hashable | None]) -> Any:
-    """Return the value of a member without names: the values of a map, or the identities of parts."""
+    """Return the value of a member without names: the sorted values of a map, or the identities of inner parts.
+
+    Any other value is returned as it is.
+    """
     if isinstance(member_value, Mapping):
         return tuple(sorted(member_value.values()))
     if isinstance(member_value, tuple) and any(map(is_dataclass, member_value)):
@@ -201,7 +232,10 @@ def step_without_words(step: Step) -> Step:
 
 
 def step_with_new_names(family_pair: FamilyPair, step: Step) -> Step:
-    """Return an old step without its words and with the new names of the things that it uses."""
+    """Return an old step without its words and with the new names of the things that it uses.
+
+    Fields are looked up in the new register of the step. The name of an argument is kept.
+    """
     new_register = family_pair.to_new_names("register", getattr(step, "register", ""))
     renamed_step = family_pair.with_new_names(step_without_words(step), new_register)
     if isinstance(renamed_step, (WriteStep, ModifyStep)) and renamed_step.value is None:

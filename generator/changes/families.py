@@ -27,7 +27,10 @@ from .values import codes_as_pattern, old_to_new
 
 
 def compare_family_itself(family_pair: FamilyPair) -> Iterator[Change]:
-    """Compare the family itself, its manufacturer and its manual."""
+    """Yield the changes of the family itself: name, title, movement, manufacturer, evidence and manual.
+
+    A different edition of the manual is shown as old and new edition, any other difference of it as "details".
+    """
     old, new = family_pair.old, family_pair.new
     yield from family_pair.compare_presence(
         "family", Subject(path="device", label=f"family {new.name}"), old=old, new=new
@@ -54,6 +57,7 @@ def compare_family_itself(family_pair: FamilyPair) -> Iterator[Change]:
 
 
 def _compare_evidence(family_pair: FamilyPair) -> Iterator[Change]:
+    """Yield the changes of the evidence, or that there is evidence in only one version."""
     old, new = family_pair.old, family_pair.new
     subject = Subject(path="evidence", label="evidence")
     if old.evidence and new.evidence:
@@ -71,7 +75,10 @@ def _edition_text(manual: Manual) -> str:
 
 
 def compare_order_codes(family_pair: FamilyPair) -> Iterator[Change]:
-    """Compare the order codes, the values of their parts, and their additional notations."""
+    """Yield order codes that are gone, new or renamed, and the changes of the common ones, their parts and notations.
+
+    A renamed order code has a different text, but the same texts of its parts.
+    """
     old, new = family_pair.old, family_pair.new
     gone_codes = [variant.code for variant in old.variants if variant.code not in family_pair.new_code_by_old]
     new_codes = [variant.code for variant in new.variants if variant.code not in family_pair.common_new_codes]
@@ -86,7 +93,7 @@ def compare_order_codes(family_pair: FamilyPair) -> Iterator[Change]:
     old_order_code = old.order_code
     if renamed_codes:
         yield _renamed_codes_change(family_pair, renamed_codes)
-        # A different pattern is the reason for the renaming, which is reported.
+        # The pattern that composes order codes explains the renaming, which is already reported.
         old_order_code = replace(old_order_code, pattern=new.order_code.pattern)
     yield from _compare_codes(family_pair)
     yield from compare_members(
@@ -97,7 +104,7 @@ def compare_order_codes(family_pair: FamilyPair) -> Iterator[Change]:
 
 
 def _codes_label(device: Device, codes: list[str], state: str) -> str:
-    """Return a sentence on order codes that are gone or new."""
+    """Return ``order codes X-24…: 12 gone`` for several codes, or ``order code X-24-B is gone`` for one."""
     codes_text = codes_as_pattern(device, codes) or first_of(codes)
     if len(codes) > 1:
         return f"order codes {codes_text}: {len(codes)} {state}"
@@ -105,7 +112,7 @@ def _codes_label(device: Device, codes: list[str], state: str) -> str:
 
 
 def _renamed_codes_change(family_pair: FamilyPair, new_code_by_old: Mapping[str, str]) -> Change:
-    """Return the change of order codes with a different text."""
+    """Return the change of all renamed order codes, whose text shows the first one: ``X-24 → X-24-A``."""
     renaming_texts = [f"{old_code} → {new_code}" for old_code, new_code in new_code_by_old.items()]
     noun = "order codes" if len(new_code_by_old) > 1 else "order code"
     subject = Subject(path="order_codes", label=f"{noun} {first_of(renaming_texts, 1)} (the same parts)")
@@ -114,7 +121,10 @@ def _renamed_codes_change(family_pair: FamilyPair, new_code_by_old: Mapping[str,
 
 
 def _compare_codes(family_pair: FamilyPair) -> Iterator[Change]:
-    """Compare the interface and the numbers of order codes that both versions have."""
+    """Yield changes of the interface and of the parameters of order codes that both versions have.
+
+    Order codes with the same old and new value share a change.
+    """
     new_variant_by_code = {variant.code: variant for variant in family_pair.new.variants}
     variant_pairs: list[tuple[Variant, Variant]] = []
     for old_variant in family_pair.old.variants:
@@ -143,12 +153,15 @@ def _compare_codes(family_pair: FamilyPair) -> Iterator[Change]:
 def _compare_parameter(
     family_pair: FamilyPair, variant_pairs: Iterable[tuple[Variant, Variant]], old_name: str, new_name: str
 ) -> Iterator[Change]:
-    """Compare the numbers that a parameter has for order codes that both versions have."""
+    """Yield changes of the numbers of a parameter for common order codes, one for each pair of old and new number.
+
+    ``variant_pairs`` are the old and new variants of the common order codes.
+    """
     codes_by_numbers: dict[tuple[int, int], list[str]] = {}
-    for old, new in variant_pairs:
-        old_number, new_number = old.parameters[old_name], new.parameters[new_name]
+    for old_variant, new_variant in variant_pairs:
+        old_number, new_number = old_variant.parameters[old_name], new_variant.parameters[new_name]
         if old_number != new_number:
-            codes_by_numbers.setdefault((old_number, new_number), []).append(new.code)
+            codes_by_numbers.setdefault((old_number, new_number), []).append(new_variant.code)
     subject = Subject(path=f"order_codes.parameters.{new_name}", label=new_name)
     for (old_number, new_number), codes in codes_by_numbers.items():
         description = f" {old_to_new(old_number, new_number)}"
@@ -163,7 +176,11 @@ def _is_set_by_order_code(parameter: Parameter) -> bool:
 
 
 def _compare_part_values(family_pair: FamilyPair, subject: Subject, old: CodePart, new: CodePart) -> Iterator[Change]:
-    """Compare the values that the part has in both versions. Other changes are visible in the order codes."""
+    """Yield changes of the values of an order code part that both versions have, identified by their texts.
+
+    New and gone values are visible in the order codes. A supply of a value affects the order codes with this value, or
+    all if none has it.
+    """
     for old_value, new_value in complete_pairs(pair_by_name(old.values, new.values, name_of=attrgetter("text"))):
         value_subject = subject.inside(new_value.text, f"{subject.label}: value {new_value.text}")
         yield from compare_members(family_pair, value_subject, old_value, new_value)
@@ -176,9 +193,13 @@ def _compare_part_values(family_pair: FamilyPair, subject: Subject, old: CodePar
 
 
 def _compare_spellings(family_pair: FamilyPair) -> Iterator[Change]:
-    """Compare the additional notations for labels. One is recognised by its texts, apart from where it is used."""
+    """Yield changes of the additional notations for labels.
+
+    Notations with the same place of use are one notation, and so are those with the same texts elsewhere.
+    """
 
     def texts_of(spelling: Spelling) -> Hashable:
+        """Return a notation with the new names of parts, without its place of use and source."""
         return replace(family_pair.with_new_names(spelling), where="", source=())
 
     old_spellings, new_spellings = family_pair.old.order_code.also_written, family_pair.new.order_code.also_written
@@ -202,10 +223,15 @@ def compare_supply(
     new: Supply | None,
     codes: tuple[str, ...] | None = None,
 ) -> Iterator[Change]:
-    """Compare the supply of a family, or of an order code value that ``codes`` have."""
+    """Yield changes of the supply of a family, or of an order code value that ``codes`` have.
+
+    A supply that only the new version states narrows the accepted voltage. One that only the old version states widens
+    it.
+    """
     supply_label = f"{subject.label} supply".strip()  # The family itself has no label.
     supply_subject = subject.inside("supply", supply_label)
     if old is not None and new is not None:
+        # Each change is created again, since those of members affect all order codes rather than ``codes``.
         for change in compare_members(family_pair, supply_subject, old, new):
             yield family_pair.change(
                 change.rule.name,
@@ -223,7 +249,7 @@ def compare_supply(
 
 
 def compare_quantities(family_pair: FamilyPair) -> Iterator[Change]:
-    """Compare parameters, decisions and the measurement."""
+    """Yield changes of parameters, decisions, and measurements of the family and of its interfaces."""
     yield from compare_section(family_pair, "parameter")
     yield from compare_section(family_pair, "decision", _compare_answers)
     old, new = family_pair.old, family_pair.new
@@ -243,6 +269,7 @@ def compare_quantities(family_pair: FamilyPair) -> Iterator[Change]:
 def _compare_measurement(
     family_pair: FamilyPair, subject: Subject, old: Measurement | None, new: Measurement | None
 ) -> Iterator[Change]:
+    """Yield the changes of a measurement, or that it is new or gone."""
     if old is not None and new is not None:
         yield from compare_members(family_pair, subject, old, new)
     elif old is not new:
@@ -250,6 +277,7 @@ def _compare_measurement(
 
 
 def _compare_answers(family_pair: FamilyPair, subject: Subject, old: Alternative, new: Alternative) -> Iterator[Change]:
+    """Yield the changes of the answers to a question that the manual leaves open."""
     yield from compare_parts(
         family_pair, "answer", old.answers, new.answers, replace(subject, label=f"{subject.label}: answer")
     )
@@ -258,7 +286,8 @@ def _compare_answers(family_pair: FamilyPair, subject: Subject, old: Alternative
 def compare(old: Sequence[Device], new: Sequence[Device]) -> list[Change]:
     """Return all changes of all families, by family name and then by descending impact.
 
-    A missing family was renamed if a new one has the same order codes, or if there is only one of each.
+    A missing family was renamed if a new one has the same order codes, or if there is only one of each. A device that
+    is the same object on both sides is unchanged.
     """
     changes: list[Change] = []
     pairs = pair_by_name(old, new, _set_of_order_codes)
@@ -266,6 +295,7 @@ def compare(old: Sequence[Device], new: Sequence[Device]) -> list[Change]:
         pairs = [Pair(old=old[0], new=new[0])]
     for pair in sorted(pairs, key=lambda pair: pair.new_or_old.name):
         if pair.old is None or pair.new is None:
+            # Only the name of the family is compared, so one device stands for both versions.
             only_device = pair.new_or_old
             subject = Subject(path="", label=f"family {only_device.name}")
             old_name = pair.old.name if pair.old is not None else None
@@ -282,7 +312,7 @@ def _set_of_order_codes(device: Device) -> frozenset[str]:
 
 
 def _section_changes(family_pair: FamilyPair) -> Iterator[Change]:
-    """Return the changes of each section of the specs in turn."""
+    """Return the changes of each section of the specs in turn, before repeated and alike ones are merged."""
     old, new = family_pair.old, family_pair.new
     return chain(
         compare_family_itself(family_pair),
@@ -302,7 +332,11 @@ def _section_changes(family_pair: FamilyPair) -> Iterator[Change]:
 
 
 def compare_family(old: Device, new: Device) -> list[Change]:
-    """Return all changes of a family, by descending impact."""
+    """Return all changes of a family, by descending impact.
+
+    Renamings are found first, since references to a renamed thing do not count as changes. If no change is found but
+    the devices differ, only the order of items does, which is then the only change.
+    """
     family_pair = FamilyPair(old, new)
     remember_all_renamings(family_pair)
     changes = list(_merge_repeated(_section_changes(family_pair)))
@@ -324,21 +358,29 @@ def _without_spec_data(device: Device) -> Device:
 
 
 def _merge_repeated(changes: Iterable[Change]) -> Iterator[Change]:
-    """Return each change once. Changes of a field group in many frames are reported for the group."""
+    """Yield each change once, with the order codes and consequences of its repetitions.
+
+    Changes with the same rule and text are repetitions, such as those of a field group in several frames.
+    Documentation changes are compared by rule and path instead.
+    """
     change_by_key: dict[tuple[str, str], Change] = {}
     for change in changes:
         # Documentation of one place is one change, even if its text names different frames.
         is_documentation = change.impact <= Impact.DOCUMENTATION
-        key = change.rule.name, change.path if is_documentation else change.text
-        if key in change_by_key:
-            change_by_key[key] = _merge_pair(change_by_key[key], change)
+        change_key = change.rule.name, change.path if is_documentation else change.text
+        if change_key in change_by_key:
+            change_by_key[change_key] = _merge_pair(change_by_key[change_key], change)
         else:
-            change_by_key[key] = change
+            change_by_key[change_key] = change
     yield from map(with_consequences, change_by_key.values())
 
 
 def _merge_pair(first_change: Change, repeated_change: Change) -> Change:
-    """Return a change with the order codes and the consequences of both."""
+    """Return the first change with the order codes and the consequences of both.
+
+    If the repeated change affects further order codes, the descriptions of both are joined: ``X-24-…; all 6 SSI order
+    codes``.
+    """
     moved_fields = dict.fromkeys((*first_change.moved_fields, *repeated_change.moved_fields))
     codes = tuple(dict.fromkeys((*first_change.codes, *repeated_change.codes)))
     reach = first_change.reach

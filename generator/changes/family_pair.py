@@ -39,7 +39,10 @@ def _names_of_frame_fields(device: Device) -> frozenset[str]:
 
 
 def _match_order_codes(old: Device, new: Device) -> dict[str, str]:
-    """Return the new order code by the old one, for those with the same code or else the same parts."""
+    """Return the new order code by the old one, for those with the same code or else the same texts of all parts.
+
+    ``{"X-24": "X-24", "X-17": "X-17-B"}``: the second one was renamed. Order codes that are gone are not in it.
+    """
     old_codes, new_codes = _order_codes_of(old), _order_codes_of(new)
     new_code_by_parts = {_parts_key(variant): variant.code for variant in new.variants}
     new_code_by_old: dict[str, str] = {}
@@ -48,14 +51,14 @@ def _match_order_codes(old: Device, new: Device) -> dict[str, str]:
             new_code_by_old[variant.code] = variant.code
             continue
         renamed_code = new_code_by_parts.get(_parts_key(variant))
-        # A code that also the old family has belongs to that order code.
+        # A new code that the old family has too is the counterpart of that old code.
         if renamed_code is not None and renamed_code not in old_codes:
             new_code_by_old[variant.code] = renamed_code
     return new_code_by_old
 
 
 def _affected_side(rule: str) -> str:
-    """Return the version whose order codes a change affects: the old one, the new one, or those that both have."""
+    """Return whose order codes a change affects: those of the "old" or "new" version, or the "common" ones."""
     if rule.endswith("-gone"):
         return "old"
     if rule.endswith("-new"):
@@ -88,7 +91,11 @@ class FamilyPair:
         self.common_new_codes = frozenset(self.new_code_by_old.values())
 
     def remember_renamings(self, kind: str, pairs: Iterable[Pair[Any]]) -> None:
-        """Remember which things were renamed, so that references to them do not count as changed."""
+        """Remember the new names of renamed things, so that references to them do not count as changed.
+
+        ``kind`` is as in the table of members: ``register``, or ``field mode`` for the fields of a register or frame
+        ``mode``.
+        """
         for old, new in complete_pairs(pairs):
             if old.name != new.name:
                 new_names = self.new_names_by_kind.setdefault(kind, {})
@@ -97,19 +104,24 @@ class FamilyPair:
     def with_new_names(self, part: _Part, scope: str = "") -> _Part:
         """Return an old part of the model with the new names of the things that it refers to.
 
-        ``scope`` is the frame or register in which to look up the names of fields.
+        The table of members says which members refer to what. ``scope`` is the frame or register in which to look up
+        the names of fields.
         """
         members = PARTS_BY_CLASS[type(part).__name__].by_attribute
         renamed_references: dict[str, Any] = {}
         for attribute in dataclasses.fields(part):
             member = members.get(attribute.name)
+            # ``refers_to`` is the kind of the things that the member names, or "" if it names none.
             if member is not None and member.refers_to:
                 old_reference = getattr(part, attribute.name)
                 renamed_references[attribute.name] = self.to_new_names(member.refers_to, old_reference, scope)
         return replace(part, **renamed_references) if renamed_references else part
 
     def to_new_names(self, kind: str, value: Any, scope: str = "") -> Any:
-        """Return an old value with the new names of the things in it: a name, names, or numbers by parameter names."""
+        """Return an old value with the new names of the things of a kind in it.
+
+        The value is a name, a tuple of names, or a map of numbers by parameter names. ``kind`` is plural for a tuple.
+        """
         if isinstance(value, str):
             return self._text_to_new_names(kind, value, scope)
         if isinstance(value, tuple):
@@ -120,7 +132,11 @@ class FamilyPair:
         return {self.to_new_names("parameter", parameter): number for parameter, number in value.items()}
 
     def _text_to_new_names(self, kind: str, value: str, scope: str) -> str:
-        """Return a text that is or contains old names, with the new ones."""
+        """Return a text that is or contains old names, with the new ones.
+
+        ``kind`` says what the text is: a pattern, a path, a condition, the subject of limits, or just the name of a
+        thing of this kind. A name without a new one stays.
+        """
         match kind:
             case "pattern":
                 # Order codes, such as ``TV62-{resolution}``.
@@ -143,6 +159,7 @@ class FamilyPair:
                 # The limits of a register apply to a field, or to the register itself.
                 new_name: str = self.to_new_names("field", value, scope)
                 return self._text_to_new_names("register", new_name, scope="")
+            # A reference to a field of any frame, whose name some new frame still has.
             case "any-field" if value in self.names_in_new_frames:
                 return value
             case "field":
@@ -152,7 +169,10 @@ class FamilyPair:
 
     @cached_property
     def _points(self) -> dict[str, list[ComparisonPoint]]:
-        """The points for comparing expressions of each interface, and under an empty name those of all interfaces."""
+        """The points for comparing expressions, by new interface, and under an empty name those of all interfaces.
+
+        There is one for each common order code and each setting of registers and answers.
+        """
         new_variant_by_code = {variant.code: variant for variant in self.new.variants}
         points_by_interface: dict[str, list[ComparisonPoint]] = {}
         for old_variant in self.old.variants:
@@ -168,9 +188,12 @@ class FamilyPair:
     def _comparison_point(
         self, old_variant: Variant, new_variant: Variant, setting: Mapping[str, int]
     ) -> ComparisonPoint:
-        """Return the point of a common order code under a setting of the new family, as values by parameter name."""
-        renamed_parameters = self.new_names_by_kind.get("parameter", {})
-        old_name_by_new = {new_name: old_name for old_name, new_name in renamed_parameters.items()}
+        """Return the point of a common order code: the parameters of its old and new variant under a setting.
+
+        ``setting`` has the values of the new family by parameter name. The old family gets them under the old names.
+        """
+        new_name_by_old = self.new_names_by_kind.get("parameter", {})
+        old_name_by_new = {new_name: old_name for old_name, new_name in new_name_by_old.items()}
         old_setting = {old_name_by_new.get(name, name): value for name, value in setting.items()}
         old_parameters = with_setting(self.old, old_variant, old_setting)
         new_parameters = with_setting(self.new, new_variant, setting)
@@ -184,13 +207,16 @@ class FamilyPair:
     def compare_expressions(
         self, interface: str, old: Expression | None, new: Expression | None
     ) -> NumberDifferences | None:
-        """Return the differences of two expressions for an interface, or for all, or None if they are equal."""
+        """Return the differences of two expressions, or None if they have the same value at every point.
+
+        The points are those of an interface, or of all if ``interface`` is empty.
+        """
         return compare_at_points(old, new, self._points.get(interface, ()))
 
     def low_bits_and_widths(self, field: Field, interface: str, *, is_old: bool) -> tuple[int | str, ...]:
-        """Return the low bit and the width of a field at every point of an interface: ``(0, 17, 0, 19)`` for two.
+        """Return low bit and width of a field in turn, for every point of an interface: ``(0, 17, 0, 19)`` for two.
 
-        Without points, these are the two expressions as texts.
+        Without points, these are the two expressions as texts: ``("0", "resolution")``.
         """
         if not self._points.get(interface):
             return field.low.render(), field.width.render()
@@ -199,16 +225,20 @@ class FamilyPair:
         return tuple(chain.from_iterable(zip(low_bits, widths, strict=True)))
 
     def values_at_points(self, expression: Expression, interface: str, *, is_old: bool) -> tuple[int, ...]:
-        """Return the value of an expression at every point of an interface."""
+        """Return the value of an expression at every point of an interface.
+
+        ``is_old`` selects the parameters of the old or the new family.
+        """
         points = self._points.get(interface, ())
         if is_old:
             return tuple(expression.value(point.old_parameters) for point in points)
         return tuple(expression.value(point.new_parameters) for point in points)
 
     def order_codes_over(self, interface: str, side: str = "common") -> tuple[str, ...]:
-        """Return the order codes of an interface, or all: of the ``old`` or ``new`` family, or the ``common`` ones.
+        """Return the order codes of an interface, or of all if it is empty, of one ``side``.
 
-        If no order code is common, those of the new family count as common.
+        The side is the ``old`` or ``new`` family, or the ``common`` codes, as the new family has them. If there is no
+        common one, those of the new family count as common.
         """
         device = self.old if side == "old" else self.new
         codes = [variant.code for variant in device.variants if interface in ("", variant.interface)]
@@ -219,13 +249,17 @@ class FamilyPair:
     def change(
         self, rule: str, subject: Subject, description: str, old: Any, new: Any, codes: Iterable[str] | None = None
     ) -> Change:
-        """Return a change of a thing. Without ``codes``, it affects all order codes that the thing concerns."""
+        """Return a change by a rule. Without ``codes``, it affects all order codes of the subject's interface.
+
+        These are the old ones if the rule ends with "-gone", the new ones if it ends with "-new", and else the common
+        ones. A register or procedure that moves to another interface affects the order codes of both.
+        """
         side = _affected_side(rule)
         affected_codes = tuple(codes) if codes is not None else self.order_codes_over(subject.interface, side)
         if rule in _RULES_OF_INTERFACES:
             old_interface = old
-            both_interfaces = (*affected_codes, *self.order_codes_over(old_interface))
-            affected_codes = tuple(dict.fromkeys(both_interfaces))
+            codes_of_both_interfaces = (*affected_codes, *self.order_codes_over(old_interface))
+            affected_codes = tuple(dict.fromkeys(codes_of_both_interfaces))
         reach = ""
         # The text of a change of order codes already lists them.
         if not rule.startswith("order-code-"):
@@ -243,27 +277,33 @@ class FamilyPair:
         )
 
     def _describe_affected_codes(self, side: str, codes: Collection[str]) -> str:
-        """Describe order codes of the old family, of the new one, or of those that both have."""
+        """Describe order codes of one side, such as ``all 12 BiSS order codes``, or as a pattern.
+
+        Common codes are described among all of the new family. If they are all common ones, but not all of the family,
+        the text is ``all 10 BiSS order codes that stay``.
+        """
         if side == "old":
             return describe_codes(self.old, codes)
-        text = describe_codes(self.new, codes)
+        codes_text = describe_codes(self.new, codes)
         common_variants = tuple(variant for variant in self.new.variants if variant.code in self.common_new_codes)
+        # No code is common, or every new one is.
         have_same_codes = len(common_variants) in (0, len(self.new.variants))
-        if side == "new" or have_same_codes or text.startswith("all "):
-            return text
+        if side == "new" or have_same_codes or codes_text.startswith("all "):
+            return codes_text
         # All common codes of an interface are not all of the new family.
         new_family_without_new_codes = replace(self.new, variants=common_variants)
         text_among_common = describe_codes(new_family_without_new_codes, codes)
         if text_among_common.startswith("all "):
             return f"{text_among_common} that stay"
-        return text
+        return codes_text
 
     def compare_presence(
         self, kind: str, subject: Subject, old: Any, new: Any, common_property: str = ""
     ) -> Iterator[Change]:
-        """Yield a change if a thing is gone, new or renamed. ``subject.label`` ends with its present name.
+        """Yield a change if a thing is gone, new or renamed. ``subject.label`` ends with its new or only name.
 
-        ``common_property`` is the one by which a renamed thing is recognised, if it is not that of its kind.
+        The text of a renaming names what both have in common: ``register mode → state (the same address)``. This is
+        ``common_property``, or else that of its kind.
         """
         if new is None:
             yield self.change(f"{kind}-gone", subject, description=" is gone", old=old, new=None)

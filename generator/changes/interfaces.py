@@ -37,7 +37,10 @@ _CAN_READ, _CAN_WRITE = ("read_only", "read_write"), ("write_only", "read_write"
 
 
 def compare_register(family_pair: FamilyPair, subject: Subject, old: Register, new: Register) -> Iterator[Change]:
-    """Compare the access, the meanings and the bits of a register."""
+    """Yield changes of the access, the meanings and the bits of a register. Its members are compared by the caller.
+
+    Its names in code stay the same if its bits change, so such a change does not list them.
+    """
     yield from _compare_access(family_pair, subject, old, new)
     meaning_subject = replace(subject, label=f"{subject.label}: meaning")
     yield from compare_parts(family_pair, "meaning", old.meanings, new.meanings, meaning_subject)
@@ -48,6 +51,7 @@ def compare_register(family_pair: FamilyPair, subject: Subject, old: Register, n
 
 
 def _compare_access(family_pair: FamilyPair, subject: Subject, old: Register, new: Register) -> Iterator[Change]:
+    """Yield "access-lost" if the register can no longer be read or written, or else "access-gained"."""
     if old.access == new.access:
         return
     is_read_lost = old.access in _CAN_READ and new.access not in _CAN_READ
@@ -63,7 +67,10 @@ def _compare_access(family_pair: FamilyPair, subject: Subject, old: Register, ne
 
 
 def compare_procedure(family_pair: FamilyPair, subject: Subject, old: Procedure, new: Procedure) -> Iterator[Change]:
-    """Compare the arguments and the steps of a procedure."""
+    """Yield a change of the arguments, and one of the steps: what they do, else their words, else their sources.
+
+    Old steps are compared with the new names of the things that they use.
+    """
     yield from _compare_arguments(family_pair, subject.inside("arguments", subject.label), old, new)
     steps_subject = subject.unnamed.inside("steps", subject.label)
     old_steps = [step_with_new_names(family_pair, step) for step in old.steps]
@@ -80,6 +87,7 @@ def compare_procedure(family_pair: FamilyPair, subject: Subject, old: Procedure,
 
 
 def _compare_arguments(family_pair: FamilyPair, subject: Subject, old: Procedure, new: Procedure) -> Iterator[Change]:
+    """Yield a change if the arguments differ in names, registers or meanings, or else in their words."""
     old_arguments, new_arguments = _signature(map(family_pair.with_new_names, old.arguments)), _signature(new.arguments)
     if old_arguments != new_arguments:
         old_texts, new_texts = _argument_names(old), _argument_names(new)
@@ -103,17 +111,17 @@ def _argument_names(procedure: Procedure) -> list[str]:
 
 
 def _signature(arguments: Iterable[Argument]) -> list[tuple[str, str, str]]:
-    """Return the name of each argument, the register or field that takes it, and how it is meant."""
+    """Return a tuple for each argument: its name, the register or field that takes it, and how it is meant, or ""."""
     return [(argument.name, argument.of, argument.meant_as) for argument in arguments]
 
 
 def _argument_texts(signature: list[tuple[str, str, str]]) -> list[str]:
     """Return a text for each argument, such as ``position for preset as counts``."""
-    texts = []
-    for name, register_or_field, meaning in signature:
-        text = f"{name} for {register_or_field}"
-        texts.append(f"{text} as {meaning}" if meaning else text)
-    return texts
+    argument_texts = []
+    for argument_name, register_or_field, meaning in signature:
+        name_and_target = f"{argument_name} for {register_or_field}"
+        argument_texts.append(f"{name_and_target} as {meaning}" if meaning else name_and_target)
+    return argument_texts
 
 
 def _meanings(parts: Sequence[Argument | Step]) -> list[str]:
@@ -125,7 +133,10 @@ def _sources(steps: Sequence[Step]) -> list[Sources]:
 
 
 def _describe_steps(old_steps: list[Step], new_steps: list[Step]) -> str:
-    """Describe the steps that differ, by their numbers. If they differ in the same way, say how."""
+    """Describe the steps that differ: ``: steps 2, 3: pause 5 ms → 10 ms``, or ``: steps 2, 3 differ``.
+
+    The second form is for steps that differ in several ways. With another number of steps, only the numbers are given.
+    """
     if len(old_steps) != len(new_steps):
         return f": {len(old_steps)} steps → {len(new_steps)} steps"
     step_numbers: list[str] = []
@@ -143,7 +154,7 @@ def _describe_steps(old_steps: list[Step], new_steps: list[Step]) -> str:
 
 
 def _describe_step(old: Step, new: Step) -> str:
-    """Describe the difference between two steps."""
+    """Describe the difference between two steps by their members: ``pause 5 ms → 10 ms``, or by their kinds."""
     if type(old) is not type(new):
         return f"{old.do} → {new.do}"
     members = PARTS_BY_CLASS[type(new).__name__].by_attribute
@@ -158,6 +169,7 @@ def _describe_step(old: Step, new: Step) -> str:
 
 
 def compare_interfaces(family_pair: FamilyPair) -> Iterator[Change]:
+    """Yield the changes of all interfaces, which are paired by their names: new, gone, or different in content."""
     for pair in pair_by_name(family_pair.old.interfaces, family_pair.new.interfaces):
         subject = Subject(
             path=f"interfaces.{pair.new_or_old.name}", label=pair.new_or_old.short, interface=pair.new_or_old.name
@@ -166,9 +178,10 @@ def compare_interfaces(family_pair: FamilyPair) -> Iterator[Change]:
 
 
 def _compare_interface(family_pair: FamilyPair, subject: Subject, old: Interface, new: Interface) -> Iterator[Change]:
-    """Compare the electrical side, the timings and the frames of an interface.
+    """Yield changes of the port or clock, data IDs, control frame, timings and frames of an interface.
 
-    An interface that changes between RS-485 and a clocked one has neither a port nor a clock to compare.
+    RS-485 has a port and data IDs, all others a clock, and BiSS a control frame. They are compared if both versions
+    have them. Changes of a frame's length are left out if a resized field explains them.
     """
     if isinstance(new, Rs485) and isinstance(old, Rs485):
         port_subject = subject.inside("port", subject.label)
@@ -190,7 +203,10 @@ def _compare_interface(family_pair: FamilyPair, subject: Subject, old: Interface
 
 
 def _compare_frame(family_pair: FamilyPair, subject: Subject, old: Layout, new: Layout) -> Iterator[Change]:
-    """Compare the fields, the position range and the needed decisions of a frame. Decisions have their new names."""
+    """Yield changes of the fields and the position range of a frame, and decisions that it needs only in one version.
+
+    A decision is needed if the layout depends on an alternative. Old ones are compared by their new names.
+    """
     unnamed = subject.unnamed
     yield from compare_layout(family_pair, unnamed, old, new)
     yield from _compare_position_range(family_pair, unnamed, old.position_range, new.position_range)
@@ -210,7 +226,10 @@ def _compare_frame(family_pair: FamilyPair, subject: Subject, old: Layout, new: 
 def _compare_position_range(
     family_pair: FamilyPair, subject: Subject, old: LayoutRange | None, new: LayoutRange | None
 ) -> Iterator[Change]:
-    """Compare the ranges of a position in one frame. Without its own range, a frame has that of the interface."""
+    """Yield changes of the range of a position in one frame, or that only one version has its own.
+
+    Without its own range, a frame has that of the interface.
+    """
     range_subject = subject.inside("position_range", f"{subject.label}: position range")
     if old is not None and new is not None:
         yield from compare_members(family_pair, range_subject, old, new)
@@ -221,6 +240,7 @@ def _compare_position_range(
 def _compare_control_values(
     family_pair: FamilyPair, subject: Subject, old: ControlField, new: ControlField
 ) -> Iterator[Change]:
+    """Yield the changes of the values of a field of the control frame."""
     value_subject = replace(subject, label=f"control frame: {new.name}: value")
     yield from compare_parts(family_pair, "value", old.values, new.values, value_subject)
 
@@ -228,7 +248,7 @@ def _compare_control_values(
 def compare_timings(
     family_pair: FamilyPair, subject: Subject, old_timings: tuple[Timing, ...], new_timings: tuple[Timing, ...]
 ) -> Iterator[Change]:
-    """Compare times of an interface or of the device."""
+    """Yield changes of times of an interface, or of the device if the label of ``subject`` is empty."""
     timing_label = f"{subject.label} time".strip()  # The device itself has no label.
     timing_subject = subject.inside("timings", timing_label)
     yield from compare_parts(family_pair, "timing", old_timings, new_timings, timing_subject)
@@ -248,7 +268,10 @@ _DISPLAYED_SECTIONS = (
 
 
 def compare_contacts(family_pair: FamilyPair, subject: Subject, old: Connector, new: Connector) -> Iterator[Change]:
-    """Compare the contacts of a connector."""
+    """Yield changes of the contacts of a connector.
+
+    They are identified by pin or colour. For one that only one version has, the text is ``signal SL → none``.
+    """
     old_contacts, new_contacts = _by_member(old.contacts, "contact"), _by_member(new.contacts, "contact")
     for contact, old_contact, new_contact in match_by_key(old_contacts, new_contacts):
         contact_subject = subject.inside(contact, f"{subject.label}: contact {contact}")
@@ -264,7 +287,10 @@ def compare_contacts(family_pair: FamilyPair, subject: Subject, old: Connector, 
 
 
 def compare_displayed_facts(family_pair: FamilyPair) -> Iterator[Change]:
-    """Compare errata, examples, and facts that no code depends on."""
+    """Yield changes of errata, examples, field groups, and of facts that no code depends on.
+
+    Each section of ``_DISPLAYED_SECTIONS`` gives one change for each item that is new, gone or different.
+    """
     for rule, section, key_member, noun in _DISPLAYED_SECTIONS:
         old_parts = _by_member(getattr(family_pair.old, section), key_member)
         new_parts = _by_member(getattr(family_pair.new, section), key_member)
@@ -280,12 +306,15 @@ def compare_displayed_facts(family_pair: FamilyPair) -> Iterator[Change]:
 
 
 def _by_member(parts: Iterable[_Part], name: str) -> dict[Any, _Part]:
-    """Return the parts by their member of this name."""
+    """Return the parts by the value of their member ``name``, such as ``contact`` or ``key``."""
     return {getattr(part, name): part for part in parts}
 
 
 def _describe_difference(old: Any, new: Any) -> str:
-    """Return the old and new value of a characteristic with a short text, or only that the item has changed."""
+    """Return `` is new``, `` is gone``, ``: 5 V → 12 V`` for a different value, or `` has changed``.
+
+    Only characteristics have a value. If its short text is the same, something else of the item has changed.
+    """
     if old is None:
         return " is new"
     if new is None:

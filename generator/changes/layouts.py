@@ -31,12 +31,16 @@ _PLAIN = (Number, Decimal, Text)
 
 
 def compare_layout(family_pair: FamilyPair, subject: Subject, old: Layout, new: Layout) -> Iterator[Change]:
-    """Yield the differences in the fields of a frame or register."""
+    """Yield the differences of a frame or register in its fields, joined numbers and combinations.
+
+    A joined number of the same name can also have a different type in C.
+    """
     yield from _compare_fields(family_pair, subject, old, new)
     join_subject = replace(subject, label=f"{subject.scope}: number")
     yield from compare_parts(family_pair, "joined", old.joins, new.joins, join_subject)
     combination_subject = replace(subject, label=f"{subject.scope}: combination")
     yield from compare_parts(family_pair, "combination", old.combinations, new.combinations, combination_subject)
+    # A joined number that is new has no old type, and only its presence is reported.
     old_type_by_name = {join.name: _type_of_join(old, join) for join in old.joins}
     for join in new.joins:
         join_path, join_label = f"{subject.path}.{join.name}", f"{subject.scope}: number {join.name}"
@@ -46,7 +50,10 @@ def compare_layout(family_pair: FamilyPair, subject: Subject, old: Layout, new: 
 
 
 def _compare_fields(family_pair: FamilyPair, subject: Subject, old: Layout, new: Layout) -> Iterator[Change]:
-    """Compare the fields of a layout. What follows from the size of a field is part of that field's change."""
+    """Yield changes of the fields of a layout. Moves and lengths that a resized field explains are part of its change.
+
+    Fields that pad another one are not compared, since they follow from its container.
+    """
     compared_fields: list[ComparedField] = []
     for pair in pair_fields(family_pair, old, new, subject.interface):
         # Padding follows from the field that it fills up, and is compared with that field.
@@ -77,7 +84,11 @@ def _is_padding(field: Field, layout: Layout) -> bool:
 def _common_property(
     family_pair: FamilyPair, subject: Subject, pair: Pair[Field], old_layout: Layout, new_layout: Layout
 ) -> str:
-    """Return the property by which a renamed field is recognised, if its bits in the frame or group differ."""
+    """Return "between the same fields" for a renamed field at other bits, or "" if it has the same bits.
+
+    For a field of a group, bits are counted from the start of the group. "" means that the default text applies, which
+    is "the same bits".
+    """
     if pair.old is None or pair.new is None or pair.old.name == pair.new.name:
         return ""
     old_low_bits = _low_bits_in_group(family_pair, subject.interface, old_layout, pair.old, is_old=True)
@@ -90,7 +101,10 @@ def _common_property(
 def _low_bits_in_group(
     family_pair: FamilyPair, interface: str, layout: Layout, field: Field, *, is_old: bool
 ) -> tuple[int, ...]:
-    """Return the lowest bit of a field at every point, counted from the start of its group if it has one."""
+    """Return the lowest bit of a field at every point, counted from the start of its group if it has one.
+
+    The start of a group is the lowest bit of its fields at that point.
+    """
     low_bits = family_pair.values_at_points(field.low, interface, is_old=is_old)
     if not field.group:
         return low_bits
@@ -98,6 +112,7 @@ def _low_bits_in_group(
     for group_field in layout.fields:
         if group_field.group == field.group:
             low_bits_of_group.append(family_pair.values_at_points(group_field.low, interface, is_old=is_old))
+    # From the low bits of each field to those of all fields at each point.
     group_starts = map(min, zip(*low_bits_of_group, strict=True))
     return tuple(low_bit - group_start for low_bit, group_start in zip(low_bits, group_starts, strict=True))
 
@@ -105,7 +120,10 @@ def _low_bits_in_group(
 def _compare_field(
     family_pair: FamilyPair, subject: Subject, pair: Pair[Field], common_property: str = ""
 ) -> Iterator[Change]:
-    """Compare a field of a frame or register: its name, its members, its kind, its type and its values."""
+    """Yield changes of a field of a frame or register: its presence or name, members, kind, type and values.
+
+    ``common_property`` is as from ``_common_property``. Values are compared if both are choices, except data IDs.
+    """
     field = pair.new_or_old
     # A field of a group is in many frames, but its change is reported once, for the group.
     owner_path = f"field_groups.{field.group}" if field.group else subject.path
@@ -133,13 +151,13 @@ def _compare_field(
 
 
 def _compare_type(family_pair: FamilyPair, subject: Subject, old: str, new: str) -> Iterator[Change]:
-    """Compare the types of a number in C. Other things have none."""
+    """Yield a change if the types of a number in C differ. A type is empty for anything other than a number."""
     if old and new and old != new:
         yield family_pair.change("field-type", subject, description=f": {old} → {new}", old=old, new=new)
 
 
 def _type_of(field: Field) -> str:
-    """Return the type of a number in C, or an empty string for another kind of field."""
+    """Return the type of a number in C, such as ``uint32_t``, or an empty string for another kind of field."""
     if not isinstance(field.kind, (Number, Decimal)):
         return ""
     # The number that zero stands for may need one bit more than the field has.
@@ -148,7 +166,7 @@ def _type_of(field: Field) -> str:
 
 
 def _type_of_join(layout: Layout, join: Join) -> str:
-    """Return the type of a number made of several fields in C."""
+    """Return the unsigned type in C of a number made of several fields, at their largest widths."""
     bits = sum(layout.field(name).widest for name in join.fields)
     return _smallest_integer_type(bits, is_signed=False)
 
@@ -161,7 +179,7 @@ def _smallest_integer_type(bits: int, *, is_signed: bool) -> str:
 
 
 def _has_data_ids(device: Device, field: Field) -> bool:
-    """Return whether the values of a field are the data IDs of an interface, which are compared separately."""
+    """Return whether the names of a field's values are those of an interface's data IDs, which are compared as such."""
     value_names = {value.name for value in field.values}
     for interface in device.interfaces:
         if isinstance(interface, Rs485) and value_names == {data_id.name for data_id in interface.data_ids}:
@@ -170,7 +188,11 @@ def _has_data_ids(device: Device, field: Field) -> bool:
 
 
 def _compare_kind(family_pair: FamilyPair, subject: Subject, old: Field, new: Field) -> Iterator[Change]:
-    """Compare the conversion of bits to a value."""
+    """Yield a change if a field converts its bits to a value in another way.
+
+    Kinds of the same class are compared by their members, and numbers in decimal digits by their digits. Otherwise the
+    rule depends on the two kinds, and the text is ``: flag → number``.
+    """
     old_kind, new_kind = old.kind, new.kind
     if isinstance(old_kind, Decimal) and isinstance(new_kind, Decimal):
         yield from _compare_digits(family_pair, subject.inside("runs", subject.label), old_kind, new_kind)
@@ -188,7 +210,10 @@ def _compare_kind(family_pair: FamilyPair, subject: Subject, old: Field, new: Fi
 
 
 def _compare_digits(family_pair: FamilyPair, subject: Subject, old: Decimal, new: Decimal) -> Iterator[Change]:
-    """Compare the numbers made of digits in a text, by their names and their numbers of digits."""
+    """Yield a change of the numbers made of decimal digits, by their names and their numbers of digits.
+
+    If these are the same in the same order, only words have changed. If a name is gone, the kind has changed.
+    """
     if old == new:
         return
     old_digits, new_digits = _digits_by_name(old), _digits_by_name(new)

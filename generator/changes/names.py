@@ -41,8 +41,12 @@ def _shorten(value: str) -> str:
 def name_changes(
     old_text_by_path: Mapping[str, str], new_text_by_path: Mapping[str, str], families: Iterable[str]
 ) -> tuple[NameChange, ...]:
-    """Return the names of C headers and Python modules of families, and the files, that go or change their value."""
+    """Return the C macros, Python names and files of families that are gone, or have a different value.
+
+    The texts are those of the generated files by path. Files that do not begin with the name of a family are left out.
+    """
     changes: list[NameChange] = []
+    # A family can begin with the name of another one.
     longest_first = sorted(families, key=len, reverse=True)
     for path, old_text in old_text_by_path.items():
         new_text = new_text_by_path.get(path)
@@ -52,7 +56,7 @@ def name_changes(
         if new_text is None:
             changes.append(NameChange(family=family, kind="file", name=path, old="", new=None))
         changes += _changes_in_file(family, path, old_text, new_text or "")
-    # A macro is in the header of each interface.
+    # The headers of several interfaces define the same macro, whose change is listed once.
     return tuple(dict.fromkeys(changes))
 
 
@@ -66,26 +70,33 @@ def _family_of_file(path: str, families: Sequence[str]) -> str:
 
 
 def _is_private_module(path: str) -> bool:
+    """Return whether users do not import a module: a part of its path begins with an underscore or is ``facts``."""
     return any(folder.startswith("_") or folder == "facts" for folder in PurePosixPath(path).parts)
 
 
 def _changes_in_file(family: str, path: str, old_text: str, new_text: str) -> Iterator[NameChange]:
-    """Yield the macros of a C header, or the names of a Python module, that are gone or have another value."""
+    """Yield the macros of a C header, or the names of a Python module, that are gone or have another value.
+
+    Names that are new are not listed. Other files and private modules have none.
+    """
     if path.endswith(".h"):
-        kind, old_values, new_values = "C macro", _macros(old_text), _macros(new_text)
+        kind, old_value_by_name, new_value_by_name = "C macro", _macros(old_text), _macros(new_text)
     elif path.endswith(".py") and not _is_private_module(path):
-        kind, old_values, new_values = "Python name", _python_names(old_text), _python_names(new_text)
+        kind, old_value_by_name, new_value_by_name = "Python name", _python_names(old_text), _python_names(new_text)
     else:
         return
-    for name, old_value in old_values.items():
-        new_value = new_values.get(name)
+    for name, old_value in old_value_by_name.items():
+        new_value = new_value_by_name.get(name)
         if new_value != old_value:
             full_name = name if kind == "C macro" else f"{family}.{name}"
             yield NameChange(family=family, kind=kind, name=full_name, old=old_value, new=new_value)
 
 
 def _macros(header: str) -> dict[str, str]:
-    """Return the macros of a header with their definitions, without those about the header itself."""
+    """Return the macros of a header with their definitions on one line: ``{"X24_BITS": "24", "X24_MASK": "(n) …"}``.
+
+    Include guards and version macros are left out.
+    """
     macros: dict[str, str] = {}
     header_without_comments = _COMMENT.sub("", header)
     for name, parameters, definition in _MACRO_DEFINITION.findall(header_without_comments):
@@ -108,12 +119,16 @@ def _python_names(module: str) -> dict[str, str]:
 def _named_values(
     statements: Iterable[ast.stmt], classes: Mapping[str, ast.ClassDef], prefix: str = ""
 ) -> Iterator[tuple[str, str]]:
-    """Yield the public names that statements bind, with values. A class also has the names of its private bases."""
+    """Yield the public names that statements bind, with the text of their value if that is a constant, or else "".
+
+    Names in a class have the prefix of the class: ``("Frame.decode", "")``. A class also has the names of its private
+    bases, which are looked up in ``classes``.
+    """
     for statement in statements:
         public_names = [name for name in _bound_names(statement) if not name.startswith("_")]
         for name in public_names:
-            value = getattr(statement, "value", None)
-            value_text = ast.unparse(value) if isinstance(value, ast.Constant) else ""
+            bound_value = getattr(statement, "value", None)
+            value_text = ast.unparse(bound_value) if isinstance(bound_value, ast.Constant) else ""
             yield f"{prefix}{name}", value_text
             if isinstance(statement, ast.ClassDef):
                 yield from _named_values(statement.body, classes, prefix=f"{prefix}{name}.")
@@ -122,13 +137,14 @@ def _named_values(
 
 
 def _private_bases(class_definition: ast.ClassDef, classes: Mapping[str, ast.ClassDef]) -> Iterator[ast.ClassDef]:
+    """Yield the bases of a class that are private classes of the same module."""
     for base in class_definition.bases:
         if isinstance(base, ast.Name) and base.id.startswith("_") and base.id in classes:
             yield classes[base.id]
 
 
 def _bound_names(statement: ast.stmt) -> list[str]:
-    """Return the names that a class, a function or an assignment binds."""
+    """Return the names that a class, a function or an assignment binds, or nothing for another statement."""
     match statement:
         case ast.ClassDef(name=name) | ast.FunctionDef(name=name):
             return [name]

@@ -57,13 +57,15 @@ def pair_by_name(
 ) -> list[Pair[_Item]]:
     """Return every item with its counterpart: first the new items in their order, then those that are gone.
 
+    Items with the same name are a pair. Of the others, an old and a new one are a pair if they have the same identity,
+    and no other item without a counterpart by name on their side has it.
+
     Args:
         old_items: The old items.
         new_items: The new items.
         identity_of_old: Return the property that identifies an old item whose name is gone, or None if only the name
             does. Default: only the name.
-        identity_of_new: Return that property of a new item, if it is computed in another way. It identifies a
-            counterpart only if it is unique on its side.
+        identity_of_new: Return that property of a new item, if it is computed in another way.
         name_of: Return the name of an item.
     """
     counterpart_by_name = {name_of(old_item): old_item for old_item in old_items}
@@ -85,7 +87,7 @@ def pair_by_name(
 
 
 def _by_unique_identity(items: Sequence[_Item], identity_of: Key) -> dict[Hashable, _Item]:
-    """Return the items with a unique identifying property, by that property."""
+    """Return the items by their identities, without those that have None or share an identity."""
     identities = [identity_of(item) for item in items]
     counts = Counter(identities)
     items_by_identity: dict[Hashable, _Item] = {}
@@ -98,6 +100,9 @@ def _by_unique_identity(items: Sequence[_Item], identity_of: Key) -> dict[Hashab
 def match_by_key(
     old_by_key: Mapping[_Key, _Item], new_by_key: Mapping[_Key, _Item]
 ) -> Iterator[tuple[_Key, _Item | None, _Item | None]]:
-    """Yield every key with its old and new item: first the keys of the old side in their order, then the others."""
+    """Yield every key with its old and new item, of which one may be None: ``("pin 1", old_contact, None)``.
+
+    The keys of the old side come first, in their order, then the others.
+    """
     for key in dict.fromkeys((*old_by_key, *new_by_key)):
         yield key, old_by_key.get(key), new_by_key.get(key)

@@ -48,25 +48,26 @@ class DiffResult:
 def describe_outputs(change: Change, code_format: str = "{}") -> str:
     """Return the outputs that a change affects, most affected first: ``C, Python; XML (compatible)``.
 
-    ``code_format`` is the format of a name in code.
+    Outputs with the same impact are in one group. An impact below the highest one is named in parentheses.
+    ``code_format`` formats a name in code.
     """
     impact_by_output = dict(zip(OUTPUTS, change.rule.impacts, strict=True))
-    texts: list[str] = []
+    group_texts: list[str] = []
     for impact in sorted(set(impact_by_output.values()), reverse=True):
         # Every change affects the pages. They are named only if no other output is.
         affects_only_pages = impact is Impact.DOCUMENTATION and change.impact is not impact
         if impact is Impact.NONE or affects_only_pages:
             continue
         outputs = [output for output in OUTPUTS if impact_by_output[output] is impact]
-        text = ", ".join(_describe_output(change, output, code_format) for output in outputs)
+        group_text = ", ".join(_describe_output(change, output, code_format) for output in outputs)
         if impact is not change.impact:
-            text += f" ({impact.word})"
-        texts.append(text)
-    return "; ".join(texts)
+            group_text += f" ({impact.word})"
+        group_texts.append(group_text)
+    return "; ".join(group_texts)
 
 
 def _describe_output(change: Change, output: str, code_format: str) -> str:
-    """Return the title of an output, with the name of the changed thing in its code if it has one."""
+    """Return the title of an output, with the name of the changed thing in its code: ``Python x24.REGISTERS``."""
     name_in_code = change.names.get(output, "")
     if not name_in_code:
         return TITLES[output]
@@ -74,7 +75,7 @@ def _describe_output(change: Change, output: str, code_format: str) -> str:
 
 
 def describe_effect(change: Change, code_format: str = "{}") -> str:
-    """Return the order codes and the outputs that a change affects."""
+    """Return the affected order codes and outputs: ``all 12 order codes; C, Python``. Either may be missing."""
     outputs_text = describe_outputs(change, code_format)
     return f"{change.reach}; {outputs_text}" if change.reach and outputs_text else change.reach or outputs_text
 
@@ -82,8 +83,8 @@ def describe_effect(change: Change, code_format: str = "{}") -> str:
 def summary(changes: Sequence[Change]) -> str:
     """Return a summary such as ``5 changes: 2 breaking, 3 behaviour``."""
     counts = _counts_by_impact(changes)
-    texts = [f"{counts[impact]} {impact.word}" for impact in reversed(Impact) if counts[impact]]
-    return f"{counted(len(changes), 'change')}: {', '.join(texts)}"
+    count_texts = [f"{counts[impact]} {impact.word}" for impact in reversed(Impact) if counts[impact]]
+    return f"{counted(len(changes), 'change')}: {', '.join(count_texts)}"
 
 
 def _counts_by_impact(changes: Sequence[Change]) -> Counter[Impact]:
@@ -92,23 +93,26 @@ def _counts_by_impact(changes: Sequence[Change]) -> Counter[Impact]:
 
 
 def describe_versions(package: Package) -> str:
-    """Return the old and the new version, and the stated version if it must be updated."""
+    """Return the old and the new version of a package: ``acme 1.2.0 → 1.3.0``.
+
+    If the spec states a version that is too low for the changes, the text says so.
+    """
     if package.old == package.new == package.stated:
         return f"{package.name} stays {package.old}"
-    step = f"{package.name} {package.old} → {package.new}"
+    version_change = f"{package.name} {package.old} → {package.new}"
     if package.is_enough:
-        return step
-    return f"{step}, but the spec still says {package.stated}"
+        return version_change
+    return f"{version_change}, but the spec still says {package.stated}"
 
 
 def as_data(findings: DiffResult) -> dict[str, Any]:
     """Return the output of ``codewheel diff --json``."""
-    counts = _counts_by_impact(findings.changes)
+    counts_by_impact = _counts_by_impact(findings.changes)
     files = findings.files
     return {
         "version": VERSION,
         "impact": findings.impact.word,
-        "counts": {impact.word: counts[impact] for impact in Impact if impact},
+        "counts": {impact.word: counts_by_impact[impact] for impact in Impact if impact},
         "changes": list(map(_change_data, findings.changes)),
         "generated": _files_data(files) if files else None,
         "packages": list(map(_package_data, findings.packages)),
@@ -117,11 +121,12 @@ def as_data(findings: DiffResult) -> dict[str, Any]:
 
 
 def _files_data(files: Files) -> dict[str, Any]:
-    names = [
+    """Return the generated files in the JSON output: their number, those that change, and the changed names."""
+    name_changes_data = [
         {"family": name.family, "kind": name.kind, "name": name.name, "old": name.old, "new": name.new}
         for name in files.names
     ]
-    return {"files": files.count, "changed": list(files.changed), "names": names}
+    return {"files": files.count, "changed": list(files.changed), "names": name_changes_data}
 
 
 def _package_data(package: Package) -> dict[str, str]:
@@ -135,11 +140,12 @@ def _package_data(package: Package) -> dict[str, str]:
 
 
 def _change_data(change: Change) -> dict[str, Any]:
+    """Return a change in the JSON output, with its impact on each output: ``{"c": "breaking", "pages": …}``."""
     return {
         "family": change.family,
         "rule": change.rule.name,
         "impact": change.impact.word,
-        "outputs": {name: impact.word for name, impact in zip(OUTPUTS, change.rule.impacts, strict=True)},
+        "outputs": {output: impact.word for output, impact in zip(OUTPUTS, change.rule.impacts, strict=True)},
         "path": change.path,
         "text": change.text,
         "old": change.old,
@@ -159,7 +165,10 @@ _TITLES = {
 
 
 def as_markdown(findings: DiffResult) -> str:
-    """Return the output of ``codewheel diff --markdown``: a heading for each package, family and impact."""
+    """Return the output of ``codewheel diff --markdown``.
+
+    It has the package versions as a heading, notices, a section for each family, and the number of changed files.
+    """
     versions_text = "; ".join(map(describe_versions, findings.packages))
     lines = [f"## {versions_text or 'Changes'}", ""]
     for notice in findings.notices:
@@ -174,7 +183,7 @@ def as_markdown(findings: DiffResult) -> str:
 
 
 def _family_section(findings: DiffResult, family: str) -> Iterator[str]:
-    """Yield the lines of the Markdown about one family."""
+    """Yield the Markdown lines of a family: a heading, a list for each impact, and the names in code."""
     yield from (f"### {escaped(family)}", "")
     family_changes = [change for change in findings.changes if change.family == family]
     for impact, title in _TITLES.items():
@@ -198,8 +207,8 @@ def _list_item(change: Change) -> str:
 
 
 def _effect_in_markdown(change: Change) -> str:
-    """Return the affected order codes and outputs, with names in code marked as code and the prose escaped."""
-    # NUL stands around each name, so that prose and names are in turn.
+    """Return the affected order codes and outputs in Markdown: names in code as code, all other text escaped."""
+    # A NUL before and after each name: in the split text, even items are prose and odd items are names.
     prose_and_names = describe_effect(change, "\0{}\0").split("\0")
     prose_and_names[::2] = map(_escape_between_spaces, prose_and_names[::2])
     prose_and_names[1::2] = map(in_code, prose_and_names[1::2])
@@ -207,7 +216,7 @@ def _effect_in_markdown(change: Change) -> str:
 
 
 def _escape_between_spaces(prose: str) -> str:
-    """Return escaped text with its leading and trailing space."""
+    """Return escaped text that keeps one space at each end where it has one, which escaping would remove."""
     if not prose.strip():
         return prose
     space_before = " " if prose.startswith(" ") else ""
@@ -222,7 +231,10 @@ _MOST_NAMES = 4
 
 
 def as_text(findings: DiffResult) -> str:
-    """Return the output of ``codewheel diff``."""
+    """Return the output of ``codewheel diff``: notices, changes by family, a summary, and what is generated.
+
+    Changes of documentation are listed in groups after the others.
+    """
     lines = list(findings.notices)
     for family in dict.fromkeys(change.family for change in findings.changes):
         family_changes = [change for change in findings.changes if change.family == family]
@@ -239,7 +251,7 @@ def as_text(findings: DiffResult) -> str:
 
 
 def _change_lines(change: Change) -> Iterator[str]:
-    """Yield the lines about a change: the word of its impact with its text, and what it affects with its rule."""
+    """Yield two texts about a change, wrapped: its text after the word of its impact, and its effect with its rule."""
     indent = " " * _TEXT_COLUMN
     yield wrapped(change.text, WIDTH, indent, _first_column(change.rule.word))
     yield wrapped(f"{describe_effect(change)} [{change.rule.name}]", WIDTH, indent)
@@ -250,7 +262,7 @@ def _first_column(word: str) -> str:
 
 
 def _documentation_lines(changes: Sequence[Change]) -> Iterator[str]:
-    """Yield the documentation changes: the places of the first few, and the number of the others."""
+    """Yield a wrapped text for each rule of documentation changes: the first few places, and how many others."""
     for rule in dict.fromkeys(change.rule for change in changes):
         changes_of_rule = [change for change in changes if change.rule is rule]
         places = first_of([_place_or_text(change) for change in changes_of_rule], between="; ")
@@ -258,32 +270,35 @@ def _documentation_lines(changes: Sequence[Change]) -> Iterator[str]:
 
 
 def _name_lines(name_texts: Sequence[str]) -> Iterator[str]:
-    """Yield the first names that go or change their value, and the number of the others."""
+    """Yield one wrapped text with the first four names that go or change their value, and the number of the others."""
     if not name_texts:
         return
-    text = "; ".join(name_texts[:_MOST_NAMES])
+    names_text = "; ".join(name_texts[:_MOST_NAMES])
     if len(name_texts) > _MOST_NAMES:
-        text += f"; and {len(name_texts) - _MOST_NAMES} more, all with --markdown"
-    yield wrapped(text, WIDTH, " " * _TEXT_COLUMN, _first_column("names"))
+        names_text += f"; and {len(name_texts) - _MOST_NAMES} more, all with --markdown"
+    yield wrapped(names_text, WIDTH, " " * _TEXT_COLUMN, _first_column("names"))
 
 
 def _place_or_text(change: Change) -> str:
-    """Return the place of a change of words or sources, and the text of any other change."""
+    """Return the place of a change of words or sources, and the text of any other change.
+
+    A place inside an interface is shortened: ``ssi.frame.position`` for ``interfaces.ssi.layouts.frame.position``.
+    """
     if change.rule.name in ("words", "source"):
         return change.path.removeprefix("interfaces.").replace(".layouts.", ".")
     return change.text
 
 
 def _result_lines(findings: DiffResult) -> Iterator[str]:
-    """Yield the line about generated files and versions."""
-    results: list[str] = []
+    """Yield one wrapped text about generated files and package versions, or nothing without both."""
+    statements: list[str] = []
     if findings.files is not None:
         changed_count = len(findings.files.changed)
         verb = "changes" if changed_count == 1 else "change"
-        results.append(f"{changed_count} of {counted(findings.files.count, 'file')} {verb}")
-    results += map(describe_versions, findings.packages)
-    if results:
-        yield wrapped(f"generated: {'; '.join(results)}", WIDTH, "  ", "")
+        statements.append(f"{changed_count} of {counted(findings.files.count, 'file')} {verb}")
+    statements += map(describe_versions, findings.packages)
+    if statements:
+        yield wrapped(f"generated: {'; '.join(statements)}", WIDTH, "  ", "")
 
 
 #: The version of a manufacturer's package in its file, whose first group precedes the number.
@@ -295,7 +310,9 @@ class NotRecorded(ValueError):
 
 
 def files_of_release(findings: DiffResult, families: Sequence[Family]) -> Iterator[tuple[Path, str]]:
-    """Yield the files to write with their new texts, except for manufacturers without changes.
+    """Yield the files to write with their new texts: histories of families, and the manufacturer's file.
+
+    Manufacturers without changed families are left out. The version is only replaced if the spec states another one.
 
     Raises:
         NotRecorded: A manufacturer's file has no version to replace.
@@ -319,7 +336,11 @@ def files_of_release(findings: DiffResult, families: Sequence[Family]) -> Iterat
 
 
 def _files_with_new_version(package: Package, files: set[str]) -> Iterator[tuple[Path, str]]:
-    """Yield each file with its text, in which the version of the package is the new one."""
+    """Yield each file with its text, in which the version of the package is the new one.
+
+    Raises:
+        NotRecorded: A file has no line with a version, or several.
+    """
     for path in map(Path, sorted(files)):
         old_text = path.read_text(encoding="utf-8")
         new_text, replacement_count = _VERSION.subn(rf'\g<1>"{package.new}"', old_text)
@@ -329,7 +350,7 @@ def _files_with_new_version(package: Package, files: set[str]) -> Iterator[tuple
 
 
 def _release_of(family: Family, package: Package, findings: DiffResult) -> Release:
-    """Return the release of a family with all its changes, for its history."""
+    """Return the release of a family for its history, with the manual, all its changes and its changed names."""
     manual = family.device.manual
     manual_text = f"{manual.revision} of {manual.date}" if manual.date else manual.revision
     family_changes = [change for change in findings.changes if change.family == family.device.name]

@@ -148,12 +148,14 @@ class Package:
 def due_version(version: str, impact: Impact) -> str:
     """Return the lowest version after ``version`` for changes of at most this impact.
 
-    As in semantic versioning, the second number of versions before 1.0.0 counts as the first one.
+    ``1.2.3`` becomes ``2.0.0`` if code breaks or behaves differently, ``1.3.0`` for additions, and otherwise ``1.2.4``.
+    Before 1.0.0, ``0.2.3`` becomes ``0.3.0`` in the first case and otherwise ``0.2.4``. Without an impact, or if
+    ``version`` is not three numbers, it stays.
     """
-    numbers = _version_numbers(version)
-    if not impact or not numbers:
+    version_numbers = _version_numbers(version)
+    if not impact or not version_numbers:
         return version
-    major, minor, patch = numbers
+    major, minor, patch = version_numbers
     is_incompatible = impact >= Impact.BEHAVIOUR
     adds_something = impact is Impact.COMPATIBLE
     if major > 0 and is_incompatible:
@@ -164,16 +166,19 @@ def due_version(version: str, impact: Impact) -> str:
 
 
 def packages(old: Sequence[Device], new: Sequence[Device], changes: Collection[Change]) -> list[Package]:
-    """Return the packages of manufacturers on both sides, with the versions that follow from the changes."""
+    """Return the packages of manufacturers that both sides have, each with its old, stated and due version.
+
+    The due version follows from the old one and the highest impact of the changes of the manufacturer's families.
+    """
     old_maker_by_name, new_maker_by_name = _maker_by_name(old), _maker_by_name(new)
-    common_names = [name for name in new_maker_by_name if name in old_maker_by_name]
+    common_names = [maker_name for maker_name in new_maker_by_name if maker_name in old_maker_by_name]
     packages_of_makers: list[Package] = []
-    for name in common_names:
-        old_maker, new_maker = old_maker_by_name[name], new_maker_by_name[name]
-        families = {device.name for device in (*old, *new) if device.manufacturer.name == name}
+    for maker_name in common_names:
+        old_maker, new_maker = old_maker_by_name[maker_name], new_maker_by_name[maker_name]
+        families = {device.name for device in (*old, *new) if device.manufacturer.name == maker_name}
         impacts = [change.impact for change in changes if change.family in families]
         package = Package(
-            maker=name,
+            maker=maker_name,
             name=new_maker.python_package,
             old=old_maker.version,
             stated=new_maker.version,
@@ -188,7 +193,7 @@ def _maker_by_name(devices: Sequence[Device]) -> dict[str, Manufacturer]:
 
 
 def _version_numbers(version: str) -> tuple[int, ...]:
-    """Return ``(1, 2, 3)`` for ``1.2.3``, or nothing if that is not a version."""
+    """Return ``(1, 2, 3)`` for ``1.2.3``, or ``()`` if that is not a version."""
     match = _VERSION.fullmatch(version)
     return tuple(map(int, match.groups())) if match is not None else ()
 
@@ -353,6 +358,7 @@ _REASONS_OF_NEW = {
 
 
 def _all_rules() -> Iterator[Rule]:
+    """Yield the rules for things that are gone, new or renamed, by kind, such as "register-gone", then the others."""
     for kind, phrase, if_gone, if_new, if_renamed, common in _NAMED_KINDS:
         yield Rule(name=f"{kind}-gone", impacts=_parse_impacts(if_gone), when=f"{phrase} was removed", why=_GONE)
         why_new = _REASONS_OF_NEW.get(kind, _NEW)

@@ -45,7 +45,11 @@ class NumberDifferences:
 
 
 def settings_of(device: Device) -> Iterator[Parameters]:
-    """Yield settings of registers and answers: the defaults, then each at the ends of its range, one by one."""
+    """Yield settings of registers and answers, each with the parameters that it changes: ``{"resolution": 24}``.
+
+    The first one is empty and stands for the defaults. In each other one, one parameter is at an end of its range, or
+    one question has one of its answers.
+    """
     yield {}
     for parameter in device.run_time_parameters:
         yield {parameter.name: parameter.min or 0}
@@ -56,7 +60,10 @@ def settings_of(device: Device) -> Iterator[Parameters]:
 
 
 def with_setting(device: Device, variant: Variant, setting: Parameters) -> Parameters:
-    """Return the parameters of an order code under a setting, without parameters that it does not have."""
+    """Return the parameters of an order code under a setting.
+
+    Names that the order code does not have are ignored, and so are those that a formula defines.
+    """
     own_names = variant.parameters.keys() - device.definitions
     own_setting = {name: value for name, value in setting.items() if name in own_names}
     return with_changed(device, variant, own_setting) if own_setting else variant.parameters
@@ -65,9 +72,9 @@ def with_setting(device: Device, variant: Variant, setting: Parameters) -> Param
 def compare_at_points(
     old: Expression | None, new: Expression | None, points: Sequence[ComparisonPoint]
 ) -> NumberDifferences | None:
-    """Return the differences of two expressions, or None if they are equal everywhere.
+    """Return the differences of two expressions, or None if they are equal at every point.
 
-    Without a common order code, their texts are compared.
+    Without points, since no order code is common, they are equal if their texts are the same.
     """
     # A name that both sides use was not renamed, and has the same number on both.
     if old == new:
@@ -85,6 +92,7 @@ def compare_at_points(
             value_pairs.append((old_value, new_value))
     if not differing_codes:
         return None
+    # A differing code occurs once for each point at which it differs.
     points_of_codes = [point for point in points if point.code in differing_codes]
     return NumberDifferences(
         codes=tuple(dict.fromkeys(differing_codes)),
@@ -94,7 +102,10 @@ def compare_at_points(
 
 
 def _constant_pairs(old: Expression | None, new: Expression | None) -> tuple[tuple[int | None, int | None], ...]:
-    """Return the pair of numbers if both expressions are numbers or None, or else no pair."""
+    """Return one pair of numbers, ``((17, 19),)``, if both expressions are numbers or None.
+
+    Return ``()`` if one of them has variables, whose values are not known.
+    """
     has_variables = any(expression is not None and not expression.is_constant for expression in (old, new))
     if has_variables:
         return ()
@@ -119,7 +130,11 @@ _ANY_TEXT = "…"
 
 
 def describe_codes(device: Device, codes: Collection[str]) -> str:
-    """Describe order codes of a family: ``all 12 BiSS order codes``, ``TV62-M…``, or some of them by name."""
+    """Describe order codes of a family, by the first of these that applies.
+
+    ``all 12 order codes``, ``all 6 BiSS order codes``, a pattern such as ``X-24-…``, or the first few and the number of
+    the others. A family with a single order code gives that, and no codes give "".
+    """
     variants = device.variants
     if not codes:
         return ""
@@ -134,16 +149,20 @@ def describe_codes(device: Device, codes: Collection[str]) -> str:
 
 
 def codes_as_pattern(device: Device, codes: Collection[str]) -> str:
-    """Return the order codes as a pattern with some parts left open, such as ``TV62-…20-B1``, or "" if that fails."""
+    """Return the order codes as a pattern with some parts left open, such as ``X-…20-B1``, or "".
+
+    The pattern must stand for exactly these order codes, of which there are at least two.
+    """
     affected_variants = [variant for variant in device.variants if variant.code in codes]
     used_texts = _texts_by_part(device, affected_variants)
+    # Any combination of the used texts matches the pattern, also one that is not affected.
     matching_variants = [variant for variant in device.variants if _has_only(variant, used_texts)]
     if len(affected_variants) < 2 or matching_variants != affected_variants:
         return ""
-    all_texts = _texts_by_part(device, device.variants)
-    # Literal texts and the names of parts in turn, beginning and ending with a literal text.
+    all_part_texts = _texts_by_part(device, device.variants)
+    # Literal texts and the names of parts in turn, beginning and ending with a literal text. Parts have odd indices.
     pieces = _PART_IN_BRACES.split(device.order_code.pattern)
-    pieces[1::2] = [_part_pattern(used_texts[name], all_texts[name]) for name in pieces[1::2]]
+    pieces[1::2] = [_part_pattern(used_texts[name], all_part_texts[name]) for name in pieces[1::2]]
     closed_indices = [index for index in range(1, len(pieces), 2) if pieces[index] != _ANY_TEXT]
     last_closed_index = closed_indices[-1] if closed_indices else 0
     has_open_parts_behind = last_closed_index + 2 < len(pieces)
@@ -176,6 +195,7 @@ def _part_pattern(used_texts: tuple[str, ...], all_texts: tuple[str, ...]) -> st
     return f"{{{alternatives}}}"
 
 
+#: Letters of a shown value, and members that are left out of it.
 _LONGEST = 60
 _TEXT_MEMBERS = ("meaning", "note", "printed")
 _FORMATS: Mapping[str, Callable[[int], str]] = {
@@ -190,7 +210,10 @@ _FORMATS: Mapping[str, Callable[[int], str]] = {
 
 
 def as_plain_data(value: Any) -> Any:
-    """Return any part of the model as JSON data, without sources."""
+    """Return any part of the model as JSON data, without sources.
+
+    Numbers and texts stay. Constant expressions become numbers, others texts, and bytes hexadecimal: ``"0A FF"``.
+    """
     if isinstance(value, Expression):
         return value.constant if value.is_constant else value.render()
     if isinstance(value, Enum):
@@ -208,7 +231,11 @@ def as_plain_data(value: Any) -> Any:
 
 
 def short_value(value: Any, notation: str = "") -> str:
-    """Return a value as short text, in the given notation of manuals if there is one."""
+    """Return a value as text of at most 60 letters, in the given notation of manuals: ``0Ah`` for "hex".
+
+    Missing and empty values are "none". A part of the model is ``min = 1, max = 5``, without texts and empty members.
+    If one member is left, only its value is shown.
+    """
     if value is None or value in ("", (), [], {}):
         return "none"
     if isinstance(value, (bool, int)):
@@ -227,10 +254,10 @@ def short_value(value: Any, notation: str = "") -> str:
             return short_value(only_member, notation)
     if isinstance(value, Mapping):
         return _shorten(", ".join(f"{key} = {short_value(member)}" for key, member in value.items()))
-    text = str(value)
+    value_text = str(value)
     if notation == "word":
-        text = text.replace("_", " ")
-    return _shorten(text)
+        value_text = value_text.replace("_", " ")
+    return _shorten(value_text)
 
 
 def _number_text(value: int, notation: str) -> str:
@@ -244,6 +271,7 @@ def _number_text(value: int, notation: str) -> str:
 
 
 def _quantity_text(value: Expression | Supply | Scale | CodedValue) -> str:
+    """Return a formula, a quantity with its unit, ``5 V to 30 V``, or a code with its value, ``3 = 24``."""
     match value:
         case Expression():
             return value.render()
@@ -262,33 +290,41 @@ def _shorten(text: str) -> str:
 
 
 def without_texts(value: Any) -> Any:
-    """Return a part of the model as data, without its texts."""
+    """Return a part of the model as data without its meaning, note and printed text, or a list of such data.
+
+    Texts of parts inside it stay. Any other value is returned as it is.
+    """
     if isinstance(value, tuple):
         return [without_texts(member) for member in value]
     if is_dataclass(value) and not isinstance(value, type):
-        data = as_plain_data(value)
-        return {key: member for key, member in data.items() if key not in _TEXT_MEMBERS}
+        data_by_member = as_plain_data(value)
+        return {
+            member_name: member for member_name, member in data_by_member.items() if member_name not in _TEXT_MEMBERS
+        }
     return value
 
 
 def differing_items(old: Any, new: Any) -> tuple[Any, Any]:
-    """Return two values, reduced to the items that differ if both are sequences of parts."""
+    """Return both values, reduced to the items that the other one lacks if both are tuples of parts.
+
+    Items are compared without their texts. If only their order or their texts differ, both values stay whole.
+    """
     are_parts = isinstance(old, tuple) and isinstance(new, tuple) and any(map(is_dataclass, (*old, *new)))
     if not are_parts:
         return old, new
     old_only, new_only = _items_not_in(old, new), _items_not_in(new, old)
-    # Only the order of the items differs.
+    # Only the order of the items or their texts differ.
     if not old_only and not new_only:
         return old, new
     return old_only, new_only
 
 
 def _items_not_in(items: tuple[Any, ...], other_items: tuple[Any, ...]) -> tuple[Any, ...]:
-    """Return the items that are not among others, apart from their texts."""
-    known_items = [without_texts(other_item) for other_item in other_items]
-    return tuple(part for part in items if without_texts(part) not in known_items)
+    """Return the items without an equal one among ``other_items``, apart from their texts."""
+    other_data = [without_texts(other_item) for other_item in other_items]
+    return tuple(item for item in items if without_texts(item) not in other_data)
 
 
 def old_to_new(old: Any, new: Any, notation: str = "") -> str:
-    """Return ``old → new``."""
+    """Return ``5 → 12``, with both values as from ``short_value``."""
     return f"{short_value(old, notation)} → {short_value(new, notation)}"

@@ -34,7 +34,10 @@ class _SpecText(NamedTuple):
 
 
 def clozes(spec: Document) -> dict[str, _SpecText]:
-    """Return the texts of a spec that have gaps, by their paths."""
+    """Return the texts of a spec that have gaps, by their paths: ``registers.mode.meaning``.
+
+    A path that several texts share gets a number from the second one on: ``tables.limits.note 2``.
+    """
     vocabulary = vocabulary_of(spec)
     spec_texts: dict[str, _SpecText] = {}
     for place, text in prose_texts((), spec.data):
@@ -42,17 +45,16 @@ def clozes(spec: Document) -> dict[str, _SpecText]:
             continue
         cloze = vocabulary.cloze(text)
         if cloze.gaps:
-            # Items without a name of their own can have the same path.
-            path, number = dotted(place), 1
+            path, repetition = dotted(place), 1
             while path in spec_texts:
-                number += 1
-                path = f"{dotted(place)} {number}"
+                repetition += 1
+                path = f"{dotted(place)} {repetition}"
             spec_texts[path] = _SpecText(place, cloze)
     return spec_texts
 
 
 def vocabulary_of(spec: Document) -> Vocabulary:
-    """Return the turning words of a family."""
+    """Return the turning words of a family: those of the language, and the signals of its contacts."""
     signals: list[str] = []
     for connector in spec.data.get("connectors", ()):
         signals += [str(contact["signal"]) for contact in connector["contacts"] if "signal" in contact]
@@ -60,25 +62,28 @@ def vocabulary_of(spec: Document) -> Vocabulary:
 
 
 def sheet(spec: Document, old_entries: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the sheet for a spec. Words of the ``old_entries``, by path, are kept if the text is still the same."""
-    entries: dict[str, Any] = {}
+    """Return the sheet for a spec: the choices of each kind, and each text with its filled words or question marks.
+
+    Filled words of ``old_entries``, which are by path, are kept if the same path or any other has the same text.
+    """
+    sheet_entries: dict[str, Any] = {}
     kinds: set[str] = set()
     choices = vocabulary_of(spec).choices
     # A text can move with the name of the part that has it.
     old_entry_by_text = {old_entry["text"]: old_entry for old_entry in old_entries.values()}
     for path, (_, cloze) in clozes(spec).items():
         kinds.update(gap.kind for gap in cloze.gaps)
-        entry = old_entries.get(path) or old_entry_by_text.get(cloze.text, {})
-        if entry.get("text") != cloze.text:
+        sheet_entry = old_entries.get(path) or old_entry_by_text.get(cloze.text, {})
+        if sheet_entry.get("text") != cloze.text:
             unfilled_words = ["?"] * len(cloze.gaps)
-            entry = {"text": cloze.text, "words": unfilled_words}
-        entries[path] = {**entry, "words": _valid_words(cloze, entry["words"], choices)}
+            sheet_entry = {"text": cloze.text, "words": unfilled_words}
+        sheet_entries[path] = {**sheet_entry, "words": _valid_words(cloze, sheet_entry["words"], choices)}
     choices_of_kinds = {kind: list(words) for kind, words in choices.items() if kind in kinds}
-    return {"choices": choices_of_kinds, "texts": entries}
+    return {"choices": choices_of_kinds, "texts": sheet_entries}
 
 
 def _valid_words(cloze: ClozeText, words: Sequence[str], choices: Mapping[str, Sequence[str]]) -> list[str]:
-    """Return filled words, with a question mark for one that is no longer a choice, such as a renamed signal."""
+    """Return the filled words, with a question mark for one that is no longer a choice, such as a renamed signal."""
     return [word if word in choices[gap.kind] else "?" for gap, word in zip(cloze.gaps, words, strict=False)]
 
 
@@ -103,7 +108,11 @@ def read_sheet(family: Family, report: Report) -> Document | None:
 
 
 def check_sheets(families: Iterable[Family], sound: Collection[str], report: Report, read: Reader = read_sheet) -> None:
-    """Compare the families whose specs are ``sound`` with their sheets."""
+    """Compare families with their sheets, and report the differences. A family without a sheet is skipped.
+
+    A sheet is always checked, but only compared if its spec is among the ``sound`` files. A sheet is filled from the
+    manual alone, so the family is compared without overlays, and a derived family has no sheet.
+    """
     for loaded_family in families:
         family = loaded_family.plain or loaded_family
         sheet_document = read(family, report) if not family.device.base else None
@@ -112,15 +121,19 @@ def check_sheets(families: Iterable[Family], sound: Collection[str], report: Rep
 
 
 def compare_words(spec: Document, sheet_document: Document, report: Report) -> None:
-    """Report each gap that the sheet fills with another word than the spec, and each text that has changed since."""
+    """Report each gap that the sheet fills with another word than the spec, and each outdated text of the sheet.
+
+    A text is outdated if only the spec has it, or if it has changed. Texts that only the sheet has are not reported
+    next to these, since the command that refills the sheet also removes them.
+    """
     spec_texts, sheet_texts = clozes(spec), sheet_document.data["texts"]
     is_outdated = False
     sheet_name = File(sheet_document.file).name
     for path, (place, cloze) in spec_texts.items():
         filled_text = sheet_texts.get(path)
         if filled_text is None:
-            words = counted(len(cloze.gaps), "turning word")
-            message = f"{sheet_name} lacks this text, which has {words}; {_refill(spec)}"
+            word_count_text = counted(len(cloze.gaps), "turning word")
+            message = f"{sheet_name} lacks this text, which has {word_count_text}; {_refill(spec)}"
             report.add(OUTDATED_RULE, spec, place, message, cause=sheet_name)
             is_outdated = True
         elif filled_text["text"] != cloze.text or len(filled_text["words"]) != len(cloze.gaps):
@@ -131,7 +144,7 @@ def compare_words(spec: Document, sheet_document: Document, report: Report) -> N
         else:
             _compare_gaps(spec, place, cloze, sheet_document, ("texts", path), report)
     if is_outdated:
-        return  # The command that the messages name also removes texts that are gone.
+        return
     for path in sheet_texts:
         if path not in spec_texts:
             message = f"the spec has no such text with turning words; {_refill(spec)}"
@@ -145,7 +158,10 @@ def _refill(spec: Document) -> str:
 def _compare_gaps(
     spec: Document, place: Path, cloze: ClozeText, sheet_document: Document, sheet_place: Path, report: Report
 ) -> None:
-    """Report each gap of a text whose filling is missing, unknown or another sense than in the spec."""
+    """Report each gap of a text that the sheet fills with another word than the first one of the sense in the spec.
+
+    A word that is not among the choices, such as a question mark, makes the sheet outdated.
+    """
     words: Sequence[str] = sheet_document.data["texts"][sheet_place[1]]["words"]
     choices = sheet_document.data["choices"]
     for number, (gap, word) in enumerate(zip(cloze.gaps, words, strict=True), 1):
@@ -171,7 +187,10 @@ _GAP = re.compile(r"\{(\d+) (\w+)\}")
 
 
 def _context(cloze: ClozeText, number: int) -> str:
-    """Return the part of a text around a gap, in quotes, with the words of the other gaps."""
+    """Return up to 30 characters on each side of a gap, in quotes: ``"the position [change] when turned clockwise"``.
+
+    The gap is shown as its kind. Other gaps have their words.
+    """
 
     def fill_gaps(text: str) -> str:
         return _GAP.sub(lambda gap: cloze.gaps[int(gap[1]) - 1].word, text)
@@ -183,18 +202,18 @@ def _context(cloze: ClozeText, number: int) -> str:
 
 
 def as_lines(sheet_data: Mapping[str, Any], spec_name: str) -> Iterator[str]:
-    """Yield the lines of a sheet."""
+    """Yield the lines of a sheet as a YAML file: choices by kind, and text and words by path."""
     yield f"# Turning words of {spec_name}. Fill each '?' from the manual alone, with one of the choices of its kind."
     yield "choices:"
     for kind, words in sheet_data["choices"].items():
         yield f"  {kind}: [{', '.join(map(_in_quotes, words))}]"
     yield "texts:"
-    for path, text in sheet_data["texts"].items():
+    for path, sheet_entry in sheet_data["texts"].items():
         yield f"  {_in_quotes(path)}:"
-        yield f"    text: {_in_quotes(text['text'])}"
-        yield f"    words: [{', '.join(map(_in_quotes, text['words']))}]"
-        if "not_read" in text:
-            yield f"    not_read: {_in_quotes(text['not_read'])}"
+        yield f"    text: {_in_quotes(sheet_entry['text'])}"
+        yield f"    words: [{', '.join(map(_in_quotes, sheet_entry['words']))}]"
+        if "not_read" in sheet_entry:
+            yield f"    not_read: {_in_quotes(sheet_entry['not_read'])}"
 
 
 def _in_quotes(text: str) -> str:

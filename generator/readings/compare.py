@@ -22,7 +22,11 @@ _TEXT_SORTS = frozenset((Sort.TEXT, Sort.SECTION))
 
 
 def compare(spec: Facts, second: Facts) -> Comparison:
-    """Compare the facts of a spec with those of its second reading."""
+    """Return the comparison of the facts of a spec with those of its second reading.
+
+    Facts are compared by their keys, and frames and registers bit by bit. Facts that the second reading gives only by a
+    path or that no manual prints are counted as such at the end.
+    """
     comparison = Comparison(has_names_of_spec=use_same_names(spec, second))
     place_in_spec = partial(_nearest_place, comparison, spec, second)
     second_facts = second.facts | dict(_facts_by_path(spec, second))
@@ -42,6 +46,7 @@ def compare(spec: Facts, second: Facts) -> Comparison:
 
 
 def _has_two_byte_orders(word_key: Key, spec: Facts, second: Facts) -> bool:
+    """Return whether both readings state the byte order of a frame, and differ."""
     order_key = (*word_key, "order")
     if order_key not in spec.facts or order_key not in second.facts:
         return False
@@ -51,7 +56,9 @@ def _has_two_byte_orders(word_key: Key, spec: Facts, second: Facts) -> bool:
 def _nearest_place(comparison: Comparison, spec: Facts, second: Facts, second_fact: Fact) -> Path | None:
     """Return the place where the spec would state a fact of the second reading, or None if the spec may lack it.
 
-    This is its subject, or the only item of the same kind that the second reading lacks, or the list of such items.
+    For a fact that depends on another one, such as the register of a default, this is the place of that one, or None if
+    the spec lacks it, since only that is then reported. Otherwise it is the only item of the same kind that the second
+    reading lacks, or else the list or map of such items.
     """
     if second_fact.key[0] == "code":
         return None  # Missing order codes are reported together.
@@ -59,12 +66,11 @@ def _nearest_place(comparison: Comparison, spec: Facts, second: Facts, second_fa
     if second_fact.may_be_missing and not is_needed_name:
         return None
     if second_fact.depends_on:
-        # If the subject is missing, only that is reported.
-        subject = spec.facts.get(second_fact.depends_on)
-        return subject.place if subject is not None else None
+        subject_fact = spec.facts.get(second_fact.depends_on)
+        return subject_fact.place if subject_fact is not None else None
     unmatched_facts: list[Fact] = []
-    for key, spec_fact in spec.facts.items():
-        is_of_same_kind = key[:2] == second_fact.key[:2] and spec_fact.sort is second_fact.sort
+    for spec_key, spec_fact in spec.facts.items():
+        is_of_same_kind = spec_key[:2] == second_fact.key[:2] and spec_fact.sort is second_fact.sort
         if is_of_same_kind and not spec_fact.depends_on and spec_fact.key not in second.facts:
             unmatched_facts.append(spec_fact)
     if len(unmatched_facts) == 1:
@@ -73,7 +79,11 @@ def _nearest_place(comparison: Comparison, spec: Facts, second: Facts, second_fa
 
 
 def _container(place: Path) -> Path:
-    """Return the nearest list or map around a place that exists in any spec."""
+    """Return the nearest list or map around a place that exists in any spec.
+
+    This is its first step, such as ``("registers",)``. In interfaces and the manual, it has three steps, such as
+    ``("interfaces", "ssi", "layouts")``, or two if there is no third one or that is an index.
+    """
     if place[0] not in ("interfaces", "manual"):
         return place[:1]
     has_name_inside = len(place) > 2 and isinstance(place[2], str)
@@ -81,7 +91,10 @@ def _container(place: Path) -> Path:
 
 
 def _facts_by_path(spec: Facts, second: Facts) -> Iterator[tuple[Key, Fact]]:
-    """Yield the facts that the second reading gives by paths: numbers in texts, and sections."""
+    """Yield the facts that the second reading gives by paths, as copies of the spec's facts with its values and places.
+
+    These are numbers in texts, and sections of sources. A path that the spec lacks gives a fact of its own.
+    """
     text_facts = [fact for fact in spec.facts.values() if fact.sort in _TEXT_SORTS]
     spec_fact_by_path = {dotted(fact.place): fact for fact in text_facts}
     for path, (numbers, second_place) in second.printed_numbers.items():
@@ -98,7 +111,7 @@ def _facts_by_path(spec: Facts, second: Facts) -> Iterator[tuple[Key, Fact]]:
 
 
 def _sections_at(place: Path, second: Facts) -> Sequence[str]:
-    """Return the sections that the second reading gives for a place, or for the nearest place around it."""
+    """Return the sections that the second reading gives for a place, or else for the nearest place around it."""
     for length in range(len(place), 0, -1):
         path = dotted(place[:length])
         if path in second.sections:
@@ -107,11 +120,16 @@ def _sections_at(place: Path, second: Facts) -> Sequence[str]:
 
 
 def _count_undecided(comparison: Comparison, spec: Facts, second: Facts) -> None:
-    """Count facts that no manual prints as decided, and texts of which only a name was compared as read once."""
+    """Count facts that no manual prints as decided, and texts of which little was compared as read once.
+
+    Only facts that count as read twice so far change. Little was compared of a text or source by path, and of a
+    characteristic without numbers, of which only the name is known.
+    """
     for (sort, place), read in comparison.read_by_place.items():
         if read is not Read.TWICE:
             continue
         path = dotted(place)
+        # The place of a characteristic itself, such as ("characteristics", "weight").
         is_characteristic = sort is Sort.CHARACTERISTIC and len(place) == 2
         is_only_name = is_characteristic and (NUMBERS, *place, "value") not in spec.facts
         is_from_path = sort in _TEXT_SORTS and path in second.printed_numbers
@@ -122,7 +140,7 @@ def _count_undecided(comparison: Comparison, spec: Facts, second: Facts) -> None
 
 
 def _is_decided(sort: Sort, path: str, decided: Sequence[str]) -> bool:
-    """Return whether ``decided`` contains the class of a fact, its path or a path above it."""
+    """Return whether ``decided`` contains the class of a fact, such as "time", its path or a path above it."""
     if sort.value in decided:
         return True
     return any(f"{path}.".startswith(f"{decided_path}.") for decided_path in decided)
@@ -131,7 +149,8 @@ def _is_decided(sort: Sort, path: str, decided: Sequence[str]) -> bool:
 def _compare_order_codes(spec: Facts, second: Facts) -> Iterator[Disagreement]:
     """Yield one disagreement for all order codes that only the spec has, and one for those that it lacks.
 
-    A reading without any order code is not compared.
+    Each has the text of the first code and counts the others. If a reading has no order code at all, nothing is
+    yielded.
     """
     spec_codes, second_codes = _order_codes_of(spec), _order_codes_of(second)
     if not spec_codes or not second_codes:

@@ -33,9 +33,11 @@ def compare_facts(
     second_facts: Mapping[Key, Fact],
     place_in_spec: Callable[[Fact], Path | None],
 ) -> Iterator[Disagreement]:
-    """Compare facts by their keys.
+    """Yield the disagreements on facts, which are identified by their keys, and count the facts of the spec.
 
-    ``place_in_spec`` returns the place of a fact that the spec lacks, or None if the spec may lack it.
+    A fact that only the spec has counts as read once, and one that only the second reading has is a disagreement. A
+    fact that the spec only implies counts as missing from it. ``place_in_spec`` returns the place of a fact that the
+    spec lacks, or None if the spec may lack it.
     """
     for key, second_fact, spec_fact in match_by_key(second_facts, spec_facts):
         if spec_fact is not None and not spec_fact.is_implied:
@@ -51,7 +53,10 @@ def compare_facts(
 
 
 def missing_in_spec(second_fact: Fact, nearest_place: Path) -> Disagreement:
-    """Return the disagreement on a fact that only the second reading has."""
+    """Return the disagreement on a fact that only the second reading has.
+
+    ``nearest_place`` is where the spec would state it, since it has no place there.
+    """
     return Disagreement(
         sort=second_fact.sort,
         description=second_fact.description,
@@ -64,10 +69,14 @@ def missing_in_spec(second_fact: Fact, nearest_place: Path) -> Disagreement:
 
 
 def _compare_values(comparison: Comparison, spec_fact: Fact, second_fact: Fact) -> Iterator[Disagreement]:
-    """Compare the values of a fact: one value, or one for each case. Of several differences, yield the first."""
+    """Compare the values of a fact: one value, or one for each case. Of several differences, yield the first.
+
+    If all cases of both readings have one value each, only these two are compared. Printed names are the same if the
+    readings have an alternative in common.
+    """
     spec_value, second_value = _common_value(spec_fact.value), _common_value(second_fact.value)
     if isinstance(spec_value, str) is not isinstance(second_value, str):
-        # A reading in which all cases have one value is compared in the cases of the other one.
+        # Only one reading has the same value in all cases. Its cases are compared with those of the other one.
         spec_value, second_value = spec_fact.value, second_fact.value
     if not isinstance(spec_value, str) and not isinstance(second_value, str):
         yield from _compare_cases(comparison, spec_fact, spec_value, second_fact, second_value)
@@ -81,7 +90,7 @@ def _compare_values(comparison: Comparison, spec_fact: Fact, second_fact: Fact) 
 
 
 def _common_value(value: Value) -> Value:
-    """Return the common value if all cases have the same one, otherwise all values."""
+    """Return the common value if all cases have the same one, or else the values of all cases."""
     if isinstance(value, str):
         return value
     distinct_values = set(value.values())
@@ -102,14 +111,17 @@ def _compare_cases(
     second_fact: Fact,
     second_values: Mapping[Case, str],
 ) -> Iterator[Disagreement]:
-    """Compare the values that a fact has in each case."""
+    """Yield a disagreement if a fact has different values in cases that both readings have, and count the fact.
+
+    It counts as read once if the second reading lacks cases of the spec. Cases in which a state of the registers does
+    not change the value do not count as lacking.
+    """
     common_cases = [case for case in spec_values if case in second_values]
     differing_cases = [case for case in common_cases if spec_values[case] != second_values[case]]
     if differing_cases:
         first_case = differing_cases[0]
         described_fact = replace(spec_fact, description=spec_fact.description + cases_text(differing_cases))
         yield _different_values(described_fact, spec_values[first_case], second_fact, second_values[first_case])
-    # A state that changes nothing is known from the factory defaults.
     missing_cases = [case for case in spec_values if case not in second_values]
     is_incomplete = any(not _is_as_by_default(spec_values, case) for case in missing_cases)
     comparison.count_fact(spec_fact.sort, spec_fact.place, Read.ONCE if is_incomplete else Read.TWICE)
@@ -121,6 +133,7 @@ def _is_as_by_default(values: Mapping[Case, str], case: Case) -> bool:
 
 
 def _different_values(spec_fact: Fact, spec_text: str, second_fact: Fact, second_text: str) -> Disagreement:
+    """Return the disagreement on two values of a fact. For the length of a frame, it names the frame."""
     is_length = spec_fact.key[-1] == "length"
     return Disagreement(
         sort=spec_fact.sort,
@@ -135,18 +148,23 @@ def _different_values(spec_fact: Fact, spec_text: str, second_fact: Fact, second
 
 
 def _frame_text(key: Key) -> str:
-    """Return the words for the frame with this key in other facts, or an empty text for a register."""
+    """Return the words for a frame in descriptions of its bits: ``of the encoder's frame with 0x1A``.
+
+    ``key`` is that of the frame's length. For a register, the text is empty.
+    """
     if key[0] != "frame":
         return ""
+    # ("frame", interface, sender, channel, selector value or other identity, "length")
     _, _, sender, _, selector_value, _ = key
     frame_text = f"of the {sender}'s frame"
+    # A frame without a selector has a text or a negative number here.
     if isinstance(selector_value, int) and selector_value >= 0:
         return f"{frame_text} with {in_hex(selector_value)}"
     return frame_text
 
 
 def cases_text(cases: list[Case]) -> str:
-    """Return the text on the order codes and the state of the registers: ``, for TV62-12-B1 while 0x49 = 3``."""
+    """Return the order codes of cases and the state of the first one: ``, for X-24 and 2 more while 0x49 = 3``."""
     order_codes = list(dict.fromkeys(case.code for case in cases))
     text = f", for {first_of(order_codes, 1)}"
     state = cases[0].state
@@ -156,7 +174,10 @@ def cases_text(cases: list[Case]) -> str:
 def compare_names(
     comparison: Comparison, spec_names_by_kind: Mapping[Key, Names], second_names_by_kind: Mapping[Key, Names]
 ) -> Iterator[Disagreement]:
-    """Yield the different names of one item if one of them must be a mistake."""
+    """Yield the different names of one item if one of them must be a mistake.
+
+    See ``mistaken_pairs`` for the rule. All names must be equal if the second reading uses those of the spec.
+    """
     for kind, spec_names in spec_names_by_kind.items():
         second_names = second_names_by_kind.get(kind, {})
         for spec_name, second_name in mistaken_pairs(

@@ -19,27 +19,33 @@ _DisagreementKey = tuple[Path, Path, Sort, int]
 
 
 def compare_word(comparison: Comparison, spec_word: Word, second_word: Word | None) -> None:
-    """Compare a frame or register in every case. Each difference is reported for the first case that shows it."""
+    """Compare a frame or register in every case. Each difference is reported for the first case that shows it.
+
+    ``second_word`` is None if the second reading lacks it. Facts of cases that only the spec has are counted as read
+    once. A difference that not all cases show is reported with its cases: ``, for X-24 and 5 more``.
+    """
     second_cases = _second_cases(spec_word, second_word)
     for case, spec_case in spec_word.cases.items():
-        # A state that changes nothing is counted with its factory defaults.
+        # Cases with equal words share one object. A state that changes nothing is counted with its factory defaults.
         is_repetition = case.state != FACTORY_DEFAULTS and spec_case is spec_word.cases.get(case.by_default)
         if case not in second_cases and not is_repetition:
             _count_as_read_once(comparison, spec_case)
-    for disagreement, cases in _disagreements_with_cases(comparison, spec_word, second_cases):
-        if len(cases) == len(spec_word.cases):
+    for disagreement, differing_cases in _disagreements_with_cases(comparison, spec_word, second_cases):
+        if len(differing_cases) == len(spec_word.cases):
             comparison.add_disagreement(disagreement)
         else:
-            description = disagreement.description + cases_text(cases)
+            description = disagreement.description + cases_text(differing_cases)
             comparison.add_disagreement(replace(disagreement, description=description))
 
 
 def _second_cases(spec_word: Word, second_word: Word | None) -> Mapping[Case, WordCase]:
-    """Return the word of the second reading in each case with which that of the spec is compared."""
+    """Return the word of the second reading for each case in which the words are compared.
+
+    If both words are the same in all of their cases, they are compared even without a common order code.
+    """
     if second_word is None:
         return {}
     if spec_word.everywhere is not None and second_word.everywhere is not None:
-        # Words that are the same in every case are compared even if the readings have no order code in common.
         return dict.fromkeys(spec_word.cases, second_word.everywhere)
     return second_word.cases
 
@@ -56,7 +62,10 @@ def _count_as_read_once(comparison: Comparison, spec_case: WordCase) -> None:
 def _disagreements_with_cases(
     comparison: Comparison, spec_word: Word, second_cases: Mapping[Case, WordCase]
 ) -> Iterable[tuple[Disagreement, list[Case]]]:
-    """Return each disagreement as it is in the first case that shows it, with all cases that do."""
+    """Return each disagreement as it is in the first case that shows it, with all cases that do.
+
+    Disagreements in two cases are one if their keys are equal: places, class and number (see ``_numbered``).
+    """
     # Most cases share one word, so each pair of words is compared once.
     disagreements_by_pair: dict[tuple[int, int], list[Disagreement]] = {}
     disagreement_and_cases: dict[_DisagreementKey, tuple[Disagreement, list[Case]]] = {}
@@ -74,24 +83,31 @@ def _disagreements_with_cases(
 
 
 def _numbered(disagreements: Iterable[Disagreement]) -> Iterator[tuple[_DisagreementKey, Disagreement]]:
-    """Yield the disagreements of one case, each with the key by which it is recognised in other cases."""
-    counts: Counter[tuple[Path, Path, Sort]] = Counter()
+    """Yield the disagreements of one case, each with the key by which it is recognised in other cases.
+
+    Those with the same places and class are numbered from 1.
+    """
+    counts_so_far: Counter[tuple[Path, Path, Sort]] = Counter()
     for disagreement in disagreements:
         places_and_sort = disagreement.spec_place, disagreement.second_place, disagreement.sort
-        counts[places_and_sort] += 1
-        yield (*places_and_sort, counts[places_and_sort]), disagreement
+        counts_so_far[places_and_sort] += 1
+        yield (*places_and_sort, counts_so_far[places_and_sort]), disagreement
 
 
 def _compare_in_case(
     comparison: Comparison, spec_word: Word, spec_case: WordCase, second_case: WordCase
 ) -> Iterator[Disagreement]:
-    """Yield the differences in one case. Different lengths are reported with the other facts."""
+    """Yield the differences in one case: of bits, of the properties of fields, and of names.
+
+    Words of different lengths have none, since their lengths are reported with the other facts.
+    """
     if len(spec_case.bits) != len(second_case.bits):
         return
     yield from _compare_bits(comparison, spec_word, spec_case.bits, second_case.bits)
     for low_and_width, spec_properties in spec_case.fields.items():
-        places = [fact.place for fact in spec_properties.values()]
-        field_place = places[0] if places else spec_word.place
+        # All properties of a field have places in or near it. The first one stands for the field.
+        property_places = [fact.place for fact in spec_properties.values()]
+        field_place = property_places[0] if property_places else spec_word.place
         second_properties = second_case.fields.get(low_and_width, {})
         place_in_spec = partial(_place_unless_optional, field_place)
         yield from compare_facts(comparison, spec_properties, second_properties, place_in_spec)
@@ -99,16 +115,16 @@ def _compare_in_case(
 
 
 def _place_unless_optional(field_place: Path, second_fact: Fact) -> Path | None:
-    """Return the place of the field if the spec must have a fact about it that the second reading has."""
+    """Return the place of the field if the spec must have a fact about it that the second reading has, or else None."""
     return None if second_fact.may_be_missing else field_place
 
 
 def _compare_bits(
     comparison: Comparison, spec_word: Word, spec_bits: tuple[Bit, ...], second_bits: tuple[Bit, ...]
 ) -> Iterator[Disagreement]:
-    """Yield the ranges of bits with different meanings, and count the other bits."""
+    """Yield the ranges of bits with different meanings, and count the bits with the same meaning as read twice."""
     for high, low in _different_ranges(spec_bits, second_bits):
-        # Descriptions begin with the highest bit.
+        # The bits are lowest first, but descriptions begin with the highest one.
         spec_range = spec_bits[low : high + 1][::-1]
         second_range = second_bits[low : high + 1][::-1]
         yield Disagreement(
@@ -129,23 +145,23 @@ def _have_same_meaning(bit: Bit, other_bit: Bit) -> bool:
 
 
 def _different_ranges(spec_bits: tuple[Bit, ...], second_bits: tuple[Bit, ...]) -> list[tuple[int, int]]:
-    """Return the high and low ends of ranges of different bits, highest first.
+    """Return the high and low bits of ranges of different bits, highest first: ``[(7, 4), (2, 2)]``.
 
-    Adjacent bits are in one range if they differ in the same way.
+    Adjacent bits are in one range if they belong to one item in the spec, and also to one in the second reading.
     """
     ranges: list[tuple[int, int]] = []
-    for index in reversed(range(len(spec_bits))):
-        if _have_same_meaning(spec_bits[index], second_bits[index]):
+    for bit in reversed(range(len(spec_bits))):
+        if _have_same_meaning(spec_bits[bit], second_bits[bit]):
             continue
-        above = index + 1
-        is_below_last_range = bool(ranges) and ranges[-1][1] == above
+        bit_above = bit + 1
+        is_below_last_range = bool(ranges) and ranges[-1][1] == bit_above
         if (
             is_below_last_range
-            and continues_item(spec_bits[index], spec_bits[above])
-            and continues_item(second_bits[index], second_bits[above])
+            and continues_item(spec_bits[bit], spec_bits[bit_above])
+            and continues_item(second_bits[bit], second_bits[bit_above])
         ):
             high, _ = ranges[-1]
-            ranges[-1] = high, index
+            ranges[-1] = high, bit
         else:
-            ranges.append((index, index))
+            ranges.append((bit, bit))
     return ranges

@@ -56,12 +56,12 @@ class Comparison:
     has_names_of_spec: bool = False
 
     def count_fact(self, sort: Sort, spec_place: Path, read: Read) -> None:
-        """Count a fact of the spec."""
+        """Count a fact of the spec. Of several facts of one class with this place, the worst count remains."""
         key = sort, spec_place
         self.read_by_place[key] = max(read, self.read_by_place.get(key, Read.TWICE))
 
     def add_disagreement(self, disagreement: Disagreement) -> None:
-        """Add a disagreement, once."""
+        """Add a disagreement once, and count its fact as read differently if the spec has it."""
         if disagreement.spec_place:
             self.count_fact(disagreement.sort, disagreement.spec_place, Read.DIFFERENTLY)
         if disagreement not in self.disagreements:

@@ -32,35 +32,41 @@ from .stated import Subject
 
 
 def add_names(subject: Subject, placed_field: PlacedField, owner: str | int, facts: Facts) -> None:
-    """Add the names of a field of the frame or register ``owner``, and of the field's values."""
+    """Add the names of a field of the frame or register ``owner``, and of the field's values.
+
+    A field is identified by low bit and width, ``(3, 5)``, and a value by its number and its field. The names of fields
+    of a group and of fields that the build adds are left out, since they are not at this place of the spec.
+    """
     field_name, place = placed_field.name, subject.place
     bits_text = f"{bits(placed_field.high, placed_field.low)} of '{owner}'"
-    span = placed_field.low, placed_field.width
-    # Fields of a group, and fields that the build adds, have no name at this place.
+    low_and_width = placed_field.low, placed_field.width
     if place[-2:] == ("fields", field_name):
         name_fact = Fact(
             sort=Sort.POSITION,
-            key=span,
+            key=low_and_width,
             value=field_name,
             description=f"name of {bits_text}",
             place=(*place, "name"),
         )
         facts.add_name(("field",), name_fact)
-    for value in placed_field.field.values:
+    for named_value in placed_field.field.values:
         value_name_fact = Fact(
             sort=Sort.VALUE,
-            key=(value.value,),
-            value=value.name,
-            description=f"name of value {in_hex(value.value)} of {bits_text}",
-            place=subject.reading.first_existing((*place, "values", value.name), place),
+            key=(named_value.value,),
+            value=named_value.name,
+            description=f"name of value {in_hex(named_value.value)} of {bits_text}",
+            place=subject.reading.first_existing((*place, "values", named_value.name), place),
         )
-        facts.add_name(("value", *span), value_name_fact)
+        facts.add_name(("value", *low_and_width), value_name_fact)
 
 
 def properties(
     subject: Subject, placed_field: PlacedField, parameters: Parameters, register: Register | None
 ) -> Iterator[Fact]:
-    """Yield all properties of a field for these parameters, and of the ``register`` that may contain it."""
+    """Yield the facts of a field other than its bits: those of its kind, a fixed value, a default, stated members.
+
+    ``parameters`` are those of an order code. ``register`` is the one that contains the field, or None in a frame.
+    """
     field = placed_field.field
     yield from _facts_of_kind(subject, field)
     if field.equals is not None:
@@ -77,13 +83,16 @@ def properties(
 
 
 def _facts_of_kind(subject: Subject, field: Field) -> Iterator[Fact]:
-    """Yield the facts that depend on the kind of the field: about its bits, its CRC, and its values."""
+    """Yield the facts that depend on the kind of the field: about its bits, its CRC, and its named values.
+
+    The other reading may lack the verdict of unused bits, but no other verdict.
+    """
     reading = subject.reading
     for fact in subject.stated_facts(field.kind):
         if fact.sort is Sort.VERDICT:
             # The verdict of a flag that the interface defines is not in the spec.
-            place = reading.first_existing(fact.place, subject.place)
-            yield replace(fact, place=place, may_be_missing=isinstance(field.kind, Unused))
+            verdict_place = reading.first_existing(fact.place, subject.place)
+            yield replace(fact, place=verdict_place, may_be_missing=isinstance(field.kind, Unused))
         else:
             yield replace(fact, may_be_missing=False)
     if isinstance(field.kind, CrcValue):
@@ -102,7 +111,11 @@ def _facts_of_kind(subject: Subject, field: Field) -> Iterator[Fact]:
 
 
 def _default_and_is_implied(placed_field: PlacedField, register: Register) -> tuple[int | None, bool]:
-    """Return the default of a field, and True if the register's default implies it. None if both are the same."""
+    """Return the default of a field, and whether it is implied: ``(3, True)`` for bits of the register's default.
+
+    A default is implied if the spec states or implies only that of the register. There is none if the field is the
+    whole register, whose default is a fact of the register, or if it carries no data.
+    """
     stated_default, register_default = placed_field.field.default, as_delivered(register)
     if register_default is None:
         return stated_default, False
@@ -111,12 +124,16 @@ def _default_and_is_implied(placed_field: PlacedField, register: Register) -> tu
         return None, False
     if stated_default is not None:
         return stated_default, False
+    # The bits of the field, shifted to bit 0.
     default_in_register = register_default >> placed_field.low & placed_field.mask
     return default_in_register, True
 
 
 def word(owner: Subject, layout: Layout, register: Register | None = None) -> Word:
-    """Return a frame or register, which ``owner`` describes, in each case of its interface."""
+    """Return the word of a frame or register in each case of its interface, for comparing it bit by bit.
+
+    Cases in which the layout is the same share one ``WordCase``. ``register`` is None for a frame.
+    """
     deciding_names = deciding_parameters(layout)
     word_case_by_values: dict[tuple[int, ...], WordCase] = {}
     word_cases: dict[Case, WordCase] = {}
@@ -132,44 +149,52 @@ def word(owner: Subject, layout: Layout, register: Register | None = None) -> Wo
 def _word_case(
     owner: Subject, placed_layout: PlacedLayout, parameters: Parameters, register: Register | None
 ) -> WordCase:
-    """Return the bits, the properties of the fields and their names for these parameters."""
+    """Return the bits of a layout, and the properties and the names of its fields, for these parameters.
+
+    Bits without a field are "unspecified". Bits are in the order of their numbers, from 0.
+    """
     unspecified_bit = Bit(part="unspecified", weight=None, fixed=None, place=(*owner.place, "other_bits"))
-    placed_bits = [unspecified_bit] * placed_layout.bits
-    properties_by_span = {}
-    names = Facts()
+    bits_by_number = [unspecified_bit] * placed_layout.bits
+    properties_by_low_and_width = {}
+    name_facts = Facts()
     for placed_field in placed_layout.fields:
         place = owner.reading.field_place(owner.place, placed_field.field)
         description = f"{bits(placed_field.high, placed_field.low)} of {owner.description}"
-        placed_bits[placed_field.low : placed_field.high + 1] = _bits(placed_field, placed_layout, place)
+        bits_by_number[placed_field.low : placed_field.high + 1] = _bits(placed_field, placed_layout, place)
         subject = Subject(owner.reading, key=(), place=place, description=description, interface=owner.interface)
         facts = properties(subject, placed_field, parameters, register)
-        properties_by_span[placed_field.low, placed_field.width] = {fact.key: fact for fact in facts}
-        add_names(subject, placed_field, owner.place[-1], names)
-    return WordCase(bits=tuple(placed_bits), fields=properties_by_span, names=names.names)
+        properties_by_low_and_width[placed_field.low, placed_field.width] = {fact.key: fact for fact in facts}
+        add_names(subject, placed_field, owner.place[-1], name_facts)
+    return WordCase(bits=tuple(bits_by_number), fields=properties_by_low_and_width, names=name_facts.names)
 
 
 def _bits(placed_field: PlacedField, placed_layout: PlacedLayout, place: Path) -> Iterator[Bit]:
-    """Yield each bit of a field, lowest first."""
+    """Yield each bit of a field, lowest first, with its meaning.
+
+    Constants and unused bits have a fixed value. The bits of a number have weights, which continue across the fields of
+    a joined number. A text has the weights 0 to 7 in each character. A flag or parity outside a joined number has none.
+    """
     kind = placed_field.field.kind
-    part = _owner_text(kind, placed_field, placed_layout)
+    owner_text = _owner_text(kind, placed_field, placed_layout)
     weight_in_join = _weight_in_join(placed_field, placed_layout)
+    # In a field of its own, or of another kind, the lowest bit has weight 0.
     lowest_weight = 0
     if weight_in_join is not None and isinstance(kind, (Number, Choice, Decimal, Flag)):
         lowest_weight = weight_in_join
     for index in range(placed_field.width):
         match kind:
             case Constant(value) | Unused(value):
-                yield Bit(part, weight=None, fixed=value >> index & 1, place=place)
+                yield Bit(owner_text, weight=None, fixed=value >> index & 1, place=place)
             case Flag() | Parity() if weight_in_join is None:
-                yield Bit(part, weight=None, fixed=None, place=place)
+                yield Bit(owner_text, weight=None, fixed=None, place=place)
             case Text():
-                yield Bit(part, weight=index % 8, fixed=None, place=place)
+                yield Bit(owner_text, weight=index % 8, fixed=None, place=place)
             case _:
-                yield Bit(part, weight=lowest_weight + index, fixed=None, place=place)
+                yield Bit(owner_text, weight=lowest_weight + index, fixed=None, place=place)
 
 
 def _owner_text(kind: Kind, placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
-    """Return the owner of the bits of a field."""
+    """Return what the bits of a field belong to: ``a signed number in Gray code``, ``the CRC of bits 23:6``."""
     match kind:
         case Number(signed=True):
             return "a signed number" + _gray_suffix(placed_field, placed_layout)
@@ -184,8 +209,8 @@ def _owner_text(kind: Kind, placed_field: PlacedField, placed_layout: PlacedLayo
         case CrcValue(_, covered):
             if not covered:
                 return "the CRC"
-            low, count = placed_layout.crc_covers
-            return f"the CRC of {bits(low + count - 1, low)}"
+            lowest_covered, covered_width = placed_layout.crc_covers
+            return f"the CRC of {bits(lowest_covered + covered_width - 1, lowest_covered)}"
         case Parity():
             return _parity_text(kind, placed_layout)
         case Text():
@@ -217,33 +242,38 @@ def _gray_suffix(placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
 
 
 def _weight_in_join(placed_field: PlacedField, placed_layout: PlacedLayout) -> int | None:
-    """Return the weight of the field's lowest bit in the longest joined number that contains it, or None."""
+    """Return the weight of the field's lowest bit in the longest joined number that contains it, or None.
+
+    The weight is the number of bits in the fields after it, since the most significant field is the first.
+    """
     longest_bits, weight = 0, None
     for join in placed_layout.layout.joins:
         if placed_field.name not in join.fields:
             continue
-        # The most significant field is the first.
-        fields = placed_layout.find_fields(join.fields)
-        lower_fields = fields[fields.index(placed_field) + 1 :]
-        total_bits = sum(field.width for field in fields)
+        joined_fields = placed_layout.find_fields(join.fields)
+        lower_fields = joined_fields[joined_fields.index(placed_field) + 1 :]
+        total_bits = sum(field.width for field in joined_fields)
         if total_bits > longest_bits:
             longest_bits, weight = total_bits, sum(field.width for field in lower_fields)
     return weight
 
 
 def describe_bits(adjacent_bits: Sequence[Bit]) -> str:
-    """Describe adjacent bits, highest first: ``bits 7:0 of a number``, ``constant 0010``."""
-    first, last = adjacent_bits[0], adjacent_bits[-1]
-    if first.fixed is not None:
+    """Describe adjacent bits of one item, highest first: ``bits 7:0 of a number``, ``constant 0010``, ``a flag``."""
+    highest_bit, lowest_bit = adjacent_bits[0], adjacent_bits[-1]
+    if highest_bit.fixed is not None:
         digits = "".join(str(bit.fixed) for bit in adjacent_bits)
-        return f"{first.part} {digits}"
-    if first.weight is None or last.weight is None:
-        return first.part
-    return f"{bits(first.weight, last.weight)} of {first.part}"
+        return f"{highest_bit.part} {digits}"
+    if highest_bit.weight is None or lowest_bit.weight is None:
+        return highest_bit.part
+    return f"{bits(highest_bit.weight, lowest_bit.weight)} of {highest_bit.part}"
 
 
 def continues_item(bit: Bit, above: Bit) -> bool:
-    """Return True if a bit continues the same item as ``above``, the next higher bit."""
+    """Return whether a bit continues the same item as ``above``, the next higher bit.
+
+    Both have the same part and place, both or neither are constant, and their weights are consecutive if they have any.
+    """
     if (bit.part, bit.place) != (above.part, above.place):
         return False
     is_constant, is_constant_above = bit.fixed is not None, above.fixed is not None

@@ -43,7 +43,7 @@ from .stated import Subject
 
 
 def add_registers(reading: Reading, facts: Facts) -> None:
-    """Add every register, its bits, and its behaviour."""
+    """Add the facts of every register, its names, and its word, bit by bit."""
     for register in reading.device.registers:
         key, place = reading.key_of(register), ("registers", register.name)
         subject = Subject(
@@ -51,31 +51,39 @@ def add_registers(reading: Reading, facts: Facts) -> None:
         )
         facts.add(_register_facts(subject, register))
         _add_names(subject, register, facts)
+        # The bits of a joined number follow from those of its fields.
         facts.derived[Sort.POSITION] += len(register.layout.joins)
         facts.words[key] = word(subject, register.layout, register)
 
 
 def _add_names(subject: Subject, register: Register, facts: Facts) -> None:
-    """Add the names that a register refers to: the field with limits, and the field that opens it."""
+    """Add the names that a register refers to: the field with limits, and the field that opens it.
+
+    The name of the first is empty if the limits name no field, that of the second is "nothing".
+    """
     description, place = f"field that the limits of {subject.description} apply to", (*subject.place, "limits_of")
     facts.add_name(
         ("bounded",),
         Fact(sort=Sort.LIMIT, key=subject.key, value=register.limits_of, description=description, place=place),
     )
     if register.opened_by:
-        name, description = register.opened_by_field or NOTHING, f"field that opens {subject.description}"
+        opening_field_name, description = register.opened_by_field or NOTHING, f"field that opens {subject.description}"
         place = (*subject.place, "opened_by")
         facts.add_name(
-            ("opener",), Fact(sort=Sort.BEHAVIOUR, key=subject.key, value=name, description=description, place=place)
+            ("opener",),
+            Fact(sort=Sort.BEHAVIOUR, key=subject.key, value=opening_field_name, description=description, place=place),
         )
 
 
 def _register_facts(subject: Subject, register: Register) -> Iterator[Fact]:
-    length = counted(register.length, "byte")
-    yield subject.existence_fact(Sort.ADDRESS, length, at="address", name=register.name)
+    """Yield the facts of a register: its address and length, its stated members, default, opener and limits."""
+    length_text = counted(register.length, "byte")
+    yield subject.existence_fact(Sort.ADDRESS, length_text, at="address", name=register.name)
+    # A single byte has no byte order.
     yield from subject.stated_facts(register, without=("byte_order",) if register.length == 1 else ())
     default = as_delivered(register)
     if default is not None:
+        # Without a stated default, it is computed from the fixed values of the fields.
         place = (*subject.place, "fields" if register.default is None else "default")
         yield subject.detail_fact(Sort.DEFAULT, "default", in_hex(default), "default", place)
     if register.opened_by:
@@ -84,22 +92,28 @@ def _register_facts(subject: Subject, register: Register) -> Iterator[Fact]:
 
 
 def _opener_text(reading: Reading, register: Register) -> str:
-    """Return the value that opens a register, and its bits, or the register that must be written for it."""
+    """Return the value that opens a register, and its bits: ``0x5A in register 0x49 bits 7:0``.
+
+    Without such a value, the text is only the register that must be written: ``register 0x49``.
+    """
     opener = reading.register(register.opened_by)
     if opener is None:
         return register.opened_by
     for field in opener.layout.fields:
         if register.opened_by_field and field.name != register.opened_by_field:
             continue
-        for value in field.values:
-            if value.name == register.opened_by_value:
+        for named_value in field.values:
+            if named_value.name == register.opened_by_value:
                 bits_text = reading.bits_of(opener.interface, field)
-                return f"{in_hex(value.value)} in {register_text(opener)} {bits_text}"
+                return f"{in_hex(named_value.value)} in {register_text(opener)} {bits_text}"
     return register_text(opener)
 
 
 def _limit_facts(subject: Subject, register: Register) -> Iterator[Fact]:
-    """Yield the limits of each meaning, and the bits that they apply to."""
+    """Yield the bits that limits of the register or its meanings apply to, and the facts of each meaning.
+
+    A meaning is how the register is read while another one has a given value.
+    """
     reading = subject.reading
     limited_parts: list[Register | RegisterMeaning] = [register, *register.meanings]
     if any(part.min is not None or part.max is not None for part in limited_parts):
@@ -113,12 +127,13 @@ def _limit_facts(subject: Subject, register: Register) -> Iterator[Fact]:
             depends_on=subject.key,
         )
     for meaning in register.meanings:
+        # The condition is in words without names, so that it is also the key of the meaning.
         description = f"{subject.description} while {reading.state(meaning.when, meaning.value)}"
         yield from subject.inside((description,), ("meanings", meaning.name), description).stated_facts(meaning)
 
 
 def _limited_bits_text(register: Register, parameters: Mapping[str, int]) -> str:
-    """Return the bits of a register that its limits apply to."""
+    """Return the bits of a register that its limits apply to: ``bits 7:0``, or ``all bits`` if they name no field."""
     names = register.layout.names_in(bounded(register))
     fields = register.layout.place(parameters).find_fields(names)
     return " and ".join(bits(field.high, field.low) for field in fields) or "all bits"
@@ -142,6 +157,7 @@ def add_interfaces(reading: Reading, facts: Facts) -> None:
         for layout in interface.layouts:
             identity = constants_by_frame.get(layout.name, _NOT_EXCHANGED)
             _add_frames(reading, interface, layout, identity, facts)
+            # The bits of a joined number follow from those of its fields.
             facts.derived[Sort.POSITION] += len(layout.joins)
         facts.add(_interface_facts(reading, interface))
         facts.add(timings(interface.timings, interface.name, ("interfaces", interface.name, "timings")))
@@ -149,7 +165,10 @@ def add_interfaces(reading: Reading, facts: Facts) -> None:
 
 
 def _exchange_constants(interface: Interface) -> dict[str, str]:
-    """Return the constants of the request of each exchange, which identify it, by the names of its frames."""
+    """Return the constants of each exchange's request, by the names of its request and its reply.
+
+    They identify an exchange without names: ``{"request": "0x1A from bit 0"}``. Without exchanges, the map is empty.
+    """
     constants_by_frame: dict[str, str] = {}
     if not isinstance(interface, (Rs485, Spi)):
         return constants_by_frame
@@ -157,7 +176,9 @@ def _exchange_constants(interface: Interface) -> dict[str, str]:
     for exchange in interface.exchanges:
         fields = layouts[exchange.request].fields
         constants = [(field.low, field.kind.value) for field in fields if isinstance(field.kind, Constant)]
-        constants_text = ", ".join(f"{in_hex(value)} from bit {low.render()}" for low, value in constants)
+        constants_text = ", ".join(
+            f"{in_hex(constant_value)} from bit {low_bit.render()}" for low_bit, constant_value in constants
+        )
         constants_by_frame[exchange.request] = constants_text
         # A reply to several requests is identified by the first one.
         constants_by_frame.setdefault(exchange.reply, constants_text)
@@ -165,16 +186,19 @@ def _exchange_constants(interface: Interface) -> dict[str, str]:
 
 
 def _add_frames(reading: Reading, interface: Interface, layout: Layout, identity: str | int, facts: Facts) -> None:
-    """Add each frame with this layout. ``identity`` identifies it if it has no selector."""
+    """Add a frame for each selector of this layout, or one identified by ``identity`` if it has no selector.
+
+    ``identity`` is the text from ``_exchange_constants``, or -1 if the frame belongs to no exchange.
+    """
     place: Path = ("interfaces", interface.name, "layouts", layout.name)
     for frame_identity in layout.selects or (identity,):
         key: Key = ("frame", interface.name, layout.sender, layout.channel or 0, frame_identity)
-        frame = Subject(reading, key=key, place=place, description=f"'{layout.name}'", interface=interface.name)
-        facts.add(_frame_facts(frame, layout))
-        facts.words[key] = word(frame, layout)
+        frame_subject = Subject(reading, key=key, place=place, description=f"'{layout.name}'", interface=interface.name)
+        facts.add(_frame_facts(frame_subject, layout))
+        facts.words[key] = word(frame_subject, layout)
         for field in layout.fields:
             if field.group:
-                facts.add_name(("group", interface.name), _group_name(frame, field))
+                facts.add_name(("group", interface.name), _group_name(frame_subject, field))
 
 
 def _group_name(frame: Subject, field: Field) -> Fact:
@@ -190,19 +214,21 @@ def _group_name(frame: Subject, field: Field) -> Fact:
 
 
 def _frame_facts(frame: Subject, layout: Layout) -> Iterator[Fact]:
-    """Yield the facts about a frame as a whole: its sender, its units, its byte order and its length."""
+    """Yield the facts about a frame as a whole: its sender, units, byte order, length and combinations of values.
+
+    A frame of one byte needs no byte order. If only one reading states it, they do not disagree.
+    """
     reading = frame.reading
     yield from frame.all_facts(Sort.POSITION, layout, f"sent by the {layout.sender}", at="name")
     carried_place = reading.first_existing((*frame.place, "carried_as"), frame.place)
     yield frame.detail_fact(Sort.POSITION, "carried", layout.carried_as, "units", carried_place)
-    # A frame of one byte needs no byte order, but a reader may state one.
     has_several_bytes = layout.widest > 8
     is_stated = reading.document.has((*frame.place, "byte_order"))
     if layout.in_bytes and (has_several_bytes or is_stated):
         order_place = (*frame.place, "byte_order") if is_stated else frame.place
-        is_mild = not has_several_bytes
+        may_be_missing = not has_several_bytes
         yield frame.detail_fact(
-            Sort.BYTE_ORDER, "order", layout.byte_order, "byte order", order_place, may_be_missing=is_mild
+            Sort.BYTE_ORDER, "order", layout.byte_order, "byte order", order_place, may_be_missing=may_be_missing
         )
     lengths = {case: str(layout.bits.value(parameters)) for case, parameters in reading.cases(frame.interface).items()}
     yield frame.detail_fact(Sort.POSITION, "length", lengths, "bits", frame.place)
@@ -210,13 +236,17 @@ def _frame_facts(frame: Subject, layout: Layout) -> Iterator[Fact]:
 
 
 def _combination_facts(frame: Subject, layout: Layout) -> Iterator[Fact]:
-    """Yield the verdicts of combinations of values, which are identified by their bits for the first order code."""
+    """Yield the verdict and the stated facts of each combination of field values.
+
+    A combination is identified by its bits for the first order code: ``bit 3 = 1, bits 7:4 = 0``.
+    """
     if not layout.combinations:
         return
     sign_by_name = {sign.flag.name: sign for sign in layout.signs}
     first_parameters = next(iter(frame.reading.cases(frame.interface).values()), {})
     placed_fields = {placed_field.name: placed_field for placed_field in layout.place(first_parameters).fields}
     for combination in layout.combinations:
+        # The conditions are pairs of a field's name and value. A flag is 1 while it is active.
         field_values = sign_by_name[combination.name].conditions
         condition_texts = [_condition_text(placed_fields[name], value) for name, value in field_values]
         conditions = ", ".join(sorted(condition_texts))
@@ -230,16 +260,19 @@ def _combination_facts(frame: Subject, layout: Layout) -> Iterator[Fact]:
 
 
 def _condition_text(field: PlacedField, value: int) -> str:
-    """Return the bits of a field, and their value in a combination."""
+    """Return the bits of a field and their value: ``bit 3 = 0``.
+
+    ``value`` says whether a flag is active. The bit of an active-low flag has the opposite value.
+    """
     is_active_low = isinstance(field.field.kind, Flag) and field.field.kind.active_low
     bit_value = 1 - value if is_active_low else value
     return f"{bits(field.high, field.low)} = {bit_value}"
 
 
 def _interface_facts(reading: Reading, interface: Interface) -> Iterator[Fact]:
-    """Yield the facts about an interface other than its frames."""
+    """Yield the facts about an interface other than its frames: its members, its parts, and those of its kind."""
     place: Path = ("interfaces", interface.name)
-    whole = Subject(
+    interface_subject = Subject(
         reading,
         key=("interface", interface.name),
         place=place,
@@ -248,11 +281,14 @@ def _interface_facts(reading: Reading, interface: Interface) -> Iterator[Fact]:
         depends_on=(),
         joint=" over ",
     )
-    yield from whole.stated_facts(interface)
+    yield from interface_subject.stated_facts(interface)
     for name, joint in _JOINT_BY_PART.items():
+        # No kind of interface has all of these parts.
         part = getattr(interface, name, None)
         if part:
-            yield from replace(whole, key=(name, interface.name), place=(*place, name), joint=joint).stated_facts(part)
+            yield from replace(
+                interface_subject, key=(name, interface.name), place=(*place, name), joint=joint
+            ).stated_facts(part)
     match interface:
         case Ssi():
             yield from _cable_clocks(interface)
@@ -278,7 +314,10 @@ def _cable_clocks(interface: Ssi) -> Iterator[Fact]:
 
 
 def _biss_facts(reading: Reading, interface: Biss) -> Iterator[Fact]:
-    """Yield the printed time-outs, and the fields of the control frame."""
+    """Yield the printed time-outs, each identified by its clock, and the fields of the control frame.
+
+    A field of the control frame is identified by the number of bits sent before it.
+    """
     printed_timeouts = interface.timeout.printed if interface.timeout is not None else ()
     for index, printed in enumerate(printed_timeouts):
         yield Fact(
@@ -295,7 +334,7 @@ def _biss_facts(reading: Reading, interface: Biss) -> Iterator[Fact]:
 
 
 def _control_field_facts(reading: Reading, control_field: ControlField, offset: int) -> Iterator[Fact]:
-    """Yield the facts of a field of the control frame, starting at a bit of the frame."""
+    """Yield the facts of a field of the control frame: its bits, its values, and its CRC. ``offset`` counts from 0."""
     place: Path = ("interfaces", "biss", "control_data", "fields", control_field.name)
     subject = Subject(
         reading, key=("control", offset), place=place, description=f"field of the control frame from bit {offset + 1}"
@@ -312,7 +351,11 @@ def _control_field_facts(reading: Reading, control_field: ControlField, offset: 
 
 
 def _rs485_facts(reading: Reading, interface: Rs485) -> Iterator[Fact]:
-    """Yield the data IDs, and the replies to accesses of the memory."""
+    """Yield the data IDs, and the contents of replies to memory accesses, such as while the memory is busy.
+
+    A data ID is identified by its number, ``("data id", 3)``, with the value ``control field 0x1A``. A reply is
+    identified by access and busy flag, ``("memory", "read", 1)``, with the value ``address as sent, data 0``.
+    """
     place: Path = ("interfaces", interface.name)
     for data_id in interface.data_ids:
         id_place = (*place, "data_ids", data_id.name)
@@ -329,53 +372,60 @@ def _rs485_facts(reading: Reading, interface: Rs485) -> Iterator[Fact]:
 
 
 def _exchange_facts(interface: Rs485 | Spi) -> Iterator[Fact]:
-    """Yield the exchanges, which are identified by the constants of their requests."""
+    """Yield the exchanges, such as ``read, with a reply, words of 8 bits``.
+
+    An exchange is identified by the constants of its request: ``0x1A from bit 0``.
+    """
     constants_by_frame = _exchange_constants(interface)
     for index, exchange in enumerate(interface.exchanges):
         constants = constants_by_frame[exchange.request]
         with_or_without = "with" if exchange.reply else "without"
-        value = f"{exchange.purpose}, {with_or_without} a reply"
+        exchange_text = f"{exchange.purpose}, {with_or_without} a reply"
         if exchange.word_bits is not None:
-            value += f", words of {exchange.word_bits.render()} bits"
+            exchange_text += f", words of {exchange.word_bits.render()} bits"
         yield Fact(
             sort=Sort.SETTING,
             key=("exchange", interface.name, constants),
-            value=value,
+            value=exchange_text,
             description=f"request with {constants or 'no constant'}",
             place=("interfaces", interface.name, "exchanges", index),
         )
 
 
 def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) -> Iterator[Fact]:
-    """Yield timings, identified by their printed symbols, or by their numbers if they have none."""
+    """Yield a fact for each bound of a timing with a symbol, and one fact for a timing without a symbol.
+
+    With a symbol, the key has it and the bound: ``("time", "ssi", "tm", "at_least_us")``. Without one, only the numbers
+    identify the timing: ``("time", "ssi", "at least 16 µs, at most 32 µs")``. ``interface`` is "" for the device.
+    """
     interface_text = f" over {interface_label(interface)}" if interface else ""
     for timing in printed_timings:
-        times: dict[str, str] = {}
+        time_by_bound: dict[str, str] = {}
         for bound in ("at_least_us", "typical_us", "at_most_us"):
             microseconds = getattr(timing, bound)
             if microseconds is not None:
-                times[bound] = f"{microseconds} µs"
+                time_by_bound[bound] = f"{microseconds} µs"
         place = (*owner, timing.name)
         if not timing.symbol:
-            bound_words = {bound: bound.removesuffix("_us").replace("_", " ") for bound in times}
-            text = ", ".join(f"{bound_words[bound]} {time}" for bound, time in times.items())
-            key: Key = ("time", interface, text)
+            bound_words = {bound: bound.removesuffix("_us").replace("_", " ") for bound in time_by_bound}
+            times_text = ", ".join(f"{bound_words[bound]} {time}" for bound, time in time_by_bound.items())
+            key: Key = ("time", interface, times_text)
             yield Fact(
                 sort=Sort.TIME,
                 key=key,
-                value=text,
+                value=times_text,
                 description=f"a time{interface_text}",
                 place=place,
                 name=timing.name,
             )
             continue
         symbol = plain(timing.symbol).replace(" ", "")
-        for name, value in times.items():
+        for bound_name, bound_time in time_by_bound.items():
             yield Fact(
                 sort=Sort.TIME,
-                key=("time", interface, symbol, name),
-                value=value,
-                description=f"time {timing.symbol}{interface_text}, '{name}'",
-                place=(*place, name),
+                key=("time", interface, symbol, bound_name),
+                value=bound_time,
+                description=f"time {timing.symbol}{interface_text}, '{bound_name}'",
+                place=(*place, bound_name),
                 name=timing.name,
             )

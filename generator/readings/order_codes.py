@@ -14,7 +14,10 @@ from .stated import Subject
 
 
 def add_codes(reading: Reading, facts: Facts) -> None:
-    """Add facts about order codes, their parameters in registers, and the measurement of the position."""
+    """Add the facts about order codes: notations, supplies, parameters, alternatives, measurements and the movement.
+
+    Parameters with a formula follow from the others, so they only count as derived.
+    """
     facts.add(_order_code_facts(reading))
     facts.add(_spelling_facts(reading))
     facts.add(_supply_facts(reading))
@@ -42,7 +45,11 @@ def add_codes(reading: Reading, facts: Facts) -> None:
 
 
 def _order_code_facts(reading: Reading) -> Iterator[Fact]:
-    """Yield the order codes, and the values that the manual leaves open."""
+    """Yield each order code with its interface, and each part whose values the manual leaves open.
+
+    Such a part is identified by the values that the manual prints. If these combine only with certain values of other
+    parts, the text lists those.
+    """
     place: Path = ("order_code", "parts")
     for variant in reading.device.variants:
         description = f"interface of the order code {variant.code}"
@@ -69,7 +76,7 @@ def _order_code_facts(reading: Reading) -> Iterator[Fact]:
 
 
 def _supply_facts(reading: Reading) -> Iterator[Fact]:
-    """Yield the supply of each order code."""
+    """Yield one fact with the supply of each order code: ``5000 to 30000 mV``, or nothing if none is stated."""
     supplies: dict[Case, str] = {}
     for variant in reading.device.variants:
         supply = reading.device.supply_of(variant)
@@ -86,23 +93,26 @@ def _supply_facts(reading: Reading) -> Iterator[Fact]:
 
 
 def _parameter_facts(reading: Reading) -> Iterator[Fact]:
-    """Yield each parameter for each order code. Readers choose their parameters, but one name has one meaning."""
+    """Yield a fact for each parameter, with its value in each case of each order code.
+
+    A parameter may be missing from the other reading, since readers choose their own. One name has one meaning.
+    """
     for parameter in reading.device.parameters:
-        values: dict[Case, str] = {}
+        value_by_case: dict[Case, str] = {}
         for interface in reading.device.interfaces:
             for case, parameters in reading.cases(interface.name).items():
                 if parameter.name in parameters:
-                    values[case] = short(parameters[parameter.name])
+                    value_by_case[case] = short(parameters[parameter.name])
         place = ("parameters", parameter.name)
         subject = Subject(
             reading, key=("parameter", parameter.name), place=place, description=f"the parameter '{parameter.name}'"
         )
-        yield replace(subject.existence_fact(Sort.ORDER_CODE, values), may_be_missing=True)
+        yield replace(subject.existence_fact(Sort.ORDER_CODE, value_by_case), may_be_missing=True)
         yield from subject.stated_facts(parameter)
 
 
 def _add_alternatives(reading: Reading, facts: Facts) -> None:
-    """Add the names of the alternatives and of their answers."""
+    """Add the names of the alternatives and of their answers, which are identified by their numbers from 1."""
     for number, alternative in enumerate(reading.device.alternatives, 1):
         place: Path = ("alternatives", alternative.name)
         description = f"name of alternative {number}"
@@ -125,7 +135,10 @@ def _add_alternatives(reading: Reading, facts: Facts) -> None:
 
 
 def _spelling_facts(reading: Reading) -> Iterator[Fact]:
-    """Yield labels in alternative spellings, with their suffix."""
+    """Yield each label in an additional notation, with the order code that it stands for.
+
+    A label is identified by its text and by what follows it (``then``).
+    """
     for index, spelling in enumerate(reading.device.order_code.also_written):
         place: Path = ("order_code", "also_written", index)
         for variant in reading.device.variants:
@@ -136,46 +149,56 @@ def _spelling_facts(reading: Reading) -> Iterator[Fact]:
 
 
 def _label_with_spelling(spelling: Spelling, variant: Variant, parts: Iterable[CodePart]) -> str | None:
-    """Return the label of an order code in an alternative spelling, or None if the spelling lacks one of its values."""
+    """Return the label of an order code in an additional notation: ``X24B`` for ``X-24-B``.
+
+    Return None if the pattern of the notation has a part whose value it does not spell.
+    """
     label = spelling.pattern
     for part in parts:
         placeholder = f"{{{part.name}}}"
-        texts = [text for text, value in spelled(part, spelling).items() if value == variant.parts[part.name]]
-        if texts:
-            label = label.replace(placeholder, texts[0])
+        spelled_texts = [
+            spelled_text
+            for spelled_text, listed_value in spelled(part, spelling).items()
+            if listed_value == variant.parts[part.name]
+        ]
+        if spelled_texts:
+            label = label.replace(placeholder, spelled_texts[0])
         elif placeholder in label:
             return None
     return label
 
 
 def _held_parameter_facts(reading: Reading, parameter: Parameter) -> Iterator[Fact]:
-    """Yield the limits of a parameter in a register."""
+    """Yield the limits of a parameter in a register, identified by the bits that hold it."""
     bits_text = reading.bits_at(parameter.read_from)
     register = reading.register(parameter.register)
-    for name, bound in (("min", parameter.min), ("max", parameter.max)):
+    for bound_name, bound in (("min", parameter.min), ("max", parameter.max)):
         if bound is not None:
             yield Fact(
                 sort=Sort.LIMIT,
-                key=("held", bits_text, name),
+                key=("held", bits_text, bound_name),
                 value=short(bound),
-                description=f"{name}imum held in {bits_text}",
-                place=("parameters", parameter.name, name),
+                description=f"{bound_name}imum held in {bits_text}",
+                place=("parameters", parameter.name, bound_name),
                 depends_on=reading.key_of(register) if register is not None else (),
             )
 
 
 def _measurement_facts(reading: Reading, interface: Interface) -> Iterator[Fact]:
-    """Yield the facts about the position over an interface, and its bits in each frame."""
+    """Yield the facts about the position over an interface, and its bits in each frame that contains it.
+
+    The measurement is that of the interface, or else that of the device.
+    """
     measurement = reading.device.measurement_of(interface.name)
     if measurement is None:
         return
-    place: Path = ("measurement",)
+    measurement_place: Path = ("measurement",)
     if interface.measurement is not None:
-        place = ("interfaces", interface.name, "measurement")
+        measurement_place = ("interfaces", interface.name, "measurement")
     subject = Subject(
         reading,
         key=("measurement", interface.name),
-        place=place,
+        place=measurement_place,
         description=f"measurement over {interface.short}",
         interface=interface.name,
         joint=" of the ",
@@ -185,24 +208,25 @@ def _measurement_facts(reading: Reading, interface: Interface) -> Iterator[Fact]
         yield from _range_facts(subject, interface, layout)
         position_bits: dict[Case, str] = {}
         for case, parameters in reading.cases(interface.name).items():
-            low, width = layout.place(parameters).place_of(measurement.of)
+            # The width is 0 if the frame lacks the position in this case.
+            low_bit, width = layout.place(parameters).place_of(measurement.of)
             if width:
-                position_bits[case] = bits(low + width - 1, low)
+                position_bits[case] = bits(low_bit + width - 1, low_bit)
         if position_bits:
-            key = (*subject.key, "of", layout.sender, *layout.selects)
+            position_key = (*subject.key, "of", layout.sender, *layout.selects)
             description = f"measured bits of '{layout.name}'"
             yield Fact(
                 sort=Sort.MEASUREMENT,
-                key=key,
+                key=position_key,
                 value=position_bits,
                 description=description,
-                place=(*place, "of"),
+                place=(*measurement_place, "of"),
                 depends_on=subject.key,
             )
 
 
 def _range_facts(measured: Subject, interface: Interface, layout: Layout) -> Iterator[Fact]:
-    """Yield the facts about the range that a layout has for itself."""
+    """Yield the facts about the range of the position that a layout states for itself, which most do not."""
     if layout.position_range is None:
         return
     place: Path = ("interfaces", interface.name, "layouts", layout.name, "position_range")

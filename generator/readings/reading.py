@@ -141,7 +141,7 @@ class Word:
 
     @property
     def everywhere(self) -> WordCase | None:
-        """The word if it is the same in every case, so that it can be compared independently of the order codes."""
+        """The word if all cases share one ``WordCase``, so that it can be compared without order codes, or None."""
         distinct_words = {id(word_case): word_case for word_case in self.cases.values()}
         if len(distinct_words) > 1:
             return None
@@ -166,7 +166,7 @@ class Facts:
     decided: Sequence[str] = ()
 
     def add(self, facts: Iterator[Fact]) -> None:
-        """Add facts. A repeated key gets the next number of its kind."""
+        """Add facts. A key that already exists gets the first free number: ``(*key, 2)``, ``(*key, 3)``."""
         for fact in facts:
             key, number = fact.key, 1
             while key in self.facts:
@@ -177,7 +177,7 @@ class Facts:
                 self._add_name_of(key, fact)
 
     def _add_name_of(self, key: Key, fact: Fact) -> None:
-        """Add the reader's name of the item whose first fact this is."""
+        """Add ``fact.name`` as the name of an item, under its kind: ``("register", "ssi")``, or one element."""
         kind = key[:2] if key[0] in _BY_INTERFACE else key[:1]
         item_place = fact.place[: fact.place.index(fact.name) + 1]
         description = f"name of {fact.description}"
@@ -192,13 +192,12 @@ class Facts:
 #: Items with separate names for each interface, which is the second element of their keys.
 _BY_INTERFACE = frozenset(("connector", "frame", "procedure", "register", "time"))
 
-
 #: Share of equal names from which the second reading is assumed to use the names of the spec.
 _SHARE_OF_EQUAL_NAMES = 0.9
 
 
 def use_same_names(spec: Facts, second: Facts) -> bool:
-    """Return whether the second reading uses the names of the spec, so that any different name is a mistake."""
+    """Return whether at least 90 % of the common names are equal, so that any other name is a mistake."""
     compared_count, equal_count = 0, 0
     for spec_names, second_names in _name_maps_of_both(spec, second):
         for key in spec_names.keys() & second_names.keys():
@@ -209,7 +208,7 @@ def use_same_names(spec: Facts, second: Facts) -> bool:
 
 
 def _name_maps_of_both(spec: Facts, second: Facts) -> Iterator[tuple[Names, Names]]:
-    """Yield the names of each kind that both readings have, those of fields for the first case of each word."""
+    """Yield the names of each kind in both readings, by key. For fields, the first common case of a word is enough."""
     yield from _names_by_kind(spec.names, second.names)
     for key in spec.words.keys() & second.words.keys():
         spec_cases, second_cases = spec.words[key].cases, second.words[key].cases
@@ -225,7 +224,7 @@ def _names_by_kind(spec: Mapping[Key, Names], second: Mapping[Key, Names]) -> It
 
 
 def mistaken_pairs(spec_names: Names, second_names: Names, *, must_be_equal: bool) -> Iterator[tuple[Fact, Fact]]:
-    """Yield pairs of different names of one item if one must be a mistake.
+    """Yield the names of an item in the spec and the second reading if they differ and one must be a mistake.
 
     This is the case if the second reader uses the name for another item, if the two differ in one letter, or if all
     names ``must_be_equal``.
@@ -247,9 +246,9 @@ def _differ_in_one_letter(name: str, other_name: str) -> bool:
     if len(shorter) < len(longer):
         return any(longer[:index] + longer[index + 1 :] == shorter for index in range(len(longer)))
     differing_indices = [index for index in range(len(name)) if name[index] != other_name[index]]
-    first, end = differing_indices[0], differing_indices[-1] + 1
-    is_one_wrong_letter = end - first == 1
-    are_two_swapped = end - first == 2 and name[first:end] == other_name[first:end][::-1]
+    start, end = differing_indices[0], differing_indices[-1] + 1
+    is_one_wrong_letter = end - start == 1
+    are_two_swapped = end - start == 2 and name[start:end] == other_name[start:end][::-1]
     return is_one_wrong_letter or are_two_swapped
 
 
@@ -272,27 +271,28 @@ class Reading:
     document: Document
 
     def cases(self, interface: str) -> Mapping[Case, Parameters]:
-        """Return the parameters of each order code of an interface.
+        """Return the parameters in each case of an interface, or an empty map if no order code has it.
 
-        The cases are the factory defaults, both ends of the range of each parameter in a register, and each other
-        answer of an alternative.
+        The cases of an order code are the factory defaults, both ends of the range of each parameter in a register, and
+        each other answer of an alternative.
         """
         return self._cases.get(interface, {})
 
     @cached_property
     def _cases(self) -> Mapping[str, Mapping[Case, Parameters]]:
+        """The parameters of every order code by its interface and by case, first with the factory defaults."""
         interfaces = {variant.interface for variant in self.device.variants}
         states_by_interface = {interface: list(self._states_to_compare(interface)) for interface in interfaces}
         cases_by_interface: dict[str, dict[Case, Parameters]] = {interface: {} for interface in interfaces}
         for variant in self.device.variants:
-            cases = cases_by_interface[variant.interface]
-            cases[Case(variant.code, FACTORY_DEFAULTS)] = variant.parameters
+            parameters_by_case = cases_by_interface[variant.interface]
+            parameters_by_case[Case(variant.code, FACTORY_DEFAULTS)] = variant.parameters
             for state, changed_parameters in states_by_interface[variant.interface]:
-                cases[Case(variant.code, state)] = with_changed(self.device, variant, changed_parameters)
+                parameters_by_case[Case(variant.code, state)] = with_changed(self.device, variant, changed_parameters)
         return cases_by_interface
 
     def _states_to_compare(self, interface: str) -> Iterator[tuple[str, Parameters]]:
-        """Yield the states of an encoder with this interface other than the factory defaults, and what each changes."""
+        """Yield each state other than the factory defaults, in words, with the parameters that it changes."""
         for parameter in self.device.run_time_parameters:
             # A parameter without an interface is the same over all of them.
             if parameter.interface and parameter.interface != interface:
@@ -306,14 +306,14 @@ class Reading:
                 yield f"answer {answer_number} of alternative {number}", answer.sets
 
     def bits_at(self, path: str) -> str:
-        """Return the bits of a register given by ``register.field``, in words without names."""
+        """Return ``register 0x49 bits 7:4`` for ``register.field``, or the path if there is no such field."""
         register, field = self._field_at(path)
         if register is None or field is None:
             return path
         return f"{register_text(register)} {self.bits_of(register.interface, field)}"
 
     def state(self, path: str, name: str) -> str:
-        """Return the condition that ``register.field`` has the value ``name``, in words without names."""
+        """Return ``register 0x49 bits 7:4 is 3`` for ``register.field`` and the name of one of its values."""
         _, field = self._field_at(path)
         number_text = name
         for named_value in field.values if field is not None else ():
@@ -327,8 +327,8 @@ class Reading:
         register = self.register(register_name)
         if register is None:
             return None, None
-        fields = {field.name: field for field in register.layout.fields}
-        return register, fields.get(field_name)
+        field_by_name = {field.name: field for field in register.layout.fields}
+        return register, field_by_name.get(field_name)
 
     def bits_of(self, interface: str, field: Field) -> str:
         """Return text such as ``bits 7:4`` for a field of a register or frame, for the first order code."""
@@ -349,7 +349,7 @@ class Reading:
         return None
 
     def field_place(self, owner: Path, field: Field) -> Path:
-        """Return the place of a field in the spec: in its group, in the layout, or at another key of the layout."""
+        """Return the place of a field in the spec, or ``other_bits`` for added zero bits, or else its owner."""
         if field.group:
             owner = ("field_groups", field.group)
         own_place: Path = (*owner, "fields", field.padding_of or field.name)
@@ -358,7 +358,7 @@ class Reading:
         return self.first_existing(own_place, owner)
 
     def bits_in_frames(self, interface: str, layout: Layout, field: Field) -> Iterator[str]:
-        """Yield a bit of each frame with a layout, in words without names, for the first order code."""
+        """Yield ``bit 3 of the encoder's frame``, once for each selector of the layout, for the first code."""
         low_bit = field.low.value(self._parameters_of_first_code(interface))
         bit_text = f"bit {low_bit} of the {layout.sender}'s frame"
         if not layout.selects:
@@ -367,7 +367,7 @@ class Reading:
             yield f"{bit_text} with {in_hex(selector_value)}"
 
     def printed_names(self, part: Any) -> Mapping[str, str]:
-        """Return the names of an item as printed, by language. Several in one language are alternatives."""
+        """Return the printed names of an item by language. Alternatives are joined: ``{"en": "turn | rev"}``."""
         translations: Mapping[str, str] = getattr(part, "names", {})
         names_by_language = {language: [plain(name)] for language, name in translations.items()}
         printed_name = getattr(part, "printed_name", "")
@@ -385,12 +385,12 @@ class Reading:
     def key_of(self, register: Register) -> Key:
         """Return the key of a register: interface, bank, address, and readability if several share the address."""
         bank = -1 if register.bank is None else register.bank
-        key = ("register", register.interface, bank, register.address)
+        address_key = ("register", register.interface, bank, register.address)
         all_addresses = [(other.interface, other.bank, other.address) for other in self.device.registers]
         is_address_shared = all_addresses.count((register.interface, register.bank, register.address)) > 1
         if not is_address_shared:
-            return key
-        return (*key, "read" if register.readable else "write")
+            return address_key
+        return (*address_key, "read" if register.readable else "write")
 
 
 def register_text(register: Register) -> str:
@@ -415,7 +415,7 @@ def short(value: int) -> str:
 
 
 def as_delivered(register: Register) -> int | None:
-    """Return the factory default of the register, as stated or from the documented values of all its fields."""
+    """Return the factory default as stated, or from the fixed values of all fields, or None if one is not known."""
     if register.default is not None:
         return register.default
     default = 0
@@ -429,12 +429,12 @@ def as_delivered(register: Register) -> int | None:
 
 def _documented_number(field: Field) -> int | None:
     """Return the value that a field always has as a number, or None if it has none or the order code decides it."""
-    value = field.equals
-    if isinstance(value, str):
-        return int.from_bytes(value.encode("ascii"), "big")
-    if isinstance(value, Expression):
-        return value.constant if value.is_constant else None
-    return value
+    documented_value = field.equals
+    if isinstance(documented_value, str):
+        return int.from_bytes(documented_value.encode("ascii"), "big")
+    if isinstance(documented_value, Expression):
+        return documented_value.constant if documented_value.is_constant else None
+    return documented_value
 
 
 def same_name(names: str, other_names: str) -> bool:

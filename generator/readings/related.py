@@ -36,21 +36,25 @@ class Related:
 
 
 def related(disagreements: Sequence[Disagreement]) -> list[Related]:
-    """Return the disagreements, each with those that have the same cause.
+    """Return the disagreements in groups with the same cause. Names come first in a group.
 
-    In a frame with another length, all bits after the difference are others, so its length is reported alone.
+    A known cause is looked up first, then the disagreement's own cause (``_own_cause``) is used. One without a cause is
+    alone. In a frame with another length, all bits after the difference are others, so only its length is reported.
     """
     resized_frames = [disagreement.resized_frame for disagreement in disagreements if disagreement.resized_frame]
-    separate = [disagreement for disagreement in disagreements if not _is_in_frame(disagreement, resized_frames)]
-    separate.sort(key=_sort_key)
+    reported_disagreements = [
+        disagreement for disagreement in disagreements if not _is_in_frame(disagreement, resized_frames)
+    ]
+    reported_disagreements.sort(key=_sort_key)
     disagreements_by_cause: dict[object, list[Disagreement]] = {}
-    for index, disagreement in enumerate(separate):
+    for index, disagreement in enumerate(reported_disagreements):
         known_causes = disagreements_by_cause.keys()
         cause = (
             _known_renaming_of_entry(disagreement, known_causes)
             or _known_renaming_of_place(disagreement, known_causes)
             or _known_change_of_time(disagreement, known_causes)
             or _own_cause(disagreement)
+            # A number of its own, so that the disagreement is alone.
             or index
         )
         disagreements_by_cause.setdefault(cause, []).append(disagreement)
@@ -59,14 +63,20 @@ def related(disagreements: Sequence[Disagreement]) -> list[Related]:
 
 
 def _sort_key(disagreement: Disagreement) -> tuple[bool, bool, bool]:
-    """Return a key that puts names first, and disagreements that depend on others last."""
+    """Return a key that puts names first, since other disagreements are recognised by their causes.
+
+    Disagreements that depend on others are last: open values of order codes, and times that the spec lacks.
+    """
     is_open_value = disagreement.second_place[-1:] == ("open",)
     is_time_without_spec = disagreement.sort is Sort.TIME and disagreement.spec_value == NOTHING
     return not disagreement.is_name, is_open_value, is_time_without_spec
 
 
 def _is_in_frame(disagreement: Disagreement, frames: Sequence[str]) -> bool:
-    """Return whether a disagreement is only about bits in one of these frames."""
+    """Return whether a disagreement is only about bits in one of these frames, given as ``of the encoder's frame``.
+
+    Its description names the frame, or its values are lists that differ only in items which name it.
+    """
     if disagreement.resized_frame or not frames:
         return False
     any_frame = re.compile(rf"(?:{'|'.join(map(re.escape, frames))})(?![\w.])")
@@ -81,7 +91,11 @@ def _is_in_frame(disagreement: Disagreement, frames: Sequence[str]) -> bool:
 
 
 def _own_cause(disagreement: Disagreement) -> object:
-    """Return what a disagreement has in common with others of the same cause, or None if it stands alone."""
+    """Return what a disagreement has in common with others of the same cause, or None if it stands alone.
+
+    This is the pair of names of a renamed item, a fixed text for missing texts or order codes, the edition of a
+    revision, or else the values in which the readings differ.
+    """
     if disagreement.sort in _TEXTS and disagreement.spec_value == NOTHING:
         return "text that only the second reading has"
     if disagreement.is_name:
@@ -95,9 +109,10 @@ def _own_cause(disagreement: Disagreement) -> object:
 
 
 def _changed_values(disagreement: Disagreement) -> object:
-    """Return the numbers in which the values differ, in any unit, or the two signals of a contact.
+    """Return the numbers in which the values differ, in any unit, or the two signals of a contact, or None.
 
-    A wait of 30 ms and a time of 30,000 µs have the same digits.
+    ``("numbers", {"3"}, {"5"})`` stands for 30 ms in the spec and 50 ms in the second reading, and also for times of
+    30,000 and 50,000 µs. Numbers of positions, addresses and the like mean nothing elsewhere.
     """
     spec_digits = _digits_of_numbers(disagreement.spec_value)
     second_digits = _digits_of_numbers(disagreement.second_value)
@@ -110,12 +125,15 @@ def _changed_values(disagreement: Disagreement) -> object:
 
 
 def _digits_of_numbers(text: str) -> Set[str]:
-    """Return the digits of each number in a text, without the zeros that depend on its unit."""
+    """Return the digits of each number in a text without zeros at its ends: ``{"3", "25"}`` for ``30 ms to 2.5 s``."""
     return {number.replace(".", "").strip("0") or "0" for number in _NUMBER.findall(text)}
 
 
 def _known_renaming_of_entry(disagreement: Disagreement, known_causes: Iterable[object]) -> object:
-    """Return the two names of a thing whose old one is still an entry of the contents in the second reading."""
+    """Return a known renaming, ``(spec name, second name)``, that explains an entry of the contents, or None.
+
+    Only the second reading has the entry, under the second name.
+    """
     if disagreement.sort is not Sort.CONTENTS or disagreement.spec_value != NOTHING:
         return None
     entry_name = _plain_name(str(disagreement.second_place[-1]))
@@ -126,7 +144,7 @@ def _known_renaming_of_entry(disagreement: Disagreement, known_causes: Iterable[
 
 
 def _known_renaming_of_place(disagreement: Disagreement, known_causes: Iterable[object]) -> object:
-    """Return both names of a renamed part if a source or a text lies in it."""
+    """Return a known renaming, ``(spec name, second name)``, of a part that contains a source or a text, or None."""
     if disagreement.sort not in _TEXTS:
         return None
     names_in_place = {_plain_name(str(step)) for step in disagreement.spec_place}
@@ -137,7 +155,11 @@ def _known_renaming_of_place(disagreement: Disagreement, known_causes: Iterable[
 
 
 def _known_change_of_time(disagreement: Disagreement, known_causes: Iterable[object]) -> object:
-    """Return the cause of another time that has changed from this one. A time without a name is known by its value."""
+    """Return the known change of a time that explains a time that only the second reading has, or None.
+
+    A time without a symbol is identified by its value, so a different value looks like another time. The cause is
+    ``("numbers", spec digits, second digits)``.
+    """
     if disagreement.sort is not Sort.TIME or disagreement.spec_value != NOTHING:
         return None
     digits = _digits_of_numbers(disagreement.second_value)

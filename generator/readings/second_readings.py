@@ -25,7 +25,10 @@ from .related import Related, related
 
 
 def facts_of(reading: Reading) -> Facts:
-    """Return all facts of a reading that can be compared with those of another reader."""
+    """Return all facts of a reading that can be compared with those of another reader.
+
+    ``decided`` lists facts that no manual prints, and is only in a second reading.
+    """
     facts = Facts()
     order_codes.add_codes(reading, facts)
     interfaces.add_interfaces(reading, facts)
@@ -57,6 +60,7 @@ class Coverage:
         return {sort: self._count(sort) for sort in Sort}
 
     def _count(self, sort: Sort) -> TimesRead:
+        """Return how many facts of a class were read how often. Facts that were read differently are not counted."""
         all_reads = self.outcome.read_by_place.items()
         reads_of_sort = [read for (read_sort, _), read in all_reads if read_sort is sort]
         return TimesRead(
@@ -79,6 +83,7 @@ class Coverage:
         return sorted(facts_read_once, key=self._order_in_file)
 
     def _order_in_file(self, fact: tuple[Sort, Path]) -> tuple[tuple[int, int], str]:
+        """Return line, column and class of a fact, by which facts are sorted."""
         sort, place = fact
         return self.spec.position(place), sort.value
 
@@ -122,24 +127,31 @@ Reader = Callable[[Family, Report], SecondReading | None]
 
 
 def read_beside(family: Family, report: Report) -> SecondReading | None:
-    """Read the second reading next to the spec of a family."""
+    """Return the second reading next to the spec of a family, or None if there is no file or it cannot be read.
+
+    Problems of the file are added to ``report``.
+    """
     file = second_reading_path(File(family.document.file))
     document = read_document(file, report) if file.is_file() else None
     return second_of(document, family.device.manufacturer, report) if document is not None else None
 
 
 def second_of(document: Document, manufacturer: Manufacturer, report: Report) -> SecondReading:
-    """Return the second reading in a document, and add its problems to ``report``."""
+    """Return the second reading in a document, without facts if the document has problems.
+
+    The problems are added to ``report``.
+    """
     problems_before = len(report)
-    data = check_second(document, report)
-    device = build_device(data, manufacturer, report.for_document(document)) if data is not None else None
+    valid_data = check_second(document, report)
+    device = build_device(valid_data, manufacturer, report.for_document(document)) if valid_data is not None else None
+    # A device can be built although the report has new problems.
     if device is None or len(report) != problems_before:
         return SecondReading(document, facts=None)
     return SecondReading(document, facts_of(Reading(device, document)))
 
 
 def comparable_specs(families: Iterable[Family], report: Report) -> frozenset[str]:
-    """Return the files of the families without problems in their facts so far, which can be compared."""
+    """Return the files of the families whose documents have no faults in the report so far."""
     valid_families = (family for family in families if not report.faults((family.plain or family).document))
     return frozenset(family.document.file for family in valid_families)
 
@@ -149,8 +161,8 @@ def compare_readings(
 ) -> list[Coverage]:
     """Compare each family with its second reading, report the differences, and return the coverage.
 
-    Families without a second reading are left out. So are those in which one of the two files has problems, but a
-    second reading is checked even if its spec is not ``sound``.
+    ``sound`` are the files of specs without problems. Left out are derived families, families without a second reading,
+    and those in which one of the two files has problems. A second reading is checked even if its spec has some.
     """
     coverages = []
     for loaded_family in families:
@@ -169,7 +181,8 @@ def compare_readings(
 def explain(spec: Document, second: Document, outcome: Comparison, report: Report) -> None:
     """Count the disagreements explained by errata of the spec, and report the others, each once.
 
-    An erratum that affects the place of a disagreement explains it by exactly its two values.
+    An erratum explains a disagreement with exactly its two values at a place that it affects. An erratum that explains
+    nothing is also reported.
     """
     explanations = list(_explanations(spec))
     used_explanations: set[Path] = set()
@@ -180,6 +193,7 @@ def explain(spec: Document, second: Document, outcome: Comparison, report: Repor
             unexplained.append(disagreement)
             continue
         used_explanations.update(explanation.place for explanation in matching)
+        # A fact that the spec lacks is counted at its place in the second reading.
         counted_place = disagreement.spec_place or ("second", *disagreement.second_place)
         outcome.read_by_place[disagreement.sort, counted_place] = Read.EXPLAINED
     for disagreements in related(unexplained):
@@ -199,14 +213,17 @@ class _Explanation:
     spec_value: str
 
     def explains(self, disagreement: Disagreement) -> bool:
-        """Return whether a disagreement has these two values at an affected place."""
+        """Return whether a disagreement has exactly these two values, at an affected place or near it."""
         if (self.second_value, self.spec_value) != (disagreement.second_value, disagreement.spec_value):
             return False
         return any(touches(path, disagreement.spec_place_or_nearest) for path in self.affected_paths)
 
 
 def _explanations(spec: Document) -> Iterator[_Explanation]:
-    """Yield each pair of values that the errata of a spec explain."""
+    """Yield each pair of values that the errata of a spec explain, under ``readings``.
+
+    Several pairs of an erratum are separate explanations with the same printed text and affected paths.
+    """
     for erratum_index, erratum in enumerate(spec.data.get("errata", ())):
         for pair_index, pair in enumerate(erratum.get("readings", ())):
             yield _Explanation(
@@ -219,17 +236,20 @@ def _explanations(spec: Document) -> Iterator[_Explanation]:
 
 
 def _report_disagreements(disagreements: Related, spec: Document, second: Document, report: Report) -> None:
-    """Report disagreements with one cause once: in the spec, or in the second reading if only that has the fact."""
+    """Report disagreements with one cause once: the first one, with the lines of the others.
+
+    The report is about the spec, or about the second reading if only that has the fact.
+    """
     first = disagreements.first_disagreement
     spec_place = first.spec_place_or_nearest
-    others = _others_text(disagreements, spec, second)
+    others_text = _others_text(disagreements, spec, second)
     advice = _ADVICE_ON_TEXT if disagreements.is_text_without_spec else _ADVICE
     if first.spec_value == NOTHING:
-        values = f"{first.second_value} here, {first.spec_value} in {_file_and_line(spec, spec_place)}"
-        report.add(RULE, second, first.second_place, f"{first.description}: {values}{others}; {advice}")
+        both_values = f"{first.second_value} here, {first.spec_value} in {_file_and_line(spec, spec_place)}"
+        report.add(RULE, second, first.second_place, f"{first.description}: {both_values}{others_text}; {advice}")
     else:
-        values = f"{first.spec_value} here, {first.second_value} in {_file_and_line(second, first.second_place)}"
-        report.add(RULE, spec, spec_place, f"{first.description}: {values}{others}; {advice}")
+        both_values = f"{first.spec_value} here, {first.second_value} in {_file_and_line(second, first.second_place)}"
+        report.add(RULE, spec, spec_place, f"{first.description}: {both_values}{others_text}; {advice}")
 
 
 def _file_and_line(document: Document, place: Path) -> str:
@@ -242,16 +262,23 @@ def _file_and_line(document: Document, place: Path) -> str:
 
 
 def _others_text(disagreements: Related, spec: Document, second: Document) -> str:
-    """Return the number of the other disagreements with the same cause, and their places."""
-    first = disagreements.first_disagreement
-    first_places = first.spec_place, first.second_place
-    # One contact of both interfaces is one place.
-    others = [other for other in disagreements.others if (other.spec_place, other.second_place) != first_places]
-    if not others:
+    """Return how many other disagreements have the same cause, and where, or "" if there are none.
+
+    For example ``, and 3 more with the same cause in lines 12 and 15``. Places in the second reading come with its
+    name: ``x24.second.yaml:30``.
+    """
+    first_disagreement = disagreements.first_disagreement
+    first_places = first_disagreement.spec_place, first_disagreement.second_place
+    # A disagreement at the same two places, such as one contact for both interfaces, is not counted again.
+    other_disagreements = [
+        other for other in disagreements.others if (other.spec_place, other.second_place) != first_places
+    ]
+    if not other_disagreements:
         return ""
+    # Keys of maps without values, for distinct lines and places in their order.
     spec_lines: dict[str, None] = {}
     places_in_second: dict[str, None] = {}
-    for other in others:
+    for other in other_disagreements:
         if other.spec_value == NOTHING:
             places_in_second[_file_and_line(second, other.second_place)] = None
         else:
@@ -261,15 +288,18 @@ def _others_text(disagreements: Related, spec: Document, second: Document) -> st
     if spec_lines:
         noun = "line" if len(spec_lines) == 1 else "lines"
         places.insert(0, f"{noun} {joined_lines(list(spec_lines))}")
-    return f", and {len(others)} more with the same cause in {', '.join(places)}"
+    return f", and {len(other_disagreements)} more with the same cause in {', '.join(places)}"
 
 
 def _check_explanation(explanation: _Explanation, spec: Document, report: Report, *, is_used: bool) -> None:
-    """Report an erratum that explains no disagreement, or whose printed text has other values."""
+    """Report an erratum that explains no disagreement, or whose printed text has other values.
+
+    In the second case, the printed text has values with the same unit, but not the number of the second reading.
+    """
     second_value = explanation.second_value
     if not is_used:
-        values = f"{quoted(second_value)} in the second reading and {quoted(explanation.spec_value)} here"
-        message = f"no fact affected by this erratum is {values}; correct or remove it"
+        both_values = f"{quoted(second_value)} in the second reading and {quoted(explanation.spec_value)} here"
+        message = f"no fact affected by this erratum is {both_values}; correct or remove it"
         report.add("readings-unused", spec, explanation.place, message)
     elif _lacks_number(explanation.printed, second_value):
         message = f"the printed text has other values than {second_value}, which the second reading has; correct it"
@@ -278,7 +308,10 @@ def _check_explanation(explanation: _Explanation, spec: Document, report: Report
 
 
 def _lacks_number(text: str, value: str) -> bool:
-    """Return whether a value has a unit, and a text has a value with this unit, but the number nowhere."""
+    """Return whether a text lacks the number of a value such as ``5 ms``, but has another value with its unit.
+
+    A value without a unit is not checked.
+    """
     quantity = _QUANTITY.fullmatch(value)
     if quantity is None:
         return False
@@ -303,14 +336,15 @@ _KEYS_LEFT_OUT_OF_PATHS = frozenset(
 def touches(affected_path: str, place: Path) -> bool:
     """Return whether an erratum that affects a path touches a place: the same one, a parent or a child.
 
-    ``registers.mode`` touches ``("registers", "mode", "fields", "speed")``.
+    ``registers.mode`` touches ``("registers", "mode", "fields", "speed")``. Indices and some keys are not in paths.
     """
-    names = affected_path.split(".")
+    remaining_names = affected_path.split(".")
     for step in place:
-        if not names:
+        # The place is inside the path.
+        if not remaining_names:
             break
-        if step == names[0]:
-            names = names[1:]
+        if step == remaining_names[0]:
+            remaining_names = remaining_names[1:]
         elif not isinstance(step, int) and step not in _KEYS_LEFT_OUT_OF_PATHS:
             return False
     return True

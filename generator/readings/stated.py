@@ -39,32 +39,38 @@ class _Detail(NamedTuple):
 
 
 def procedures(reading: Reading) -> Iterator[Fact]:
-    """Yield every procedure: its steps, its waits and its repetitions."""
+    """Yield the facts of every procedure: its steps as text, and its argument limits, waits and repetitions.
+
+    A procedure is identified by its interface and the text of its steps, such as ``write 0x49 = 05; read 0x4A``.
+    """
     for procedure in reading.device.procedures:
-        text = program(reading, procedure)
-        key: Key = ("procedure", procedure.interface, text)
-        place: Path = ("procedures", procedure.name)
+        steps_text = program(reading, procedure)
+        procedure_key: Key = ("procedure", procedure.interface, steps_text)
+        procedure_place: Path = ("procedures", procedure.name)
         yield Fact(
             sort=Sort.PROCEDURE,
-            key=key,
-            value=text,
+            key=procedure_key,
+            value=steps_text,
             description=f"a procedure over {interface_label(procedure.interface)}",
-            place=place,
+            place=procedure_place,
             name=procedure.name,
         )
         for detail in (*_argument_limits(reading, procedure), *_waits_and_repetitions(reading, procedure)):
             yield Fact(
                 sort=detail.sort,
-                key=(*key, *detail.key),
+                key=(*procedure_key, *detail.key),
                 value=detail.value,
                 description=detail.description,
-                place=(*place, *detail.place),
-                depends_on=key,
+                place=(*procedure_place, *detail.place),
+                depends_on=procedure_key,
             )
 
 
 def _argument_limits(reading: Reading, procedure: Procedure) -> Iterator[_Detail]:
-    """Yield the registers whose limits apply to the arguments."""
+    """Yield for each argument the register whose limits apply to it: ``register 0x49``.
+
+    For an argument that is meant in one of several ways, the condition follows: ``while register 0x4A bits 1:0 is 3``.
+    """
     for number, argument in enumerate(procedure.arguments, 1):
         register = reading.device.register(argument.of)
         while_text = ""
@@ -83,44 +89,46 @@ def _argument_limits(reading: Reading, procedure: Procedure) -> Iterator[_Detail
 def _waits_and_repetitions(reading: Reading, procedure: Procedure) -> Iterator[_Detail]:
     """Yield the waits, the bits that are read, and the repetitions of requests.
 
-    Waits that follow each other are one. Each step other than a wait is identified by its number among these.
+    Consecutive waits are added up. A step is identified by its number among the steps other than waits, and a wait by
+    the number of the step before it, or 0.
     """
-    step_number, total_wait_us, when = 0, 0, "at its start"
+    step_number, total_wait_us, position_text = 0, 0, "at its start"
     for index, step in enumerate(procedure.steps):
-        place = ("steps", index)
+        step_place = ("steps", index)
         if isinstance(step, WaitStep):
             total_wait_us += step.microseconds
             following_steps = procedure.steps[index + 1 :]
             is_last_of_waits = not following_steps or not isinstance(following_steps[0], WaitStep)
             if is_last_of_waits:
-                description = f"wait {when} in the procedure '{procedure.name}'"
+                description = f"wait {position_text} in the procedure '{procedure.name}'"
                 wait_text = f"{total_wait_us // 1000} ms"
                 yield _Detail(
                     sort=Sort.WAIT,
                     key=("wait", step_number),
-                    place=(*place, "at_least_ms"),
+                    place=(*step_place, "at_least_ms"),
                     value=wait_text,
                     description=description,
                 )
             continue
-        text = f"'{_step_text(reading, step, procedure)}'"
-        step_number, total_wait_us, when = step_number + 1, 0, f"after {text}"
+        step_text = f"'{_step_text(reading, step, procedure)}'"
+        # Another step begins a new wait.
+        step_number, total_wait_us, position_text = step_number + 1, 0, f"after {step_text}"
         if isinstance(step, ReadStep) and step.field:
             bits_read = _register_and_bits(reading, step.register, step.field)
-            description = f"bits used by {text}"
+            description = f"bits used by {step_text}"
             yield _Detail(
                 sort=Sort.PROCEDURE,
                 key=("bits", step_number),
-                place=(*place, "field"),
+                place=(*step_place, "field"),
                 value=bits_read,
                 description=description,
             )
         if isinstance(step, SendStep):
-            yield from _repetitions(step, step_number, place, f"{text} in the procedure '{procedure.name}'")
+            yield from _repetitions(step, step_number, step_place, f"{step_text} in the procedure '{procedure.name}'")
 
 
 def _repetitions(step: SendStep, step_number: int, place: Path, request_text: str) -> Iterator[_Detail]:
-    """Yield how often a request is sent, and at which interval."""
+    """Yield how often a request is sent, at which interval, and whether in succession without other requests."""
     yield _Detail(
         sort=Sort.PROCEDURE,
         key=("times", step_number),
@@ -147,20 +155,25 @@ def _repetitions(step: SendStep, step_number: int, place: Path, request_text: st
 
 
 def program(reading: Reading, procedure: Procedure) -> str:
-    """Return the steps of a procedure as text, without waits and repetitions."""
+    """Return the steps of a procedure as text, without waits and repetitions: ``write 0x49 = 05; read 0x4A``."""
     texts = (_step_text(reading, step, procedure) for step in procedure.steps)
     return "; ".join(text for text in texts if text)
 
 
 def _step_text(reading: Reading, step: Step, procedure: Procedure) -> str:
+    """Return a step in words without names, such as ``set 0x49 bits 3:0 to argument 1``, or "" for a wait."""
     match step:
         case WriteStep(register, name, value):
-            written = reading.device.register(register)
-            text = written.bytes_of(value).hex(" ").upper() if value is not None else _argument_text(procedure, name)
-            return f"write {_register_and_bits(reading, register, '')} = {text}"
+            written_register = reading.device.register(register)
+            value_text = (
+                written_register.bytes_of(value).hex(" ").upper()
+                if value is not None
+                else _argument_text(procedure, name)
+            )
+            return f"write {_register_and_bits(reading, register, '')} = {value_text}"
         case ModifyStep(register, field, name, value):
-            text = in_hex(value) if value is not None else _argument_text(procedure, name)
-            return f"set {_register_and_bits(reading, register, field)} to {text}"
+            value_text = in_hex(value) if value is not None else _argument_text(procedure, name)
+            return f"set {_register_and_bits(reading, register, field)} to {value_text}"
         case ReadStep(register):
             return f"read {_register_and_bits(reading, register, '')}"
         case PollStep(register, field, value):
@@ -174,13 +187,13 @@ def _step_text(reading: Reading, step: Step, procedure: Procedure) -> str:
 
 
 def _argument_text(procedure: Procedure, name: str) -> str:
-    """Return an argument by its number among the arguments."""
+    """Return ``argument 2`` for an argument of the procedure, or the name if it is not an argument."""
     names = [argument.name for argument in procedure.arguments]
     return f"argument {names.index(name) + 1}" if name in names else name
 
 
 def _register_and_bits(reading: Reading, register_name: str, field_name: str) -> str:
-    """Return a register, and its bits if the step does not use all of them."""
+    """Return ``0x49 bits 3:0``, or only ``0x49`` for a field that is the whole register, or without a field."""
     register = reading.device.register(register_name)
     bits_text = ""
     for field in register.layout.fields:
@@ -191,7 +204,7 @@ def _register_and_bits(reading: Reading, register_name: str, field_name: str) ->
 
 
 def programs(reading: Reading, names: tuple[str, ...]) -> str:
-    """Return the steps of several procedures as text, in a fixed order."""
+    """Return the steps of several procedures as text, in the order of these texts: ``read 0x4A | write 0x49 = 05``."""
     procedures_by_name = {procedure.name: procedure for procedure in reading.device.procedures}
     texts = [program(reading, procedures_by_name[name]) for name in names if name in procedures_by_name]
     return " | ".join(sorted(texts))
@@ -217,7 +230,10 @@ class Subject:
     joint: str = " of "
 
     def inside(self, key: Key, place: Path, description: str) -> Subject:
-        """Return a part of the subject, about which there are only facts if there is the subject."""
+        """Return a part of the subject, whose facts depend on the fact that the subject exists.
+
+        Key and place are within those of the subject.
+        """
         return Subject(
             self.reading,
             key=(*self.key, *key),
@@ -228,7 +244,10 @@ class Subject:
         )
 
     def existence_fact(self, sort: Sort, value: Value, at: str = "", name: str = "", depends_on: Key = ()) -> Fact:
-        """Return the fact that the subject exists. ``name`` is the reader's name of it."""
+        """Return the fact that the subject exists, with a value such as "present".
+
+        ``at`` is the member at which the file states it, and ``name`` is the reader's name of the subject.
+        """
         place = (*self.place, at) if at else self.place
         return Fact(
             sort=sort,
@@ -248,7 +267,11 @@ class Subject:
     def detail_fact(
         self, sort: Sort, name: str, value: Value, noun: str, at: Path | None = None, may_be_missing: bool = False
     ) -> Fact:
-        """Return another fact about the subject, which ``noun`` describes."""
+        """Return another fact about the subject, whose description is ``noun``, ``joint`` and the subject's.
+
+        ``name`` identifies it, such as ``default`` for "default of register 0x49". ``at`` is its place, by default the
+        member of this name.
+        """
         depends_on = self.key if self.depends_on is None else self.depends_on
         place = (*self.place, name) if at is None else at
         return Fact(
@@ -262,16 +285,20 @@ class Subject:
         )
 
     def stated_facts(self, model_part: Any, without: Collection[str] = ()) -> Iterator[Fact]:
-        """Yield a fact for each stated member that the table assigns to a class of facts, and for each printed name."""
+        """Yield a fact for each member that the spec states, and for each printed name of the part.
+
+        The table of members gives the class of a fact in ``read``. Members without a class, and those in ``without``,
+        have no fact.
+        """
         attributes = {member_field.name for member_field in fields(model_part)}
         for member in PARTS_BY_CLASS[type(model_part).__name__].members:
             if not member.read or member.attribute not in attributes or member.name in without:
                 continue
-            value = getattr(model_part, member.attribute)
-            if member.is_stated(value):
-                # The spec uses its name in the model or in the data.
+            member_value = getattr(model_part, member.attribute)
+            if member.is_stated(member_value):
+                # The key of the member in the spec is its name in the model or in the table.
                 place = self.reading.first_existing((*self.place, member.attribute), (*self.place, member.name))
-                text = _value_text(self.reading, member, value, self.interface)
+                text = _value_text(self.reading, member, member_value, self.interface)
                 yield self.detail_fact(Sort(member.read), member.name, text, member.noun or member.words, place)
         for language, text in self.reading.printed_names(model_part).items():
             places = (*self.place, "names", language), (*self.place, "printed_name"), self.place
@@ -282,7 +309,10 @@ class Subject:
 
 
 def _value_text(reading: Reading, member: Member, value: Any, interface: str) -> Value:
-    """Return a stated value in words without names."""
+    """Return a stated value in words without names, or a text for each case if it is an expression.
+
+    Numbers come with the unit of the member: ``16 µs``, ``0x1A``, ``yes``.
+    """
     if member.refers_to:
         return _referred_text(reading, member, value, interface)
     if isinstance(value, Expression):
@@ -301,13 +331,14 @@ def _value_text(reading: Reading, member: Member, value: Any, interface: str) ->
         # Two readers may write the same formula with different numbers.
         factor, offset = value.quantity(1) - value.quantity(0), value.quantity(0)
         return f"number * {factor} + {offset} {value.unit}"
+    # Of any other part, the first member is its value.
     if is_dataclass(value):
         return str(getattr(value, fields(value)[0].name))
     return kind_of_unit(value) if member.form == "unit" else str(value)
 
 
 def _bool_text(member: Member, is_true: bool) -> str:
-    """Return a truth value in the words of its member."""
+    """Return ``low`` or ``high`` for a level, ``yes`` or ``no`` for a property, else ``true`` or ``false``."""
     if member.form == "level":
         return "low" if is_true else "high"
     # A member with a default, such as ``boolean=false``, is a property that the item has or lacks.
@@ -321,22 +352,26 @@ def _part_text(part: object) -> str:
 
 
 def _referred_text(reading: Reading, member: Member, value: Any, interface: str) -> str:
-    """Return the things that a member names, in words without names."""
+    """Return the things that a member names, in words without names, sorted.
+
+    Registers give their addresses, register fields and flags of frames their bits, and procedures their steps.
+    """
     names = (value,) if isinstance(value, str) else value
     match member.refers_to.removesuffix("s"):
         case "register":
-            texts = {_register_text(reading, name) for name in names}
+            thing_texts = {_register_text(reading, name) for name in names}
         case "dotted":
-            texts = {reading.bits_at(name) for name in names}
+            thing_texts = {reading.bits_at(name) for name in names}
         case "procedure":
             return programs(reading, names)
         case _:
-            texts = set()
+            # All other members name fields of the frames of the interface.
+            thing_texts = set()
             for layout in reading.device.interface(interface).layouts:
-                for flag in layout.fields:
-                    if flag.name in names:
-                        texts.update(reading.bits_in_frames(interface, layout, flag))
-    return ", ".join(sorted(texts))
+                for field in layout.fields:
+                    if field.name in names:
+                        thing_texts.update(reading.bits_in_frames(interface, layout, field))
+    return ", ".join(sorted(thing_texts))
 
 
 def _register_text(reading: Reading, name: str) -> str:

@@ -14,15 +14,18 @@ from .texts import numbers_in
 
 
 def surroundings(reading: Reading) -> Iterator[Fact]:
-    """Yield all facts other than data."""
+    """Yield the facts about connectors, alarms, inputs, editions, characteristics, tables and LEDs.
+
+    An alarm is identified by the place of its bits, of which it can have several.
+    """
     yield from _connector_facts(reading)
     for alarm in reading.device.alarms:
-        for place in _alarm_bits_texts(reading, alarm):
+        for bits_text in _alarm_bits_texts(reading, alarm):
             subject = Subject(
-                reading, key=("alarm", place), place=("alarms", alarm.name), description=f"the alarm '{alarm.name}'"
+                reading, key=("alarm", bits_text), place=("alarms", alarm.name), description=f"the alarm '{alarm.name}'"
             )
             yield replace(
-                subject.existence_fact(Sort.ALARM, "present", name=alarm.name), description=f"alarm at {place}"
+                subject.existence_fact(Sort.ALARM, "present", name=alarm.name), description=f"alarm at {bits_text}"
             )
             yield from subject.stated_facts(alarm)
     for number, hardware_input in enumerate(reading.device.inputs, 1):
@@ -37,7 +40,10 @@ def surroundings(reading: Reading) -> Iterator[Fact]:
 
 
 def _connector_facts(reading: Reading) -> Iterator[Fact]:
-    """Yield every contact, by interface, number of its connector or cable, and pin or colour."""
+    """Yield the connectors and cables of each interface with their contacts.
+
+    They are numbered from 1 for each interface and kind. One without interfaces belongs to the interface "".
+    """
     counts: Counter[tuple[str, str]] = Counter()
     for connector in reading.device.connectors:
         for interface in connector.interfaces or ("",):
@@ -46,7 +52,10 @@ def _connector_facts(reading: Reading) -> Iterator[Fact]:
 
 
 def _contact_facts(reading: Reading, connector: Connector, interface: str, number: int) -> Iterator[Fact]:
-    """Yield a connector or cable of an interface, and its contacts."""
+    """Yield a connector or cable of an interface, and its contacts with their signals.
+
+    A contact is identified by its pin or colour, such as ``("connector", "ssi", "connector", 1, "3")``.
+    """
     connector_text = f"{connector.kind} {number}"
     if interface:
         connector_text += f" for {interface_label(interface)}"
@@ -68,7 +77,10 @@ def _contact_facts(reading: Reading, connector: Connector, interface: str, numbe
 
 
 def _alarm_bits_texts(reading: Reading, alarm: Alarm) -> Iterator[str]:
-    """Yield the places of the bits of an alarm, in words without names."""
+    """Yield the places of an alarm: ``register 0x49 bit 3``, a whole register, and its bit in each frame.
+
+    A bit in a frame is that of the alarm's field in a field group, with the interface: ``bit 3 of … over SSI``.
+    """
     register = reading.register(alarm.register) if alarm.register else None
     if register is not None and alarm.field:
         yield reading.bits_at(f"{alarm.register}.{alarm.field}")
@@ -79,12 +91,12 @@ def _alarm_bits_texts(reading: Reading, alarm: Alarm) -> Iterator[str]:
     for interface, layout in reading.device.layouts():
         for field in layout.fields:
             if (field.group, field.name) == (alarm.group, alarm.field):
-                for place in reading.bits_in_frames(interface.name, layout, field):
-                    yield f"{place} over {interface.short}"
+                for bit_text in reading.bits_in_frames(interface.name, layout, field):
+                    yield f"{bit_text} over {interface.short}"
 
 
 def _history_facts(reading: Reading, manual: Manual) -> Iterator[Fact]:
-    """Yield the editions that were read, and the manual's revisions."""
+    """Yield the revisions of the editions that were read, by language, and those that the manual lists."""
     editions: list[tuple[Path, Manual | Edition]] = [(("manual",), manual)]
     editions += [(("manual", "editions", edition.revision), edition) for edition in manual.editions]
     for place, edition in editions:
@@ -103,18 +115,18 @@ def _history_facts(reading: Reading, manual: Manual) -> Iterator[Fact]:
 
 
 def _characteristic_facts(reading: Reading) -> Iterator[Fact]:
-    """Yield every characteristic by its name, with its quantities in the order of the text."""
+    """Yield the facts of every characteristic, identified by its name, and of its quantities, numbered in the text."""
     for characteristic in reading.device.characteristics:
         key, place = ("characteristic", characteristic.name), ("characteristics", characteristic.name)
         subject = Subject(reading, key=key, place=place, description=f"the characteristic '{characteristic.name}'")
         yield from subject.all_facts(Sort.CHARACTERISTIC, characteristic)
-        for index, value in enumerate(characteristic.values):
-            description = f"{value.quantity} {index + 1} of {subject.description}"
-            yield from subject.inside((index,), ("values", index), description).stated_facts(value)
+        for index, quantity_value in enumerate(characteristic.values):
+            description = f"{quantity_value.quantity} {index + 1} of {subject.description}"
+            yield from subject.inside((index,), ("values", index), description).stated_facts(quantity_value)
 
 
 def _table_facts(reading: Reading) -> Iterator[Fact]:
-    """Yield every table by its name, with the numbers in its cells by row and column."""
+    """Yield every table, identified by its name, and the numbers of each cell that has some, by row and column."""
     for table in reading.device.tables:
         subject = Subject(
             reading, key=("table", table.name), place=("tables", table.name), description=f"the table '{table.name}'"
@@ -122,15 +134,15 @@ def _table_facts(reading: Reading) -> Iterator[Fact]:
         yield from subject.all_facts(Sort.TABLE, table, f"{len(table.rows)} rows")
         for row_index, row in enumerate(table.rows):
             for column_index, cell in enumerate(row):
-                numbers = numbers_in(cell)
-                if numbers:
+                cell_numbers = numbers_in(cell)
+                if cell_numbers:
                     place = (*subject.place, "rows", row_index, column_index)
                     noun = f"row {row_index + 1}, column {column_index + 1}"
-                    yield subject.detail_fact(Sort.TABLE, f"{row_index} {column_index}", numbers, noun, place)
+                    yield subject.detail_fact(Sort.TABLE, f"{row_index} {column_index}", cell_numbers, noun, place)
 
 
 def _led_facts(reading: Reading) -> Iterator[Fact]:
-    """Yield every LED by its name, with its states in the order of the manual."""
+    """Yield every LED, identified by its name, and its states, numbered in the order of the manual."""
     for led in reading.device.leds:
         led_subject = Subject(
             reading, key=("led", led.name), place=("leds", led.name), description=f"the LED '{led.name}'"

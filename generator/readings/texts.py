@@ -27,13 +27,13 @@ _COMMA = re.compile(r"(?<=\d),(?=\d{3}(?!\d))")
 
 
 def numbers_in(text: str) -> str:
-    """Return the numbers in a text, each with its unit, in their order. Empty if there is none."""
+    """Return the numbers in a text in their order, each with its unit: ``5V 10ms``. Empty if there is none."""
     numbers = (match.rstrip(".,-").replace(" ", "").lstrip("+") for match in _NUMBER.findall(_COMMA.sub("", text)))
     return " ".join(numbers).replace("−", "-")
 
 
 def contents(reading: Reading) -> Iterator[Fact]:
-    """Yield the page of every section and entry in the table of contents."""
+    """Yield the page of every section and of every entry in the table of contents, if it has one."""
     for section, section_contents in reading.document.data["manual"].get("contents", {}).items():
         place: Path = ("manual", "contents", section)
         pages = {(*place, "page"): section_contents.get("page")}
@@ -52,16 +52,16 @@ def contents(reading: Reading) -> Iterator[Fact]:
 
 
 def texts(reading: Reading) -> Iterator[Fact]:
-    """Yield the numbers in every text, and the sections that every source cites."""
+    """Yield a fact for every text with numbers, and one for every source with sections, identified by their places."""
     for place, text in prose_texts((), reading.document.data):
-        value = _compared_text(place[-1], text)
-        if not value:
+        numbers_or_sections = _compared_text(place[-1], text)
+        if not numbers_or_sections:
             continue
         if is_source(place[-1]):
             yield Fact(
                 sort=Sort.SECTION,
                 key=(CITED, *place),
-                value=value,
+                value=numbers_or_sections,
                 description=f"section cited at {dotted(place)}",
                 place=place,
             )
@@ -69,7 +69,7 @@ def texts(reading: Reading) -> Iterator[Fact]:
             yield Fact(
                 sort=Sort.TEXT,
                 key=(NUMBERS, *place),
-                value=value,
+                value=numbers_or_sections,
                 description=f"numbers in {dotted(place)}",
                 place=place,
             )
@@ -87,16 +87,19 @@ def _compared_text(key: str | int, text: str) -> str:
 
 
 def by_path(reading: Reading) -> dict[str, tuple[str, Path]]:
-    """Return what a second reading gives for texts and sources by their paths, with the places there."""
+    """Return what a second reading gives for texts and sources by their paths, with the places there.
+
+    ``{"registers.mode.meaning": ("5V 10ms", ("found", "registers.mode.meaning"))}``
+    """
     numbers_and_places: dict[str, tuple[str, Path]] = {}
     for path, text in reading.document.data.get("found", {}).items():
-        key = path.rpartition(".")[2]
-        numbers_and_places[path] = (_compared_text(key, text), ("found", path))
+        member_name = path.rpartition(".")[2]
+        numbers_and_places[path] = (_compared_text(member_name, text), ("found", path))
     return numbers_and_places
 
 
 def sections_by_path(reading: Reading) -> dict[str, list[str]]:
-    """Return the sections that a second reading gives for everything under a path."""
+    """Return the sections that a second reading gives for everything under a path: ``{"registers": ["4.3"]}``."""
     cited_sections: dict[str, list[str]] = {}
     for section, paths in reading.document.data.get("sections", {}).items():
         for path in paths:
@@ -105,14 +108,17 @@ def sections_by_path(reading: Reading) -> dict[str, list[str]]:
 
 
 def prose_texts(place: Path, node: Any) -> Iterator[tuple[Path, str]]:
-    """Yield every text and source, with its place by names."""
+    """Yield every text and source in part of a spec, with its place.
+
+    In a place, items of lists have their names, or else their indices. Call it with ``()`` and the whole spec.
+    """
     if isinstance(node, dict):
-        for key, value in node.items():
+        for key, member in node.items():
             if (*place, key) not in _WITHOUT:
-                yield from prose_texts((*place, key), value)
+                yield from prose_texts((*place, key), member)
     elif isinstance(node, list):
-        for index, value in enumerate(node):
-            yield from prose_texts((*place, label_of(value) or index), value)
+        for index, member in enumerate(node):
+            yield from prose_texts((*place, label_of(member) or index), member)
     elif isinstance(node, str) and (place[-1] in _TEXTS or (place[0], place[-1]) == ("characteristics", "value")):
         yield place, node
 

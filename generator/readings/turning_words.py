@@ -59,24 +59,30 @@ class Vocabulary:
     """The turning words of a family: those of the language, and the signals on its connectors."""
 
     def __init__(self, signals: Iterable[str]) -> None:
+        #: The kind of each word, and the first word of its sense.
         self._senses: dict[str, Gap] = {}
-        #: First words of the senses, by kind.
+        #: First words of the senses, by kind: ``{"level": ["high", "low"]}``.
         self.choices: dict[str, Sequence[str]] = {}
         for line in _WORDS.splitlines():
             kind, _, senses = line.partition(": ")
             self._add_kind(kind, [sense.split(", ") for sense in senses.split(" | ")])
         self._add_kind(SIGNAL, [[signal] for signal in sorted(set(signals)) if len(signal) > 2])
+        # The regular expression takes the first alternative that matches, so "no longer" must come before "no".
         spellings = sorted(self._senses, key=len, reverse=True)
         self._pattern = re.compile(rf"(?<![\w/])(?:{'|'.join(map(_pattern, spellings))})(?!\w)", re.IGNORECASE)
 
     def _add_kind(self, kind: str, senses: Sequence[Sequence[str]]) -> None:
+        """Add the words of each sense. A word of several kinds belongs to the first one."""
         self.choices[kind] = [words[0] for words in senses]
         for words in senses:
             for word in words:
                 self._senses.setdefault(word.casefold(), Gap(kind, words[0]))
 
     def cloze(self, text: str) -> ClozeText:
-        """Return a text with gaps instead of its turning words."""
+        """Return a text with numbered gaps instead of its turning words, and the gaps.
+
+        For example ``if {1 level} {2 order} the start`` for ``if high before the start``.
+        """
         gaps: list[Gap] = []
 
         def numbered_gap(match: re.Match[str]) -> str:
@@ -87,7 +93,10 @@ class Vocabulary:
 
 
 def _pattern(word: str) -> str:
-    """Return the pattern of a word, which can need another word before it."""
+    """Return the regular expression of a word.
+
+    A word of ``_ONLY_AFTER`` matches only directly after one of its words: ``(?:(?<=count )|(?<=counts ))up``.
+    """
     if word not in _ONLY_AFTER:
         return re.escape(word)
     words_before = (before if before.endswith("-") else f"{before} " for before in _ONLY_AFTER[word])

@@ -30,7 +30,11 @@ class Ranges(NamedTuple):
 
 
 def differing_ranges(old: Sequence[str], new: Sequence[str]) -> Iterator[Ranges]:
-    """Yield the ranges of words that differ, in order."""
+    """Yield the ranges of words that differ, in order.
+
+    Ranges with few pairs of equal words are compared word by word. Others are first divided at common phrases, with
+    shorter and shorter ones. Ranges that are still too large count as one difference.
+    """
     whole_texts = Ranges(low=0, high=len(old), new_low=0, new_high=len(new))
     # The ranges to compare, last first, with the index of the length of the phrases that divide them next.
     ranges_to_compare = [(whole_texts, 0)]
@@ -44,6 +48,7 @@ def differing_ranges(old: Sequence[str], new: Sequence[str]) -> Iterator[Ranges]
         if _has_few_equal_pairs(old, new, ranges, most_pairs):
             yield from _differences_within(old, new, ranges)
         elif has_more_lengths:
+            # In reverse order, so that the first of them is taken from the end of the list next.
             smaller_ranges = _divide_at_phrases(old, new, ranges, _PHRASE_LENGTHS[length_index])
             ranges_to_compare += [(smaller, length_index + 1) for smaller in reversed(smaller_ranges)]
         else:
@@ -61,7 +66,10 @@ def _without_equal_ends(old: Sequence[str], new: Sequence[str], ranges: Ranges) 
 
 
 def _has_few_equal_pairs(old: Sequence[str], new: Sequence[str], ranges: Ranges, most_pairs: int) -> bool:
-    """Return whether two ranges have at most ``most_pairs`` pairs of equal words."""
+    """Return whether two ranges have at most ``most_pairs`` pairs of equal words.
+
+    A word that occurs 3 times in one range and twice in the other gives 6 pairs.
+    """
     old_counts = Counter(old[ranges.low : ranges.high])
     new_counts = Counter(new[ranges.new_low : ranges.new_high])
     pair_count = sum(count * new_counts[word] for word, count in old_counts.items())
@@ -69,7 +77,7 @@ def _has_few_equal_pairs(old: Sequence[str], new: Sequence[str], ranges: Ranges,
 
 
 def _differences_within(old: Sequence[str], new: Sequence[str], ranges: Ranges) -> Iterator[Ranges]:
-    """Yield the differences between two ranges, compared word by word."""
+    """Yield the differences between two ranges, compared word by word, as ranges of the whole texts."""
     low, high, new_low, new_high = ranges
     matcher = SequenceMatcher(None, old[low:high], new[new_low:new_high], autojunk=False)
     for tag, start, end, new_start, new_end in matcher.get_opcodes():
@@ -78,7 +86,10 @@ def _differences_within(old: Sequence[str], new: Sequence[str], ranges: Ranges) 
 
 
 def _divide_at_phrases(old: Sequence[str], new: Sequence[str], ranges: Ranges, phrase_length: int) -> list[Ranges]:
-    """Return the ranges between the phrases of this length that occur once in each text and in the same order."""
+    """Return the ranges between phrases of this length that occur once in each range and in the same order.
+
+    Phrases that overlap the one before are skipped. Without any phrase, the whole ranges are returned.
+    """
     old_places = _places_of_phrases(old, ranges.low, ranges.high, phrase_length)
     new_places = _places_of_phrases(new, ranges.new_low, ranges.new_high, phrase_length)
     common_places = [(place, new_places[phrase]) for phrase, place in old_places.items() if phrase in new_places]
@@ -93,7 +104,7 @@ def _divide_at_phrases(old: Sequence[str], new: Sequence[str], ranges: Ranges, p
 
 
 def _places_of_phrases(words: Sequence[str], low: int, high: int, length: int) -> dict[tuple[str, ...], int]:
-    """Return the places of the phrases of this length that occur once in a range."""
+    """Return the index of the first word of each phrase of this length that occurs once in a range."""
     places: dict[tuple[str, ...], int] = {}
     repeated_phrases: set[tuple[str, ...]] = set()
     for place in range(low, high - length + 1):
@@ -105,17 +116,21 @@ def _places_of_phrases(words: Sequence[str], low: int, high: int, length: int) -
 
 
 def _longest_increasing(pairs: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
-    """Return the longest run of pairs, sorted by their first number, in which the second number increases too."""
+    """Return the longest run of pairs in which the second number increases, too.
+
+    The pairs are sorted by their first number. For ``[(1, 5), (2, 3), (3, 4)]`` this is ``[(2, 3), (3, 4)]``.
+    """
     # For each length of a run: the lowest second number at its end, and the index of that pair.
     lowest_ends: list[int] = []
     last_indices: list[int] = []
     # For each pair: the index of the pair before it in the longest run that it ends, or -1.
     previous_indices: list[int] = []
     for index, (_, new_place) in enumerate(pairs):
-        length = bisect_left(lowest_ends, new_place)
-        previous_indices.append(last_indices[length - 1] if length else -1)
-        lowest_ends[length : length + 1] = [new_place]
-        last_indices[length : length + 1] = [index]
+        # The longest run that this pair can continue: its last second number must be lower.
+        length_before = bisect_left(lowest_ends, new_place)
+        previous_indices.append(last_indices[length_before - 1] if length_before else -1)
+        lowest_ends[length_before : length_before + 1] = [new_place]
+        last_indices[length_before : length_before + 1] = [index]
     run: list[tuple[int, int]] = []
     index = last_indices[-1] if last_indices else -1
     while index >= 0:

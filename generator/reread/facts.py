@@ -55,10 +55,11 @@ class Citing:
 
     @property
     def shown(self) -> str:
-        text = self.spelling or " ".join(str(self.value).split())
-        if len(text) > _SHOWN_LETTERS:
-            text = text[: _SHOWN_LETTERS - 3] + "..."
-        return f"{_relative_path(self.file)}:{self.line}: {self.path}: {text}"
+        """The fact in one line, with its value shortened: ``specs/x24.yaml:12: clock.max_hz: 4_000_000``."""
+        value_text = self.spelling or " ".join(str(self.value).split())
+        if len(value_text) > _SHOWN_LETTERS:
+            value_text = value_text[: _SHOWN_LETTERS - 3] + "..."
+        return f"{_relative_path(self.file)}:{self.line}: {self.path}: {value_text}"
 
     @property
     def is_of_edition(self) -> bool:
@@ -67,7 +68,7 @@ class Citing:
 
     @cached_property
     def words(self) -> frozenset[str]:
-        """The words of the value as a manual may print them."""
+        """The words of the value as a manual may print them, such as ``4,000`` and ``fa0h`` for 4000."""
         printed_words = frozenset(_printed_words(self.value))
         if self.path.endswith(".poly"):
             printed_words |= _with_top_bit(self.value)
@@ -106,7 +107,8 @@ class Citing:
     def is_at(self, sections: Collection[str], passage: Passage) -> bool:
         """Return whether it cites one of the sections, or is an option of the order code that the passage names.
 
-        Manuals print order codes in many sections, and in headings. A spec cites few of them.
+        Manuals print order codes in many sections, and in headings, of which a spec cites few. A fact of the edition is
+        instead at a passage that changes it on the cover, has a date, or adds a row to the history below its own row.
         """
         if self.is_of_edition:
             is_on_cover = passage.section.number == COVER and not self.words.isdisjoint(passage.old)
@@ -121,19 +123,23 @@ class Citing:
         return is_new_row and self.path != "manual.date" and not self.words.isdisjoint(passage.close)
 
     def _is_option_named_in(self, passage: Passage) -> bool:
-        """Return whether the fact is about an option of the order code whose label is in the passage."""
-        option = _OPTION.fullmatch(self.path)
-        if option is None:
+        """Return whether the fact is about an option of the order code whose label is in the passage.
+
+        The label is one of the old words, or is the last two digits of an order code among them. For a passage that
+        adds an order code, the words around it count instead of the old ones.
+        """
+        option_match = _OPTION.fullmatch(self.path)
+        if option_match is None:
             return False
-        label = option[1].casefold()
+        label = option_match[1].casefold()
         # A row with a new order code is next to rows of others.
         adds_order_code = not passage.old and bool(_last_digits(word.casefold() for word in passage.new))
         words_of_passage = passage.close if adds_order_code else passage.old
-        words = {word.casefold() for word in words_of_passage}
-        if _is_order_code_label(label) and label in words:
+        folded_words = {word.casefold() for word in words_of_passage}
+        if _is_order_code_label(label) and label in folded_words:
             return True
         # Labels of digits are often printed only at the end of an order code.
-        return label.isdigit() and label in _last_digits(words)
+        return label.isdigit() and label in _last_digits(folded_words)
 
 
 def _words_of_name(name: str) -> list[str]:
@@ -148,14 +154,17 @@ def spaced(text: str) -> str:
 
 
 def _is_order_code_label(text: str) -> bool:
-    """Return whether a text can only be a label of an order code. A, TO or 21 can be any word."""
+    """Return whether a text can only be a label of an order code.
+
+    This is one of 4 or more digits, or another one with 3 or more characters or a digit. A, TO or 21 can be any word.
+    """
     if text.isdigit():
         return len(text) > 3
     return len(text) > 2 or any(letter.isdigit() for letter in text)
 
 
 def _last_digits(words: Iterable[str]) -> set[str]:
-    """Return the two digits at the end of each order code among words."""
+    """Return the two digits at the end of each order code among lower-case words: ``{"24"}`` for ``xy24``."""
     last_digits: set[str] = set()
     for word in words:
         order_code = ORDER_CODE.fullmatch(word)
@@ -172,7 +181,11 @@ def _relative_path(file: str) -> str:
 
 
 def _printed_words(value: object) -> Iterator[str]:
-    """Yield the words of a value. A number can be printed in hexadecimal, with separators, or in a larger unit."""
+    """Yield the words of a value in lower case. A truth value has none.
+
+    A number can be printed in hexadecimal, with separators, or in a larger unit. For example, 4000 gives ``4,000``,
+    ``4.000``, ``4``, ``400.0`` and ``fa0h``.
+    """
     if isinstance(value, bool) or value is None:
         return
     if not isinstance(value, int):
@@ -192,15 +205,18 @@ def _printed_words(value: object) -> Iterator[str]:
 
 
 def _with_top_bit(polynomial: object) -> frozenset[str]:
-    """Return a polynomial as manuals print it with its top bit, in hexadecimal or binary, for any width."""
+    """Return a polynomial as manuals print it with its top bit, in hexadecimal or binary.
+
+    The spec leaves out the top bit, whose place is the width of the CRC. Each width up to 32 is tried.
+    """
     if not isinstance(polynomial, int):
         return frozenset()
     smallest_width = max(polynomial.bit_length(), 3)
-    texts: set[str] = set()
+    printed_polynomials: set[str] = set()
     for width in range(smallest_width, 33):
         with_top_bit = polynomial | 1 << width
-        texts |= {f"{with_top_bit:x}", f"{with_top_bit:x}h", f"0x{with_top_bit:x}", f"{with_top_bit:b}"}
-    return frozenset(texts)
+        printed_polynomials |= {f"{with_top_bit:x}", f"{with_top_bit:x}h", f"0x{with_top_bit:x}", f"{with_top_bit:b}"}
+    return frozenset(printed_polynomials)
 
 
 #: Keys whose values are the names of other parts of the spec, or paths to them.
@@ -220,7 +236,7 @@ class _Surroundings:
 
 
 def citing(document: Document) -> list[Citing]:
-    """Return the facts of a spec with what they cite. A fact without a source has the source of the item around it."""
+    """Return the facts of a spec with what they cite. A fact without a source has that of the item around it."""
     return list(_facts_in(document, document.data, path=(), around=_Surroundings()))
 
 
@@ -230,7 +246,11 @@ def _parse_source(source: str) -> Sources:
 
 
 def _facts_in(document: Document, data: Any, path: Path, around: _Surroundings) -> Iterator[Citing]:
-    """Yield the facts in part of a spec, with what they have from the items around it."""
+    """Yield the facts in part of a spec, with names, source and references from the items around them.
+
+    A fact is a value, neither map nor list, with a source, or any value about the manual. Keys of ``_NO_FACTS`` and
+    sources themselves are left out.
+    """
     if isinstance(data, dict):
         in_map = _surroundings_in(data, path, around)
         for key, member in data.items():
@@ -251,7 +271,10 @@ def _facts_in(document: Document, data: Any, path: Path, around: _Surroundings) 
 
 
 def _source_of_member(data: Mapping[str, Any], path: Path, key: str, in_map: _Surroundings) -> Sources:
-    """Return what a member of a map cites: its own source, or else that of the map. Contents cite their section."""
+    """Return what a member of a map cites: its own source, ``<key>_source``, or else that of the map.
+
+    Contents without a source cite their section, which is the step after ``manual.contents`` in the path of the member.
+    """
     own_source = data.get(f"{key}_source")
     source = _parse_source(own_source) if isinstance(own_source, str) else in_map.source
     if path[:2] == ("manual", "contents") and not source:
@@ -261,11 +284,15 @@ def _source_of_member(data: Mapping[str, Any], path: Path, key: str, in_map: _Su
 
 
 def _surroundings_in(data: Mapping[str, Any], path: Path, around: _Surroundings) -> _Surroundings:
-    """Return what the facts in a map have from it and from the items around it."""
+    """Return what the facts in a map have from it and from the items around it.
+
+    An item is a map in a list, with a source, or in a map of items. Other maps belong to the item around them.
+    """
     is_in_map_of_items = len(path) > 1 and path[-2] in _MAPS_OF_ITEMS
     is_item = bool(path) and (isinstance(path[-1], int) or "source" in data or is_in_map_of_items)
     own_source = data.get("source")
     references = frozenset(_references_in(data))
+    # An item with its own references has only these.
     if not is_item or not references:
         references |= around.refers_to
     return _Surroundings(
@@ -277,7 +304,7 @@ def _surroundings_in(data: Mapping[str, Any], path: Path, around: _Surroundings)
 
 
 def _references_in(data: Mapping[str, Any]) -> Iterator[str]:
-    """Yield the names and paths of the parts to which a map refers."""
+    """Yield the names and paths of the parts to which a map refers by the keys ``_REFERENCES``."""
     for key in _REFERENCES:
         name_or_names = data.get(key)
         names = name_or_names if isinstance(name_or_names, list) else [name_or_names]
@@ -287,7 +314,10 @@ def _references_in(data: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _fact(document: Document, value: object, path: Path, around: _Surroundings) -> Citing:
-    """Return the value at a path as a fact, with the sections and pages of the manual that it cites."""
+    """Return the value at a path as a fact, with the sections and pages of the manual that it cites.
+
+    Citations of other documents are left out.
+    """
     in_manual = [citation for citation in around.source if not citation.document]
     return Citing(
         file=document.file,
@@ -304,14 +334,14 @@ def _fact(document: Document, value: object, path: Path, around: _Surroundings) 
 
 
 def _spelling(document: Document, value: object, path: Path) -> str:
-    """Return a number or a truth value as in the spec, or an empty text for another value."""
+    """Return a number or truth value as in the spec, such as ``0x1F`` or ``true``, or "" for another value."""
     if isinstance(value, bool):
         return str(value).lower()
     return document.spelling_at(path) if isinstance(value, int) else ""
 
 
 def _labels(item: Mapping[str, Any]) -> list[str]:
-    """Return the names of an item of a spec, as printed and in other languages."""
+    """Return the names of an item: those that the manual may print next to its values, and translations."""
     labels = [item.get(key) for key in _LABELS]
     names_by_language = item.get("names")
     if isinstance(names_by_language, dict):

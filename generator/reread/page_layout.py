@@ -28,16 +28,20 @@ def without_digits(line: str) -> str:
 
 
 def find_page_numbers(lines: Sequence[str]) -> set[int]:
-    """Return the lines that contain only a page number: the longest series of numbers that increase in small steps."""
+    """Return the indices of lines that contain only a page number, or an empty set if there are fewer than 4.
+
+    They are the longest series of numbers that increase by 1 to 3.
+    """
     #: The lines of the longest series that ends with each page.
     series_by_last_page: dict[int, list[int]] = {}
     for index, line in enumerate(lines):
-        number = re.search(r"\d{1,4}", line) if _PAGE.fullmatch(line) else None
-        if number is None:
+        number_match = re.search(r"\d{1,4}", line) if _PAGE.fullmatch(line) else None
+        if number_match is None:
             continue
-        page = int(number[0])
+        page = int(number_match[0])
         previous_pages = [page - step for step in range(1, _PAGE_STEP + 1)]
         previous_series = max((series_by_last_page.get(previous, []) for previous in previous_pages), key=len)
+        # The same number can be on several lines, such as in a table. The longest series that ends with it counts.
         known_series = series_by_last_page.get(page, [])
         series_by_last_page[page] = max(known_series, [*previous_series, index], key=len)
     longest_series = max(series_by_last_page.values(), key=len, default=[])
@@ -45,9 +49,10 @@ def find_page_numbers(lines: Sequence[str]) -> set[int]:
 
 
 def find_running_heads(lines: Sequence[str], headings: set[int]) -> set[int]:
-    """Return the lines that are printed on many pages: page numbers, and identical lines next to them.
+    """Return the indices of lines that are printed on many pages: page numbers, and identical lines next to them.
 
-    A row of a table can also occur often. Its numbers do not increase each time, or the rows are close together.
+    Lines are identical if only their numbers differ. A row of a table can also occur often. Its numbers do not increase
+    each time, or the rows are close together.
     """
     indices_by_head: dict[str, list[int]] = {}
     for index, line in enumerate(lines):
@@ -70,7 +75,10 @@ def find_running_heads(lines: Sequence[str], headings: set[int]) -> set[int]:
 
 
 def _spread_heads(indices_by_head: Mapping[str, list[int]], line_count: int) -> dict[str, list[int]]:
-    """Return the lines that are printed often, and over most of the text."""
+    """Return the lines that are printed at least 4 times, with the first and the last at least half the text apart.
+
+    ``indices_by_head`` has the indices of each line, without its numbers, in ascending order.
+    """
     spread_heads: dict[str, list[int]] = {}
     for head, indices in indices_by_head.items():
         is_spread = indices[-1] - indices[0] >= _SPREAD * line_count
@@ -80,7 +88,7 @@ def _spread_heads(indices_by_head: Mapping[str, list[int]], line_count: int) -> 
 
 
 def _count_near_pages(lines: Sequence[str], lines_with_page: Sequence[int]) -> Counter[str]:
-    """Return on how many pages each line is printed near the page number."""
+    """Return for each line how many page numbers it is printed near, at most 4 lines before or after."""
     counts: Counter[str] = Counter()
     last_edge: int | None = None
     for index in lines_with_page:
@@ -93,40 +101,57 @@ def _count_near_pages(lines: Sequence[str], lines_with_page: Sequence[int]) -> C
 
 
 def _is_regular(indices: Sequence[int]) -> bool:
-    """Return whether a line is printed at about the same distance each time, as once on each page."""
+    """Return whether a line is printed at about the same distance each time, as once on each page.
+
+    At least 80 % of the distances are between half and twice the usual one, which is at least 12 lines.
+    """
     distances = sorted(following - previous for previous, following in pairwise(indices))
-    usual = distances[len(distances) // 2]
-    near_usual = [distance for distance in distances if usual <= _FACTOR * distance <= _FACTOR**2 * usual]
-    return usual >= _SHORT_PAGE and len(near_usual) >= _MOSTLY * len(distances)
+    # The median.
+    usual_distance = distances[len(distances) // 2]
+    distances_near_usual = [
+        distance for distance in distances if usual_distance <= _FACTOR * distance <= _FACTOR**2 * usual_distance
+    ]
+    return usual_distance >= _SHORT_PAGE and len(distances_near_usual) >= _MOSTLY * len(distances)
 
 
 def find_heads_at_edges(pages: Sequence[Sequence[str]]) -> set[str]:
-    """Return the lines, with # for numbers, that occur often and mostly at the edges of pages."""
-    counts: Counter[str] = Counter()
+    """Return the lines, with # for numbers, that occur at least 4 times at the edges of pages, and mostly there.
+
+    An edge is the first or last 2 lines of a page. 80 % of the lines must be there.
+    """
+    counts_anywhere: Counter[str] = Counter()
     counts_at_edges: Counter[str] = Counter()
     for page in pages:
         top, below_top = page[:_PAGE_EDGE], page[_PAGE_EDGE:]
+        # On a short page, the bottom does not contain lines of the top again.
         bottom = below_top[-_PAGE_EDGE:]
-        counts.update(map(without_digits, page))
+        counts_anywhere.update(map(without_digits, page))
         counts_at_edges.update(map(without_digits, (*top, *bottom)))
-    return {head for head, count in counts_at_edges.items() if count >= max(LEAST_REPETITIONS, _MOSTLY * counts[head])}
+    return {
+        head
+        for head, count in counts_at_edges.items()
+        if count >= max(LEAST_REPETITIONS, _MOSTLY * counts_anywhere[head])
+    }
 
 
 def without_edges(pages: Sequence[Sequence[str]], heads: Collection[str]) -> Iterator[Sequence[str]]:
-    """Yield the pages without page numbers and running heads."""
+    """Yield the lines of each page, without page numbers and running heads among its first and last two."""
     for page in pages:
-        bottom = len(page) - _PAGE_EDGE
-        lines: list[str] = []
+        first_bottom_index = len(page) - _PAGE_EDGE
+        remaining_lines: list[str] = []
         for index, line in enumerate(page):
-            is_at_edge = not _PAGE_EDGE <= index < bottom
+            is_at_edge = not _PAGE_EDGE <= index < first_bottom_index
             is_head_or_page = without_digits(line) in heads or bool(_PAGE.fullmatch(line))
             if not is_at_edge or not is_head_or_page:
-                lines.append(line)
-        yield lines
+                remaining_lines.append(line)
+        yield remaining_lines
 
 
 def _counts_pages(lines: Sequence[str]) -> bool:
-    """Return whether the numbers in lines increase from line to line, except those that are always the same."""
+    """Return whether the numbers in lines increase from line to line, except those that are always the same.
+
+    ``Manual 1.2 page 3`` and ``Manual 1.2 page 4`` do. At least one number must change.
+    """
     numbers_by_line = [list(map(int, re.findall(r"\d{1,4}", line))) for line in lines]
     # The first numbers of all lines, the second numbers of all lines, and so on.
     columns = zip(*numbers_by_line, strict=False)

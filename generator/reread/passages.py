@@ -42,15 +42,19 @@ class Passage:
 
 
 def same_language(old: Manual, new: Manual) -> bool:
-    """Return whether two texts have enough words in common to be compared word by word."""
+    """Return whether two texts have enough words in common to be compared word by word.
+
+    These are at least half of the words of the shorter text, without numbers and signs.
+    """
     old_words = Counter(filter(str.isalpha, old.words.elements()))
     new_words = Counter(filter(str.isalpha, new.words.elements()))
+    # A word that occurs several times counts as often as both texts have it.
     common_count = (old_words & new_words).total()
     return common_count >= _SAME_LANGUAGE * min(old_words.total(), new_words.total())
 
 
 def changed(old: Manual, new: Manual) -> Iterator[Passage]:
-    """Yield the passages that differ.
+    """Yield the passages that differ. A section that only one edition has is one passage.
 
     Sections that were only renumbered or moved do not differ. A running head of one edition can be the title on the
     cover of both, so text that only one edition has is skipped if it is a running head.
@@ -86,7 +90,10 @@ def _whole_section_text(section: Section) -> str:
 
 
 def _in_section(section: Section, old: Sequence[str], new: Sequence[str], heads: Collection[str]) -> Iterator[Passage]:
-    """Yield the passages that differ between the words ``old`` and ``new`` of a section."""
+    """Yield the passages that differ between the words ``old`` and ``new`` of a section.
+
+    ``heads`` has the letters of running heads, which are skipped if only one edition has them here.
+    """
     if old == new:
         return
     for low, high, new_low, new_high in _differences_with_near_joined(old, new):
@@ -121,17 +128,17 @@ def _with_words_around(
 
 
 def _differences_with_near_joined(old: Sequence[str], new: Sequence[str]) -> Iterator[Ranges]:
-    """Yield the ranges of words that differ, with near ones joined."""
-    joined: Ranges | None = None
+    """Yield the ranges that differ. Those with at most 6 equal words of the old edition between them are one."""
+    joined_ranges: Ranges | None = None
     for ranges in differing_ranges(old, new):
-        if joined is not None and ranges.low - joined.high <= _TOGETHER:
-            joined = joined._replace(high=ranges.high, new_high=ranges.new_high)
+        if joined_ranges is not None and ranges.low - joined_ranges.high <= _TOGETHER:
+            joined_ranges = joined_ranges._replace(high=ranges.high, new_high=ranges.new_high)
             continue
-        if joined is not None:
-            yield joined
-        joined = ranges
-    if joined is not None:
-        yield joined
+        if joined_ranges is not None:
+            yield joined_ranges
+        joined_ranges = ranges
+    if joined_ranges is not None:
+        yield joined_ranges
 
 
 def _shown_text(words: Sequence[str], low: int, high: int) -> str:
@@ -143,7 +150,10 @@ def _shown_text(words: Sequence[str], low: int, high: int) -> str:
 
 
 def numbers_changed(old: Manual, new: Manual) -> Iterator[Passage]:
-    """Yield a passage for each section in which other numbers occur, for editions in two languages."""
+    """Yield a passage for each section in which other numbers occur, for editions in two languages.
+
+    Only the numbers are compared, without their order, so ``old`` and ``new`` contain those that only one edition has.
+    """
     for old_section, new_section in pair_sections(old, new):
         if old_section is None or new_section is None:
             continue

@@ -58,7 +58,8 @@ class SectionFacts:
     def likely_facts(self, passage: Passage) -> list[tuple[float, Citing]]:
         """Return the facts whose value or name occurs in a passage with their scores, the highest first.
 
-        A word counts more if fewer of the facts have it, and more in the old words than in those near them.
+        A word counts more if fewer of the facts have it, and more in the old words than in those near them (see
+        ``_score``). Facts with the same score are in the order of the spec.
         """
         passage_words = _PassageWords(
             differing=_comparable_words(passage.old or passage.new),
@@ -75,6 +76,7 @@ class SectionFacts:
                 scored_facts.append((score, fact))
 
         def highest_score_first(scored_fact: tuple[float, Citing]) -> tuple[float, int]:
+            """Return the key by which scored facts are sorted."""
             score, fact = scored_fact
             return -score, fact.line
 
@@ -89,6 +91,7 @@ class TouchedFacts:
         self._facts_by_item: dict[str, list[Citing]] = {}
         for fact in facts:
             self._facts_by_item.setdefault(fact.item, []).append(fact)
+        #: The items that refer to a name or path.
         self._items_by_reference: dict[str, list[str]] = {}
         for item, item_facts in self._facts_by_item.items():
             references: set[str] = set()
@@ -96,18 +99,25 @@ class TouchedFacts:
                 references.update(fact.refers_to)
             for reference in references:
                 self._items_by_reference.setdefault(reference, []).append(item)
+        #: The facts already collected, by the cited sections and the number of the passage's section.
         self._facts_by_sections: dict[tuple[frozenset[str], str], SectionFacts] = {}
 
     def touched_by(self, passage: Passage, sections: Set[str]) -> tuple[list[Citing], int]:
-        """Return the facts that a passage touches, the most likely first, and the number of facts of its sections."""
+        """Return the facts that a passage touches, the most likely first, and how many facts it may concern in all.
+
+        ``sections`` are the numbers of the sections that the passage may belong to. The facts citing one of them count,
+        and so do facts from elsewhere: those of the edition itself, and of an order code that the passage names.
+        """
         section_facts = self._facts_citing(sections, passage)
         facts_from_elsewhere: list[Citing] = []
         for fact in self.all_facts:
+            # Without sections, only the edition and the options of the order code are at the passage.
             if fact.sections.isdisjoint(sections) and fact.is_at((), passage):
                 facts_from_elsewhere.append(fact)
         if facts_from_elsewhere:
             section_facts = SectionFacts([*section_facts.facts, *facts_from_elsewhere], passage.section.words)
         likely_facts = [fact for _, fact in section_facts.likely_facts(passage)]
+        # Facts of the edition come first, the last one of the spec before the others.
         if facts_from_elsewhere and facts_from_elsewhere[0].is_of_edition:
             likely_facts = [*reversed(facts_from_elsewhere), *likely_facts]
         all_facts = list(dict.fromkeys((*likely_facts, *section_facts.facts)))
@@ -115,17 +125,22 @@ class TouchedFacts:
         return touched_facts, max(len(section_facts.facts), len(touched_facts))
 
     def _facts_citing(self, sections: Set[str], passage: Passage) -> SectionFacts:
-        """Return the facts that cite one of the sections. They are collected once."""
-        key = frozenset(sections), passage.section.number
-        if key not in self._facts_by_sections:
+        """Return the facts that cite one of the sections. They are kept for the next passage of the same section."""
+        section_key = frozenset(sections), passage.section.number
+        if section_key not in self._facts_by_sections:
             citing_facts = [fact for fact in self.all_facts if not fact.sections.isdisjoint(sections)]
-            self._facts_by_sections[key] = SectionFacts(citing_facts, passage.section.words)
-        return self._facts_by_sections[key]
+            self._facts_by_sections[section_key] = SectionFacts(citing_facts, passage.section.words)
+        return self._facts_by_sections[section_key]
 
     def _list_by_item(
         self, likely_facts: Sequence[Citing], all_facts: Sequence[Citing], passage: Passage
     ) -> list[Citing]:
-        """Return values that differ, then facts of the likely items, and of those that refer to the first one."""
+        """Return facts in the order of display, each path once.
+
+        First facts that are or have the changed text, and differing values. Then for each likely item its first facts:
+        6 of the first item, 4 of the second, 2 of each other one. Facts that refer to the first item follow it. All
+        other likely facts are last.
+        """
         likely_by_item: dict[str, list[Citing]] = {}
         for fact in likely_facts:
             likely_by_item.setdefault(fact.item, []).append(fact)
@@ -133,9 +148,9 @@ class TouchedFacts:
         items_of_listed = [fact.item for fact in listed_facts if fact.item in likely_by_item]
         for rank, item in enumerate(dict.fromkeys((*items_of_listed, *likely_by_item))):
             item_facts = list(dict.fromkeys((*likely_by_item[item], *self._facts_by_item[item])))
-            is_first_item = rank < len(_MOST_OF_FIRST_ITEMS)
-            most_facts = _MOST_OF_FIRST_ITEMS[rank] if is_first_item else _MOST_OF_OTHER_ITEM
-            listed_facts += item_facts[:most_facts]
+            is_among_first_items = rank < len(_MOST_OF_FIRST_ITEMS)
+            fact_limit = _MOST_OF_FIRST_ITEMS[rank] if is_among_first_items else _MOST_OF_OTHER_ITEM
+            listed_facts += item_facts[:fact_limit]
             if rank == 0:
                 listed_facts += self._facts_of_referring_items(item, passage)
         listed_facts += likely_facts
@@ -143,9 +158,10 @@ class TouchedFacts:
         return list(fact_by_path.values())
 
     def _with_changed_text(self, passage: Passage, facts: Sequence[Citing]) -> list[Citing]:
-        """Return the facts that are the changed text, in groups with the same key and value, then those that have it.
+        """Return the facts whose value or name is the changed text, then those that contain it.
 
-        If too many facts are the changed text, such as a 1, none are returned.
+        Facts with the same key and value form a group, and there are at most 10 groups and containing facts together.
+        If there are more groups, as for a text such as "1", no fact is returned.
         """
         change = _Change(passage)
         equal_facts_by_value: dict[tuple[str, object], list[Citing]] = {}
@@ -160,13 +176,14 @@ class TouchedFacts:
         return equal_facts + containing_facts[: _MOST_EQUAL - group_count]
 
     def _facts_of_referring_items(self, item: str, passage: Passage) -> list[Citing]:
-        """Return a fact of each item that refers to this one and has words of the passage, the most such words first.
+        """Return a fact of each item that refers to this one, by path or name, for at most 3 items.
 
-        An erratum has the value that is used instead.
+        It is the one with the most words of the passage, and items with more such words come first. An item without any
+        is left out, except an erratum, of which the value that is used instead is returned.
         """
-        name = item.rpartition(".")[2]
+        item_name = item.rpartition(".")[2]
         items_by_reference = self._items_by_reference
-        referring_items = dict.fromkeys((*items_by_reference.get(item, ()), *items_by_reference.get(name, ())))
+        referring_items = dict.fromkeys((*items_by_reference.get(item, ()), *items_by_reference.get(item_name, ())))
         passage_words = _comparable_words((*passage.old, *passage.new))
 
         def common_word_count(fact: Citing) -> int:
@@ -175,13 +192,13 @@ class TouchedFacts:
         counted_facts: list[tuple[int, Citing]] = []
         for referring_item in referring_items:
             item_facts = self._facts_by_item[referring_item]
-            most_common_words = max(map(common_word_count, item_facts))
+            highest_word_count = max(map(common_word_count, item_facts))
             is_erratum = referring_item.startswith("errata.")
-            if not most_common_words and not is_erratum:
+            if not highest_word_count and not is_erratum:
                 continue
-            used_values = [fact for fact in item_facts if is_erratum and fact.path.endswith(".used")]
-            likeliest_fact = max(used_values or item_facts, key=common_word_count)
-            counted_facts.append((most_common_words, likeliest_fact))
+            used_value_facts = [fact for fact in item_facts if is_erratum and fact.path.endswith(".used")]
+            likeliest_fact = max(used_value_facts or item_facts, key=common_word_count)
+            counted_facts.append((highest_word_count, likeliest_fact))
         counted_facts.sort(key=lambda counted_fact: -counted_fact[0])
         return [fact for _, fact in counted_facts[:_MOST_REFERRING]]
 
@@ -195,19 +212,26 @@ class _Change:
     """The words that a passage no longer has, as a text, as numbers and as labels of order codes."""
 
     def __init__(self, passage: Passage) -> None:
+        # If the passage only adds words, all of the old ones count as changed.
         changed_words = [word for word in passage.old if word not in passage.new] or list(passage.old)
         shown_old_text, _ = passage.shown
+        # The text is only compared if new words replace it. Texts have spaces at both ends (see ``spaced``).
         is_replaced = bool(changed_words) and bool(passage.new)
         self._text = spaced(" ".join(changed_words)) if is_replaced else ""
         self._old_context = spaced(shown_old_text) if is_replaced else ""
         self._adds_row = not passage.old
+        # The shown text has the changed words in brackets: ``at most [ 10 ] MHz``.
         words_before_change = shown_old_text.partition("[")[0]
         self._before = spaced(words_before_change) if passage.new else ""
         self._labels = {word for word in changed_words if _LABEL.fullmatch(word)}
         self._numbers = {word for word in _comparable_words(changed_words) if word[0].isdigit()}
 
     def is_value_or_name_of(self, fact: Citing) -> bool:
-        """Return whether the changed words are the value, the name or the label of a fact."""
+        """Return whether the changed words are the value, the name or the label of a fact.
+
+        A number is enough if the value is a number. If a passage only adds words, such as a row, only the parts of the
+        order code count. A page of the contents counts only if the change is the name of its entry.
+        """
         if fact.is_page_of_contents and fact.own_name_text != self._text:
             return False
         if isinstance(fact.value, int | float) and not isinstance(fact.value, bool) and fact.words & self._numbers:
@@ -218,7 +242,10 @@ class _Change:
         return is_label or self._is_changed_name(fact.text) or self._is_changed_name(fact.own_name_text)
 
     def _is_changed_name(self, text: str) -> bool:
-        """Return whether a text is the changed one, or a name in the passage of which it is a part or the reverse."""
+        """Return whether a text is the changed one, or one of both is a part of the other.
+
+        A part of the change must have several words. A longer text must occur in the old text of the passage.
+        """
         if not self._text or not text.strip():
             return False
         is_part_of_change = " " in text.strip() and text in self._text
@@ -226,7 +253,10 @@ class _Change:
         return is_part_of_change or text == self._text or contains_change
 
     def is_in(self, fact: Citing) -> bool:
-        """Return whether the text of a fact contains the changed words, a number or a label of them."""
+        """Return whether a text that is the value of a fact contains the changed words, or a number or label of them.
+
+        A fact also counts if its name ends right before the change.
+        """
         if isinstance(fact.value, int | float):
             return False
         is_number_in_text = any(len(word) > 1 and word in self._numbers for word in fact.words)
@@ -235,13 +265,16 @@ class _Change:
         return is_number_in_text or is_text_in_text or has_label or self._is_named_before(fact)
 
     def _is_named_before(self, fact: Citing) -> bool:
-        """Return whether the words right before the change are a name of several words, as in a sentence about it."""
+        """Return whether the words right before the change are the name of a fact, if that has several words."""
         name = fact.own_name_text
         return " " in name.strip() and self._before.endswith(name)
 
 
 def _differing_values(likely_by_item: Mapping[str, Sequence[Citing]], passage: Passage) -> list[Citing]:
-    """Return the first fact of each item whose value or whole name differs, up to a few items."""
+    """Return the first likely fact of each item whose value has an old word or whose whole name is among them.
+
+    At most 4 facts are returned. ``likely_by_item`` has the facts of each item, the most likely first.
+    """
     old_words = _comparable_words(passage.old)
     differing_facts: list[Citing] = []
     for item_facts in likely_by_item.values():
@@ -251,7 +284,11 @@ def _differing_values(likely_by_item: Mapping[str, Sequence[Citing]], passage: P
 
 
 def _score(fact: Citing, passage: _PassageWords, fact_counts: Mapping[str, int]) -> float:
-    """Return how much of a fact occurs in a passage. It is 0 if the passage is not about the fact."""
+    """Return how much of a fact occurs in a passage. It is 0 if the passage is not about the fact.
+
+    Words that differ count most, then those in the same row, then those in the same paragraph. ``fact_counts`` has the
+    number of facts of the section with each word, by which rare words count more.
+    """
     difference_score = _rarity(fact.words & passage.differing, fact_counts)
     difference_score += _rarity(fact.named & passage.differing, fact_counts) / 2
     difference_score += _rarity(fact.named & passage.next_to, fact_counts) * _NEXT_TO
@@ -272,25 +309,32 @@ def _score(fact: Citing, passage: _PassageWords, fact_counts: Mapping[str, int])
 
 
 def _comparable_words(words: Iterable[str]) -> set[str]:
-    """Return printed words as they are compared: with a decimal point, and numbers also without their unit."""
+    """Return printed words as they are compared: in lower case, with a decimal point, and numbers also without units.
+
+    ``10MHz`` gives ``10mhz`` and ``10``, ``1Ah`` gives ``1ah`` and ``1a``, and an order code ``xy24`` also ``24``.
+    """
     comparable_words = {word.casefold() for word in words}
     comparable_words |= {word.replace(",", ".") for word in comparable_words}
     comparable_words |= {word.removesuffix("h") for word in comparable_words if _HEXADECIMAL.fullmatch(word)}
-    numbers: set[str] = set()
+    numbers_in_words: set[str] = set()
     for word in comparable_words:
-        for number_in_word in (_WITH_UNIT.fullmatch(word), ORDER_CODE.fullmatch(word)):
-            if number_in_word is not None:
-                numbers.add(number_in_word[1])
-    return comparable_words | numbers
+        # The first group of either pattern is the number.
+        for number_match in (_WITH_UNIT.fullmatch(word), ORDER_CODE.fullmatch(word)):
+            if number_match is not None:
+                numbers_in_words.add(number_match[1])
+    return comparable_words | numbers_in_words
 
 
 def _rarity(words: Set[str], fact_counts: Mapping[str, int]) -> float:
-    """Return the weight of words: the fewer facts have a word, the more it counts."""
+    """Return the sum of the weights of words. The weight is 1 divided by the number of facts that have the word."""
     return sum(1 / fact_counts[word] for word in words)
 
 
 def _share(words: frozenset[str], near: set[str], section: set[str], fact_counts: Mapping[str, int]) -> float:
-    """Return the share of the words that occur near a passage, among those that occur in its section."""
+    """Return the share of a fact's words that are near a passage, weighted by rarity, from 0 to 1.
+
+    Only words that its section prints count, so that a word that the manual does not use does not lower the share.
+    """
     words_in_section = words & section
     rarity_in_section = _rarity(words_in_section, fact_counts)
     if not rarity_in_section:

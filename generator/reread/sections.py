@@ -84,14 +84,17 @@ class Manual:
         return Counter(word for section in self.sections for word in section.words)
 
     def without_heading_after(self, number: str) -> set[str]:
-        """Return the sections whose heading is missing, and whose text therefore counts as part of this one."""
-        numbers = [section.number for section in self.sections if _NUMBER.fullmatch(section.number)]
-        if number not in numbers:
+        """Return the sections whose heading is missing, and whose text therefore counts as part of this one.
+
+        Their numbers are between this one and the next one that the text has. A section without a number has none.
+        """
+        section_numbers = [section.number for section in self.sections if _NUMBER.fullmatch(section.number)]
+        if number not in section_numbers:
             return set()
-        next_index = numbers.index(number) + 1
-        start = _number_key(number)
-        end = _number_key(numbers[next_index]) if next_index < len(numbers) else _AFTER_ALL_SECTIONS
-        return {missing_number for missing_number in self.missing if start < _number_key(missing_number) < end}
+        next_index = section_numbers.index(number) + 1
+        start_key = _number_key(number)
+        end_key = _number_key(section_numbers[next_index]) if next_index < len(section_numbers) else _AFTER_ALL_SECTIONS
+        return {missing_number for missing_number in self.missing if start_key < _number_key(missing_number) < end_key}
 
 
 def read(path: Path) -> Manual:
@@ -103,17 +106,17 @@ def read(path: Path) -> Manual:
     try:
         if path.stat().st_size > MOST_BYTES:
             raise NoText(f"{path} has more than {MOST_BYTES:,} bytes")
-        data = path.read_bytes()
+        file_bytes = path.read_bytes()
     except OSError as error:
         raise NoText(f"cannot read {path}: {error.strerror or error}") from None
-    if data.startswith(b"%PDF-"):
-        text = _text_of_pdf(path)
+    if file_bytes.startswith(b"%PDF-"):
+        manual_text = _text_of_pdf(path)
     else:
         try:
-            text = data.decode("utf-8-sig")
+            manual_text = file_bytes.decode("utf-8-sig")
         except UnicodeDecodeError:
             raise NoText(f"{path} is not text in UTF-8; convert it, or give the PDF") from None
-    manual = divide(text)
+    manual = divide(manual_text)
     if not manual.words:
         raise NoText(f"{path} has no text; a scanned manual must be recognised (OCR) first")
     return manual
@@ -140,7 +143,11 @@ _Heading = tuple[str, str]
 
 
 def divide(text: str) -> Manual:
-    """Divide a text into its sections."""
+    """Return a manual divided into its sections, without the contents, page numbers and running heads.
+
+    Pages are separated by form feeds. With at least 4 of them, running heads are found at their edges, otherwise by
+    repetition.
+    """
     text_without_links = _LINK.sub(lambda match: match["shown"], text)
     pages = [_plain_lines(page) for page in text_without_links.split("\f")]
     has_pages = len(pages) >= LEAST_REPETITIONS
@@ -153,7 +160,7 @@ def divide(text: str) -> Manual:
         if heading is not None:
             numbered_lines[index] = heading
     contents_lines = _contents_lines(lines, numbered_lines)
-    # Of two entries with one number, the first one counts.
+    # Later pairs replace earlier ones, so with the last line first, the first of two entries with one number counts.
     title_by_number = dict(numbered_lines[index] for index in sorted(contents_lines, reverse=True))
     headings, page_by_title = _headings(lines, numbered_lines, contents_lines, title_by_number)
     running_heads: set[int] = set()
@@ -162,35 +169,43 @@ def divide(text: str) -> Manual:
         running_heads = find_running_heads(lines, set(headings))
         page_numbers = find_page_numbers(lines)
     sections: list[Section] = []
-    for (number, title), body in _bodies(lines, headings, contents_lines, running_heads | page_numbers):
-        words = tuple(_words(body, title_by_number))
+    for (number, title), body_lines in _bodies(lines, headings, contents_lines, running_heads | page_numbers):
+        words = tuple(_words(body_lines, title_by_number))
         sections.append(Section(number=number, title=title, words=words, page=page_by_title.get(number)))
-    letters_of_heads = {letters([line]) for line in (*heads_at_edges, *(lines[index] for index in running_heads))}
+    # Running heads are compared by their letters, since their page numbers change.
+    letters_of_running_heads = {
+        letters([line]) for line in (*heads_at_edges, *(lines[index] for index in running_heads))
+    }
     return Manual(
         sections=tuple(sections),
         missing=_missing_titles(title_by_number, headings),
-        heads=frozenset(letters_of_heads - {""}),
+        heads=frozenset(letters_of_running_heads - {""}),
     )
 
 
 def _bodies(
     lines: Sequence[str], headings: Mapping[int, _Heading], contents_lines: set[int], left_out: set[int]
 ) -> list[tuple[_Heading, list[str]]]:
-    """Return each heading with the lines below it, the cover first, without the contents and the lines to leave out."""
+    """Return each heading with the lines below it, the cover first, without the contents and the lines to leave out.
+
+    ``left_out`` are the indices of lines to leave out. Text before the first heading is on the cover. A title that
+    continues on the next lines is not part of the body.
+    """
     numbered_headings = [index for index, (number, _) in headings.items() if number[0].isdigit()]
-    first_heading = min(numbered_headings, default=0)
+    first_numbered_heading = min(numbered_headings, default=0)
     bodies: list[tuple[_Heading, list[str]]] = [((COVER, COVER), [])]
     rest_of_title: list[str] = []
     for index, line in enumerate(lines):
-        words = _folded_words(line)
-        is_in_contents = index < first_heading and (index in contents_lines or _IN_CONTENTS.search(line))
+        folded_words = _folded_words(line)
+        # A line with dots and a page is only an entry of the contents before the first heading.
+        is_in_contents = index < first_numbered_heading and (index in contents_lines or _IN_CONTENTS.search(line))
         if index in headings:
             _, title = headings[index]
             bodies.append((headings[index], []))
             words_on_this_line = _folded_words(_without_number(line))
             rest_of_title = _folded_words(title)[len(words_on_this_line) :]
-        elif words and words == rest_of_title[: len(words)]:
-            rest_of_title = rest_of_title[len(words) :]  # The heading continues on this line.
+        elif folded_words and folded_words == rest_of_title[: len(folded_words)]:
+            rest_of_title = rest_of_title[len(folded_words) :]  # The heading continues on this line.
         elif not is_in_contents and index not in left_out:
             _, body = bodies[-1]
             body.append(line)
@@ -198,7 +213,10 @@ def _bodies(
 
 
 def _missing_titles(title_by_number: Mapping[str, str], headings: Mapping[int, _Heading]) -> dict[str, str]:
-    """Return the titles in the contents, by number, for which the text has no heading."""
+    """Return the titles in the contents, by number, for which the text has no heading: ``{"4.3": "Preset"}``.
+
+    Numbers that begin with 0, such as those of revisions, are left out.
+    """
     numbers_in_text = {number for number, _ in headings.values()}
     missing_titles: dict[str, str] = {}
     for number, title in title_by_number.items():
@@ -212,7 +230,7 @@ def _plain_lines(page: str) -> list[str]:
 
 
 def plain(line: str) -> str:
-    """Return a line without markup, with ASCII letters, dashes and quotes, and a tab between the cells of a table."""
+    """Return a line without markup, with ASCII dashes and quotes, and a tab before each cell or page number."""
     with_tabs = line.strip().strip("|").replace("|", "\t")
     ascii_line = unicodedata.normalize("NFKC", with_tabs).translate(_DASHES)
     without_markup = _MARKUP.sub(" ", ascii_line)
@@ -222,15 +240,15 @@ def plain(line: str) -> str:
 
 
 def _join_entry_lines(lines: Sequence[str]) -> list[str]:
-    """Join the two lines of a long entry of the contents, which has its page at the end of the second one.
+    """Return the lines, in which a long entry of the contents is one line. Its page is at the end of its second line.
 
     A running head between two rows of a table can look like one, but occurs often.
     """
-    counts = Counter(map(without_digits, lines))
+    repetitions = Counter(map(without_digits, lines))
     joined_lines: list[str] = []
     for line in lines:
         is_second_line = len(joined_lines) >= 2 and _continues_entry(joined_lines[-2], joined_lines[-1], line)
-        if is_second_line and counts[without_digits(joined_lines[-1])] < LEAST_REPETITIONS:
+        if is_second_line and repetitions[without_digits(joined_lines[-1])] < LEAST_REPETITIONS:
             joined_lines[-1] += f" {line}"
         else:
             joined_lines.append(line)
@@ -238,7 +256,10 @@ def _join_entry_lines(lines: Sequence[str]) -> list[str]:
 
 
 def _continues_entry(line_before: str, first_line: str, second_line: str) -> bool:
-    """Return whether two lines after an entry of the contents are one entry, whose page is on the second line."""
+    """Return whether two lines are one entry of the contents.
+
+    The line before them is an entry with a page. The first line has a number but no page, the second one a page only.
+    """
     is_after_entry = bool(_IN_CONTENTS.search(line_before))
     begins_entry = _numbered_heading(first_line) is not None and not _IN_CONTENTS.search(first_line)
     ends_entry = _numbered_heading(second_line) is None and bool(_IN_CONTENTS.search(second_line))
@@ -248,10 +269,12 @@ def _continues_entry(line_before: str, first_line: str, second_line: str) -> boo
 def _words(lines: Iterable[str], title_by_number: Mapping[str, str]) -> list[str]:
     """Return the words of lines, without the numbers of pages and sections in references.
 
-    A word that is hyphenated at the end of a line is one word.
+    A word that is hyphenated at the end of a line is one word. The number of a reference such as ``"4.3 Preset"`` is
+    removed if the contents list it with this title.
     """
 
     def without_number(reference: re.Match[str]) -> str:
+        """Return the quote before a reference without its number. The match does not contain the title."""
         listed_title = title_by_number.get(reference["number"], "")
         is_reference = _have_same_start(listed_title, reference["title"])
         return '"' if is_reference else reference[0]
@@ -262,7 +285,7 @@ def _words(lines: Iterable[str], title_by_number: Mapping[str, str]) -> list[str
 
 
 def letters(words: Iterable[str]) -> str:
-    """Return the letters of words. The numbers of a running head change from page to page."""
+    """Return the letters of words as one text, such as those of a running head without its page."""
     return re.sub(r"[\W\d_]+", "", "".join(words))
 
 
@@ -274,37 +297,46 @@ def _headings(
 ) -> tuple[dict[int, _Heading], dict[str, int]]:
     """Return number and title of the headings by line, and the pages of those without a number by their titles.
 
-    A heading is a numbered line whose number and words the contents list as well, or whose number they skip.
+    A numbered line is a heading if its number increases, and the contents list it with the same first words or skip it.
+    A line without a number, such as a preface, is a heading if the contents before it have an entry with its text.
     """
     headings: dict[int, _Heading] = {}
-    last_key: tuple[int, ...] = ()
+    last_number_key: tuple[int, ...] = ()
     for index, (number, title) in numbered_lines.items():
-        key = _number_key(number)
-        if index in contents_lines or key <= last_key:
+        number_key = _number_key(number)
+        if index in contents_lines or number_key <= last_number_key:
             continue
         has_listed_title = _have_same_start(title_by_number.get(number, ""), title)
-        is_skipped = number not in title_by_number and _is_skipped_in_contents(key, last_key, title_by_number)
+        is_skipped = number not in title_by_number and _is_skipped_in_contents(
+            number_key, last_number_key, title_by_number
+        )
         if has_listed_title or is_skipped:
             headings[index] = number, title_by_number.get(number, title)
-            last_key = key
-    first_heading = min(headings, default=len(lines))
-    lines_before = lines[:first_heading]
-    entry_by_title = {_entry_title(line): index for index, line in enumerate(lines_before) if _IN_CONTENTS.search(line)}
+            last_number_key = number_key
+    first_numbered_heading = min(headings, default=len(lines))
+    lines_before = lines[:first_numbered_heading]
+    # Index of the line of each entry. Headings without a number are only looked for before the numbered ones.
+    entry_index_by_title = {
+        _entry_title(line): index for index, line in enumerate(lines_before) if _IN_CONTENTS.search(line)
+    }
     page_by_title: dict[str, int] = {}
     for index, line in enumerate(lines_before):
-        is_after_its_entry = line in entry_by_title and entry_by_title[line] < index
+        is_after_its_entry = line in entry_index_by_title and entry_index_by_title[line] < index
         if is_after_its_entry:
             headings[index] = line, line
-            page = re.search(r"\d+$", lines[entry_by_title[line]])
-            if page is not None:
-                page_by_title[line] = int(page[0])
+            page_match = re.search(r"\d+$", lines[entry_index_by_title[line]])
+            if page_match is not None:
+                page_by_title[line] = int(page_match[0])
     return headings, page_by_title
 
 
 def _is_skipped_in_contents(
     key: tuple[int, ...], last_key: tuple[int, ...], title_by_number: Mapping[str, str]
 ) -> bool:
-    """Return whether the contents list the sections before and after a number, but not the number itself."""
+    """Return whether the contents list the sections before and after a number, but not the number itself.
+
+    ``key`` is the number, such as ``(4, 3)``. ``last_key`` must be ``(4, 2)``, and the contents must list 4.4.
+    """
     *chapter, last_number = key
     key_before = (*chapter, last_number - 1)
     number_after = ".".join(map(str, (*chapter, last_number + 1)))
@@ -312,7 +344,11 @@ def _is_skipped_in_contents(
 
 
 def _contents_lines(lines: Sequence[str], numbered_lines: Mapping[int, _Heading]) -> set[int]:
-    """Return the numbered lines of the contents: those with a page, and the others up to the first lower number."""
+    """Return the numbered lines of the contents.
+
+    With 12 or more lines that have a page, these are all. Otherwise they are all lines from the first one up to the
+    first lower chapter, since there the text begins again with chapter 1.
+    """
     lines_with_page = {index for index in numbered_lines if _IN_CONTENTS.search(lines[index])}
     if len(lines_with_page) >= _LEAST_COMPLETE_CONTENTS:
         return lines_with_page
@@ -322,12 +358,12 @@ def _contents_lines(lines: Sequence[str], numbered_lines: Mapping[int, _Heading]
     for index, (number, _) in numbered_lines.items():
         if index < first_line:
             continue
-        key = _number_key(number)
-        is_lower_chapter = key[:1] < highest_key[:1]
+        number_key = _number_key(number)
+        is_lower_chapter = number_key[:1] < highest_key[:1]
         if is_lower_chapter:
             break
         contents_lines.add(index)
-        highest_key = max(key, highest_key)
+        highest_key = max(number_key, highest_key)
     return contents_lines | lines_with_page
 
 
@@ -337,7 +373,7 @@ def _number_key(number: str) -> tuple[int, ...]:
 
 
 def _numbered_heading(line: str) -> _Heading | None:
-    """Return ``("4.3", "Preset")`` for a line such as ``4.3 Preset ..... 21``, or None for one without a number."""
+    """Return ``("4.3", "Preset")`` for ``4.3 Preset ..... 21``, or None without a number or for a very long line."""
     match = _HEADING.fullmatch(_entry_title(line))
     if match is None or len(line) > LONGEST_HEAD:
         return None
@@ -350,6 +386,7 @@ def _entry_title(line: str) -> str:
 
 
 def _without_number(line: str) -> str:
+    """Return the title of a numbered line, or any other line as it is."""
     heading = _numbered_heading(line)
     if heading is None:
         return line
@@ -362,31 +399,35 @@ def _folded_words(text: str) -> list[str]:
 
 
 def _have_same_start(listed_title: str, title: str) -> bool:
-    """Return whether two titles have the same first words."""
+    """Return whether two titles have the same first three words, or as many as the shorter one has."""
     listed_words, words = _folded_words(listed_title)[:3], _folded_words(title)[:3]
     common_length = min(len(listed_words), len(words))
     return bool(listed_words) and listed_words[:common_length] == words[:common_length]
 
 
 def pair_sections(old: Manual, new: Manual) -> Iterator[tuple[Section | None, Section | None]]:
-    """Yield the sections of two editions in pairs, by title or else by number, with None for a missing one."""
-    unpaired = {section.number: section for section in new.sections}
+    """Yield the sections of two editions in pairs, with None for one that the other edition lacks.
+
+    Sections are paired by number and title, then by title, then by number. Sections of the new edition alone come last.
+    """
+    unpaired_by_number = {section.number: section for section in new.sections}
     new_section_by_old_number: dict[str, Section] = {}
+    # Each rule is tried for all sections before the next one, so that a better pair comes first.
     for find_number in (_same_number_and_title, _number_with_same_title, _same_number):
         for section in old.sections:
             if section.number in new_section_by_old_number:
                 continue
-            new_number = find_number(section, unpaired)
+            new_number = find_number(section, unpaired_by_number)
             if new_number is not None:
-                new_section_by_old_number[section.number] = unpaired.pop(new_number)
+                new_section_by_old_number[section.number] = unpaired_by_number.pop(new_number)
     for section in old.sections:
         yield section, new_section_by_old_number.get(section.number)
-    for section in unpaired.values():
+    for section in unpaired_by_number.values():
         yield None, section
 
 
 def _same_number_and_title(old_section: Section, new_sections: Mapping[str, Section]) -> str | None:
-    """Return the number of the section among the new ones, which are given by number, if it has the same title."""
+    """Return the number of a section if a new one, by number, has the same number and title, or None."""
     new_section = new_sections.get(old_section.number)
     if new_section is None or new_section.title.casefold() != old_section.title.casefold():
         return None
@@ -394,7 +435,7 @@ def _same_number_and_title(old_section: Section, new_sections: Mapping[str, Sect
 
 
 def _number_with_same_title(old_section: Section, new_sections: Mapping[str, Section]) -> str | None:
-    """Return the number of the first new section with the same title, or None."""
+    """Return the number of the first new section with the same title, apart from capitals, or None."""
     for number, new_section in new_sections.items():
         if new_section.title.casefold() == old_section.title.casefold():
             return number

@@ -77,7 +77,11 @@ class Diagnosis:
 
 
 def diagnose_without_crc(device: Device, hypotheses: Iterable[Hypothesis], missing: str) -> Diagnosis | None:
-    """Return the readings of a frame without a CRC, most likely first. Nothing proves one of them."""
+    """Return the readings of a frame without a CRC, most likely first. Nothing proves one of them.
+
+    Of readings that lead to the same frame, only the likeliest is an explanation. Return None if there is no reading
+    and ``missing`` is empty, which says what a recording lacks.
+    """
     fitting_hypotheses = [hypothesis for hypothesis in hypotheses if hypothesis.fits]
     fitting_hypotheses.sort(key=lambda hypothesis: -hypothesis.score)
     unmerged: list[Explanation] = []
@@ -139,14 +143,20 @@ def diagnose(
 
 
 def _chance_of_any(hypotheses: Iterable[Hypothesis]) -> float:
-    """Return the fraction of random frames that at least one of the hypotheses matches."""
+    """Return the fraction of random frames that at least one of the hypotheses matches: 0.03 for two with 1 in 64.
+
+    Hypotheses that match the same frames count once.
+    """
     one_in_by_key = {hypothesis.match_key: hypothesis.one_in for hypothesis in hypotheses}
     chance_of_none = prod(1 - 1 / one_in for one_in in one_in_by_key.values())
     return 1 - chance_of_none
 
 
 def _paired_with_inversion(hypotheses: Iterable[Hypothesis]) -> Iterator[Hypothesis]:
-    """Yield the hypotheses together with the most common mistake, a CRC that is inverted or not."""
+    """Yield the hypotheses together with the most common mistake, a CRC that is inverted or not.
+
+    Left out are hypotheses without a CRC, this mistake itself, and frames that were searched at every bit.
+    """
     for hypothesis in hypotheses:
         if hypothesis.crc is None or hypothesis.kind in (NOT_INVERTED, FRAME_INSIDE):
             continue
@@ -158,29 +168,33 @@ def _paired_with_inversion(hypotheses: Iterable[Hypothesis]) -> Iterator[Hypothe
 
 
 def is_significant(hypothesis: Hypothesis) -> bool:
-    """Return whether the hypothesis does not match too many random frames."""
+    """Return whether at least 3 bits of CRC and other determined bits can contradict the hypothesis."""
     return hypothesis.received_crc_bits + hypothesis.determined_bits >= _LEAST_BITS
 
 
 def significant_hypotheses(hypotheses: Iterable[Hypothesis], refuted: Sequence[Hypothesis]) -> list[Hypothesis]:
-    """Return the hypotheses that do not match too many random frames, without the refuted ones."""
+    """Return the significant hypotheses, without those that match the same frames as a refuted one."""
     refuted_keys = {hypothesis.match_key for hypothesis in refuted}
     significant = [hypothesis for hypothesis in hypotheses if is_significant(hypothesis)]
     return [hypothesis for hypothesis in significant if hypothesis.match_key not in refuted_keys]
 
 
 def _distinct_hypotheses(hypotheses: Iterable[Hypothesis]) -> list[Hypothesis]:
-    """Return the likeliest of the hypotheses that lead to the same frame."""
+    """Return the hypotheses, but only the likeliest of those that match the same frames and lead to the same frame.
+
+    Their order is that of the first one for each result.
+    """
     likeliest_by_result: dict[object, Hypothesis] = {}
     for hypothesis in hypotheses:
-        key = hypothesis.match_key, _resulting_frame(hypothesis)
-        known_hypothesis = likeliest_by_result.get(key)
+        result_key = hypothesis.match_key, _resulting_frame(hypothesis)
+        known_hypothesis = likeliest_by_result.get(result_key)
         if known_hypothesis is None or _likeliness(hypothesis) > _likeliness(known_hypothesis):
-            likeliest_by_result[key] = hypothesis
+            likeliest_by_result[result_key] = hypothesis
     return list(likeliest_by_result.values())
 
 
 def _likeliness(hypothesis: Hypothesis) -> tuple[bool, float]:
+    """Return a key that puts hypotheses with wrong determined bits below all others."""
     return hypothesis.are_determined_right, hypothesis.score
 
 
@@ -203,7 +217,7 @@ def _explanations(
     *,
     by_two_mistakes: bool = False,
 ) -> list[Explanation]:
-    """Return an explanation for each hypothesis that fits the frame."""
+    """Return an explanation for each hypothesis that fits the frame. ``by_two_mistakes`` marks pairs of mistakes."""
     explanations: list[Explanation] = []
     for hypothesis in hypotheses:
         if hypothesis.fits:
@@ -213,6 +227,7 @@ def _explanations(
 
 
 def _explanation(device: Device, hypothesis: Hypothesis, undecided_parameters: frozenset[str]) -> Explanation:
+    """Return a hypothesis that fits as an explanation, with the numbers in its frame if it changes the frame."""
     numbers: Mapping[str, int] = {}
     if hypothesis.frame_layout is not None:
         numbers = _numbers_in_frame(device, hypothesis.frame_layout, hypothesis.frame, undecided_parameters)
@@ -231,11 +246,14 @@ def _explanation(device: Device, hypothesis: Hypothesis, undecided_parameters: f
 def _numbers_in_frame(
     device: Device, placed_layout: PlacedLayout, frame: int, undecided_parameters: frozenset[str]
 ) -> dict[str, int]:
-    """Return the numbers in a frame by field name, except those at bits that depend on undecided parameters."""
+    """Return the numbers in a frame by field name: ``{"position": 4711}``.
+
+    Fields whose low bit depends on an undecided parameter, such as an answer that the user has not given, are left out.
+    """
     numbers: dict[str, int] = {}
-    fields = {placed_field.name: placed_field.field for placed_field in placed_layout.fields}
+    field_by_name = {placed_field.name: placed_field.field for placed_field in placed_layout.fields}
     for decoded_field in codec.decode(device, placed_layout, frame).fields:
-        field = fields.get(decoded_field.name)
+        field = field_by_name.get(decoded_field.name)
         if field is None or not isinstance(field.kind, Number) or not isinstance(decoded_field.value, int):
             continue
         if undecided_parameters.isdisjoint(field.low.parameters):
@@ -244,7 +262,11 @@ def _numbers_in_frame(
 
 
 def _blind_spots(crcs: Iterable[Crc]) -> list[str]:
-    """Return the mistakes that at least one of the CRCs cannot detect, each once."""
+    """Return the mistakes that at least one of the CRCs cannot detect, each once, as texts.
+
+    A CRC that is the XOR of the bytes does not depend on their order. With a start value of 0, leading zeros do not
+    change the CRC.
+    """
     undetected_mistakes: list[str] = []
     for crc in crcs:
         if crc.is_xor:

@@ -25,41 +25,50 @@ _POSITION = "position"
 
 
 def position_name(device: Device, variant: Variant) -> str:
-    """Return the name of the position, which an encoder in one line has even if it does not state its counts."""
+    """Return the name of the position. An encoder that does not state its counts still has one, "position"."""
     measurement = device.measurement_of(variant.interface)
     return measurement.of if measurement is not None else _POSITION
 
 
 def other_positions(device: Device, variant: Variant, decoded: codec.Decoded) -> list[tuple[str, int]]:
-    """Return other readings of the position with their texts, or nothing if a CRC or an error contradicts them."""
+    """Return other readings of the position, each with its text: ``[("if it is sent in Gray code", 4711)]``.
+
+    The list is empty if a CRC or an error contradicts other readings, or if the frame has no position. Readings with
+    the same position are left out.
+    """
     placed_layout = decoded.layout
     if placed_layout is None or placed_layout.layout.in_bytes or placed_layout.layout.sender != "encoder":
         return []
     if decoded.problems or decoded.crc is not None:
         return []
-    name = position_name(device, variant)
-    position = decoded.values.get(name)
+    position_field = position_name(device, variant)
+    position = decoded.values.get(position_field)
     is_count = isinstance(position, int) and not isinstance(position, bool)
     if not is_count:
         return []
     readings: list[tuple[str, int]] = []
-    other_frames = _frames_without_mistake(placed_layout, name, decoded.number)
-    for text, other_frame in zip(READINGS, other_frames, strict=True):
+    other_frames = _frames_without_mistake(placed_layout, position_field, decoded.number)
+    for reading_text, other_frame in zip(READINGS, other_frames, strict=True):
         if other_frame is None:
             continue
-        other_position = codec.decode(device, placed_layout, other_frame).values[name]
+        other_position = codec.decode(device, placed_layout, other_frame).values[position_field]
         if isinstance(other_position, int) and other_position != position:
-            readings.append((text, other_position))
+            readings.append((reading_text, other_position))
     return readings
 
 
 def _frames_without_mistake(placed_layout: PlacedLayout, position_name: str, frame: int) -> Iterator[int | None]:
-    """Yield the frame without each mistake in ``READINGS``, or None if it cannot have the mistake."""
+    """Yield the frame without each mistake in ``READINGS``, in this order, or None if it cannot have the mistake.
+
+    A frame that was read early has a bit too many at its start and lacks its last bit. One that was read late is the
+    reverse.
+    """
     yield _read_one_clock_later(placed_layout, frame)
     read_one_clock_earlier = frame >> 1
     yield read_one_clock_earlier
     if placed_layout.gray:
         yield None
+        # The decoder converts from Gray code, so this undoes it.
         yield to_gray(placed_layout, frame)
     else:
         yield _with_position_from_gray(placed_layout, position_name, frame)
@@ -72,7 +81,7 @@ def _frames_without_mistake(placed_layout: PlacedLayout, position_name: str, fra
 
 
 def _with_position_from_gray(placed_layout: PlacedLayout, position_name: str, frame: int) -> int:
-    """Return the frame with its position converted from Gray code to binary."""
+    """Return the frame with its position converted from Gray code to binary, and all other bits as they are."""
     low, width = placed_layout.place_of(position_name)
     position = frame >> low & ((1 << width) - 1)
     frame_without_position = frame ^ position << low
@@ -80,7 +89,10 @@ def _with_position_from_gray(placed_layout: PlacedLayout, position_name: str, fr
 
 
 def _read_one_clock_later(placed_layout: PlacedLayout, frame: int) -> int:
-    """Return the frame with its missing last bit: the one with which constants and parity are right, or 0."""
+    """Return the frame with its missing last bit, and without its first one.
+
+    The last bit is 1 if constants and parity are right only with a 1, and otherwise 0.
+    """
     with_last_0 = frame << 1 & ((1 << placed_layout.bits) - 1)
     with_last_1 = with_last_0 | 1
     _, is_0_right = check_constant_bits(placed_layout, with_last_0)

@@ -43,21 +43,24 @@ class ExchangedFrame:
 
 
 def exchange_hypotheses(device: Device, variant: Variant, data: bytes) -> Iterator[Hypothesis]:
-    """Yield the bytes as whole frames, if they are more than one frame of the encoder."""
+    """Yield one hypothesis that the bytes are whole frames, unless they are only one reply or no whole frames.
+
+    Its frame is the last reply, unless the manual leaves open what that means.
+    """
     frames = _frames_in(device, variant, data)
     if frames is None or not frames:
         return
     is_one_reply = len(frames) == 1 and not frames[0].is_request
     if is_one_reply:
         return
-    kind = _mistake_kind(frames)
-    if kind == "echo":
+    mistake_kind = _mistake_kind(frames)
+    if mistake_kind == "echo":
         description = ECHO_TEXT.format(frames[0].placed_layout.name)
     else:
         titles = ", then ".join(frame.title for frame in frames)
         description = FRAMES_TEXT.format(titles)
     hypothesis = Hypothesis(
-        kind=kind,
+        kind=mistake_kind,
         description=description,
         crc=None,
         covered_data=int.from_bytes(data, "big"),
@@ -69,7 +72,6 @@ def exchange_hypotheses(device: Device, variant: Variant, data: bytes) -> Iterat
     )
     last_frame = frames[-1]
     last_layout = last_frame.placed_layout
-    # The position is that of the last reply, unless the manual leaves open what the reply means.
     if not last_frame.is_request and not device.alternatives_of(last_layout.layout):
         frame_number = number_from_bytes(last_layout.layout, last_frame.data)
         hypothesis = replace(hypothesis, frame=frame_number, frame_layout=last_layout)
@@ -77,7 +79,10 @@ def exchange_hypotheses(device: Device, variant: Variant, data: bytes) -> Iterat
 
 
 def _mistake_kind(frames: Sequence[ExchangedFrame]) -> str:
-    """Return the kind of mistake: only requests, a request before or after the reply, or several frames."""
+    """Return the kind of mistake: "echo" for only requests, or "several_frames" for several replies.
+
+    With one reply, other bytes are "bytes_in_front" of it if the first frame is a request, and else "bytes_behind" it.
+    """
     replies = [frame for frame in frames if not frame.is_request]
     if not replies:
         return "echo"
@@ -87,14 +92,18 @@ def _mistake_kind(frames: Sequence[ExchangedFrame]) -> str:
 
 
 def _frames_in(device: Device, variant: Variant, data: bytes) -> tuple[ExchangedFrame, ...] | None:
-    """Return the fewest valid frames that the bytes consist of, or None if there are other bytes."""
+    """Return the fewest valid frames that the bytes consist of, in order, or None if other bytes remain.
+
+    ``()`` is the result for no bytes. More than 64 bytes are not searched.
+    """
     if len(data) > MOST_BYTES:
         return None
     byte_layouts = [layout for layout in device.interface(variant.interface).layouts if layout.in_bytes]
     placed_layouts = [layout.place(variant.parameters) for layout in byte_layouts]
     requests = [placed_layout for placed_layout in placed_layouts if placed_layout.layout.sender == "master"]
     replies = [placed_layout for placed_layout in placed_layouts if placed_layout.layout.sender != "master"]
-    # The fewest frames from each byte to the end. The bytes are searched from the end, so those behind are known.
+    # The fewest frames from each byte to the end, by the index of the byte. It is filled from the end, so the frames
+    # behind a byte are known.
     fewest_frames_from: dict[int, tuple[ExchangedFrame, ...]] = {len(data): ()}
     for start in reversed(range(len(data))):
         # A request is in front of its reply, even if both have the same form.
@@ -116,7 +125,10 @@ def _frames_in(device: Device, variant: Variant, data: bytes) -> tuple[Exchanged
 
 
 def _valid_frame(device: Device, placed_layout: PlacedLayout, data: bytes) -> ExchangedFrame | None:
-    """Return the bytes as a frame with this layout, or None if they are not one or could be one by chance."""
+    """Return the bytes as a frame with this layout, or None if it is not valid, or has fewer than 3 known bits.
+
+    Known bits are those of the CRC and the constants.
+    """
     crc = device.crc_of(placed_layout)
     crc_bits = crc.width if crc is not None else 0
     constant_bits, _ = check_constant_bits(placed_layout, 0)

@@ -39,9 +39,8 @@ def explain_bits(
 ) -> Diagnosis | None:
     """Explain the wrong CRC of the typed frame, which should have the layout ``placed_layout``.
 
-    ``with_pairs`` also lists pairs of mistakes if a single one matches.
-
-    Return None if the frame is valid, unless all its bits are equal.
+    Return None if the frame is valid, unless all its bits are equal, and if nothing could be tried and nothing is
+    missing. ``with_pairs`` also lists pairs of mistakes if a single one matches.
     """
     crc = device.crc_of(placed_layout)
     frame_length = typed_frame.bits if typed_frame.exact else max(typed_frame.bits, placed_layout.bits)
@@ -61,6 +60,7 @@ def explain_bits(
     if diagnosis is None:
         return _only_missing(missing) if missing else None
     disturbed_bits: list[int] = []
+    # There is a refuted hypothesis only if the frame can have the expected length.
     has_frame_length = bool(refuted)
     if has_frame_length:
         disturbed_bits = _bits_to_invert(placed_layout, crc, typed_frame.number)
@@ -68,7 +68,7 @@ def explain_bits(
 
 
 def _bits_to_invert(placed_layout: PlacedLayout, crc: Crc, frame: int) -> list[int]:
-    """Return the bits of which each makes the frame valid if it is inverted."""
+    """Return the bits, counted from the last as 0, of which each makes the frame valid if it alone is inverted."""
     bits_to_invert: list[int] = []
     for bit in range(placed_layout.bits):
         frame_with_flip = frame ^ 1 << bit
@@ -78,7 +78,10 @@ def _bits_to_invert(placed_layout: PlacedLayout, crc: Crc, frame: int) -> list[i
 
 
 def _doubt_about_dead_line(crc: Crc | None, is_valid: bool) -> str:
-    """Return why a frame of equal bits may still be a frame, or an empty string if it cannot."""
+    """Return why a frame of equal bits may still be a frame, or "" if its CRC is wrong.
+
+    The text continues a sentence: ``and the CRC is correct too``.
+    """
     if crc is None:
         return "and there is no CRC to distinguish it"
     return "and the CRC is correct too" if is_valid else ""
@@ -90,7 +93,10 @@ def _only_missing(missing: str) -> Diagnosis:
 
 
 def _missing_part(device: Device, variant: Variant, placed_layout: PlacedLayout, typed_frame: TypedFrame) -> str:
-    """Return what a recording of another length lacks, or an empty string if a rule of the line finds a frame."""
+    """Return what a recording of another length lacks, or "" if a rule of the line finds a frame in it.
+
+    It is also empty if the frame may have the right length, or if the line carries bytes.
+    """
     line = LINES.get(line_name(device.interface(variant.interface)))
     if line is None or typed_frame.may_have(placed_layout.bits):
         return ""
@@ -113,11 +119,10 @@ def _hypotheses_without_crc(
 def explain_constant(
     device: Device, variant: Variant, placed_layout: PlacedLayout, typed_frame: TypedFrame
 ) -> Diagnosis | None:
-    """Explain a wrong constant.
+    """Explain a wrong constant, or return None if nothing matches.
 
     With a valid CRC, this is another answer to a question that the manual leaves open, or the CRC of a moved or
-    rearranged frame is valid by coincidence. Without a CRC, it is a moved or rearranged frame. Return None if nothing
-    matches.
+    rearranged frame is valid by coincidence. Without a CRC, it is a moved or rearranged frame.
     """
     crc = device.crc_of(placed_layout)
     if crc is None:
@@ -149,7 +154,8 @@ def explain_bytes(
 
     ``with_pairs`` also lists pairs of mistakes if a single one matches.
 
-    Return None if there is no mistake to try.
+    Return None if there is no mistake to try. Single bits that would make the frame valid are only searched if the
+    layout is known and has the length of the data.
     """
     dead_line = _diagnose_equal_bits(variant, int.from_bytes(data, "big"), 8 * len(data), doubt="")
     if dead_line is not None:
@@ -157,7 +163,7 @@ def explain_bytes(
     hypotheses = _hypotheses_about_bytes(device, variant, sender, placed_layout, data)
     crc_names = dict.fromkeys(hypothesis.crc.name for hypothesis in hypotheses if hypothesis.crc is not None)
     crcs = [device.crc(name) for name in crc_names]
-    # For an unknown frame the user has not chosen anything, so values that depend on a choice are not read.
+    # For an unknown frame the user has not chosen anything, so values that depend on an answer are not read.
     undecided = frozenset(name for alternative in device.alternatives for name in alternative.answers[0].sets)
     diagnosis = diagnose(
         device, hypotheses, refuted=[], crcs=crcs, undecided_parameters=undecided, with_pairs=with_pairs
@@ -170,18 +176,20 @@ def explain_bytes(
 def _hypotheses_about_bytes(
     device: Device, variant: Variant, sender: str, placed_layout: PlacedLayout | None, data: bytes
 ) -> list[Hypothesis]:
-    """Return the hypotheses with whole frames, if ``data`` consists of them, and with one mistake in a frame."""
+    """Return the hypotheses that ``data`` consists of whole frames, and those with one mistake in a frame.
+
+    Only what an encoder sends is searched for whole frames. If there are any, extra bytes are not explained again.
+    """
     whole_frames = list(exchange_hypotheses(device, variant, data)) if sender == "encoder" else []
     hypotheses = list(byte_hypotheses(device, variant, sender, placed_layout, data))
     if whole_frames:
-        # The extra bytes are known, so they are not explained again.
         explained_kinds = ("bytes_in_front", "bytes_behind")
         hypotheses = [hypothesis for hypothesis in hypotheses if hypothesis.kind not in explained_kinds]
     return [*whole_frames, *hypotheses]
 
 
 def _bits_of_bytes_to_invert(device: Device, placed_layout: PlacedLayout, data: bytes) -> list[int]:
-    """Return the bits, counted from the last as 0, of which each makes the frame valid if it is inverted."""
+    """Return the bits, counted from the last as 0, of which each makes the frame valid if it alone is inverted."""
     bits_to_invert: list[int] = []
     number = int.from_bytes(data, "big")
     for bit in range(placed_layout.bits):
@@ -194,7 +202,7 @@ def _bits_of_bytes_to_invert(device: Device, placed_layout: PlacedLayout, data: 
 def _refuted_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_frame: TypedFrame) -> Sequence[Hypothesis]:
     """Return the hypothesis that there is no mistake, or nothing if the frame cannot have the expected length.
 
-    It is known not to match, so equivalent mistakes need not be tried.
+    The frame is known to be invalid, so this does not match, and mistakes that match the same frames need not be tried.
     """
     is_too_short = typed_frame.exact and typed_frame.bits < placed_layout.bits
     if typed_frame.bits > placed_layout.bits or is_too_short:
@@ -203,22 +211,24 @@ def _refuted_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_frame: Type
 
 
 def _diagnose_equal_bits(variant: Variant, number: int, bit_count: int, doubt: str) -> Diagnosis | None:
-    """Explain a frame whose bits are all equal, or return None. No other mistake is tried for such a frame.
+    """Explain a frame of at least 12 bits that are all equal, or return None for any other frame.
 
-    ``doubt`` is the reason why nothing proves that the line is dead.
+    No other mistake is tried for such a frame. ``doubt`` is the reason why nothing proves that the line is dead, or "".
     """
     all_ones = (1 << bit_count) - 1
     if bit_count < _LEAST_EQUAL_BITS or number not in (0, all_ones):
         return None
     level = 1 if number == all_ones else 0
     if doubt:
-        text = f"every bit is {level}. A dead line looks the same, {doubt}"
+        explanation_text = f"every bit is {level}. A dead line looks the same, {doubt}"
     else:
         cause = "a broken wire" if level else "a short circuit"
         other_causes = "wires A and B" if variant.interface == Rs485.name else "the clock"
-        text = f"every bit is {level}: the line never changes. Check for {cause}, the supply and {other_causes}"
-    # The first bit can be either level.
+        explanation_text = (
+            f"every bit is {level}: the line never changes. Check for {cause}, the supply and {other_causes}"
+        )
+    # The first bit can be either level. One in 2^62 is enough to be certain.
     one_in = 1 << min(bit_count - 1, 62)
     score = MISTAKES["line_stuck"] * one_in
-    explanation = Explanation(kind="line_stuck", text=text, one_in=one_in, score=score, reads={})
+    explanation = Explanation(kind="line_stuck", text=explanation_text, one_in=one_in, score=score, reads={})
     return Diagnosis(explanations=(explanation,), tried=1, coincidence=1 / one_in, cannot_see=())

@@ -37,7 +37,7 @@ class TypedFrame:
     written: int = 0
 
     def may_have(self, bits: int) -> bool:
-        """Return whether the frame may have had this number of bits."""
+        """Return whether the frame may have this number of bits: exactly those typed, or also more leading zeros."""
         if self.exact:
             return self.bits == bits
         return self.bits <= bits
@@ -129,7 +129,7 @@ class Hypothesis:
 
     @property
     def fits(self) -> bool:
-        """Whether a frame with the mistake has these bits: the ones that it determines, and the CRC."""
+        """True if a frame with the mistake has these bits: those that the mistake determines, and the CRC."""
         if not self.are_determined_right:
             return False
         if self.crc is None:
@@ -138,12 +138,16 @@ class Hypothesis:
             computed_crc = compute_bytes(self.crc, self.covered_data.to_bytes(self.covered_bits // 8, "big"))
         else:
             computed_crc = compute_bits(self.crc, self.covered_data, self.covered_bits)
+        # Only the first bits of the CRC were received.
         missing_crc_bits = self.crc.width - self.received_crc_bits
         return computed_crc >> missing_crc_bits == self.received_crc
 
     @property
     def one_in(self) -> int:
-        """Average number of random frames among which one matches."""
+        """Average number of random frames among which one matches: 64 for 6 received CRC bits.
+
+        A frame that was searched at several places matches by chance more often.
+        """
         return max((1 << (self.received_crc_bits + self.determined_bits)) // self.searched_places, 1)
 
     @property
@@ -162,9 +166,10 @@ class Hypothesis:
 
 
 def check_constant_bits(placed_layout: PlacedLayout, frame: int) -> tuple[int, bool]:
-    """Return the number of bits in a frame that must have a certain value, and whether they all have it.
+    """Return the number of bits in a frame that must have a certain value, and whether they all have it: ``(6, True)``.
 
-    These are constants, parity, and the field that identifies the layout.
+    These are constants, parity, and the field that identifies the layout. A field that may have one of 4 values has 2
+    free bits, which do not count.
     """
     constant_bits, are_right = 0, True
     for placed_field in placed_layout.fields:
@@ -175,7 +180,6 @@ def check_constant_bits(placed_layout: PlacedLayout, frame: int) -> tuple[int, b
             are_right = are_right and raw_value == expected_value
         elif placed_field.name == placed_layout.layout.selector:
             selector_values = placed_layout.layout.selects
-            # Of several values of the selector, each is right.
             free_bits = (len(selector_values) - 1).bit_length()
             constant_bits += placed_field.width - free_bits
             are_right = are_right and raw_value in selector_values
@@ -196,7 +200,11 @@ def _expected_constant(placed_layout: PlacedLayout, placed_field: PlacedField, f
 
 
 def likelihood(placed_layout: PlacedLayout, frame: int) -> float:
-    """Return the likelihood of the flags and reserved bits, relative to random bits."""
+    """Return the likelihood of the flags and reserved bits, relative to random bits.
+
+    It is the product of 1.8 for each inactive flag or reserved bit as documented, and 0.2 for each active flag or
+    reserved field with another value. Without such fields, it is 1.
+    """
     likelihood = 1.0
     for placed_field in placed_layout.fields:
         raw_value = frame >> placed_field.low & placed_field.mask
@@ -224,7 +232,8 @@ def frame_hypothesis(
 ) -> Hypothesis:
     """Return the hypothesis that the frame was ``frame``, whose last ``lost_bits`` bits were not received.
 
-    Without a CRC, lost bits are those with which the parity is right.
+    Lost bits belong to the CRC, of which only the others are compared. Without a CRC, those with which constants and
+    parity are right are assumed. The bits of constants and parity count as determined, too.
     """
     if crc is None:
         frame_without_crc = _with_right_last_bits(placed_layout, frame, lost_bits)
@@ -260,7 +269,10 @@ def _hypothesis_without_crc(
     determined_bits: int,
     are_determined_right: bool,
 ) -> Hypothesis:
-    """Return the hypothesis of a frame that only its constants and parity can contradict."""
+    """Return the hypothesis of a frame that only its constants and parity can contradict.
+
+    Lost bits may be constants, and then prove nothing, so their number is subtracted.
+    """
     constant_bits, are_constants_right = check_constant_bits(placed_layout, frame)
     return Hypothesis(
         kind=kind,
@@ -279,7 +291,10 @@ def _hypothesis_without_crc(
 
 
 def _with_right_last_bits(placed_layout: PlacedLayout, frame: int, lost_bits: int) -> int:
-    """Return the frame with those lost last bits with which constants and parity are right, or as it is."""
+    """Return the frame with the first values of its lost last bits with which constants and parity are right.
+
+    The last bits of ``frame`` are 0. If no values are right, the frame is returned as it is.
+    """
     for last_bits in range(1 << lost_bits):
         _, are_constants_right = check_constant_bits(placed_layout, frame | last_bits)
         if are_constants_right:
@@ -288,6 +303,6 @@ def _with_right_last_bits(placed_layout: PlacedLayout, frame: int, lost_bits: in
 
 
 def crc_covered_bits(placed_layout: PlacedLayout, frame: int) -> tuple[int, int]:
-    """Return the bits that the CRC covers, and how many they are."""
+    """Return the bits that the CRC covers as a number, shifted to bit 0, and how many they are."""
     low, width = placed_layout.crc_covers
     return frame >> low & (1 << width) - 1, width

@@ -20,9 +20,9 @@ def all_hypotheses(
 ) -> Iterator[Hypothesis]:
     """Yield every single mistake that could have turned a valid frame into the typed one.
 
-    If the CRC covers only a part of the frame, only other parameters of the CRC, and inverted and moved frames, are
-    tried. ``placed_layout`` is the layout of the expected frame. A number without leading zeros may have any length
-    from its first 1 on. If it can have the right length, other lengths are tried only if they lead to another frame.
+    ``placed_layout`` is the layout of the expected frame. If the CRC covers only a part of the frame, only other CRC
+    parameters, and rearranged and moved frames, are tried. A frame that can have the right length is tried in another
+    one only if that leads to another frame.
     """
     if placed_layout.bits in _possible_lengths(placed_layout, typed_frame):
         yield from other_crc_hypotheses(placed_layout, crc, typed_frame.number)
@@ -37,7 +37,11 @@ def all_hypotheses(
 
 
 def _possible_lengths(placed_layout: PlacedLayout, typed_frame: TypedFrame) -> list[int]:
-    """Return the lengths that the text may have, longest first."""
+    """Return the lengths in bits that the text may have, longest first.
+
+    Without leading zeros, these are the length of the frame and one bit less, since the first bit may be missing.
+    Neither is below the number of typed bits.
+    """
     has_known_length = typed_frame.exact or typed_frame.bits > placed_layout.bits
     if has_known_length:
         return [typed_frame.bits]
@@ -50,7 +54,8 @@ def moved_frame_hypotheses(
 ) -> Iterator[Hypothesis]:
     """Yield hypotheses with bits around the frame, or without its first or last bits.
 
-    The frame is searched at every bit only if no rule of the line finds it.
+    The offsets and recordings of the line are tried. Only if none of them fits, and there is a CRC, the frame is
+    searched at every bit.
     """
     line = LINES.get(line_name(device.interface(variant.interface)))
     if line is None:
@@ -75,6 +80,7 @@ def _offset_hypothesis(
     """Return the hypothesis that the ``length`` bits of ``number`` do not begin and end with the frame.
 
     The bits are, from the first one received: bits before the frame, the received part of the frame, bits after it.
+    Bits before the frame that must be 1 count as determined, and those that are mostly 0 change the likelihood.
     """
     frame_part_length = length - len(offset.front) - offset.behind
     front_and_frame_part = number >> offset.behind
@@ -101,7 +107,8 @@ def _offset_hypothesis(
 def _bits_with_mark(pattern: str, mark: str, front: int) -> list[int]:
     """Return those bits before the frame at which the pattern has the mark, last received bit first.
 
-    The pattern ``1~`` is a start bit that must be 1 and a bit that is mostly 0.
+    The pattern ``1~`` is a start bit that must be 1 and a bit that is mostly 0. For the mark ``~`` and ``front`` =
+    0b10, this is ``[0]``.
     """
     marks_from_last_bit = enumerate(reversed(pattern))
     return [front >> bit & 1 for bit, mark_of_bit in marks_from_last_bit if mark_of_bit == mark]
@@ -110,7 +117,10 @@ def _bits_with_mark(pattern: str, mark: str, front: int) -> list[int]:
 def rearranged_frame_hypotheses(
     placed_layout: PlacedLayout, crc: Crc | None, typed_frame: TypedFrame
 ) -> Iterator[Hypothesis]:
-    """Yield hypotheses in which all bits are inverted, or the bits or bytes are in another order."""
+    """Yield hypotheses in which all bits are inverted, or the bits or bytes are in another order.
+
+    The bits must have the length of the frame. For bytes and words, the frame may be filled up with zeros.
+    """
     if placed_layout.bits in _possible_lengths(placed_layout, typed_frame):
         other_frames = {
             "all_inverted": typed_frame.number ^ (1 << placed_layout.bits) - 1,
@@ -135,8 +145,13 @@ def reflected_bytes(number: int, byte_count: int) -> int:
 def _byte_order_hypotheses(
     kind: str, placed_layout: PlacedLayout, crc: Crc | None, typed_frame: TypedFrame
 ) -> Iterator[Hypothesis]:
-    """Yield the hypothesis that the bytes of the frame, filled up with zeros, are in reverse order, or in each word."""
+    """Yield the hypothesis that the bytes of the frame are in reverse order, or the two bytes of each 16-bit word.
+
+    ``kind`` is "bytes_reversed" or "words_swapped". The frame was filled up with leading zeros to whole bytes or words,
+    which must be zero in the right order. Nothing is yielded for a frame that is longer, or exact in another length.
+    """
     unit_bits = 16 if kind == "words_swapped" else 8
+    # The next multiple of the unit.
     filled_bits = (placed_layout.bits + unit_bits - 1) // unit_bits * unit_bits
     if typed_frame.number >> filled_bits:
         return
@@ -161,7 +176,7 @@ def _byte_order_hypotheses(
 
 
 def swapped_words(number: int, byte_count: int) -> int:
-    """Return ``byte_count`` bytes with the two bytes of each 16-bit word swapped."""
+    """Return ``byte_count`` bytes, which is even, with the two bytes of each 16-bit word swapped."""
     original_bytes = number.to_bytes(byte_count, "big")
     swapped_bytes = bytearray(byte_count)
     swapped_bytes[0::2] = original_bytes[1::2]
@@ -170,10 +185,14 @@ def swapped_words(number: int, byte_count: int) -> int:
 
 
 def _removed_status_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_frame: TypedFrame) -> Iterator[Hypothesis]:
-    """Yield hypotheses in which error and warning are missing: removed after the CRC was computed, or before."""
+    """Yield hypotheses in which error and warning are missing: removed after the CRC was computed, or before.
+
+    They must be the last bits before the CRC. In the first case, the CRC covers them as inactive.
+    """
     frame_status_mask = status_mask(placed_layout)
     status_bits = frame_status_mask.bit_count()
     bits_without_status = placed_layout.bits - status_bits
+    # The mask, shifted by the CRC, consists of ones from bit 0 on.
     are_last_before_crc = frame_status_mask >> crc.width == (1 << status_bits) - 1
     if not frame_status_mask or not are_last_before_crc or not typed_frame.may_have(bits_without_status):
         return
@@ -196,7 +215,7 @@ def _removed_status_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_fram
 
 
 def _idle_status(placed_layout: PlacedLayout, frame_status_mask: int) -> int:
-    """Return the bits of error and warning while neither is active."""
+    """Return the bits of error and warning, at their places in the frame, while neither is active."""
     idle_bits = 0
     for placed_field in placed_layout.fields:
         is_status = frame_status_mask >> placed_field.low & 1
@@ -206,6 +225,7 @@ def _idle_status(placed_layout: PlacedLayout, frame_status_mask: int) -> int:
 
 
 def _is_set_when_idle(kind: Kind) -> bool:
+    """Return whether a status bit is 1 while it is inactive: an active-low flag, or an unused bit."""
     if isinstance(kind, Flag):
         return kind.active_low
     # An unused status bit is 1, like an inactive flag over BiSS.
@@ -215,19 +235,22 @@ def _is_set_when_idle(kind: Kind) -> bool:
 def other_answer_hypotheses(
     device: Device, variant: Variant, placed_layout: PlacedLayout, typed_frame: TypedFrame
 ) -> Iterator[Hypothesis]:
-    """Yield the frame with each other answer to the open questions of the manual, complete or read one bit too long."""
+    """Yield the frame with each other answer to the open questions of the manual, complete or read one bit too long.
+
+    Answers that do not change the layout, or that lead to a frame without a CRC, are skipped.
+    """
     for answers, changed_parameters in choices(device.alternatives_of(placed_layout.layout)):
         other_layout = placed_layout.layout.place({**variant.parameters, **changed_parameters})
         crc = device.crc_of(other_layout)
         if other_layout == placed_layout or crc is None:
             continue
-        options = " ".join(_decode_options(device, answers))
-        description = f"{other_layout.bits} bits, as with {options}"
+        option_text = " ".join(_decode_options(device, answers))
+        description = f"{other_layout.bits} bits, as with {option_text}"
         if typed_frame.may_have(other_layout.bits):
             yield frame_hypothesis("other_answer", description, other_layout, crc, typed_frame.number)
         if typed_frame.may_have(other_layout.bits + 1):
-            too_long = f"{description}, read one bit too long"
-            yield frame_hypothesis("other_answer", too_long, other_layout, crc, typed_frame.number >> 1)
+            too_long_text = f"{description}, read one bit too long"
+            yield frame_hypothesis("other_answer", too_long_text, other_layout, crc, typed_frame.number >> 1)
 
 
 def _decode_options(device: Device, answers: Sequence[Answer]) -> Iterator[str]:

@@ -20,7 +20,8 @@ def byte_hypotheses(
 ) -> Iterator[Hypothesis]:
     """Yield every single mistake that could have turned a valid frame of the sender into ``data``.
 
-    ``expected_layout`` is the layout of ``data``, or None if that is not known.
+    All layouts in bytes of the sender are tried, without a CRC or with one of 8 bits. Other CRCs are tried only for
+    ``expected_layout``, the layout of ``data``, or None if that is not known.
     """
     expected_name = expected_layout.name if expected_layout is not None else None
     for layout in device.interface(variant.interface).layouts:
@@ -38,7 +39,7 @@ def byte_hypotheses(
 
 
 def is_valid_in_bytes(device: Device, placed_layout: PlacedLayout, data: bytes) -> bool:
-    """Return whether the CRC and the constants of the frame are correct."""
+    """Return whether the frame has an 8-bit CRC, and the CRC and the constants of the frame are correct."""
     crc = device.crc_of(placed_layout)
     if crc is None or crc.width != 8:
         return False
@@ -46,7 +47,7 @@ def is_valid_in_bytes(device: Device, placed_layout: PlacedLayout, data: bytes) 
 
 
 def _other_crc_hypotheses(placed_layout: PlacedLayout, crc: Crc, frame: bytes) -> Iterator[Hypothesis]:
-    """Yield hypotheses with another CRC over the frame, or with the CRC over other bytes.
+    """Yield hypotheses with another CRC over the frame, or with a CRC that does not cover the first byte.
 
     The last byte of the frame is the received CRC.
     """
@@ -65,7 +66,11 @@ def _other_crc_hypotheses(placed_layout: PlacedLayout, crc: Crc, frame: bytes) -
 
 
 def _displaced_byte_hypotheses(placed_layout: PlacedLayout, crc: Crc | None, data: bytes) -> Iterator[Hypothesis]:
-    """Yield hypotheses in which the bytes do not begin and end with the frame, or are inverted."""
+    """Yield hypotheses in which the bytes do not begin and end with the frame, or are inverted.
+
+    Up to 4 bytes may precede or follow the frame, such as an echoed request. The first byte may be missing, and then an
+    extra byte may follow the frame.
+    """
     frame_length = placed_layout.bits // 8
     extra_bytes = len(data) - frame_length
     if 0 < extra_bytes <= _MOST_ECHOED_BYTES:
@@ -76,7 +81,7 @@ def _displaced_byte_hypotheses(placed_layout: PlacedLayout, crc: Crc | None, dat
     if extra_bytes == -1:
         yield from _missing_first_byte_hypotheses(placed_layout, crc, data, TEXTS["byte_missing"])
     if extra_bytes == 0:
-        # A byte that follows the frame replaces the one that is missing.
+        # The first byte is missing, and a byte follows the frame, so the length is right.
         template = TEXTS["and_follows"].format(TEXTS["byte_missing"])
         yield from _missing_first_byte_hypotheses(placed_layout, crc, data[:-1], template)
         inverted_frame = bytes(byte ^ 0xFF for byte in data)
@@ -86,7 +91,10 @@ def _displaced_byte_hypotheses(placed_layout: PlacedLayout, crc: Crc | None, dat
 def _missing_first_byte_hypotheses(
     placed_layout: PlacedLayout, crc: Crc | None, received_bytes: bytes, template: str
 ) -> Iterator[Hypothesis]:
-    """Yield hypotheses with each possible first byte in front of the received ones."""
+    """Yield hypotheses with each possible first byte in front of the received ones.
+
+    ``{0}`` in ``template`` stands for the byte.
+    """
     for first_byte in _possible_first_bytes(placed_layout):
         frame = bytes([first_byte]) + received_bytes
         description = template.format(f"{first_byte:02X}")
@@ -97,14 +105,17 @@ def _missing_first_byte_hypotheses(
 def _frame_hypothesis(
     kind: str, description: str, placed_layout: PlacedLayout, crc: Crc | None, frame: bytes
 ) -> Hypothesis:
-    """Return the hypothesis that the frame was ``frame``."""
+    """Return the hypothesis that the frame was ``frame``, whose last byte is the CRC if there is one."""
     frame_number = number_from_bytes(placed_layout.layout, frame)
     hypothesis = frame_hypothesis(kind, description, placed_layout, crc, frame_number)
     return hypothesis if crc is None else _with_crc_over_bytes(hypothesis, frame)
 
 
 def _with_crc_over_bytes(hypothesis: Hypothesis, frame: bytes) -> Hypothesis:
-    """Return the hypothesis with the CRC over the bytes as sent, independent of the byte order of the number."""
+    """Return the hypothesis with the CRC over the bytes as sent, independent of the byte order of the number.
+
+    The last byte is the CRC, and it covers all others.
+    """
     return replace(
         hypothesis,
         covered_data=int.from_bytes(frame[:-1], "big"),
@@ -114,23 +125,28 @@ def _with_crc_over_bytes(hypothesis: Hypothesis, frame: bytes) -> Hypothesis:
 
 
 def _possible_first_bytes(placed_layout: PlacedLayout) -> Iterator[int]:
-    """Yield the possible first bytes of a frame, if that byte only identifies the layout."""
+    """Yield the possible first bytes of a frame, one for each value of the selector.
+
+    Nothing is yielded if the first byte also has other fields than the selector, constants and parity, since such a
+    byte is not known.
+    """
     layout = placed_layout.layout
     bytes_after_first = bytes(placed_layout.bits // 8 - 1)
+    # The bits of the frame's number that the first byte has.
     first_byte_mask = number_from_bytes(layout, b"\xff" + bytes_after_first)
-    first_fields = [field for field in placed_layout.fields if first_byte_mask >> field.low & field.mask]
-    other_fields = [field for field in first_fields if field.name != layout.selector]
+    fields_in_first_byte = [field for field in placed_layout.fields if first_byte_mask >> field.low & field.mask]
+    other_fields = [field for field in fields_in_first_byte if field.name != layout.selector]
     if not all(isinstance(field.field.kind, (Constant, Parity)) for field in other_fields):
         return
     for selector_value in layout.selects:
-        frame = 0
-        for field in first_fields:
+        frame_number = 0
+        for field in fields_in_first_byte:
             if field.name == layout.selector:
-                frame |= selector_value << field.low
+                frame_number |= selector_value << field.low
             elif isinstance(field.field.kind, Constant):
-                frame |= field.field.kind.value << field.low
+                frame_number |= field.field.kind.value << field.low
         # The parity covers the other bits, so it is set last.
-        for field in first_fields:
+        for field in fields_in_first_byte:
             if isinstance(field.field.kind, Parity):
-                frame |= parity_bit(placed_layout, field.field.kind, frame) << field.low
-        yield number_to_bytes(layout, frame, placed_layout.bits)[0]
+                frame_number |= parity_bit(placed_layout, field.field.kind, frame_number) << field.low
+        yield number_to_bytes(layout, frame_number, placed_layout.bits)[0]

@@ -25,7 +25,10 @@ OtherCrc = tuple[str, str, Crc]
 
 
 def hypothesis_without_mistake(placed_layout: PlacedLayout, crc: Crc, frame: int) -> Hypothesis:
-    """Return the hypothesis that the frame is as it should be, to which the caller adds the mistake."""
+    """Return the hypothesis that the frame is as it should be, to which the caller adds the mistake.
+
+    The received CRC is in the lowest bits of the frame.
+    """
     constant_bits, are_constants_right = check_constant_bits(placed_layout, frame)
     covered_data, covered_bits = crc_covered_bits(placed_layout, frame)
     return Hypothesis(
@@ -42,7 +45,10 @@ def hypothesis_without_mistake(placed_layout: PlacedLayout, crc: Crc, frame: int
 
 
 def other_crc_hypotheses(placed_layout: PlacedLayout, crc: Crc, frame: int) -> Iterator[Hypothesis]:
-    """Yield hypotheses with another CRC over the frame, or with the CRC over other bits."""
+    """Yield hypotheses with another CRC over the frame, with the CRC's bits reversed, or with the CRC over other bits.
+
+    If the CRC covers only a part of the frame, other bits are not tried.
+    """
     without_mistake = hypothesis_without_mistake(placed_layout, crc, frame)
     for kind, description, other_crc in other_crcs_over_bits(crc):
         yield replace(without_mistake, kind=kind, description=description, crc=other_crc)
@@ -56,7 +62,10 @@ def other_crc_hypotheses(placed_layout: PlacedLayout, crc: Crc, frame: int) -> I
 
 
 def other_crcs_over_bits(crc: Crc) -> Iterator[OtherCrc]:
-    """Yield the CRC with its inversion changed, with another start value, or with its polynomial reversed."""
+    """Yield a CRC over bits with its inversion changed, with another start value, and with its polynomial reversed.
+
+    Start values are all zeros and all ones.
+    """
     inversion_text = "the CRC is not inverted" if crc.xorout else "the CRC is inverted"
     yield NOT_INVERTED, inversion_text, replace(crc, xorout=crc.xorout ^ crc.mask)
     for start in sorted({0, crc.mask} - {crc.init}):
@@ -68,10 +77,13 @@ def other_crcs_over_bits(crc: Crc) -> Iterator[OtherCrc]:
 
 
 def other_crcs_over_bytes(crc: Crc) -> Iterator[OtherCrc]:
-    """Yield the CRC with its inversion changed, with another start value, or with another polynomial of its length."""
+    """Yield a CRC over bytes with another inversion, another start value, or another polynomial of 8 bits.
+
+    The XOR of the bytes has no other start values, which would be the same as another inversion.
+    """
     inversion_text = "the CRC is not inverted" if crc.xorout else "the CRC is inverted"
     if crc.is_xor:
-        # With x^8 + 1 a start value only adds itself to the result.
+        # With x^8 + 1, the polynomial of an XOR, a start value only adds itself to the result.
         inversion_text += f", or its start value is {crc.mask ^ crc.init:#x} (the same here)"
     yield NOT_INVERTED, inversion_text, replace(crc, xorout=crc.xorout ^ crc.mask)
     if not crc.is_xor:
@@ -83,17 +95,21 @@ def other_crcs_over_bytes(crc: Crc) -> Iterator[OtherCrc]:
             without_top_bit = polynomial & 0xFF
             most_significant_first = replace(crc, poly=without_top_bit, refin=False, refout=False)
             least_significant_first = replace(crc, poly=without_top_bit, refin=True, refout=True)
-            text = f"the polynomial is {polynomial:#x}"
-            yield "other_polynomial", f"{text}, most significant bit first", most_significant_first
-            yield "other_polynomial", f"{text}, least significant bit first", least_significant_first
+            polynomial_text = f"the polynomial is {polynomial:#x}"
+            yield "other_polynomial", f"{polynomial_text}, most significant bit first", most_significant_first
+            yield "other_polynomial", f"{polynomial_text}, least significant bit first", least_significant_first
 
 
 def _status_hypotheses(without_mistake: Hypothesis, placed_layout: PlacedLayout, frame: int) -> Iterator[Hypothesis]:
-    """Yield hypotheses in which the CRC does not cover error and warning, or they were inverted."""
+    """Yield hypotheses in which the CRC does not cover error and warning, or they were inverted after it was computed.
+
+    Nothing is yielded if the frame has neither.
+    """
     frame_status_mask = status_mask(placed_layout)
     if not frame_status_mask:
         return
     crc_bits = without_mistake.received_crc_bits
+    # The covered data begin above the CRC, so the mask is shifted, too.
     data_without_status, data_bits = _remove_bits(
         without_mistake.covered_data, without_mistake.covered_bits, mask=frame_status_mask >> crc_bits
     )
@@ -115,7 +131,7 @@ def _status_hypotheses(without_mistake: Hypothesis, placed_layout: PlacedLayout,
 
 
 def status_mask(placed_layout: PlacedLayout) -> int:
-    """Return the mask of error and warning in the frame, or 0 if the frame has neither."""
+    """Return the mask of error and warning at their places in the frame, or 0 if the frame has neither."""
     status_names = [status_field.name for status_field in placed_layout.layout.status_fields]
     mask = 0
     for placed_field in placed_layout.fields:
@@ -125,7 +141,10 @@ def status_mask(placed_layout: PlacedLayout) -> int:
 
 
 def _remove_bits(data: int, data_bits: int, mask: int) -> tuple[int, int]:
-    """Return ``data`` without the bits of ``mask``, and the number of bits that remain."""
+    """Return ``data`` without the bits of ``mask``, and the number of bits that remain: ``(0b11, 2)``.
+
+    The example is for 0b101 without the bits of 0b010. The other bits keep their order and move together.
+    """
     remaining_data = remaining_bits = 0
     for bit in reversed(range(data_bits)):
         is_masked = mask >> bit & 1
@@ -138,7 +157,10 @@ def _remove_bits(data: int, data_bits: int, mask: int) -> tuple[int, int]:
 def _position_code_hypotheses(
     without_mistake: Hypothesis, placed_layout: PlacedLayout, frame: int
 ) -> Iterator[Hypothesis]:
-    """Yield hypotheses in which the position is in Gray code but the CRC covers binary, or vice versa."""
+    """Yield hypotheses in which the position is in Gray code but the CRC covers binary, or vice versa.
+
+    The CRC then covers the frame with the converted position. Nothing is yielded for a frame without a number.
+    """
     low, width = _place_of_position(placed_layout)
     if not width:
         return
@@ -172,7 +194,10 @@ def _place_of_position(placed_layout: PlacedLayout) -> tuple[int, int]:
 
 
 def _start_bit_hypotheses(without_mistake: Hypothesis) -> Iterator[Hypothesis]:
-    """Yield hypotheses in which the CRC also covers the bits that BiSS sends in front of the frame."""
+    """Yield hypotheses in which the CRC also covers the bits that BiSS sends in front of the frame.
+
+    These are a start bit, a CDS bit, or both (``START_BITS``). They become the highest bits of the covered data.
+    """
     for front_bits, description in START_BITS:
         front_number = int(front_bits, 2)
         yield replace(
@@ -188,7 +213,8 @@ def other_polynomial_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_fra
     """Yield hypotheses with data of the right length before a CRC of another length.
 
     The CRC is complete, truncated by a reader that expects fewer bits, or followed by zeros. The stop bit is 0, and
-    with one slave the bits after it are 0 too, since the master holds SLI at 0.
+    with one slave the bits after it are 0 too, since the master holds SLI at 0. So the whole has either the length of
+    data and CRC, or that of the expected frame. The typed frame must have it, or lack only leading zeros.
     """
     data_bits = placed_layout.bits - crc.width
     for polynomial in POLYNOMIALS:
@@ -197,13 +223,16 @@ def other_polynomial_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_fra
         other_crc = _with_polynomial(crc, polynomial)
         complete_length = data_bits + other_crc.width
         for length in dict.fromkeys((complete_length, placed_layout.bits)):
-            has_hidden_zeros = not typed_frame.exact and length > typed_frame.bits
-            if length == typed_frame.bits or has_hidden_zeros:
+            may_lack_leading_zeros = not typed_frame.exact and length > typed_frame.bits
+            if length == typed_frame.bits or may_lack_leading_zeros:
                 yield _polynomial_hypothesis(placed_layout, crc, other_crc, typed_frame.number, length)
 
 
 def _with_polynomial(crc: Crc, polynomial: int) -> Crc:
-    """Return the CRC with another polynomial, and with start value and inversion of that width."""
+    """Return the CRC with another polynomial, which includes its top bit.
+
+    A start value other than 0 becomes all ones of the new width, and so does the inversion.
+    """
     width = polynomial.bit_length() - 1
     mask = (1 << width) - 1
     init = mask if crc.init else 0
@@ -214,20 +243,23 @@ def _with_polynomial(crc: Crc, polynomial: int) -> Crc:
 def _polynomial_hypothesis(
     placed_layout: PlacedLayout, crc: Crc, other_crc: Crc, number: int, length: int
 ) -> Hypothesis:
-    """Return the hypothesis that the ``length`` bits of ``number`` are the frame's data with the CRC ``other_crc``."""
+    """Return the hypothesis that the ``length`` bits of ``number`` are the frame's data with the CRC ``other_crc``.
+
+    The data have the length of those in the expected frame. Behind them is the CRC, or its first bits, then zeros.
+    """
     data_bits = placed_layout.bits - crc.width
     bits_after_data = length - data_bits
     data = number >> bits_after_data
-    after_data = number & ((1 << bits_after_data) - 1)
+    number_after_data = number & ((1 << bits_after_data) - 1)
     received_crc_bits = min(other_crc.width, bits_after_data)
-    zeros = bits_after_data - received_crc_bits
-    are_zero = after_data & ((1 << zeros) - 1) == 0
+    zero_bits = bits_after_data - received_crc_bits
+    are_zero_bits_right = number_after_data & ((1 << zero_bits) - 1) == 0
     frame_with_crc_0 = data << crc.width
     constant_bits, are_constants_right = check_constant_bits(placed_layout, frame_with_crc_0)
     description = TEXTS["polynomial"].format(f"{other_crc.poly_with_top_bit:#x}", other_crc.width)
     if received_crc_bits < other_crc.width:
         description = TEXTS["bits_arrived"].format(description, received_crc_bits)
-    elif zeros:
+    elif zero_bits:
         description = TEXTS["then_zeros"].format(description)
     # In a frame of the expected length, the mistake does not move the constants, so they prove nothing.
     do_constants_prove = length != placed_layout.bits
@@ -237,10 +269,10 @@ def _polynomial_hypothesis(
         crc=other_crc,
         covered_data=data,
         covered_bits=data_bits,
-        received_crc=after_data >> zeros,
+        received_crc=number_after_data >> zero_bits,
         received_crc_bits=received_crc_bits,
-        determined_bits=zeros + (constant_bits if do_constants_prove else 0),
-        are_determined_right=are_zero and (are_constants_right or not do_constants_prove),
-        right_constant_bits=zeros + (constant_bits if are_constants_right else 0),
+        determined_bits=zero_bits + (constant_bits if do_constants_prove else 0),
+        are_determined_right=are_zero_bits_right and (are_constants_right or not do_constants_prove),
+        right_constant_bits=zero_bits + (constant_bits if are_constants_right else 0),
         likelihood=likelihood(placed_layout, frame_with_crc_0),
     )

@@ -29,7 +29,7 @@ class FrameShape(NamedTuple):
 def other_order_code_hypotheses(
     device: Device, variant: Variant, placed_layout: PlacedLayout, typed_frame: TypedFrame
 ) -> Iterator[Hypothesis]:
-    """Yield hypotheses with the frame of another order code, or with the frame that results from other register values.
+    """Yield hypotheses with the frame of another order code, or with the one that results from other register values.
 
     The frame is complete, read too long, or truncated.
     """
@@ -40,7 +40,10 @@ def other_order_code_hypotheses(
 def _hypotheses_with_crc(
     device: Device, variant: Variant, placed_layout: PlacedLayout, crc: Crc, typed_frame: TypedFrame
 ) -> Iterator[Hypothesis]:
-    """Yield hypotheses with other frames that end with this CRC."""
+    """Yield hypotheses with frames of other order codes or register values that end with this CRC.
+
+    The typed frame is a complete one, a shorter one with extra bits, or a longer one without its last 1 or 2 bits.
+    """
     shapes_by_length = _shapes_by_length(device, variant, placed_layout, crc)
     yield from _complete_frame_hypotheses(variant, placed_layout, crc, typed_frame, shapes_by_length)
     for shape_bits, shapes in shapes_by_length.items():
@@ -54,10 +57,13 @@ def _hypotheses_with_crc(
 def _too_long_hypothesis(
     variant: Variant, shapes: Sequence[FrameShape], crc: Crc, number: int, extra_bits: int
 ) -> Hypothesis:
-    """Return the hypothesis that ``number`` is a shorter frame with extra bits behind it."""
-    # The first extra bit is the stop bit or whatever came instead. The others are 0: the master holds SLI at 0.
-    zeros = extra_bits if extra_bits > 1 else 0
-    are_zero = number & ((1 << zeros) - 1) == 0
+    """Return the hypothesis that ``number`` is a shorter frame with ``extra_bits`` bits behind it.
+
+    ``shapes`` are the layouts with the length of the shorter frame.
+    """
+    # The extra bits are the stop bit and zeros, since the master holds SLI at 0. A single bit may be anything.
+    zero_bits = extra_bits if extra_bits > 1 else 0
+    are_zero_bits_right = number & ((1 << zero_bits) - 1) == 0
     frame = number >> extra_bits
     shape = _possible_shape(shapes, frame)
     length_text = f"{shape.placed_layout.bits} bits"
@@ -68,8 +74,8 @@ def _too_long_hypothesis(
         shape.placed_layout,
         crc,
         frame,
-        determined_bits=zeros,
-        are_determined_right=are_zero,
+        determined_bits=zero_bits,
+        are_determined_right=are_zero_bits_right,
         order_codes=shape.order_codes,
     )
     return _with_template(hypothesis, length_text, mistake_text)
@@ -78,7 +84,11 @@ def _too_long_hypothesis(
 def _too_short_hypothesis(
     variant: Variant, shapes: Sequence[FrameShape], crc: Crc, number: int, lost_bits: int
 ) -> Hypothesis:
-    """Return the hypothesis that ``number`` is a longer frame without its last bits."""
+    """Return the hypothesis that ``number`` is a longer frame without its last ``lost_bits`` bits.
+
+    ``shapes`` are the layouts with the length of the longer frame.
+    """
+    # The lost bits are 0 here, and ``frame_hypothesis`` does not compare them.
     frame = number << lost_bits
     shape = _possible_shape(shapes, frame)
     length_text = f"{shape.placed_layout.bits} bits"
@@ -102,7 +112,10 @@ def _complete_frame_hypotheses(
     typed_frame: TypedFrame,
     shapes_by_length: Mapping[int, Sequence[FrameShape]],
 ) -> Iterator[Hypothesis]:
-    """Yield a hypothesis with the complete frame of another order code or other register values."""
+    """Yield a hypothesis with the complete frame of another order code or other register values, if one is possible.
+
+    If leading zeros are not known, several lengths are possible. The shortest one stands for all, with all order codes.
+    """
     # A text without leading zeros that fits into the expected frame is not explained by a longer one.
     has_known_length = typed_frame.exact or typed_frame.bits > placed_layout.bits
     if not has_known_length:
@@ -138,7 +151,10 @@ def _with_template(hypothesis: Hypothesis, length_text: str, mistake_text: str) 
 
 
 def _possible_shape(shapes: Sequence[FrameShape], frame: int) -> FrameShape:
-    """Return the layout of this length with the fewest constant bits, and all order codes that could send the frame."""
+    """Return the shape of this length that is the likeliest for the frame, with the order codes of all possible ones.
+
+    Possible are those whose constant bits are right, or all if none is. The one with the fewest constant bits counts.
+    """
     constants = [check_constant_bits(shape.placed_layout, frame) for shape in shapes]
     possible_shapes = [shape for shape, (_, are_right) in zip(shapes, constants, strict=True) if are_right] or shapes
     likeliest = min(possible_shapes, key=lambda shape: check_constant_bits(shape.placed_layout, frame)[0])
@@ -154,7 +170,10 @@ def _mistake_kind(order_codes: Sequence[str]) -> str:
 
 
 def _sender_text(variant: Variant, order_codes: Sequence[str]) -> str:
-    """Return which encoders send a frame, such as ``the frame of TV62-12-B1 or TV62-14-B1``."""
+    """Return which encoders send a frame: ``the frame of X-12 or X-14``, ``the frame of X-12 and 5 more``.
+
+    Without order codes, it is the frame of ``variant`` with other register values.
+    """
     if not order_codes:
         return f"the frame that {variant.code} sends when its registers select other widths"
     if len(order_codes) == 2:
@@ -165,10 +184,10 @@ def _sender_text(variant: Variant, order_codes: Sequence[str]) -> str:
 def _shapes_by_length(
     device: Device, variant: Variant, placed_layout: PlacedLayout, crc: Crc
 ) -> dict[int, list[FrameShape]]:
-    """Return the layout with this CRC in each other length that is possible for it, by length in bits, shortest first.
+    """Return the shapes with this CRC by length in bits, shortest first, without the length of the expected frame.
 
-    Those of one length differ in their constant bits, such as zeros above the position. With another CRC than that of
-    the expected frame, the length can be the same.
+    Those of one length differ in their constant bits, such as zeros above the position. If the expected frame has
+    another CRC, its length counts, too. A length that only registers can select has no order codes.
     """
     layout = placed_layout.layout
     shapes = _shapes_of_order_codes(device, variant, layout)
@@ -190,27 +209,36 @@ def _shapes_by_length(
 
 
 def _shapes_of_order_codes(device: Device, variant: Variant, layout: Layout) -> list[FrameShape]:
-    """Return the layout for each order code, once for those with the same length, CRC and constant bits."""
+    """Return the layout for each order code of the interface, with the order codes that share it.
+
+    They share it if length, CRC and the places of constants are the same.
+    """
     # A question that the manual leaves open has the same answer for all of them.
     answer_names = [parameter.name for parameter in device.parameters if parameter.alternative]
     answers = {name: variant.parameters[name] for name in answer_names}
-    shapes: dict[object, FrameShape] = {}
+    shape_by_key: dict[object, FrameShape] = {}
     for other_variant in device.variants_over(variant.interface):
         other_layout = layout.place({**other_variant.parameters, **answers})
         constants = [field for field in other_layout.fields if isinstance(field.field.kind, Constant)]
         constant_places = tuple((constant.low, constant.width) for constant in constants)
-        key = other_layout.bits, device.crc_of(other_layout), constant_places
-        known_shape = shapes.get(key, FrameShape(other_layout, order_codes=()))
+        shape_key = other_layout.bits, device.crc_of(other_layout), constant_places
+        known_shape = shape_by_key.get(shape_key, FrameShape(other_layout, order_codes=()))
         order_codes = (*known_shape.order_codes, other_variant.code)
-        shapes[key] = FrameShape(known_shape.placed_layout, order_codes)
-    return list(shapes.values())
+        shape_by_key[shape_key] = FrameShape(known_shape.placed_layout, order_codes)
+    return list(shape_by_key.values())
 
 
 def _parameters_of_states(device: Device, variant: Variant, layout: Layout) -> Iterator[Mapping[str, int]]:
-    """Yield the parameters with other values of the registers that decide the length of a layout."""
+    """Yield the parameters with each combination of values of the registers that decide the length of a layout.
+
+    At most 4,096 combinations are tried. Without such registers, nothing is yielded.
+    """
     registers = run_time_widths(device, layout)
-    parameters_in_registers = [width for width in device.run_time_parameters if width.read_from in registers]
+    parameters_in_registers = [
+        parameter for parameter in device.run_time_parameters if parameter.read_from in registers
+    ]
     if not parameters_in_registers:
         return
+    # A combination has a state of each field: values by parameter name.
     for state in islice(product(*possible_states(parameters_in_registers)), _MOST_STATES):
         yield with_changed(device, variant, ChainMap(*map(dict, state)))

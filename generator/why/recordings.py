@@ -188,12 +188,15 @@ _TOO_SHORT = Incomplete("it is too short: it has {0} of the {1} bits. Clocks sti
 
 
 def _shifts(cause: str) -> tuple[FrameOffset, ...]:
-    """Return the shifts by one clock that leave the number of bits as it is."""
-    late = f"started one clock late{cause}: the first bit ({{0}}) is missing, and an extra bit follows"
-    early = f"started one clock early{cause}: an extra bit is in front, and the last bit is missing"
+    """Return the offsets by one clock, in which the number of received bits is that of the frame.
+
+    ``cause`` continues the text after "one clock late" or "one clock early". A missing first bit is tried as 0 and 1.
+    """
+    late_text = f"started one clock late{cause}: the first bit ({{0}}) is missing, and an extra bit follows"
+    early_text = f"started one clock early{cause}: an extra bit is in front, and the last bit is missing"
     return (
-        FrameOffset("bits_in_front", early, front="?", lost=1),
-        *(FrameOffset("first_bit_missing", late, missing=missing, behind=1) for missing in "01"),
+        FrameOffset("bits_in_front", early_text, front="?", lost=1),
+        *(FrameOffset("first_bit_missing", late_text, missing=missing, behind=1) for missing in "01"),
     )
 
 
@@ -213,7 +216,7 @@ LINES: Mapping[str, Line] = MappingProxyType(
 
 
 def line_name(interface: Interface) -> str:
-    """Return the name of the line in ``LINES``, or an empty string if it carries bytes."""
+    """Return the name of the line in ``LINES``, such as ``ssi_msb_left``, or "" if it carries bytes."""
     match interface:
         case Ssi():
             return f"ssi_{interface.alignment.end}"
@@ -226,7 +229,8 @@ def line_name(interface: Interface) -> str:
 def recorded_bits(typed_frame: TypedFrame, frame_length: int) -> str:
     """Return the bits as received, such as ``0110``, with those leading zeros that were typed.
 
-    A number that fits into the frame may only have been padded, so its zeros are not counted.
+    A number that fits into the frame may only have been padded, so its zeros are not counted unless the length is
+    exact.
     """
     fits_into_frame = typed_frame.number >> frame_length == 0
     bit_count = typed_frame.bits
@@ -238,46 +242,59 @@ def recorded_bits(typed_frame: TypedFrame, frame_length: int) -> str:
 def recording_hypotheses(
     line: Line, placed_layout: PlacedLayout, crc: Crc | None, received_bits: str
 ) -> Iterator[Hypothesis]:
-    """Yield the frames that the line's rules find in the bits."""
+    """Yield a hypothesis with the frame that each recording rule of the line finds in the received bits.
+
+    The bits of the groups ``proof`` count as determined. A repeated frame must begin like the frame itself.
+    """
     for recording in line.recordings:
         match = _compile_for_length(recording.pattern, placed_layout.bits).match(received_bits)
         if match is None:
             continue
-        parts = {name: bits for name, bits in match.groupdict().items() if bits}
-        frame_bits = parts["frame"]
+        bits_by_part = {name: bits for name, bits in match.groupdict().items() if bits}
+        frame_bits = bits_by_part["frame"]
         # After the gap, an encoder that repeats its word sends the frame again, as far as the clock continues.
-        repeated_bits = parts.get("again", "")
+        repeated_bits = bits_by_part.get("again", "")
         hypothesis = frame_hypothesis(
             recording.kind,
             recording.text,
             placed_layout,
             crc,
             int(frame_bits, 2),
-            determined_bits=sum(len(parts.get(name, "")) for name in recording.proof),
+            determined_bits=sum(len(bits_by_part.get(name, "")) for name in recording.proof),
             are_determined_right=frame_bits.startswith(repeated_bits),
         )
-        yield replace(hypothesis, recording_parts=tuple(parts.items()))
+        yield replace(hypothesis, recording_parts=tuple(bits_by_part.items()))
 
 
 def window_hypotheses(placed_layout: PlacedLayout, crc: Crc, received_bits: str) -> Iterator[Hypothesis]:
-    """Yield the frames at every bit. Of many places, one matches by chance more often."""
+    """Yield a hypothesis with the frame at each bit of a recording, with the bits before and behind it.
+
+    Of many places, one matches by chance more often, so their number is part of each hypothesis.
+    """
     frame_length = placed_layout.bits
     place_count = len(received_bits) - frame_length + 1
     for start in range(place_count):
         end = start + frame_length
-        parts = {"before": received_bits[:start], "frame": received_bits[start:end], "behind": received_bits[end:]}
+        bits_by_part = {
+            "before": received_bits[:start],
+            "frame": received_bits[start:end],
+            "behind": received_bits[end:],
+        }
         description = FRAME_INSIDE_TEXT.format(start)
-        hypothesis = frame_hypothesis(FRAME_INSIDE, description, placed_layout, crc, int(parts["frame"], 2))
+        hypothesis = frame_hypothesis(FRAME_INSIDE, description, placed_layout, crc, int(bits_by_part["frame"], 2))
         yield replace(
             hypothesis,
             template=FRAME_INSIDE_TEXT,
-            recording_parts=tuple((name, bits) for name, bits in parts.items() if bits),
+            recording_parts=tuple((name, bits) for name, bits in bits_by_part.items() if bits),
             searched_places=place_count,
         )
 
 
 def missing_part(line: Line, frame_length: int, received_bits: str) -> str:
-    """Return what a recording without a complete frame lacks, or an empty string."""
+    """Return what a recording without a complete frame lacks, or "" if no pattern of the line matches.
+
+    The group ``frame`` has those bits of the frame that were received. A pattern with a complete frame does not count.
+    """
     for incomplete in line.incomplete:
         match = _compile_for_length(incomplete.pattern, frame_length).match(received_bits)
         if match is None:

@@ -21,7 +21,10 @@ class CommonMistake:
 
 
 def judge_together(diagnoses: Sequence[Diagnosis]) -> list[CommonMistake]:
-    """Return the mistakes that explain the most frames, most likely first."""
+    """Return the mistakes that explain the most frames, most likely first.
+
+    A mistake is the same in several frames if its kind and its text without details are (``Explanation.mistake``).
+    """
     explanations_by_mistake: dict[tuple[str, str, bool], list[Explanation]] = {}
     for diagnosis in diagnoses:
         for explanation in _likeliest_explanations(diagnosis):
@@ -41,25 +44,34 @@ def judge_together(diagnoses: Sequence[Diagnosis]) -> list[CommonMistake]:
 
 
 def _likeliest_explanations(diagnosis: Diagnosis) -> Iterable[Explanation]:
-    """Return one explanation for each mistake, the likeliest, since a mistake may explain a frame in several ways."""
+    """Return one explanation for each mistake, the likeliest, since a mistake may explain a frame in several ways.
+
+    Explanations of a diagnosis are sorted, the likeliest first.
+    """
     likeliest_by_mistake: dict[tuple[str, str, bool], Explanation] = {}
-    # The likeliest come first, so they are the last ones to be set.
+    # In reverse order, a likelier one replaces the ones before it.
     for explanation in reversed(diagnosis.unmerged or diagnosis.explanations):
         likeliest_by_mistake[explanation.mistake] = explanation
     return likeliest_by_mistake.values()
 
 
 def _common_score(explanations: Sequence[Explanation]) -> float:
-    """Return the logarithm of the likelihood. A mistake is made once, so its frequency counts once."""
+    """Return the logarithm to base 2 of the likelihood that a mistake explains all frames.
+
+    The score of each frame contains the frequency of the mistake. It is made once, so its frequency counts once.
+    """
     frequency = log2(MISTAKES[explanations[0].kind])
     evidence = sum(log2(explanation.score) - frequency for explanation in explanations)
     return frequency + evidence
 
 
 def _common_text(explanations: Sequence[Explanation]) -> str:
-    """Return the text of the explanations, without the details in which the frames differ."""
-    texts = {explanation.text for explanation in explanations}
-    if len(texts) == 1:
+    """Return the text of the explanations, without the details in which the frames differ.
+
+    ``the first bit ({0}) is missing`` becomes ``the first bit is missing``, and any other detail ``some``.
+    """
+    distinct_texts = {explanation.text for explanation in explanations}
+    if len(distinct_texts) == 1:
         return explanations[0].text
     template = explanations[0].template
     return template.replace("({0}) ", "").format("some")

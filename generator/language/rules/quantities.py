@@ -144,7 +144,7 @@ def quantity_repeated(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
     for characteristic in spec.characteristics:
         for index, quantity in enumerate(characteristic.part.values):
             if quantity.quantity == "supply" and quantity.min is not None and quantity.max is not None:
-                stated_range = int(quantity.min * 1000), int(quantity.max * 1000)
+                stated_range = round(quantity.min * 1000), round(quantity.max * 1000)
                 _compare_supply(stated_range, supply_ranges, (*characteristic.path, "values", index), report)
     for connector in spec.connectors:
         for index, contact in enumerate(connector.part.contacts):

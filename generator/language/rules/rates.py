@@ -69,16 +69,16 @@ def rates_of_lines(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
 
     An interface has such lines if it is RS-485 or its signals say so. Clocks for cables have a rule of their own.
     """
-    for name, interface in interfaces(spec):
+    for _, interface in interfaces(spec):
         if isinstance(interface, WrittenSpi):
             continue
         has_such_lines = isinstance(interface, WrittenRs485) or _LINES.search(interface.signals) is not None
         for path, rate, unit in _rates(interface) if has_such_lines else ():
-            is_limit = path[-1] != "below_hz"
-            if is_limit and rate > _HIGHEST_HZ and not explained(report.document, "interfaces", name, str(path[-1])):
+            is_limit, place = path[-1] != "below_hz", ".".join(map(str, path))
+            if is_limit and rate > _HIGHEST_HZ and not explained(report.document, place):
                 message = (
                     f"{rate} {unit} is above the {_HIGHEST_HZ} {unit} of RS-422 and RS-485; correct it. If this is"
-                    f" what the manual says, add an erratum that affects interfaces.{name}.{path[-1]}"
+                    f" what the manual says, add an erratum that affects {place}"
                 )
                 report.add("implausible-rate", path, message)
 

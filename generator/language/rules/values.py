@@ -176,7 +176,7 @@ def cable_order(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
     for name, interface in interfaces(spec):
         if not isinstance(interface, WrittenSsi):
             continue
-        if explained(report.document, "interfaces", name, "cable_lengths", "below_hz"):
+        if explained(report.document, "interfaces", name, "cable_lengths"):
             continue
         by_length = sorted(interface.cable_lengths, key=lambda row: row.part.shorter_than_m)
         for located_shorter, located_longer in pairwise(by_length):
@@ -187,7 +187,7 @@ def cable_order(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
                     f"the clock must be below {longer.below_hz} Hz for cables shorter than"
                     f" {longer.shorter_than_m} m, but below {shorter.below_hz} Hz for cables shorter than"
                     f" {shorter.shorter_than_m} m; a longer cable needs a slower clock. If this is what the manual"
-                    f" says, add an erratum that affects interfaces.{name}.cable_lengths.below_hz"
+                    f" says, add an erratum that affects interfaces.{name}.cable_lengths"
                 )
                 report.add("cable-order", (*located_longer.path, "below_hz"), problem)
 
