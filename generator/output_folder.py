@@ -322,7 +322,7 @@ def stages_in(folder: Path) -> list[Stage]:
 def _has_mark(folder: Path) -> bool:
     """Return whether a folder has the mark of a stage.
 
-    A run killed early may have left only part of the mark, or none. The folder then contains nothing else.
+    A run killed early may have left only part of the mark, or none. The folder then contains only that.
     """
     mark = read_file(folder / _MARK)
     if mark == _MARK_TEXT.encode():

@@ -50,7 +50,12 @@ FoldOperation = FoldWide | FoldHalves | Fold | Narrow
 
 
 def folds(steps: Sequence[FoldStep], bits: int, source: str) -> Iterator[FoldOperation]:
-    """Yield the steps over ``source``, a number of this many bits. They leave the remainder in ``v``."""
+    """Yield the steps over ``source``, a number of this many bits. They leave the remainder in ``v``.
+
+    A step takes the bits from ``shift`` up, moves them lower and XORs them. It is done in 64 bits (``wide``) as long as
+    more than 32 bits are left, and from then on in 32 bits (``v``).
+    """
+    # ``source`` and ``bits`` are those of the number before each step.
     for step in steps:
         bits_left = max(step.shift, bits - step.shift + step.back)
         if source == "v":

@@ -84,11 +84,15 @@ class Enumerations:
                     self._add(f"reg_{register.name}", field, ("registers", register.name), sole)
 
     def of(self, *path: str) -> list[Enumeration]:
-        """Return those declared with this part of the spec, or with one inside it."""
+        """Return those declared with this part of the spec, such as ``("registers", "status")``, or one inside it."""
         return [enumeration for enumeration in self.all if enumeration.path[: len(path)] == path]
 
     def _add(self, owner: str, field: Field, path: Path, sole: str = "") -> None:
-        """Add the enumeration of a field. ``sole`` is the title of a register whose only field it is."""
+        """Add the enumeration of a field, or share an earlier one of a field with the same name and the same values.
+
+        The first one is ``PREFIX_FIELD``. With other values it is ``PREFIX_OWNER_FIELD``. ``sole`` is the title of a
+        register whose only field it is, which has its own ``PREFIX_REGISTER``.
+        """
         if sole:
             self._add_new(owner, field, path, f"{self.prefix}_{path[-1]}", sole)
             return
@@ -195,7 +199,7 @@ class AlternativeCode:
 
 
 def alternatives_in(alternatives: tuple[AlternativeCode, ...], *expressions: Expression) -> tuple[AlternativeCode, ...]:
-    """Return the alternatives on whose answers these expressions depend."""
+    """Return the alternatives on whose answers these expressions depend: those that set a parameter in them."""
     names = {name for expression in expressions for name in expression.parameters}
     return tuple(alternative for alternative in alternatives if not names.isdisjoint(alternative.item.answers[0].sets))
 
@@ -226,12 +230,12 @@ class FrameReports:
         self._mask_of_all_unused = sum(reserved.mask for reserved in reporting.codec.reserved)
 
     def names(self) -> Iterator[str]:
-        """Return the names that it declares at file scope."""
+        """Return the names that it declares at file scope. A frame can lack either function."""
         return filter(None, (self.verdict, self.reports))
 
     @property
     def mask_terms(self) -> Iterator[Expr]:
-        """The terms of the mask of its reports."""
+        """The terms of the mask of its reports, such as ``frame->error ? ACME_X_REPORT_ERROR : 0U``."""
         for report_cause in self.reporting.causes:
             is_for_encoder = [self._holds(only) for only in report_cause.conditions]
             condition = joined("&&", (*is_for_encoder, self._is_active(report_cause.by)))
@@ -297,7 +301,10 @@ class FrameReports:
                     yield condition, verdict
 
     def _conditions_of_causes(self, causes: Sequence[VerdictCause]) -> Iterator[Expr]:
-        """Yield the condition that each of these is active. Unused bits are checked together."""
+        """Yield the condition that each of these is active. Unused bits are checked together, last.
+
+        A flag can count only for some order codes, and only while flags that give it another meaning are inactive.
+        """
         reserved_causes = []
         for cause in causes:
             if isinstance(cause.by, Reserved):
@@ -311,7 +318,7 @@ class FrameReports:
             yield self._differs_in(reserved_causes)
 
     def _differs_in(self, reserved: Sequence[Reserved]) -> Expr:
-        """Return the condition that some of these bits differ from the manual."""
+        """Return the condition that some of these bits differ from the manual, ``frame->unused != 0U`` if it is all."""
         mask = sum(bits.mask for bits in reserved)
         differing_bits = _UNUSED if mask == self._mask_of_all_unused else masked(_UNUSED, mask)
         return Operation("!=", (differing_bits, Number(0)))
@@ -362,7 +369,7 @@ class Reports:
         return FrameReports(family=self, reporting=reporting, frame=name, type_=type_, choices=self._choices)
 
     def constant(self, report: Report) -> Expr:
-        """Return the bit of a report."""
+        """Return the bit of a report, as a number of the type of the mask."""
         name = Name(self.enumeration.entries[report.number].name)
         return Cast(self.mask, name) if self.enumeration.is_enum else name
 
@@ -391,7 +398,7 @@ def _members_of_text(device: Device, report: Report) -> tuple[str, ...]:
 
 
 def _report_note(device: Device, report: Report) -> str:
-    """Return its name in the manual and the source of its meaning."""
+    """Return the comment on a report: the title of its field, ``unused`` if it has no use, and the source."""
     field = report.field
     unused = ", unused" if report.is_unused else ""
     return S.sentence(statement(title(field), unused, source=source(field, alarm_of(device, field))))

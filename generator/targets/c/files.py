@@ -182,7 +182,14 @@ class Program(Family):
 
 
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
-    """Return the headers, their README, examples, self-test and package files, by path."""
+    """Return the headers, their README, examples, self-test and package files, by path.
+
+    Form ``single`` has only the headers for order codes. Passing by address has no shared files.
+
+    Raises:
+        OptionError: The option ``only`` has an unknown name.
+        TargetError: C cannot express something, or two parts of specs have the same C name.
+    """
     files: dict[str, str] = {}
     try:
         devices = narrowed_to(library.devices, options.get(ONLY.name, ""))
@@ -228,7 +235,10 @@ def _passing(options: Options) -> Passing:
 
 
 def _family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
-    """Yield the path of each header, self-test and example program of a family, and a function for its text."""
+    """Yield the path of each header, self-test and example program of a family, and a function for its text.
+
+    Form ``single`` has only the headers for order codes. Passing by address has only the headers for C.
+    """
 
     def later(template: str, values: Mapping[str, object]) -> Callable[[], str]:
         return partial(_render, library, template, values)
@@ -259,6 +269,7 @@ def problems(library: Library) -> Iterator[TargetProblem]:
             problem = f"{error}; use 'generate --target' to write the other outputs"
             yield TargetProblem(device, rule="c-target", place=error.place or ("device",), message=problem)
     for device, clash in clashes(headers):
+        # A clash with another family has no place in this spec.
         other_place = () if clash.other[:1] == ("device",) else clash.other
         message = clash.message(" on line {line}" if other_place else "")
         yield TargetProblem(device, rule="c-name", place=clash.path, message=message, other=other_place)
@@ -277,6 +288,7 @@ def _single_headers(device: Device, library: Library, passing: Passing) -> Itera
     """Yield the path of the header of each order code, and a function for its text."""
 
     def text(view: DeviceView) -> str:
+        # The functions for the texts of the other headers are not called.
         header = next(text for path, text in _headers(library, view) if path == view.header)
         return single_header(view, partial(_render, library), header())
 
@@ -289,6 +301,7 @@ def _values(view: DeviceView) -> Family:
 
 
 def _render(library: Library, template: str, values: Mapping[str, object]) -> str:
+    """Render a template. C files get their long lines broken, and headers also the marks of Doxygen."""
     text = TEMPLATES.render(template, values, library.own_templates)
     if template.endswith((".h.jinja", ".hpp.jinja")):
         return documented(break_lines(text))

@@ -285,7 +285,7 @@ class RegisterCode:
 
     @staticmethod
     def has_shift(field: Field) -> bool:
-        """Return True if a field needs a shift besides its mask. A flag does not."""
+        """Return True if a field needs a shift and a mask. For a flag, the mask is enough."""
         match meaning_of(field):
             case Active():
                 return False
