@@ -78,12 +78,12 @@ class Cache:
             return
         key = key_of(kind, content)
         with suppress(OSError, ValueError, RecursionError):
-            text = json.dumps({"key": key, "data": data}, separators=(",", ":")).encode()
-            if len(text) <= MAX_ENTRY:
+            entry_json = json.dumps({"key": key, "data": data}, separators=(",", ":")).encode()
+            if len(entry_json) <= MAX_ENTRY:
                 self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
                 if _is_ours(os.stat(self._folder)):
-                    _write(self._folder, key, hashlib.sha256(text).hexdigest().encode() + text)
-                    self._keep_limits(self._folder, len(text))
+                    _write(self._folder, key, hashlib.sha256(entry_json).hexdigest().encode() + entry_json)
+                    self._keep_limits(self._folder, len(entry_json))
 
     def _keep_limits(self, folder: Path, size: int) -> None:
         """Keep the limits at the first entry of this process, and whenever it has written a sixteenth of them."""
@@ -152,8 +152,8 @@ def _package_folders() -> Iterator[Path]:
 def _files(folder: Path | str) -> Iterator[tuple[str, os.stat_result]]:
     """Yield the path and the status of each file in a folder and those below, except compiled ones, ordered by name."""
     with os.scandir(folder) as listing:
-        entries = sorted(listing, key=lambda path: path.name)
-    for path in entries:
+        paths_by_name = sorted(listing, key=lambda path: path.name)
+    for path in paths_by_name:
         if path.is_dir():
             if path.name != "__pycache__":
                 yield from _files(path.path)

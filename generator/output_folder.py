@@ -52,8 +52,8 @@ def listed_in(target_folder: Path) -> list[str]:
     Raises:
         WriteError: The list cannot be read.
     """
-    text = read_file(target_folder / LIST) or b""
-    return [line for line in text.decode("utf-8", "replace").splitlines() if is_safe(line)]
+    list_content = read_file(target_folder / LIST) or b""
+    return [line for line in list_content.decode("utf-8", "replace").splitlines() if is_safe(line)]
 
 
 def families_in(target_folder: Path) -> list[str]:
@@ -62,8 +62,8 @@ def families_in(target_folder: Path) -> list[str]:
     Raises:
         WriteError: The list cannot be read.
     """
-    text = (read_file(target_folder / LIST) or b"").decode("utf-8", "replace")
-    family_lines = [line for line in text.splitlines() if line.startswith(_FAMILIES)]
+    list_content = (read_file(target_folder / LIST) or b"").decode("utf-8", "replace")
+    family_lines = [line for line in list_content.splitlines() if line.startswith(_FAMILIES)]
     return family_lines[0].removeprefix(_FAMILIES).split() if family_lines else []
 
 
@@ -307,10 +307,10 @@ def stages_in(folder: Path) -> list[Stage]:
     stages = []
     try:
         with os.scandir(folder) as listing:
-            entries = sorted(listing, key=lambda folder_entry: folder_entry.name)
+            sorted_entries = sorted(listing, key=lambda folder_entry: folder_entry.name)
     except OSError:
         return []
-    for folder_entry in entries:
+    for folder_entry in sorted_entries:
         stage_name = _STAGE_NAME.fullmatch(folder_entry.name)
         if stage_name and folder_entry.is_dir(follow_symlinks=False):
             with suppress(OSError, WriteError):
@@ -385,6 +385,7 @@ def _raise(error: OSError) -> None:
 
 
 def _link_or_copy(old: str | Path, new: str | Path) -> None:
+    """Make ``new`` a hard link to the file or link ``old``, or a copy of it if the file system has no hard links."""
     try:
         os.link(old, new, follow_symlinks=False)
     except OSError:

@@ -80,8 +80,8 @@ class Guard:
         for target, target_changes in changes.items():
             recorded = families_in(self.folder / target)
             if recorded:
-                # Families as ``manufacturer/family``. A file belongs to them if its name has one of these words, but
-                # not if it has only words of families that were read.
+                # Names like ``manufacturer/family``. A file is one of theirs if its path has a word of such a name
+                # that is not also a name of what was read.
                 missing = set(recorded) - families_read
                 names = {word for name in missing for word in name.split("/")} - self._names()
                 removed = [change.path for change in target_changes if change.what == "removed"]
@@ -116,6 +116,7 @@ class Guard:
         return names
 
     def _message(self, families: Sequence[str], files: Sequence[str]) -> str:
+        """Return the message about outputs of families that were not read. ``files`` are examples of these outputs."""
         examples = f" ({self._examples(files)})" if files else ""
         return (
             f"{self.folder.as_posix()} has outputs of {', '.join(families)}, which were not "
@@ -124,6 +125,7 @@ class Guard:
         )
 
     def _message_without_record(self, files: Sequence[str]) -> str:
+        """Return the message about files that a run would remove although no record or name shows their family."""
         return (
             f"{self.folder.as_posix()} has files of an earlier version whose family is not known "
             f"({self._examples(files)}).{self._state()} Remove them with --prune. If they are outputs of other "

@@ -287,15 +287,15 @@ def _other_channels(device: Device, layout: Layout) -> list[str]:
 
 def _sent_fields(layout: Layout) -> str:
     """Return the fields in the order of transmission, such as ``position, error (active low), CRC``."""
-    names = []
+    texts_in_order = []
     for field in layout.fields:
         if field in layout.status_fields:
-            names.append(f"{field.name} ({_active_level(field)})")
+            texts_in_order.append(f"{field.name} ({_active_level(field)})")
         elif field not in layout.crc_fields:
-            names.append(field.name)
-    names.append("CRC")
+            texts_in_order.append(field.name)
+    texts_in_order.append("CRC")
     without_status = "" if layout.status_fields else ", no status bits"
-    return ", ".join(names) + without_status
+    return ", ".join(texts_in_order) + without_status
 
 
 def _heading(device: Device, layout: Layout, lengths: Sequence[DataLength]) -> str:

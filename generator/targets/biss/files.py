@@ -57,10 +57,10 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     for maker, devices in library.by_manufacturer():
         nodes, left_out = _identified_nodes(devices)
         if maker.biss_id is not None and nodes:
-            name = identifier_name(maker.biss_id)
-            identifiers.append(f"`{name}`")
+            file_name = identifier_name(maker.biss_id)
+            identifiers.append(f"`{file_name}`")
             about = [f"{maker.title}: encoders with a BiSS C interface."]
-            files[f"biss/{name}"] = _identifier(maker, maker.biss_id, about, nodes, library, left_out)
+            files[f"biss/{file_name}"] = _identifier(maker, maker.biss_id, about, nodes, library, left_out)
         for device in devices:
             files |= library.files_of(_family, device, options)
     if files:
@@ -165,6 +165,7 @@ def _one_encoder(device: Device, variant: Variant, decided: Mapping[str, Answer]
 
 
 def _about_answer(question: Alternative, answer: Answer) -> str:
+    """Return the sentences on an open question and the answer that a file is for."""
     return (
         f"The manual leaves {question.name} open ({question.meaning}). This file is for {answer.name}: "
         f"{answer.meaning}. There is a file for each answer."

@@ -70,13 +70,13 @@ class DataLength:
 
 def manufacturer_bits(biss_id: int) -> IdBits:
     """Return the manufacturer ID, which is often two ASCII characters."""
-    text = biss_id.to_bytes(2, "big").decode("ascii", "replace")
+    characters = biss_id.to_bytes(2, "big").decode("ascii", "replace")
     return IdBits(
         high=_MANUFACTURER_BITS - 1,
         low=0,
         number=biss_id,
         what="64-bit identity: manufacturer ID, registers 7Eh and 7Fh",
-        text=text if text.isprintable() and text.isascii() else "",
+        text=characters if characters.isprintable() and characters.isascii() else "",
     )
 
 
@@ -105,14 +105,14 @@ def _register_bits(register: Register) -> Iterator[IdBits]:
         low = bits_below + field.low.constant
         high = low + field.width.constant - 1
         first_address, last_address = _address_of_bit(high), _address_of_bit(low)
-        place = f"register {first_address:02X}h"
+        registers_in_words = f"register {first_address:02X}h"
         if first_address != last_address:
-            place = f"registers {first_address:02X}h to {last_address:02X}h"
+            registers_in_words = f"registers {first_address:02X}h to {last_address:02X}h"
         yield IdBits(
             high=high,
             low=low,
             number=number,
-            what=f"64-bit identity: device ID, {place}",
+            what=f"64-bit identity: device ID, {registers_in_words}",
             text=field.equals if isinstance(field.equals, str) else "",
             register=register.name,
         )

@@ -321,8 +321,8 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
         "runtime": {path.stem: _code_without_comment(path) for path in our_runtime("browser").glob("*.js")},
         "palette": palette_css().rstrip("\n"),
     }
-    names = ("README.md", "decode.html", "decode.js")
-    files = {f"browser/{name}": TEMPLATES.render(f"{name}.jinja", page, library.own_templates) for name in names}
+    file_names = ("README.md", "decode.html", "decode.js")
+    files = {f"browser/{name}": TEMPLATES.render(f"{name}.jinja", page, library.own_templates) for name in file_names}
     return files | licence_in("browser")
 
 

@@ -95,9 +95,9 @@ def plain_data(value: Any) -> Any:
             return [numerator, denominator, offset, unit, value.places]
     members: Data = {}
     for member in fields(value):
-        content = getattr(value, member.name)
-        if member.compare and content != member.default:
-            members[member.name] = plain_data(content)
+        member_value = getattr(value, member.name)
+        if member.compare and member_value != member.default:
+            members[member.name] = plain_data(member_value)
     return without_empty(**members)
 
 
@@ -137,7 +137,7 @@ def frame_data(device: Device, layout: Layout, reporting: Reporting | None) -> D
         reports.append(_report_data(device, tells, cause))
     # Use the order of the frame, without flags first. Values with a verdict come last.
     flags = (*layout.fields, *(sign.flag for sign in layout.signs))
-    names = [flag.name for flag in flags]
+    flag_names = [flag.name for flag in flags]
     return _layout_data(device, codec, description) | without_empty(
         title=title(layout),
         source=cite(layout.source),
@@ -145,7 +145,7 @@ def frame_data(device: Device, layout: Layout, reporting: Reporting | None) -> D
         channel=layout.channel,
         selector=layout.selector,
         selects=[json_number(value) for value in layout.selects],
-        tells=sorted(reports, key=lambda report: names.index(report["flag"])),
+        tells=sorted(reports, key=lambda report: flag_names.index(report["flag"])),
     )
 
 
@@ -295,13 +295,13 @@ def _check_message(layout: Layout, check: Check) -> Data:
 
     ``always`` is 1 if the bits have one valid value in every such frame, so that they tell it from other frames.
     """
-    name = check.field.name
+    field_name = check.field.name
     always, highest_digit, covered_names = False, 0, ""
     match check:
         case AlwaysIs():
             message, always = "constant", True
         case ZerosAbove(padding=padding):
-            message, always, name = "constant", True, padding.name
+            message, always, field_name = "constant", True, padding.name
         case ParityIs():
             message, always = "parity", True
             covered_names = ", ".join(field.name for field in check.of)
@@ -316,7 +316,7 @@ def _check_message(layout: Layout, check: Check) -> Data:
             message = "outside"
         case _:
             assert_never(check)
-    return without_empty(field=name, says=message, always=int(always), most=highest_digit, of_name=covered_names)
+    return without_empty(field=field_name, says=message, always=int(always), most=highest_digit, of_name=covered_names)
 
 
 def _report_texts(field: Field, alarm: Alarm | None) -> Data:

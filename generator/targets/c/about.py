@@ -76,6 +76,7 @@ def about_order_codes(device: Device) -> list[Paragraph]:
 
 
 def about_parameter(device: Device, prefix: str, parameter: Parameter) -> str:
+    """Return the comment on a parameter. If its function computes it, the comment leaves out how it is computed."""
     update = f" {prefix}_take_{parameter.register}() updates it." if parameter.read_from else ""
     in_code = list(say_parameter.parameter_origin(device, parameter)) if parameter.equals is not None else ()
     statements = say_parameter.parameter(device, parameter)
@@ -201,14 +202,14 @@ def table(struct: Struct) -> Iterator[Paragraph]:
     place_width = max((width for width in place_widths if width <= _PLACE), default=0)
     name_width = max((len(name) for _, name, _ in rows), default=0)
     for place_text, name, description in rows:
-        line = f"  {place_text:{place_width}}  "
+        lead = f"  {place_text:{place_width}}  "
         if not description:
-            yield line, name
+            yield lead, name
         elif len(place_text) > place_width:
-            yield line, name
+            yield lead, name
             yield "        ", description
         else:
-            yield f"{line}{name:{name_width}}  ", description
+            yield f"{lead}{name:{name_width}}  ", description
 
 
 # -- registers
@@ -226,9 +227,9 @@ def about_access(device: Device, register: Register, writes: bool, read_state: s
     ``read_state`` is the function that updates the variant, or empty if the register has no part of it.
     """
     waits = f", then wait {register.wait_at_least_ms} ms" if writes and register.wait_at_least_ms is not None else ""
-    name = title(register)
-    kind = "" if name.lower().endswith(("register", "registers")) else " register"
-    yield f"{'Write' if writes else 'Read'} the {name}{kind} ({addresses(register)}){waits}."
+    register_title = title(register)
+    kind = "" if register_title.lower().endswith(("register", "registers")) else " register"
+    yield f"{'Write' if writes else 'Read'} the {register_title}{kind} ({addresses(register)}){waits}."
     selector = device.bank_selector(register)
     if selector:
         yield f"It first writes to {title(device.register(selector))} to select bank {register.bank}."

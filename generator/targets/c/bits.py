@@ -164,11 +164,11 @@ class Reader:
 
 def digits(number: object, field: Field, run: Digits) -> Expr:
     """Return a run of decimal digits extracted from a number, such as ``(number / 100U) % 10U``."""
-    value: Expr = Name(str(number))
+    quotient: Expr = Name(str(number))
     if run.divisor > 1:
-        value = Operation("/", (value, Number(run.divisor)))
+        quotient = Operation("/", (quotient, Number(run.divisor)))
     is_highest_run = run is field.runs[0]
-    return value if is_highest_run else Operation("%", (value, Number(run.modulus)))
+    return quotient if is_highest_run else Operation("%", (quotient, Number(run.modulus)))
 
 
 _MEMBER = Name("in->unused")

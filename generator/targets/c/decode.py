@@ -156,17 +156,17 @@ class Decoder:
         if self.plan.by_word or len(bytes_of_pieces) != 1:
             return self._selector_or_parity_differs(parity, parity.known_parity)
         (byte,) = bytes_of_pieces
-        mask, value = 0, 0
+        mask, expected_value = 0, 0
         # The other constants in it have been checked.
         for constant in _constant_bytes(self.plan.checks):
             if constant.byte == byte:
-                mask, value = constant.mask, constant.value
+                mask, expected_value = constant.mask, constant.value
         for piece, number in pieces:
             mask |= piece.mask << piece.right
-            value |= (number >> piece.left & piece.mask) << piece.right
+            expected_value |= (number >> piece.left & piece.mask) << piece.right
         whole_byte = Name(f"bytes[{byte}]")
         compared_bits = masked(whole_byte, mask) if mask != 0xFF else whole_byte
-        return Operation("!=", (compared_bits, Number(value, hexadecimal=True)))
+        return Operation("!=", (compared_bits, Number(expected_value, hexadecimal=True)))
 
     def _selector_or_parity_differs(self, parity: ParityIs, known_parity: int) -> Expr:
         """Return the condition that the local of the selector or that of its parity bit has another value."""

@@ -215,20 +215,20 @@ class DeviceView:
     @property
     def parts(self) -> list[Part]:
         """The other headers. Each includes the first one, and what else it needs."""
-        position_header, encoder, transport = self.header, "codewheel/encoder.h", "codewheel/transport.h"
-        labels = (f"{self.maker.name}/{self.stem}_labels.h",) if self.identities else ()
-        registers = f"{self.maker.name}/{self.stem}_registers.h" if self.registers else position_header
-        parts = [self._part("labels", "find the order code that a label shows", encoder, position_header)]
+        first_header, encoder_header, transport_header = self.header, "codewheel/encoder.h", "codewheel/transport.h"
+        label_headers = (f"{self.maker.name}/{self.stem}_labels.h",) if self.identities else ()
+        registers_header = f"{self.maker.name}/{self.stem}_registers.h" if self.registers else first_header
+        parts = [self._part("labels", "find the order code that a label shows", encoder_header, first_header)]
         if self.reports.all or self.alarms or self.timings:
             parts.append(
-                self._part("reports", "texts that describe reports, alarms and times", encoder, position_header)
+                self._part("reports", "texts that describe reports, alarms and times", encoder_header, first_header)
             )
         if self.registers:
             about = "registers, and identification of encoders"
-            parts.append(self._part("registers", about, encoder, transport, position_header, *labels))
+            parts.append(self._part("registers", about, encoder_header, transport_header, first_header, *label_headers))
         if self.procedures:
-            parts.append(self._part("procedures", "procedures, step by step", transport, registers))
-        parts.append(self._part("simulate", "the encoder's side, for simulators and tests", position_header))
+            parts.append(self._part("procedures", "procedures, step by step", transport_header, registers_header))
+        parts.append(self._part("simulate", "the encoder's side, for simulators and tests", first_header))
         return parts
 
     def _part(self, name: str, about: str, *includes: str) -> Part:

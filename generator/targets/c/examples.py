@@ -317,15 +317,15 @@ class ExampleCode:
     @property
     def headers(self) -> Iterator[str]:
         """The headers of the interface that the program includes."""
-        names = set()
+        part_names = set()
         if self.reports is not None and self.reports.reports:
-            names.add("reports")
+            part_names.add("reports")
         if self.reads:
-            names.add("registers")
+            part_names.add("registers")
         if self.run is not None:
-            names.add("procedures")
+            part_names.add("procedures")
         yield self.view.header
-        yield from self.headers_of(names)
+        yield from self.headers_of(part_names)
 
     def headers_of(self, names: Collection[str]) -> Iterator[str]:
         """Yield the further headers with these names."""
@@ -357,17 +357,17 @@ class ExampleCode:
         procedure, example = self._chosen.procedure
         candidates = (code for code in self.view.procedures if code.run.procedure is procedure)
         code = first_of(candidates, f"code for the procedure '{procedure.name}'")
-        values: dict[str, int] = {}
+        argument_values: dict[str, int] = {}
         if example is not None:
-            values = {argument.name: example.arguments[argument.name] for argument in procedure.arguments}
+            argument_values = {argument.name: example.arguments[argument.name] for argument in procedure.arguments}
         heading = ascii_text(procedure.title)
-        if values:
-            heading += ": " + ", ".join(f"{name} {value}" for name, value in values.items())
+        if argument_values:
+            heading += ": " + ", ".join(f"{name} {value}" for name, value in argument_values.items())
         return ShownRun(
             title=heading,
             about=f"{procedure.title} [{cite(procedure.source)}]. It changes the contents of the encoder.",
             code=code,
-            values=tuple(values.values()),
+            values=tuple(argument_values.values()),
         )
 
     def _read(self, register: Register) -> ShownRegister:
@@ -410,8 +410,8 @@ class ExampleCode:
             case Named(values):
                 yield replace(self.number(part.field.name, variable), value_names=_value_meanings(values))
             case DigitRuns(runs):
-                names = (part.field.name, *(run.name for run in runs))
-                yield from (self.number(name, variable) for name in names)
+                member_names = (part.field.name, *(run.name for run in runs))
+                yield from (self.number(name, variable) for name in member_names)
             case Raw() | ZeroMeans():
                 yield self.number(part.field.name, variable)
             case never:

@@ -248,15 +248,15 @@ def _family(device: Device, library: Library, options: Options) -> Iterator[tupl
         yield from _single_headers(device, library, passing)
         return
     for view in views_of(device, passing):
-        for path, text in _headers(library, view):
-            yield f"c/include/{path}", text
+        for path, text_function in _headers(library, view):
+            yield f"c/include/{path}", text_function
         if passing.by_address:
             continue
         yield f"c/include/{view.cpp_header}", later("device.hpp.jinja", _values(view))
-        for path, text in own_test(view, later):
-            yield f"c/{path}", text
-        for path, text in own_programs(view, later):
-            yield f"c/{path}", text
+        for path, text_function in own_test(view, later):
+            yield f"c/{path}", text_function
+        for path, text_function in own_programs(view, later):
+            yield f"c/{path}", text_function
 
 
 def problems(library: Library) -> Iterator[TargetProblem]:
@@ -280,8 +280,8 @@ def _headers(library: Library, view: DeviceView) -> Iterator[tuple[str, Callable
     values = _values(view)
     yield view.header, partial(_render, library, "device.h.jinja", values | {"runtime": runtime_version()})
     for part in view.parts:
-        text = partial(_render, library, "part.h.jinja", values | {"further": part})
-        yield f"{view.maker.name}/{part.file}", text
+        text_function = partial(_render, library, "part.h.jinja", values | {"further": part})
+        yield f"{view.maker.name}/{part.file}", text_function
 
 
 def _single_headers(device: Device, library: Library, passing: Passing) -> Iterator[tuple[str, Callable[[], str]]]:

@@ -83,6 +83,7 @@ class InterfaceCode:
         self.codecs = tuple(self._codec(context, layout) for layout in interface.layouts)
 
     def declared(self) -> Iterator[Declared]:
+        """Yield the names at file scope, each with its path in the spec. The codecs yield those of their layouts."""
         path = ("interfaces", self.interface.name)
         for macro in (*self.macros, *self.controls):
             yield macro.name, path

@@ -125,11 +125,11 @@ def inner_names(device: Device) -> Iterator[tuple[str, Path]]:
     """
     for parameter in device.parameters:
         yield c_name(parameter.name), ("parameters", parameter.name)
-    places: list[tuple[Path, Layout]] = []
+    paths_and_layouts: list[tuple[Path, Layout]] = []
     for interface, layout in device.layouts():
-        places.append((("interfaces", interface.name, "layouts", layout.name), layout))
-    places += [(("registers", register.name), register.layout) for register in device.registers]
-    for path, layout in places:
+        paths_and_layouts.append((("interfaces", interface.name, "layouts", layout.name), layout))
+    paths_and_layouts += [(("registers", register.name), register.layout) for register in device.registers]
+    for path, layout in paths_and_layouts:
         yield from ((c_name(field.name), path) for field in layout.fields)
         yield from ((c_name(run.name), path) for field in layout.fields for run in field.runs)
         yield from ((c_name(join.name), path) for join in layout.joins)

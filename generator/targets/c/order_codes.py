@@ -212,8 +212,8 @@ def _open_codes_of(codes: _Codes, spelling: _Spelling) -> list[OpenCode]:
         else:
             is_needed = bool(unlisted) or not spelling.is_listed
         if is_needed:
-            texts = {name: choice.shown for name, choice in chosen.items()}
-            label_pattern = filled(without_blanks(spelling.pattern), texts)
+            shown_texts = {name: choice.shown for name, choice in chosen.items()}
+            label_pattern = filled(without_blanks(spelling.pattern), shown_texts)
             open_codes_of_spelling.append(OpenCode(pattern=label_pattern, code=index, unlisted=unlisted))
     return sorted(open_codes_of_spelling, key=lambda open_code: len(open_code.unlisted))
 

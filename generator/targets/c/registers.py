@@ -203,6 +203,7 @@ class RegisterCode:
         self.explained = tuple(self._explained())
 
     def declared(self) -> Iterator[Declared]:
+        """Yield the names at file scope, each with its path in the spec."""
         for name in self._names():
             yield name, ("registers", self.register.name)
         if self.codec is not None:

@@ -259,18 +259,18 @@ class SelfTest:
         """
         if example.bits:
             return number(len(example.bits))
-        answers = self._answers(codec.length_alternatives, example).removesuffix(", ")
-        return f"{codec.name}_bits({', '.join(filter(None, ('variant', answers)))})"
+        arguments = self._answers(codec.length_alternatives, example).removesuffix(", ")
+        return f"{codec.name}_bits({', '.join(filter(None, ('variant', arguments)))})"
 
     def _answers(self, questions: Sequence[AlternativeCode], example: FrameExample) -> str:
         """Return the answers for the example as arguments, such as ``CODE_GRAY, ``. The default is the first."""
-        answers = ""
+        arguments = ""
         for question in questions:
             answer_names = [answer.name for answer in question.item.answers]
             chosen_name = example.alternatives.get(question.item.name, answer_names[0])
             constant = question.enumeration.entries[answer_names.index(chosen_name)]
-            answers += f"{constant.name}, "
-        return answers
+            arguments += f"{constant.name}, "
+        return arguments
 
     def _register_checks(self, example: RegisterExample) -> Iterator[Work]:
         """Yield the check that a register decodes to the values of the example, or nothing if it has no decoder."""
@@ -296,10 +296,10 @@ class SelfTest:
         Fields without a member are constant. They are checked by decoding and encoding the frame.
         """
         member_names = set(_member_names(codec))
-        parts = {part.field.name: part for part in codec.plan.parts}
+        part_by_field = {part.field.name: part for part in codec.plan.parts}
         for name, value in values.items():
             if name in member_names:
-                yield self._expected_member(key, name, value, parts.get(name))
+                yield self._expected_member(key, name, value, part_by_field.get(name))
 
     def _expected_member(self, key: str, name: str, value: int | str | bool, part: Part | None) -> Expected:
         """Return the expected value of a member, as C. ``part`` is None for a join or a run of digits: a plain number.
@@ -391,8 +391,8 @@ def selftest_files(
     """Return the files of the self-test other than those of the families, by their path in the C folder."""
     files = {}
     makers = manufacturers(view.device for view in views)
-    names = [maker.name for maker in makers]
-    values: AllTests = {"makers": {name: _tests_of(name, tests) for name in names}}
+    maker_names = [maker.name for maker in makers]
+    values: AllTests = {"makers": {name: _tests_of(name, tests) for name in maker_names}}
     for name, template in (("selftest.h", "selftest.h.jinja"), ("selftest.c", "selftest_all.c.jinja")):
         files[f"selftest/{name}"] = render(template, values)
     return files | {f"selftest/{name}": text for name, text in runtime_tests().items()}

@@ -123,8 +123,8 @@ class Taker:
     def __init__(self, context: Context, register_parameters: HoldingRegister, access: Access) -> None:
         register = register_parameters.register
         self.name = f"{context.prefix}_take_{register.name}"
-        names = listed(parameter.parameter.name for parameter in register_parameters.parameters)
-        self.about = f"Update {names} in a variant from the content of the {title(register)} register."
+        parameter_names = listed(parameter.parameter.name for parameter in register_parameters.parameters)
+        self.about = f"Update {parameter_names} in a variant from the content of the {title(register)} register."
         self.values = tuple(HeldValue(context, parameter) for parameter in register_parameters.parameters)
         self.switches = tuple(_switches(self.values))
         #: Locals that the bits are read into: type, name and initial value.
@@ -175,6 +175,7 @@ class VariantCode:
         self.about = about_order_codes(self.device)
 
     def declared(self) -> Iterator[Declared]:
+        """Yield the names at file scope, each with its path in the spec. Names that every header has have none."""
         yield self.context.prefix, ()
         for name in ("order_code", "order_codes", "find_order_code"):
             yield f"{self.context.prefix}_{name}", ()
@@ -231,11 +232,11 @@ class VariantCode:
         family, order_code = self.device.name.upper(), variant.code.upper()
         if all(other.code.upper().startswith(family) for other in self.device.variants):
             order_code = order_code.removeprefix(family) or order_code
-        name = re.sub("[^A-Z0-9]+", "_", order_code).strip("_")
+        constant_name = re.sub("[^A-Z0-9]+", "_", order_code).strip("_")
         return CodeRow(
             variant=variant,
-            code=name,
-            macro=f"{self.context.PREFIX}_{name}",
+            code=constant_name,
+            macro=f"{self.context.PREFIX}_{constant_name}",
             values=tuple(_parameter_value(parameter, variant) for parameter in self.parameters),
         )
 
@@ -313,13 +314,14 @@ class LengthCode:
 
         The frame follows if there are several, and then the answers on which the length depends.
         """
-        names = [self._codes[id(frame.variant)]]
+        name_parts = [self._codes[id(frame.variant)]]
         if len(self.layouts) > 1:
-            names.append(frame.layout.name)
-        names += [answer.name for answer in frame.answers]
-        return "_".join(names).upper()
+            name_parts.append(frame.layout.name)
+        name_parts += [answer.name for answer in frame.answers]
+        return "_".join(name_parts).upper()
 
     def declared(self) -> Iterator[Declared]:
+        """Yield the names of its macros at file scope, each with the path of the interface in the spec."""
         path = ("interfaces", self.interface.name)
         for macro in self.macros:
             yield macro.name, path

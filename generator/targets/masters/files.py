@@ -280,16 +280,16 @@ def _bulk_text(device: Device, sheets: Sequence[SheetOfCodes], rule: Raw, master
     codes_by_content: dict[tuple[Content, Sequence[tuple[str, str]]], list[str]] = {}
     sheet_by_content: dict[tuple[Content, Sequence[tuple[str, str]]], Sheet] = {}
     for sheet, record, codes in sheets:
-        key = (content(sheet, rule, master_device), tuple(record.answers.items()))
-        codes_by_content.setdefault(key, []).extend(codes)
-        sheet_by_content.setdefault(key, sheet)
+        content_and_answers = (content(sheet, rule, master_device), tuple(record.answers.items()))
+        codes_by_content.setdefault(content_and_answers, []).extend(codes)
+        sheet_by_content.setdefault(content_and_answers, sheet)
     blocks = []
     for (file_content, answers), codes in codes_by_content.items():
         choices = " and ".join(f"{name}={answer}" for name, answer in answers)
         title = f"{', '.join(codes)} with {choices}" if choices else ", ".join(codes)
         sheet = sheet_by_content[file_content, answers]
-        text = file_text(device, codes, sheet, rule, master_device, library, is_short=True, file_content=file_content)
-        blocks.append((title, text))
+        block = file_text(device, codes, sheet, rule, master_device, library, is_short=True, file_content=file_content)
+        blocks.append((title, block))
     # The head has the documents and conditions of the last sheet.
     return _joined_blocks(device, blocks, sheet, rule, master_device)
 
@@ -312,8 +312,8 @@ def _joined_blocks(
     )
     if format_.comment == "<!--":
         head.append("Copy the element below your order code into a file of its own.")
-        inner = "".join(f"\n{comment([title], '<!--')}\n{_without_declaration(text)}" for title, text in blocks)
-        return f'<?xml version="1.0" encoding="UTF-8"?>\n{comment(head, "<!--")}\n<files>{inner}</files>\n'
+        elements = "".join(f"\n{comment([title], '<!--')}\n{_without_declaration(text)}" for title, text in blocks)
+        return f'<?xml version="1.0" encoding="UTF-8"?>\n{comment(head, "<!--")}\n<files>{elements}</files>\n'
     head.append(f"Copy the lines below your order code and remove the first {format_.comment} of each line.")
     lines = [comment(head, format_.comment)]
     for title, text in blocks:
