@@ -226,6 +226,7 @@ def _write(folder: Path, key: str, content: bytes) -> None:
 
 def _remove_oldest(folder: Path) -> None:
     """Remove unfinished files. If a limit is exceeded, remove the oldest entries until half of both limits is used."""
+    # The oldest comes first, since a tuple begins with the time. The listing removes unfinished files.
     entries = sorted(_entries_in(folder))
     count, total_size = len(entries), sum(size for _, size, _ in entries)
     if count <= MAX_ENTRIES and total_size <= MAX_SIZE:
@@ -244,6 +245,7 @@ def _entries_in(folder: Path) -> Iterator[tuple[float, int, str]]:
         for file in listing:
             with suppress(OSError):
                 status = file.stat(follow_symlinks=False)
+                # The name of an entry is its key.
                 if len(file.name) == _HASH:
                     yield status.st_mtime, status.st_size, file.path
                 elif file.name.startswith(_UNFINISHED) and status.st_mtime < time.time() - _ABANDONED_S:

@@ -58,7 +58,7 @@ class CompiledTemplates(BytecodeCache):
                 bucket.code = code if isinstance(code, CodeType) else None
 
     def dump_bytecode(self, bucket: Bucket) -> None:
-        """Write the code of a template atomically, so that no process reads part of it."""
+        """Write the code of a template atomically, so that no process reads part of it. Errors are ignored."""
         if sys.dont_write_bytecode or not bucket.key or bucket.code is None:
             return
         unfinished = f"{bucket.key}.{os.getpid()}"

@@ -351,7 +351,7 @@ def _save_from(stage: Stage) -> None:
 def _save_late_files(saved_folder: Path, target_folder: Path) -> None:
     """Move foreign files to the target's folder that were saved in its old content after it had been copied.
 
-    ``saved_folder`` may be that old content. Without our list in it, it is not.
+    If ``saved_folder`` does not have our list, it is not that old content, and nothing is moved.
     """
     if not (saved_folder / LIST).is_file() or not target_folder.is_dir():
         return

@@ -83,9 +83,9 @@ class Guard:
                 # Names like ``manufacturer/family``. A file is one of theirs if its path has a word of such a name
                 # that is not also a name of what was read.
                 missing = set(recorded) - families_read
-                names = {word for name in missing for word in name.split("/")} - self._names()
-                removed = [change.path for change in target_changes if change.what == "removed"]
-                removed_files += [path for path in removed if _has_name(path, names)]
+                missing_words = {word for name in missing for word in name.split("/")} - self._names()
+                removed_paths = [change.path for change in target_changes if change.what == "removed"]
+                removed_files += [path for path in removed_paths if _has_name(path, missing_words)]
             else:
                 # An earlier version wrote the folder. Only its decode page has the names of families.
                 missing = self._families_in_the_page(target_changes)

@@ -164,7 +164,7 @@ def _answer_data(answer: Answer) -> list[Any]:
 def _crc_data(device: Device, crc: Crc) -> Data:
     """Return the parameters of a CRC, and those of similar CRCs that may be used by mistake.
 
-    ``others`` are the similar ones over bits, and ``byte_others`` those over bytes, only for the frames that it is for.
+    ``others`` are the similar ones over bits, and ``byte_others`` those over bytes, if such frames have the CRC.
     """
     carriers_of_crc = carriers(device, crc)
     similar_crcs = {

@@ -205,6 +205,7 @@ def _layout_data(device: Device, codec: Codec, description: Description) -> Data
         fill=(codec.layout.bits - codec.layout.sent_bits).constant,
         crc=crc.crc.name if crc is not None else "",
         crcs=optional_crcs,
+        # If the CRC covers only a part of the frame: the lowest bit, and the number of bits.
         crc_of=[crc.low, crc.covered.constant] if crc is not None and crc.is_part else [],
         asks=[alternative.name for alternative in codec.alternatives],
         offers=[alternative.name for alternative in device.verdict_alternatives(codec.layout)],

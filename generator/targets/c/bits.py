@@ -167,6 +167,7 @@ def digits(number: object, field: Field, run: Digits) -> Expr:
     quotient: Expr = Name(str(number))
     if run.divisor > 1:
         quotient = Operation("/", (quotient, Number(run.divisor)))
+    # No digits are above the highest run, so that it needs no remainder.
     is_highest_run = run is field.runs[0]
     return quotient if is_highest_run else Operation("%", (quotient, Number(run.modulus)))
 
@@ -276,6 +277,7 @@ class Unused:
         for moved in self.moved:
             differing_bits = _MEMBER if is_all else masked(_MEMBER, moved.mask)
             bits = _with_inverted(differing_bits, _documented(moved.value))
+            # Bit 0 of the member is bit ``shift`` of the word.
             yield _shifted(Cast("uint64_t", bits), -moved.shift)
         for reserved in self.single:
             bits = _with_inverted(_MEMBER, self._documented(reserved)) if is_all else self._bits_to_send(reserved)

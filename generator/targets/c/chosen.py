@@ -48,10 +48,10 @@ def chosen_variant(device: Device, interface: Interface) -> Variant:
     """Return the order code of an interface with the most examples that are used as printed, without an erratum."""
     examples = (example for example in device.examples if _is_over_interface(device, interface, example))
     # An example without an order code holds for every one.
-    counted = Counter(getattr(example, "order_code", "") for example in examples if not example.erratum)
+    number_of_examples = Counter(getattr(example, "order_code", "") for example in examples if not example.erratum)
     variants = device.variants_over(interface.name) or device.variants
     # With equal numbers of examples, take the finest resolution: the largest sum of the parameters.
-    return max(variants, key=lambda variant: (counted[variant.code], sum(variant.parameters.values())))
+    return max(variants, key=lambda variant: (number_of_examples[variant.code], sum(variant.parameters.values())))
 
 
 def _is_over_interface(device: Device, interface: Interface, example: Example) -> bool:

@@ -53,6 +53,7 @@ class StructCodec:
         if not self.plan.in_bytes:
             yield f"{self.name}_bits"
         elif self.about:
+            # A register declares this macro by itself.
             yield self.length_macro
         yield from (scale.name for scale in self.struct.scales)
         yield from (f"{self.name}_set_{name}" for name in self.set_names)

@@ -196,6 +196,7 @@ def break_lines(text: str) -> str:
     in_comment = False
     for line in text.splitlines():
         in_comment = in_comment or line.lstrip().startswith("/*")
+        # Initialisers end in "};", and the lines of a macro in a backslash.
         if in_comment or len(line) <= COLUMNS or line.endswith(("};", "\\")):
             lines.append(line)
         else:
@@ -251,7 +252,7 @@ def _all_fit(lines: Sequence[str]) -> bool:
 
 
 def _split(code: str, without_strings: str, margin: str, further_margin: str, breaks: re.Pattern[str]) -> list[str]:
-    """Break code as late as possible at the spaces that ``breaks`` finds in ``without_strings``."""
+    """Break code as late as possible at the spaces that ``breaks`` finds in ``without_strings``, which is as long."""
     break_indices = [space.start() for space in breaks.finditer(without_strings)]
     lines: list[str] = []
     current_line = margin

@@ -33,6 +33,7 @@ class Context:
         self.alternatives = tuple(AlternativeCode(device, self.prefix, question) for question in open_questions)
         argument_by_parameter: dict[str, str] = {}
         for alternative in self.alternatives:
+            # All answers of an alternative set the same parameters.
             argument_by_parameter |= dict.fromkeys(alternative.item.answers[0].sets, alternative.argument)
         self.scope = Scope(
             prefix=self.prefix, largest=_largest_values(device), answers=argument_by_parameter, passing=passing

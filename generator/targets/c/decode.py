@@ -327,6 +327,7 @@ def _constant_bytes(checks: Iterable[Check]) -> list[ByteIs]:
                     constant_bytes[piece.byte] = ByteIs(piece.byte, mask=0xFF, value=0, reasons=(f"above {name}",))
             case AlwaysIs(bits=bits, value=constant):
                 for piece in bits.pieces:
+                    # Bit ``left`` of the number is bit ``right`` of the byte.
                     earlier = constant_bytes.get(piece.byte, ByteIs(piece.byte, mask=0, value=0, reasons=()))
                     value_in_byte = (constant >> piece.left & piece.mask) << piece.right
                     constant_bytes[piece.byte] = ByteIs(

@@ -278,6 +278,7 @@ class Encoder:
                 for piece in field.pieces:
                     yield piece.byte, self._piece_in_byte(field, piece, bits, may_be_wider=True)
             case Raw() | ZeroMeans() | Named() | DigitRuns():
+                # A single piece has all bits of the member, so that none are above it.
                 is_split = len(field.pieces) > 1
                 for piece in field.pieces:
                     # Bits above the type of the member are 0.

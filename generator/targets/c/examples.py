@@ -398,7 +398,7 @@ class ExampleCode:
                 yield Memory(register.address, example.bytes, title(register))
 
     def printed(self, part: Part, variable: str) -> Iterator[PrintedMember]:
-        """Yield the members of a part of the struct ``variable`` as ``printf`` shows them: one, or one for each run."""
+        """Yield the members of a part of the struct ``variable`` as ``printf`` shows them. Runs of digits are extra."""
         member = f"{variable}.{c_name(part.field.name)}"
         match part.meaning:
             case Characters():

@@ -129,8 +129,10 @@ class ProcedureCode:
         self.steps = f"{self.function}_steps"
         self.count_macro = f"{self.steps}_count".upper()
         self._names = {parameter.argument.name: c_name(parameter.argument.name, _TAKEN) for parameter in run.arguments}
+        #: Both by argument and register.
         self._filled = dict(self._structs_to_fill())
         self._wholes = dict(self._whole_numbers())
+        #: Registers with parameters on which the limits of later steps depend.
         self._teaching = {step.register.name for step in run.operations if isinstance(step, Writes) and step.teaches}
         self.arguments = [self._argument(parameter) for parameter in run.arguments]
         self.rows = list(self._rows())
@@ -317,7 +319,7 @@ class ProcedureCode:
 
     @staticmethod
     def _row(index: int, step: Writes | Reads | Polls | Verifies, note: str, piece: Piece, value: Expr) -> Row:
-        """Return the step on one byte of a register."""
+        """Return the step on one byte of a register. ``value`` has the bits at their places in the byte."""
         return Row(
             at=index,
             op=step,

@@ -254,13 +254,13 @@ class RegisterCode:
 
     @property
     def expected(self) -> int | None:
-        """The value of the byte that the manual states."""
+        """The value of a plain byte that the manual states, or None."""
         equals = self.layout.fields[0].equals if self.is_plain else None
         return equals if isinstance(equals, int) else None
 
     @property
     def about(self) -> list[Paragraph]:
-        """The comment, with the places of the fields if they have no macros."""
+        """The comment. It has the facts of a plain byte, or the table of the fields if some of them have no macros."""
         paragraphs = about_register(self.device, self.register)
         if self.is_plain:
             paragraphs.append(about_member(self.struct, self.layout.fields[0]))
@@ -297,12 +297,12 @@ class RegisterCode:
 
     @property
     def masked(self) -> tuple[Field, ...]:
-        """The fields at the same place for every order code."""
+        """The fields with masks that are at the same place for every order code."""
         return tuple(field for field in self._with_masks if field.is_fixed)
 
     @property
     def moving(self) -> tuple[Field, ...]:
-        """The fields whose place depends on the order code."""
+        """The fields with masks whose place depends on the order code."""
         return tuple(field for field in self._with_masks if field not in self.masked)
 
     def _explained(self) -> Iterator[ExplainingBits]:

@@ -67,13 +67,13 @@ class SingleCode:
         self.stem = self.path.removesuffix(".h")
         self.STEM = self.stem.upper()
         settings = {f"{view.maker.name.upper()}_CRC_{setting}" for setting in ("TABLE", "BITWISE")}
-        runtime = [declarations_in(runtime_headers()[name]) for name in _RECEIVING]
-        of_runtime = [declaration for declarations in runtime for declaration in declarations]
-        declarations = [*of_runtime, *declarations_in(without_settings(header, settings))]
+        declarations_by_header = [declarations_in(runtime_headers()[name]) for name in _RECEIVING]
+        runtime_declarations = [declaration for declarations in declarations_by_header for declaration in declarations]
+        declarations = [*runtime_declarations, *declarations_in(without_settings(header, settings))]
         needed = needed_by(self._roots(names_of(declarations)), declarations)
         self.declarations = [declaration for declaration in needed if not declaration.is_title]
         kept_names = names_of(self.declarations)
-        self._runtime_names = names_of(of_runtime) & kept_names
+        self._runtime_names = names_of(runtime_declarations) & kept_names
         self._renamed = self._new_names(kept_names)
         self._shared_names = names_of(declarations_in(runtime_headers()[_SHARED]))
 
@@ -175,7 +175,7 @@ class SingleCode:
         yield from self._roots_of_requests()
 
     def _roots_of_requests(self) -> Iterator[str]:
-        """Yield the names that a program uses to request positions over RS-485 or SPI."""
+        """Yield the names that a program uses to request positions over RS-485 or SPI. ``exchanged`` can be empty."""
         usage, exchanged = self.view.usage, self.view.interface.exchanged
         if usage is not None and usage.request:
             yield usage.request
@@ -330,7 +330,7 @@ def single_header(view: DeviceView, render: Callable[[str, Mapping[str, object]]
 
 
 def _with_head_in_line(code: str) -> str:
-    """Return a function with its parameters, and the macros that mark it, on the line of its name if they fit."""
+    """Return a function with its head on one line, after the macros that mark it if they and the name fit there."""
     function = re.match(r"((?:CW_[A-Z]+\n)*)(static inline [^{;]*\))\n\{", code)
     if function is None:
         return code
@@ -348,6 +348,7 @@ def _with_guards_in_line(code: str) -> str:
 
 
 def _guard_in_line(guard: re.Match[str]) -> str:
+    """Return a condition and its result on one line, or unchanged if that is too long or has a comment."""
     line = f"{guard['condition']} {guard['result']} }}"
     return guard[0] if len(line) > COLUMNS or "/*" in line else f"{line}\n"
 

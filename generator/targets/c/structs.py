@@ -129,8 +129,9 @@ class Struct:
     def initial(self, parameters: Mapping[str, int], values: Mapping[str, int] = MappingProxyType({})) -> str:
         """Return the initialiser of a struct without its braces, such as ``true, 0x1BU, 0U``.
 
-        ``values`` are numbers by the names of fields and joins. Other fields have the default of the spec, or 0.
-        ``parameters`` are those of an order code. The bits of a member ``unused`` that is 0 are as documented.
+        ``values`` are numbers by the names of fields and joins. Other fields have the default of the spec, or else a
+        value that an encoder accepts, mostly 0. ``parameters`` are those of an order code. The bits of a member
+        ``unused`` that is 0 are as documented.
         """
         numbers: dict[str, int] = {}
         for part in self.plan.parts:
@@ -138,6 +139,7 @@ class Struct:
         for whole in self.plan.wholes:
             if whole.join.name in values:
                 numbers.update(whole.parts(values[whole.join.name], parameters))
+        # C sets all members after the first one to 0.
         if not any(numbers.values()):
             return "0U"
         initial_values: list[str] = []

@@ -188,6 +188,7 @@ def _family(device: Device, library: Library, options: Options) -> Iterator[tupl
                 master_devices |= dict.fromkeys(sheet.devices_with(rule))
             for master_device in master_devices:
                 start = _start_of_path(master, rule, master_device)
+                # The first of each triple is the sheet.
                 sheets = [usable for usable in usable_sheets if master_device not in usable[0].unusable_devices]
                 yield from files_of_device(start, device, sheets, rule, master_device, library)
 
