@@ -211,7 +211,7 @@ def _stated_value(layout: Layout, field: Field, variant: Variant) -> int:
 
 
 def _data_length(device: Device, placed: PlacedLayout, codes: tuple[str, ...], answers: tuple[str, ...]) -> DataLength:
-    """Return the data and status bits of a frame with these widths, and its CRC."""
+    """Return the data and status bits of a placed frame, and its CRC. The CRC field counts as neither."""
     status_names = [field.name for field in placed.layout.status_fields]
     data_fields = [field for field in placed.fields if field != placed.crc_field and field.name not in status_names]
     data_widths = {field.name: field.width for field in data_fields}

@@ -251,6 +251,7 @@ class StructCodec:
             case str(characters):
                 return string(characters)
             case Expression(constant):
+                # Only values that are the same for all order codes have a macro.
                 return number(constant)
             case _:
                 return number(field.equals or 0, hexadecimal=True)
@@ -260,7 +261,7 @@ class StructCodec:
 
     @property
     def is_expected(self) -> Expr:
-        """Condition that a struct has the values of the manual."""
+        """Condition that a struct has the values of the manual, and that no unused bit differs from it."""
         conditions: list[Expr] = []
         for field in self.expected:
             conditions += self._has_expected_value(field)

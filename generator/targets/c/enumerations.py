@@ -71,6 +71,7 @@ class Enumerations:
         self.prefix = prefix
         self.choices: dict[tuple[str, str], Enumeration] = {}
         self.all: list[Enumeration] = []
+        #: By field name, the values and the enumeration of the first field with this name.
         self._shared: dict[str, tuple[Sequence[Value], Enumeration]] = {}
         for interface, layout in device.layouts():
             path = ("interfaces", interface.name, "layouts", layout.name)

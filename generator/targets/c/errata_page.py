@@ -54,6 +54,7 @@ def _family_errata(device: Device) -> FamilyErrata:
 
     ``editions`` has the name of each edition or overlay with its changes, in the order of the errata.
     """
+    # Each of the other errata has its labelled texts as rows, under the name of its edition or overlay.
     of_manual = [erratum for erratum in device.errata if not (erratum.overlay or erratum.edition)]
     changes: dict[str, list[Rows]] = {}
     for erratum in device.errata:

@@ -201,6 +201,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     if options.get(FORM.name) == "single":
         return files
     views = [view for device in devices for view in views_of(device, passing)]
+    # The first clash ends the function.
     for device, clash in clashes((view.device, view.names) for view in views):
         raise TargetError(f"{device.name}: {called(clash.path)}: {clash.message()}")
     if views:

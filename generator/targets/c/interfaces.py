@@ -73,7 +73,7 @@ class InterfaceCode:
         self.upper = self.prefix.upper()
         self.cable = [fact for fact in interface.facts() if isinstance(fact, CableLength)]
         self.timeout = interface.timeout if isinstance(interface, Biss) else None
-        #: Statements that are comments on macros.
+        #: Statements that are comments on macros. Building the macros fills it, and the comment leaves them out.
         self._macro_statements: list[Statement] = []
         self.macros = tuple(self._macros())
         self.controls = tuple(self._controls())

@@ -115,6 +115,7 @@ class Names:
             elif path:
                 self.clashes.append(Clash(name, path, self.paths[name]))
             else:
+                # Every header has this name, so the part that declared it before is the one to rename.
                 self.clashes.append(Clash(name, self.paths[name], ()))
 
 

@@ -123,7 +123,7 @@ class SelfTest:
 
     @property
     def is_used(self) -> Mapping[str, bool]:
-        """The helpers that the checks need."""
+        """The helpers for comparing bytes, texts and writes, each with True if a check needs it."""
         frames = [check.work for check in self.checks if isinstance(check.work, FrameCheck)]
         return {
             "bytes": any(frame.data and not frame.fault for frame in frames),

@@ -269,8 +269,8 @@ class SingleCode:
     def _member_comment(self, comment: re.Match[str]) -> str:
         """Return the comment above a member, without sentences about what the header lacks."""
         margin = " " * (len(comment[0]) - len(comment[0].lstrip()))
-        text = " ".join(_comment_lines(comment[0].strip())).strip()
-        sentences = _SENTENCE_END.split(text)
+        comment_text = " ".join(_comment_lines(comment[0].strip())).strip()
+        sentences = _SENTENCE_END.split(comment_text)
         kept_sentences = [sentence for sentence in sentences if not self._is_about_absent(sentence)]
         return _member_comment(self.named(" ".join(kept_sentences)), margin)
 

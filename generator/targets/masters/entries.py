@@ -170,7 +170,7 @@ def _name(setting_or_write: Setting | Write) -> str:
 
 
 def _reason_for_misfit(setting_or_write: Setting | Write, rule: Raw, format_: FileFormat, device: str) -> str:
-    """Return the first reason that a format cannot write a value to all its places on a device, or an empty string."""
+    """Return the reason for the first place on a device to which a format cannot write a value, or an empty string."""
     key = _key(setting_or_write, rule)
     for place in setting_or_write.places:
         if place.device == device:
