@@ -300,7 +300,7 @@ class Stage:
 
 
 def stages_in(folder: Path) -> list[Stage]:
-    """Return the stages in the output folder: folders named ``.codewheel-c-`` and 8 characters that have the mark.
+    """Return the stages in the output folder: folders with a name like ``.codewheel-c-ab12cd34`` that have the mark.
 
     The result is empty if the folder cannot be read.
     """

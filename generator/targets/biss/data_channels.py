@@ -201,7 +201,7 @@ def _length_line(length: DataLength) -> str:
 
 
 def _own_crc_text(device: Device, length: DataLength) -> str:
-    """Return the end of the line of a length with its own CRC, such as ``, CRC of 6 bits, polynomial 0x43``."""
+    """Return the end of the line of a length with its own CRC: ``, CRC of 6 bits, …`` or ``, without a CRC``."""
     return f", CRC of {_crc_text(device, length.crc)}" if length.crc is not None else ", without a CRC"
 
 

@@ -73,6 +73,7 @@ def label_grammar(device: Device) -> Data:
 
 
 def _part_data(part: CodePart) -> Data:
+    """Return a part of the order code: its values, and the values of other parts with which it may be open."""
     values = [value.text for value in part.values]
     return without_empty(name=part.name, values=values, only_with=dict(part.open_only_with))
 

@@ -169,7 +169,7 @@ def about_unused(struct: Struct) -> str:
 
 
 def place(frame_layout: Layout, placed_field: Field) -> str:
-    """Return the position of a field in words, such as ``bits 8 to 31`` or ``byte 2``."""
+    """Return the position of a field in words, such as ``bits 46:31`` or ``byte 1, bits 7:1``."""
     return S.phrase(statement(*field_place(frame_layout, placed_field)))
 
 
@@ -216,6 +216,7 @@ def table(struct: Struct) -> Iterator[Paragraph]:
 
 
 def about_register(device: Device, register: Register) -> list[Paragraph]:
+    """Return the comment on a register, without its default and limits, which constants and functions have."""
     head = say_register.head(device, register, full_title(register))
     about = [statement for statement in say_register.register(device, register) if statement.label not in _IN_CODE]
     return list(map(S.sentence, (head, *about)))

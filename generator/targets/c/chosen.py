@@ -88,6 +88,7 @@ class Chosen:
         self.measurement = device.measurement_of(interface.name)
         self.variant = chosen_variant(device, interface)
         examples = (example for example in device.examples if _is_over_interface(device, interface, example))
+        #: The examples for the chosen order code. One without an order code is for the first of the family.
         self.examples = [example for example in examples if example_variant(device, example).code == self.variant.code]
         self.frame = self._frame()
 

@@ -96,6 +96,7 @@ class InHeader(Style):
     """
 
     def sentence(self, statement: Statement) -> str:
+        """Return the sentence of a statement, or its brief form if it has one."""
         if statement.brief is None:
             return super().sentence(statement)
         return self.text(statement.brief)

@@ -25,6 +25,7 @@ class Context:
     def __init__(self, device: Device, passing: Passing = BY_VALUE) -> None:
         self.device, self.passing = device, passing
         self.maker = device.manufacturer
+        # The device was narrowed to one interface.
         (self.interface,) = device.interfaces
         self.stem = f"{device.name}_{self.interface.name}"
         self.prefix = f"{device.manufacturer.name}_{self.stem}"

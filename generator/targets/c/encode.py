@@ -48,8 +48,10 @@ class Encoder:
         self.plan = struct.plan
         self.reader = struct.reader
         possible_refusals = (*_with_powers_first(refusals(self.plan)), *limits)
+        #: The checks, in order: for a value too wide for its field, outside its limits, and the like.
         self.refusals = tuple(refusal for refusal in possible_refusals if not _never_applies(refusal))
         checks = self.plan.checks
+        #: The names of parity bits, of fields with zeros above them, and of unused fields.
         self._parity_names = frozenset(check.field.name for check in checks if isinstance(check, ParityIs))
         self._padded_names = frozenset(check.field.name for check in checks if isinstance(check, ZerosAbove))
         self._reserved_names = frozenset(reserved.field.name for reserved in self.plan.reserved)

@@ -81,6 +81,7 @@ class Enumerations:
         for register in device.registers:
             for field in register.layout.fields:
                 if isinstance(meaning_of(field), Named):
+                    # The title of a register whose only field it is.
                     sole = title(register) if len(register.layout.fields) == 1 else ""
                     self._add(f"reg_{register.name}", field, ("registers", register.name), sole)
 
@@ -224,6 +225,7 @@ class FrameReports:
     ) -> None:
         self.family, self.reporting, self.frame, self.type = family, reporting, frame, type_
         self._choices = choices
+        #: Returns the condition on a parameter of the order code.
         self._holds = partial(_holds, family.scope)
         self.judgement = reporting.judgement
         self.verdict = f"{frame}_verdict" if reporting.judgement is not None else ""
@@ -304,7 +306,7 @@ class FrameReports:
     def _conditions_of_causes(self, causes: Sequence[VerdictCause]) -> Iterator[Expr]:
         """Yield the condition that each of these is active. Unused bits are checked together, last.
 
-        A flag can count only for some order codes, and only while flags that give it another meaning are inactive.
+        A cause counts only for its order codes or answers, and only while all flags in its ``unless`` are inactive.
         """
         reserved_causes = []
         for cause in causes:

@@ -138,12 +138,15 @@ class ReceiverCode:
         self.verdict = example.reports.verdict if example.reports is not None else ""
         self.member = example.counts
         self.is_signed = example.is_signed(example.counts)
+        #: The size of the longest frame. The program is for its order code.
         self.longest = max(example.received, key=lambda frame: frame.bits)
         variant = self.longest.variant
         rows = (row for row in view.variants.rows if row.variant is variant)
         self.row: CodeRow = first_of(rows, f"row for {variant.code}")
+        #: The macros of the bits in a frame and of the bytes in its buffer.
         self.bits, self.size = (macro.name for macro in view.lengths.macros_of(self.longest))
         reading = view.reading
+        #: The call that reads the position from the buffer.
         self.read = f"{reading.macro}({reading.arguments_of(self.row.code)}, rx, &position)"
         self.position_type = reading.frame.struct.member_type(reading.frame.measured) if reading.frame else ""
         self.modulus = view.modulus(self.row.macro, example.frame.layout)

@@ -67,6 +67,7 @@ class Access:
             self._set_bank(context.device.register(selector_name))
 
     def _type_of_byte(self) -> str:
+        """Return the type of a plain byte: that of its named values, if it has any."""
         choice = self._layout.choice(self._field)
         return choice.type if choice is not None else "uint8_t"
 
@@ -194,6 +195,7 @@ class RegisterCode:
         self.stem = self.name.upper()
         self.struct = Struct(context, self.layout, self.name, f"{self.stem}_LENGTH", register)
         self.enumerations = context.enumerations.of("registers", register.name)
+        # The check for the limits, or None if they limit no single field or join, or if no value is outside them.
         outside_limits = outside(self.struct.plan, limits_of(self.device, register))
         refused = (outside_limits,) if outside_limits is not None else ()
         self.codec = None if self.is_plain else StructCodec(self.struct, outside=refused)
@@ -404,6 +406,7 @@ class IdentityCode:
 
 
 def identity_codes(context: Context, codes: Mapping[str, RegisterCode]) -> Iterator[IdentityCode]:
+    """Yield the identifying registers of each interface that has any. ``codes`` are all registers by name."""
     for identity in identities(context.device):
         compared = tuple(codes[comparison.register.name] for comparison in identity.compared)
         yield IdentityCode(context.prefix, context.device.interface(identity.interface), compared)

@@ -221,8 +221,8 @@ class SelfTest:
     def _frame_checks(self, example: FrameExample) -> Iterator[Work]:
         """Yield a check for each frame that the example can be, if the example is in the form of that frame.
 
-        A frame in bytes needs an example in bytes. A word accepts both, except bits that have a wrong length. Without a
-        layout, only an example with a wrong length is checked.
+        A frame in bytes needs an example in bytes. A word accepts bits, and bytes unless their length is wrong. Without
+        a layout, only an example with a wrong length is checked.
         """
         has_wrong_length = example.refused == "length"
         if not example.layout and not has_wrong_length:

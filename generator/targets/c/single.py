@@ -128,7 +128,7 @@ class SingleCode:
     def body(self) -> str:
         """The declarations, with their names in this header.
 
-        A blank line is before each, except before a function with a comment of one line, and between macros.
+        A blank line is before each, except a function with a comment of one line, and a further macro without any.
         """
         texts: list[str] = []
         follows_macro = False
