@@ -80,6 +80,7 @@ class Reader:
         if bits.are_fixed and bits.width.constant == 64:
             return type_, self.word
         number = self.in_word(bits)
+        # At a place that depends on the order code, the bits have 64 bits, the type of more than 32 of them.
         has_64_bits = bits.widest > 32 and not bits.are_fixed
         return type_, number if has_64_bits else Cast(type_, number)
 

@@ -137,6 +137,7 @@ def in_lines(parts: Sequence[str], indent: int) -> str:
 
 def literals(text: object, indent: int) -> str:
     """Return text as a string literal, or as several literals on separate lines if it is too long."""
+    # 4 characters are the quotes, the space at the end of a literal, and what follows the last one.
     lines = textwrap.wrap(ascii_text(text), COLUMNS - indent - 4, break_long_words=False, break_on_hyphens=False)
     *other_lines, last_line = lines or [""]
     literals_of_lines = [string(f"{line} ") for line in other_lines]

@@ -117,6 +117,7 @@ class Encoder:
         """Return a term shifted to its place in the word."""
         value, low = self._value(term), term.field.low
         is_at_bit_0 = low.is_constant and low.constant == 0
+        # A member of a small type would be promoted to a signed one.
         if is_at_bit_0:
             return Cast("uint64_t", value) if isinstance(value, Name) else value
         return shifted_left(Cast("uint64_t", value), self.struct.scope.of(low))

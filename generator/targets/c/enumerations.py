@@ -49,6 +49,7 @@ class Enumeration:
 
     @property
     def is_enum(self) -> bool:
+        """True if all values fit in an int of 16 bits, the smallest one in C."""
         return max((constant.value for constant in self.entries), default=0) <= 0x7FFF
 
     @property
@@ -116,6 +117,7 @@ class Enumerations:
             about=S.paragraph(statements) or f"Values of {sole or title(field)}.",
             statements=statements,
             entries=tuple(Entry(f"{type_}_{value.name}".upper(), value.value, _note(value)) for value in field.values),
+            # A hexadecimal digit for each 4 bits, rounded up.
             digits=(field.widest + 3) // 4,
             path=path,
         )

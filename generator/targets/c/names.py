@@ -185,6 +185,7 @@ def number(value: int, hexadecimal: bool = False, digits: int = 2) -> str:
 
 def signed_number(value: int) -> str:
     """Return ``value`` as a signed constant, such as ``24``, ``(-24)`` or ``INT64_C(40000)`` above 7FFFh."""
+    # An int can have 16 bits.
     magnitude = f"INT64_C({abs(value)})" if abs(value) > 0x7FFF else str(abs(value))
     return f"(-{magnitude})" if value < 0 else magnitude
 

@@ -68,6 +68,7 @@ class SingleCode:
         self.STEM = self.stem.upper()
         settings = {f"{view.maker.name.upper()}_CRC_{setting}" for setting in ("TABLE", "BITWISE")}
         declarations_by_header = [declarations_in(runtime_headers()[name]) for name in _RECEIVING]
+        # One list of all of them.
         runtime_declarations = [declaration for declarations in declarations_by_header for declaration in declarations]
         declarations = [*runtime_declarations, *declarations_in(without_settings(header, settings))]
         needed = needed_by(self._roots(names_of(declarations)), declarations)
@@ -98,10 +99,7 @@ class SingleCode:
 
     @property
     def request(self) -> StructCodec | None:
-        """The frame of the request for the position, or None if the request has no struct.
-
-        Over SPI, it is the frame named by the macro: that of ``ACME_X24_SPI_REQUEST_POSITION`` is ``position``.
-        """
+        """The frame of the request for the position, over SPI the one that the macro names. None without a struct."""
         usage = self.view.usage
         if usage is not None and usage.asking is not None:
             return usage.asking.codec
@@ -254,6 +252,7 @@ class SingleCode:
 
     def _pasted(self, line: str) -> str:
         """Return a line with the new prefix in names that a macro pastes together: ``ACME_X_`` in ``ACME_X_##name``."""
+        # A prefix that is followed by letters and ##.
         pattern = rf"\b(?:{self.view.row.macro}|{self.view.PREFIX})_(?=\w*##)"
         return re.sub(pattern, f"{self.STEM}_", line)
 
@@ -331,6 +330,7 @@ def single_header(view: DeviceView, render: Callable[[str, Mapping[str, object]]
 
 def _with_head_in_line(code: str) -> str:
     """Return a function with its head on one line, after the macros that mark it if they and the name fit there."""
+    # The marks, each on a line, and the head up to the bracket that closes its parameters.
     function = re.match(r"((?:CW_[A-Z]+\n)*)(static inline [^{;]*\))\n\{", code)
     if function is None:
         return code

@@ -63,6 +63,7 @@ class Struct:
                 self.path,
             )
         if self.unused.width > 64:
+            # Rounded up.
             bytes_ = -(-self.unused.width // 8)
             raise TargetError(f"{name} has unused bits in {bytes_} bytes; the C target supports at most 8", self.path)
         for part in self.plan.parts:

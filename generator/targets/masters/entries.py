@@ -32,7 +32,7 @@ class FileValue:
 
     @property
     def size(self) -> int:
-        """Size of the data in bytes."""
+        """Size of the data in bytes, rounded up."""
         return -(-(self.place.bits or 0) // 8)
 
     @property
