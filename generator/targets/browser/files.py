@@ -102,7 +102,11 @@ def javascript_pattern(expression: str) -> str:
 
 
 def family_data(device: Device) -> Data:
-    """Return all data of a family for the script."""
+    """Return all data of a family for the script.
+
+    ``given`` are the parameters that order codes set, ``derived`` those computed from them, and ``held`` those in
+    registers. ``shared`` are the parts to which the indexes in ``interfaces`` refer.
+    """
     parameter_names = [parameter.name for parameter in device.parameters if parameter.equals is None]
     interface_names = [interface.name for interface in device.interfaces]
     held = [parameter for register in held_parameters(device) for parameter in register.parameters]
@@ -196,7 +200,8 @@ def _crc_parameters(crc: Crc) -> Data:
 def _interface_data(device: Device, interface: Interface, shared: SharedParts) -> Data:
     """Return an interface with its frames and registers. Their parts are in ``shared``, and indexes in place of them.
 
-    ``exact`` has the senders whose frames differ in length, so that their bytes imply no leading zeros.
+    ``exact`` has the senders whose frames differ in length, so that their bytes imply no leading zeros. ``told`` has
+    the selectors that distinguish frames.
     """
     reportings_by_name = {reporting.codec.layout.name: reporting for reporting in reportings(device)}
     frames = [frame_data(device, layout, reportings_by_name.get(layout.name)) for layout in interface.layouts]
@@ -333,7 +338,11 @@ def _code_without_comment(path: Path) -> str:
 
 
 def script_table(library: Library) -> Data:
-    """Return the data for the script."""
+    """Return the data for the script: texts and tables that are the same for all families, and the families.
+
+    ``worth`` are the verdicts in words, and ``said`` the messages. ``lines``, ``exchanges``, ``doubts``, ``inside`` and
+    ``likely`` are for the explanation of frames that do not decode, or whose values look wrong.
+    """
     return {
         "faults": [fault_code.value for fault_code in Fault],
         "worth": {verdict.value: words for verdict, words in WORTH.items()},

@@ -128,7 +128,7 @@ class SharedParts:
 
 
 def frame_data(device: Device, layout: Layout, reporting: Reporting | None) -> Data:
-    """Return a frame with its verdict and reports. ``reporting`` is None if it has neither."""
+    """Return a frame with its verdict and reports (``tells``). ``reporting`` is None if it has neither."""
     codec = codec_of(device, layout)
     description = describe(codec, reporting)
     causes = reporting.causes if reporting is not None else ()
@@ -150,7 +150,10 @@ def frame_data(device: Device, layout: Layout, reporting: Reporting | None) -> D
 
 
 def register_data(device: Device, register: Register) -> Data:
-    """Return a register with its alarms, limits and default, and the values that show another edition."""
+    """Return a register with its alarms (``tells``), limits and default.
+
+    ``strange`` are digits whose values show that another edition of the manual applies.
+    """
     meanings: tuple[RegisterMeaning | None, ...] = register.meanings or (None,)
     default = register.default_bytes()
     statements = (*spec_text(register.meaning), *facts(device, register), *spec_text(register.note))

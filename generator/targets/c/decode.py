@@ -101,7 +101,11 @@ class Decoder:
 
     @property
     def fields_with_local(self) -> tuple[Field, ...]:
-        """The fields that have a local."""
+        """The fields whose bits the decoder keeps in a local.
+
+        Those without one are constants, CRCs, texts, flags that are read from their byte, unused fields that are only
+        reported, and parity bits that are checked in the word.
+        """
         names_without_local = self._plain_flags | self._only_reported | self.plan.constants.keys()
         names_without_local |= self._word_parities.keys()
         names_without_local |= {part.field.name for part in self.plan.parts if isinstance(part.meaning, Characters)}

@@ -338,7 +338,7 @@ class DeviceView:
         return first_of(codecs, f"frame received over {self.context.interface.title}")
 
     def modulus(self, encoder: str, layout: Layout | None = None) -> str:
-        """Return the call for the counts after which the position in a frame wraps around, or ``0U`` if it does not.
+        """Return the call for the counts after which the position wraps around, or ``0U`` if it does not or may not.
 
         ``encoder`` is the argument for the order code. Without a frame, the first range that wraps counts.
         """

@@ -367,7 +367,7 @@ class Reports:
             yield constant.name, self._path(report)
 
     def of(self, layout: Layout, name: str, type_: str) -> FrameReports | None:
-        """Return the functions of a frame, if it has any."""
+        """Return the functions of a frame, or None. ``name`` and ``type_`` are those of its struct."""
         reporting = self._by_frame.get(layout.name)
         if reporting is None:
             return None

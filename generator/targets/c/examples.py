@@ -222,7 +222,7 @@ class ExampleCode:
 
     @property
     def session(self) -> Session | None:
-        """The request for the position that the frame answers over SPI, if there is one."""
+        """The request for the position that the frame answers over SPI, or None."""
         request_name = self._request_over_spi()
         if not request_name:
             return None

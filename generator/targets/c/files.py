@@ -184,7 +184,7 @@ class Program(Family):
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """Return the headers, their README, examples, self-test and package files, by path.
 
-    Form ``single`` has only the headers for order codes. Passing by address has no shared files.
+    Form ``single`` has only the headers for order codes. Passing by address has only headers and the licence.
 
     Raises:
         OptionError: The option ``only`` has an unknown name.

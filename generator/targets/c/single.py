@@ -200,7 +200,7 @@ class SingleCode:
     # -- names
 
     def _new_names(self, kept_names: Iterable[str]) -> Mapping[str, str]:
-        """Return the names in this header by those in the tree. Two equal ones are an error."""
+        """Return the names in this header by those in the tree, or raise an error if two of them are equal."""
         new_names = {name: self._new_name(name) for name in kept_names}
         for new_name, count in Counter(new_names.values()).items():
             if count > 1:

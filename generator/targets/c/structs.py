@@ -78,7 +78,7 @@ class Struct:
 
     @property
     def path(self) -> tuple[str, ...]:
-        """The path of the layout in the spec."""
+        """The path of the layout in the spec, such as ``("registers", "status")``."""
         if self.register is not None:
             return ("registers", self.register.name)
         (interface_name,) = (interface.name for interface, layout in self.device.layouts() if layout is self.layout)
