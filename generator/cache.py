@@ -78,15 +78,16 @@ class Cache:
             return
         key = key_of(kind, content)
         with suppress(OSError, ValueError, RecursionError):
-            text = json.dumps({"key": key, "data": data}, separators=(",", ":")).encode()
-            if len(text) <= MAX_ENTRY:
+            entry_json = json.dumps({"key": key, "data": data}, separators=(",", ":")).encode()
+            if len(entry_json) <= MAX_ENTRY:
                 self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
                 if _is_ours(os.stat(self._folder)):
-                    _write(self._folder, key, hashlib.sha256(text).hexdigest().encode() + text)
-                    self._keep_limits(self._folder, len(text))
+                    _write(self._folder, key, hashlib.sha256(entry_json).hexdigest().encode() + entry_json)
+                    self._keep_limits(self._folder, len(entry_json))
 
     def _keep_limits(self, folder: Path, size: int) -> None:
-        """Keep the limits, now and whenever this process has written a sixteenth of them."""
+        """Keep the limits at the first entry of this process, and whenever it has written a sixteenth of them."""
+        # The number and the size of the entries written since the last check. The first one counts as too many.
         count, total = self._written or (MAX_ENTRIES, 0)
         self._written = (count + 1, total + size)
         if count >= MAX_ENTRIES // 16 or total + size >= MAX_SIZE // 16:
@@ -109,7 +110,10 @@ def key_of(kind: str, content: Iterable[bytes | str]) -> str:
 
 
 def content_of(paths: Iterable[Path]) -> list[bytes | str]:
-    """Return the names and the content of files, for a key. A file that cannot be read has no content."""
+    """Return the names and the content of files, for a key: ``["x.yaml", b"…", "y.yaml", "missing"]``.
+
+    ``missing`` replaces the content of a file that cannot be read.
+    """
     names_and_contents: list[bytes | str] = []
     for path in paths:
         names_and_contents.append(path.name)
@@ -146,9 +150,10 @@ def _package_folders() -> Iterator[Path]:
 
 
 def _files(folder: Path | str) -> Iterator[tuple[str, os.stat_result]]:
+    """Yield the path and the status of each file in a folder and those below, except compiled ones, ordered by name."""
     with os.scandir(folder) as listing:
-        entries = sorted(listing, key=lambda path: path.name)
-    for path in entries:
+        paths_by_name = sorted(listing, key=lambda path: path.name)
+    for path in paths_by_name:
         if path.is_dir():
             if path.name != "__pycache__":
                 yield from _files(path.path)
@@ -157,7 +162,10 @@ def _files(folder: Path | str) -> Iterator[tuple[str, os.stat_result]]:
 
 
 def _versions() -> Iterator[str]:
-    """Yield the versions of the packages that the tool uses, as their folders are named, without importing them."""
+    """Yield the location of each package that the tool uses, and the folders next to it that are named like it.
+
+    One of them has the version in its name, such as ``PyYAML-6.0.2.dist-info``. No package is imported.
+    """
     for name in _PACKAGES:
         spec = _spec_of(name)
         site_folder = Path(spec.origin).parent.parent if spec is not None and spec.origin else None
@@ -168,6 +176,7 @@ def _versions() -> Iterator[str]:
 
 
 def _spec_of(name: str) -> ModuleSpec | None:
+    """Return where Python finds a package, or None if it does not."""
     from importlib.util import find_spec
 
     try:
@@ -177,11 +186,15 @@ def _spec_of(name: str) -> ModuleSpec | None:
 
 
 def _is_ours(status: os.stat_result) -> bool:
-    """Return whether no other user can have written a file or folder."""
+    """Return whether no other user can have written a file or folder. On Windows, the user's folder is trusted."""
     return os.name == "nt" or (status.st_uid == os.getuid() and not status.st_mode & (stat.S_IWGRP | stat.S_IWOTH))
 
 
 def _read(folder: Path, key: str) -> Any:
+    """Return the data of an entry, or None if others could have written it, or if it is damaged or has another key.
+
+    A file has a SHA-256 in hexadecimal digits and then the JSON that it is the hash of: ``{"key": …, "data": …}``.
+    """
     if not _is_ours(os.stat(folder)):
         return None
     flags = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
@@ -190,15 +203,15 @@ def _read(folder: Path, key: str) -> Any:
         if not stat.S_ISREG(status.st_mode) or not _is_ours(status) or status.st_size > MAX_ENTRY + _HASH:
             return None
         content = file.read(MAX_ENTRY + _HASH)
-    text = content[_HASH:]
-    if hashlib.sha256(text).hexdigest().encode() != content[:_HASH]:
+    entry_json = content[_HASH:]
+    if hashlib.sha256(entry_json).hexdigest().encode() != content[:_HASH]:
         return None
-    stored = json.loads(text)
+    stored = json.loads(entry_json)
     return stored["data"] if isinstance(stored, dict) and stored.get("key") == key and "data" in stored else None
 
 
 def _write(folder: Path, key: str, content: bytes) -> None:
-    """Write an entry at once, so that no process reads part of it."""
+    """Write an entry to a file of another name, and rename that, so that no process reads part of the entry."""
     unfinished = folder / f"{_UNFINISHED}{os.getpid()}-{key[:16]}-{time.monotonic_ns()}"
     handle = os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o600)
     try:
@@ -212,7 +225,8 @@ def _write(folder: Path, key: str, content: bytes) -> None:
 
 
 def _remove_oldest(folder: Path) -> None:
-    """Remove unfinished files and, if a limit is exceeded, the oldest entries until half of it is used."""
+    """Remove unfinished files. If a limit is exceeded, remove the oldest entries until half of both limits is used."""
+    # The oldest comes first, since a tuple begins with the time. The listing removes unfinished files.
     entries = sorted(_entries_in(folder))
     count, total_size = len(entries), sum(size for _, size, _ in entries)
     if count <= MAX_ENTRIES and total_size <= MAX_SIZE:
@@ -231,6 +245,7 @@ def _entries_in(folder: Path) -> Iterator[tuple[float, int, str]]:
         for file in listing:
             with suppress(OSError):
                 status = file.stat(follow_symlinks=False)
+                # The name of an entry is its key.
                 if len(file.name) == _HASH:
                     yield status.st_mtime, status.st_size, file.path
                 elif file.name.startswith(_UNFINISHED) and status.st_mtime < time.time() - _ABANDONED_S:

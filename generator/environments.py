@@ -58,7 +58,7 @@ class CompiledTemplates(BytecodeCache):
                 bucket.code = code if isinstance(code, CodeType) else None
 
     def dump_bytecode(self, bucket: Bucket) -> None:
-        """Write the code of a template atomically, so that no process reads part of it."""
+        """Write the code of a template atomically, so that no process reads part of it. Errors are ignored."""
         if sys.dont_write_bytecode or not bucket.key or bucket.code is None:
             return
         unfinished = f"{bucket.key}.{os.getpid()}"
@@ -112,6 +112,12 @@ class _OwnTemplates(FileSystemLoader):
         self.used: set[str] = set()
 
     def get_source(self, environment: Environment, template: str) -> tuple[str, str, Callable[[], bool]]:
+        """Return what Jinja needs: the text of a template, its path, and a function that is true while it is current.
+
+        Raises:
+            TemplateNotFound: The user has no such template, so that Jinja tries the next folder.
+            TemplateFault: The template cannot be read, or is not UTF-8.
+        """
         path = self.folder / template
         try:
             source = super().get_source(environment, template)
@@ -127,6 +133,7 @@ class _OwnTemplates(FileSystemLoader):
 
 
 def _first_bad_line(path: Path) -> int:
+    """Return the number of the first line that is not UTF-8, or 1 if the file has been corrected since."""
     content = path.read_bytes()
     try:
         content.decode()
@@ -148,11 +155,13 @@ def text_of(templates: Settings, template: str, values: Mapping[str, object], ow
     """
     try:
         text = environment(templates, own_folder).get_template(template).render(values)
+        # Called for its error if the text has a character that UTF-8 cannot express.
         text.encode()
         return text
     except TemplateFault:
         raise
     except Exception as error:
+        # Without any template of the user, the error is ours.
         if own_folder is None or not own_loader(own_folder).used:
             raise
         raise TemplateFault(
@@ -162,7 +171,10 @@ def text_of(templates: Settings, template: str, values: Mapping[str, object], ow
 
 @cache
 def environment(templates: Settings, own_folder: Path | None = None) -> Environment:
-    """Return the environment for rendering templates. Those of the user in ``own`` come first."""
+    """Return the environment for rendering templates. Those of the user in ``own_folder`` come first.
+
+    With them, ``shipped/NAME`` still finds ours, and no compiled templates are kept.
+    """
     shipped = FileSystemLoader(templates.folder, encoding="utf-8-sig")
     by_name = PrefixLoader({_SHIPPED: shipped})
     new_environment = Environment(
@@ -186,7 +198,10 @@ def _is(kind: type, value: object) -> bool:
 
 
 def _place(error: Exception, own_folder: Path) -> str:
-    """Return file and line of an error, either in the user's template or in one of ours that includes it."""
+    """Return file and line of an error, such as ``mine/device.h.jinja:12``, or an empty text if no template has it.
+
+    It is the innermost line in a template of the user, or else the innermost in one of ours.
+    """
     if isinstance(error, TemplateSyntaxError):
         return f"{error.filename or error.name}:{error.lineno}"
     frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename.endswith(TEMPLATE_SUFFIX)]
@@ -195,6 +210,7 @@ def _place(error: Exception, own_folder: Path) -> str:
 
 
 def _reason(error: Exception) -> str:
+    """Return the message of an error in a template, with the name of its class unless it is one of Jinja's own."""
     if isinstance(error, TemplateNotFound):
         return f"there is no template '{plain(error.name)}'"
     if isinstance(error, UnicodeEncodeError):

@@ -43,7 +43,10 @@ class FamilyParts:
         return files_of(target, library, options)
 
     def _part(self, target_name: str, device: Device, render: Callable[[], Any]) -> Any:
-        """Return the part of a target for one family."""
+        """Return the part of a target for one family, from this run or the cache, or rendered.
+
+        A device without a digest is always rendered. Parts of families in ``only_paths`` are kept apart from others.
+        """
         digest = self._digest_of(device)
         if not digest:
             return render()
@@ -54,6 +57,7 @@ class FamilyParts:
         return self._parts[key]
 
     def _from_cache(self, kind: str, digest: str, render: Callable[[], Any]) -> Any:
+        """Return the part in the cache, or render and store it. The key also has the descriptions of all masters."""
         content = [digest, *self._masters]
         stored = self._cache.get(kind, content)
         if stored is not None:
@@ -63,7 +67,10 @@ class FamilyParts:
         return part
 
     def _digest_of(self, device: Device) -> str:
-        """Return the digest of a device, which is computed once for all targets."""
+        """Return the digest of a device, which is computed once for all targets. It is empty if there is none.
+
+        The device is kept next to it, so that its ``id`` cannot become that of another device.
+        """
         if id(device) not in self._digests:
             self._digests[id(device)] = (device, digest_of(device))
         return self._digests[id(device)][1]

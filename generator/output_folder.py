@@ -52,8 +52,8 @@ def listed_in(target_folder: Path) -> list[str]:
     Raises:
         WriteError: The list cannot be read.
     """
-    text = read_file(target_folder / LIST) or b""
-    return [line for line in text.decode("utf-8", "replace").splitlines() if is_safe(line)]
+    list_content = read_file(target_folder / LIST) or b""
+    return [line for line in list_content.decode("utf-8", "replace").splitlines() if is_safe(line)]
 
 
 def families_in(target_folder: Path) -> list[str]:
@@ -62,8 +62,8 @@ def families_in(target_folder: Path) -> list[str]:
     Raises:
         WriteError: The list cannot be read.
     """
-    text = (read_file(target_folder / LIST) or b"").decode("utf-8", "replace")
-    family_lines = [line for line in text.splitlines() if line.startswith(_FAMILIES)]
+    list_content = (read_file(target_folder / LIST) or b"").decode("utf-8", "replace")
+    family_lines = [line for line in list_content.splitlines() if line.startswith(_FAMILIES)]
     return family_lines[0].removeprefix(_FAMILIES).split() if family_lines else []
 
 
@@ -103,6 +103,7 @@ if sys.platform == "win32":
         return os.open(os.path.join(tempfile.gettempdir(), f"codewheel-{name}.lock"), os.O_RDWR | os.O_CREAT)
 
     def _take(handle: int, folder: Path) -> bool:
+        """Lock the first byte of the open file. Return False if another process holds the lock."""
         try:
             msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
         except PermissionError:
@@ -141,12 +142,12 @@ def locked(folder: Path, waiting: Callable[[], None]) -> Iterator[None]:
         Busy: Another process has held the lock for ``PATIENCE_S``.
         OSError: The folder cannot be created or opened.
     """
-    end = time.monotonic() + PATIENCE_S
+    deadline_s = time.monotonic() + PATIENCE_S
     handle = _attempt(folder)
     if handle is None:
         waiting()
     while handle is None:
-        if time.monotonic() > end:
+        if time.monotonic() > deadline_s:
             raise Busy
         time.sleep(_PAUSE_S)
         handle = _attempt(folder)
@@ -157,7 +158,7 @@ def locked(folder: Path, waiting: Callable[[], None]) -> Iterator[None]:
 
 
 def _attempt(folder: Path) -> int | None:
-    """Return the descriptor of the lock, or None if another process has it."""
+    """Create the folder if it does not exist. Return the descriptor of its lock, or None if another process has it."""
     folder.mkdir(parents=True, exist_ok=True)
     handle = _open(folder)
     if _take(handle, folder):
@@ -202,7 +203,11 @@ class Stage:
         return self.folder / _OLD
 
     def fill(self, files: Mapping[str, str], families: Sequence[str], unchanged: set[str]) -> None:
-        """Fill the stage with the whole content of the target's folder. Unchanged files become hard links."""
+        """Fill the stage with the whole content of the target's folder: our files, their list, and foreign files.
+
+        ``files`` has the text by the path in the output folder, such as ``c/include/x.h``. Files that are named in
+        ``unchanged`` become hard links to the old ones.
+        """
         (self.folder / _MARK).write_text(_MARK_TEXT, encoding="utf-8", newline="\n")
         self._make(Path())
         names_inside = {name.partition("/")[2]: name for name in files}
@@ -218,6 +223,7 @@ class Stage:
                 with open(new_prefix + path, "x", encoding="utf-8", newline="\n") as file:
                     file.write(files[name])
         self._carry_over({*listed_in(self.target_folder), LIST})
+        # Folders in which the owner may not write were writable until now. The innermost ones come first.
         for new_folder, mode in reversed(self._modes.items()):
             if mode & 0o700 != 0o700:
                 new_folder.chmod(mode)
@@ -229,6 +235,8 @@ class Stage:
     def take_back(self) -> bool:
         """Restore the old content of the target's folder, and return True if that succeeded."""
         try:
+            # After two renames the old content is in ``old``, and after an exchange in ``new``. If there is neither,
+            # the target's folder did not exist before.
             if os.path.lexists(self.old):
                 os.rename(self.target_folder, self.new)
                 os.rename(self.old, self.target_folder)
@@ -244,6 +252,7 @@ class Stage:
         """Remove the stage. The mark is removed last, so that a run killed here leaves a recognisable stage."""
         _save_from(self)
         shutil.rmtree(self.new, ignore_errors=True)
+        # Without a target's folder, ``old`` has the only copy of its content, so the stage stays.
         if os.path.lexists(self.target_folder):
             shutil.rmtree(self.old, ignore_errors=True)
         if not os.path.lexists(self.old):
@@ -252,7 +261,10 @@ class Stage:
                 self.folder.rmdir()
 
     def _carry_over(self, ours: set[str]) -> None:
-        """Keep foreign files and empty folders in the new content. A folder that held only our files is not kept."""
+        """Add foreign files and empty folders of the old content to the new one. ``ours`` are the paths of our files.
+
+        A folder that held only our files is not kept. A link to a folder is treated like a file.
+        """
         if not self.target_folder.is_dir():
             return
         for root, folders, names in os.walk(self.target_folder, onerror=_raise):
@@ -267,32 +279,38 @@ class Stage:
                 self._make(relative_folder)
 
     def _make(self, path: Path) -> None:
-        """Create a folder in the new content, with the owner and mode of the old folder of the same name."""
-        new_folder, old = self.new / path, self.target_folder / path
+        """Create a folder in the new content, if it is not there yet, and the folders above it.
+
+        It gets the owner and mode of the old folder of the same name, but stays writable until ``fill`` ends.
+        """
+        new_folder, old_folder = self.new / path, self.target_folder / path
         if new_folder in self._modes:
             return
         if path != Path():
             self._make(path.parent)
         new_folder.mkdir()
         self._modes[new_folder] = 0o700
-        if old.is_dir() and not old.is_symlink():
-            old_status = old.stat()
+        if old_folder.is_dir() and not old_folder.is_symlink():
+            old_status = old_folder.stat()
             with suppress(OSError, AttributeError):  # only the owner can do this, and not on every system
                 os.chown(new_folder, old_status.st_uid, old_status.st_gid)
-            shutil.copystat(old, new_folder)
+            shutil.copystat(old_folder, new_folder)
             self._modes[new_folder] = stat.S_IMODE(old_status.st_mode)
             new_folder.chmod(self._modes[new_folder] | 0o700)
 
 
 def stages_in(folder: Path) -> list[Stage]:
-    """Return the stages in the output folder. These folders have our name and our mark."""
+    """Return the stages in the output folder: folders with a name like ``.codewheel-c-ab12cd34`` that have the mark.
+
+    The result is empty if the folder cannot be read.
+    """
     stages = []
     try:
         with os.scandir(folder) as listing:
-            entries = sorted(listing, key=lambda folder_entry: folder_entry.name)
+            sorted_entries = sorted(listing, key=lambda folder_entry: folder_entry.name)
     except OSError:
         return []
-    for folder_entry in entries:
+    for folder_entry in sorted_entries:
         stage_name = _STAGE_NAME.fullmatch(folder_entry.name)
         if stage_name and folder_entry.is_dir(follow_symlinks=False):
             with suppress(OSError, WriteError):
@@ -302,7 +320,10 @@ def stages_in(folder: Path) -> list[Stage]:
 
 
 def _has_mark(folder: Path) -> bool:
-    """Return whether a folder has the mark of a stage. A run killed early may have left only part of the mark."""
+    """Return whether a folder has the mark of a stage.
+
+    A run killed early may have left only part of the mark, or none. The folder then contains only that.
+    """
     mark = read_file(folder / _MARK)
     if mark == _MARK_TEXT.encode():
         return True
@@ -310,7 +331,10 @@ def _has_mark(folder: Path) -> bool:
 
 
 def _save_from(stage: Stage) -> None:
-    """Move all content of a stage that must not be lost to the target's folder, and let the rest be removed."""
+    """Move all content of a stage that must not be lost to the target's folder, and make the rest removable.
+
+    That content is the old folder, if the target's folder is missing, and foreign files saved while the run worked.
+    """
     if os.path.lexists(stage.old) and not os.path.lexists(stage.target_folder):
         with suppress(OSError):  # the run was killed between two renames
             os.rename(stage.old, stage.target_folder)
@@ -325,7 +349,10 @@ def _save_from(stage: Stage) -> None:
 
 
 def _save_late_files(saved_folder: Path, target_folder: Path) -> None:
-    """Move foreign files to the target's folder that were saved in its old content after it had been copied."""
+    """Move foreign files to the target's folder that were saved in its old content after it had been copied.
+
+    If ``saved_folder`` does not have our list, it is not that old content, and nothing is moved.
+    """
     if not (saved_folder / LIST).is_file() or not target_folder.is_dir():
         return
     ours = {*listed_in(saved_folder), *listed_in(target_folder), LIST}
@@ -348,6 +375,7 @@ def _is_later(saved_file: Path, target_file: Path) -> bool:
     if not os.path.lexists(target_file):
         return True
     new, old = os.lstat(saved_file), os.lstat(target_file)
+    # A hard link to the same file has the same number, and is not later.
     are_files = stat.S_ISREG(new.st_mode) and stat.S_ISREG(old.st_mode)
     return are_files and new.st_ino != old.st_ino and new.st_mtime_ns > old.st_mtime_ns
 
@@ -357,6 +385,7 @@ def _raise(error: OSError) -> None:
 
 
 def _link_or_copy(old: str | Path, new: str | Path) -> None:
+    """Make ``new`` a hard link to the file or link ``old``, or a copy of it if the file system has no hard links."""
     try:
         os.link(old, new, follow_symlinks=False)
     except OSError:
@@ -364,7 +393,10 @@ def _link_or_copy(old: str | Path, new: str | Path) -> None:
 
 
 def _exchange(new: Path, target_folder: Path) -> None:
-    """Exchange two folders, in one step if the system supports that. ``target_folder`` need not exist yet."""
+    """Exchange two folders, in one step if the system supports that. If not, the old content becomes ``old``.
+
+    If ``target_folder`` does not exist yet, ``new`` only gets its name.
+    """
     if not target_folder.exists():
         os.rename(new, target_folder)
         return

@@ -29,6 +29,7 @@ def virtual_encoder() -> Iterator[Callable[..., Served]]:
     with ExitStack() as stack:
 
         def start(order_code: str, *arguments: Any, tcp: bool = False, **options: Any) -> Served:
+            """Start an encoder that ends with the test."""
             # The plugin is loaded in every test run, so the specs are read only when an encoder is needed.
             from .virtual.encoder import VirtualEncoder
             from .virtual.serve import serving

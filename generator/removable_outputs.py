@@ -75,26 +75,29 @@ class Guard:
         self._refuse_specs_inside(changes)
         families_read = set(owners(self.devices))
         unread: set[str] = set()
-        files: list[str] = []
+        removed_files: list[str] = []
         unknown_files: list[str] = []
         for target, target_changes in changes.items():
             recorded = families_in(self.folder / target)
             if recorded:
+                # Names like ``manufacturer/family``. A file is one of theirs if its path has a word of such a name
+                # that is not also a name of what was read.
                 missing = set(recorded) - families_read
-                names = {word for name in missing for word in name.split("/")} - self._names()
-                removed = [change.path for change in target_changes if change.what == "removed"]
-                files += [path for path in removed if _has_name(path, names)]
+                missing_words = {word for name in missing for word in name.split("/")} - self._names()
+                removed_paths = [change.path for change in target_changes if change.what == "removed"]
+                removed_files += [path for path in removed_paths if _has_name(path, missing_words)]
             else:
+                # An earlier version wrote the folder. Only its decode page has the names of families.
                 missing = self._families_in_the_page(target_changes)
                 unknown_files += self._files_without_record(target_changes)
             unread |= missing
         if unread:
-            raise WriteError(self._message(sorted(unread), sorted([*files, *unknown_files])))
+            raise WriteError(self._message(sorted(unread), sorted([*removed_files, *unknown_files])))
         if unknown_files:
             raise WriteError(self._message_without_record(sorted(unknown_files)))
 
     def _families_in_the_page(self, changes: Iterable[Change]) -> set[str]:
-        """Return the families in the decode page of an earlier version that were not read."""
+        """Return the names of families in the decode page that would be replaced and that were not read."""
         pages = [change.path for change in changes if change.what == "written" and change.path.endswith(f"/{_PAGE}")]
         families = {name for page in pages for name in _IN_THE_PAGE.findall(_text(self.folder / page))}
         return families - self._names()
@@ -113,6 +116,7 @@ class Guard:
         return names
 
     def _message(self, families: Sequence[str], files: Sequence[str]) -> str:
+        """Return the message about outputs of families that were not read. ``files`` are examples of these outputs."""
         examples = f" ({self._examples(files)})" if files else ""
         return (
             f"{self.folder.as_posix()} has outputs of {', '.join(families)}, which were not "
@@ -121,6 +125,7 @@ class Guard:
         )
 
     def _message_without_record(self, files: Sequence[str]) -> str:
+        """Return the message about files that a run would remove although no record or name shows their family."""
         return (
             f"{self.folder.as_posix()} has files of an earlier version whose family is not known "
             f"({self._examples(files)}).{self._state()} Remove them with --prune. If they are outputs of other "
@@ -150,12 +155,13 @@ class Guard:
 
 
 def _has_name(path: str, names: Collection[str]) -> bool:
-    """Return True if a word in a path is one of the names, or begins with one, such as ``demo_biss``."""
+    """Return True if a word in a path is one of the names, or begins with one and ``_``: ``demo_biss`` for ``demo``."""
     beginnings = tuple(f"{name}_" for name in names)
     return any(f"{word}_".startswith(beginnings) for word in _WORD.findall(path.lower()))
 
 
 def _text(path: Path) -> str:
+    """Return the text of a file, or an empty one if it cannot be read."""
     try:
         return path.read_text(encoding="utf-8", errors="replace")
     except OSError:

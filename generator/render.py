@@ -80,7 +80,9 @@ def tests_for(*classes: object) -> dict[str, type]:
 def unused_templates(
     own_folder: Path, rendered: Mapping[str, Templates | None], other_targets: Iterable[str]
 ) -> Iterator[str]:
-    """Yield a line for each of the user's templates that had no effect. Call this after rendering.
+    """Yield a line for each of the user's templates that had no effect, or if there are none. Call it after rendering.
+
+    A template has an effect if it overrides a shipped one, or if another one includes it. Hidden files do not count.
 
     Args:
         own_folder: The user's folder, which has a folder for each target.
@@ -104,6 +106,7 @@ def unused_templates(
             continue
         if folder not in rendered or Path(*path.parts[1:]).as_posix() not in own_loader(own_folder / folder).used:
             similar_paths = [shipped for shipped in shipped_paths if shipped.endswith(f"/{path.name}")]
+            # A template of the same name is suggested if there is only one, or else the most similar path.
             is_clear = len(similar_paths) == 1
             hint = f"; did you mean '{similar_paths[0]}'?" if is_clear else suggestion(name, shipped_paths)
             yield f"no output uses {(own_folder / path).as_posix()}{hint}"

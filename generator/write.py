@@ -231,14 +231,20 @@ def _has_changes(target_changes: Iterable[Change]) -> bool:
 def _needs_writing(
     folder: Path, target: str, files: Mapping[str, str], target_changes: Iterable[Change], families: Sequence[str]
 ) -> bool:
-    """Return whether files, the list of them, or the families in this list differ from those in the folder."""
+    """Return whether files, the list of them, or the families in this list differ from those in the folder.
+
+    Without ``families``, those in the list do not matter.
+    """
     if _has_changes(target_changes) or _listed_paths(folder, target) != sorted(files):
         return True
     return bool(families) and families_in(folder / target) != list(families)
 
 
 def _path_in_output(error: OSError, stages: Iterable[Stage], folder: Path) -> str:
-    """Return the path of an error in the user's folder, also for an error in a stage."""
+    """Return the path of an error, or the output folder if the error has no path.
+
+    A path in a stage becomes the one in the target's folder that the file would have had.
+    """
     path = str(error.filename or folder)
     for stage in stages:
         for stage_folder in (stage.new, stage.folder):
@@ -248,6 +254,7 @@ def _path_in_output(error: OSError, stages: Iterable[Stage], folder: Path) -> st
 
 
 def _state_of_output(unrestored_targets: Sequence[str]) -> str:
+    """Return the end of an error message: that nothing has changed, or the targets that keep their new content."""
     if not unrestored_targets:
         return "nothing has changed"
     return f"written before that: {', '.join(unrestored_targets)}; the rest is as it was"
@@ -283,7 +290,7 @@ def _refuse_bad_paths(folder: Path, targets: Mapping[str, Iterable[str]]) -> Non
 def _refuse_what_is_in_the_way(
     folder: Path, targets: Mapping[str, Mapping[str, str]], changes_by_target: Mapping[str, list[Change]], force: bool
 ) -> None:
-    """Refuse to overwrite anything that is not in our lists. ``force`` permits it for files, but not for folders."""
+    """Refuse to overwrite anything that is not in our lists. ``force`` permits it, but not to replace a folder."""
     blocked: list[str] = []
     for target, files in targets.items():
         differing = {change.path for change in changes_by_target[target] if change.what == "written"}
@@ -297,17 +304,22 @@ def _refuse_what_is_in_the_way(
 
 
 def _in_the_way(folder: Path, target: str, files: Mapping[str, str], differing: set[str]) -> Iterator[tuple[str, str]]:
-    """Yield files and folders that codewheel did not write where ``files`` or their folders go, each with a note."""
+    """Yield the path of each file or folder in the way that codewheel did not write, with a note for the message.
+
+    The note is ``, in place of a folder``, ``, a folder in place of a file``, or empty for a foreign file. ``files``
+    are all files of the target, and ``differing`` the paths of those that would be written.
+    """
     listed_paths = set(_listed_paths(folder, target))
+    # The output folder and the target's folder were checked before.
     folders_inside = _folders_of(files) - {".", target}
     for path in sorted(folders_inside - listed_paths):
         if _kind_of(folder / path) in ("file", "link"):
             yield path, ", in place of a folder"
     for path in sorted(differing):
-        kind = _kind_of(folder / path)
-        if kind == "folder":
+        kind_of_path = _kind_of(folder / path)
+        if kind_of_path == "folder":
             yield path, _A_FOLDER
-        elif kind and path not in listed_paths:
+        elif kind_of_path and path not in listed_paths:
             yield path, ""
     list_path = f"{target}/{LIST}"
     kind_of_list = _kind_of(folder / list_path)

@@ -100,7 +100,7 @@ class Node:
 def channels_by_length(
     device: Device, layout: Layout, ids: tuple[IdBits, ...], lengths: Sequence[DataLength]
 ) -> tuple[Node, ...]:
-    """Return the element with the data length if the device ID implies a single length."""
+    """Return the element with the data length, or an empty tuple unless all order codes have the same length."""
     if _number_of_lengths(lengths) != 1:
         return ()
     channel = Node(
@@ -119,16 +119,19 @@ def _number_of_lengths(lengths: Sequence[DataLength]) -> int:
 
 
 def _note_on_changing_length(device: Device, layout: Layout) -> str:
-    """Return a note if registers change the length of the data. Otherwise it is empty."""
+    """Return a note on the registers that change the length of the data, or an empty text if none does."""
     register_fields = [field_at(device, path) for path in run_time_widths(device, layout)]
     if not register_fields:
         return ""
-    fields = " and ".join(register_fields)
-    return f"\nInferred: Length is that of the {initial(device)} of {fields}. It changes with them."
+    joined_fields = " and ".join(register_fields)
+    return f"\nInferred: Length is that of the {initial(device)} of {joined_fields}. It changes with them."
 
 
 def _length_by_profile(device: Device, lengths: Sequence[DataLength]) -> dict[int, int]:
-    """Return the data length for each profile ID, if the profile ID distinguishes the models. Otherwise it is empty."""
+    """Return the data length by profile ID, such as ``{0x0C18: 24, 0x0C1A: 26}``.
+
+    The result is empty unless there are several profile IDs, each with a single length.
+    """
     length_by_profile: dict[int, int] = {}
     for profile_id, order_codes in profile_ids(device).items():
         lengths_of_profile = [length for length in lengths if not set(order_codes).isdisjoint(length.codes)]
@@ -139,7 +142,10 @@ def _length_by_profile(device: Device, lengths: Sequence[DataLength]) -> dict[in
 
 
 def _data_label(device: Device, layout: Layout) -> str:
-    """Return a description of the data channel, without the comma with which the labels of devices start."""
+    """Return the measured quantity as a description of the data channel, or else the name of the frame.
+
+    Unlike the label of a device, it does not start with a comma.
+    """
     measurement = device.measurement_of(Biss.name)
     return measurement.of if measurement is not None else plain(layout.name.replace("_", " "))
 
@@ -163,7 +169,10 @@ def master_settings(
     ids: Sequence[IdBits],
     one_encoder: bool,
 ) -> str:
-    """Return the other master settings as the lines of a comment. ``crc`` is None if order codes differ."""
+    """Return the other master settings as the lines of a comment.
+
+    ``crc`` is None if order codes differ in it. Each length then states its own CRC.
+    """
     heading = "Further settings of the master:" if one_encoder else _heading(device, layout, lengths)
     lines = [heading, *_lengths_by_profile(device, lengths)]
     for length in lengths:
@@ -192,18 +201,18 @@ def _length_line(length: DataLength) -> str:
 
 
 def _own_crc_text(device: Device, length: DataLength) -> str:
-    """Return the CRC of a length, which others do not have."""
+    """Return the end of the line of a length with its own CRC: ``, CRC of 6 bits, …`` or ``, without a CRC``."""
     return f", CRC of {_crc_text(device, length.crc)}" if length.crc is not None else ", without a CRC"
 
 
 def _encoders_of(length: DataLength) -> str:
-    """Return the order codes with a length, and the answers on which it depends."""
+    """Return the order codes with a length, and the answers on which it depends: ``X-24, X-25 with wide``."""
     order_codes = ", ".join(length.codes)
     return f"{order_codes} with {' and '.join(length.answers)}" if length.answers else order_codes
 
 
 def _errata_lines(device: Device, layout: Layout, ids: Sequence[IdBits]) -> list[str]:
-    """Return the errata about the frame and about the registers with the identity."""
+    """Return the errata about the frame and about the registers with the identity. Further lines are indented more."""
     register_paths = [f"registers.{id_bits.register}" for id_bits in ids]
     paths = (f"interfaces.biss.{layout.name}", *dict.fromkeys(register_paths))
     indented_lines = []
@@ -215,7 +224,7 @@ def _errata_lines(device: Device, layout: Layout, ids: Sequence[IdBits]) -> list
 
 
 def _active_level(status: Field) -> str:
-    """Return the level at which a status bit is active, or that it is a constant."""
+    """Return ``active low`` or ``active high`` for a status bit, or ``not used, always 1`` if it is not a flag."""
     match meaning_of(status):
         case Active(low):
             return "active low" if low else "active high"
@@ -237,7 +246,10 @@ def _lengths_by_profile(device: Device, lengths: Sequence[DataLength]) -> list[s
 
 
 def _one_profile(device: Device, lengths: Sequence[DataLength]) -> list[str]:
-    """Return lines about the profile ID shared by all models, and about models whose data length is its low byte."""
+    """Return a line about the profile ID that all models share, or no lines unless there is exactly one.
+
+    If the models differ in data length, the line also lists those whose length is the low byte of the profile ID.
+    """
     profiles = profile_ids(device)
     if len(profiles) != 1:
         return []
@@ -259,7 +271,7 @@ def _crc_text(device: Device, crc: Crc) -> str:
 
 
 def _other_channels(device: Device, layout: Layout) -> list[str]:
-    """Return lines about the data channels that do not carry the position. The format has no known place for them."""
+    """Return a line about each other data channel with a CRC. The format has no known place for them."""
     lines = []
     for channel_layout in device.interface(Biss.name).layouts:
         crcs = device.crcs_of(channel_layout)
@@ -275,23 +287,26 @@ def _other_channels(device: Device, layout: Layout) -> list[str]:
 
 def _sent_fields(layout: Layout) -> str:
     """Return the fields in the order of transmission, such as ``position, error (active low), CRC``."""
-    names = []
+    texts_in_order = []
     for field in layout.fields:
         if field in layout.status_fields:
-            names.append(f"{field.name} ({_active_level(field)})")
+            texts_in_order.append(f"{field.name} ({_active_level(field)})")
         elif field not in layout.crc_fields:
-            names.append(field.name)
-    names.append("CRC")
+            texts_in_order.append(field.name)
+    texts_in_order.append("CRC")
     without_status = "" if layout.status_fields else ", no status bits"
-    return ", ".join(names) + without_status
+    return ", ".join(texts_in_order) + without_status
 
 
 def _heading(device: Device, layout: Layout, lengths: Sequence[DataLength]) -> str:
-    """Return the first line of the settings, with the reason if the file gives no length."""
+    """Return the first line of the settings, with the reason if the file gives no length.
+
+    The reason is that registers change the length, or that one device ID covers several lengths.
+    """
     register_fields = [field_at(device, path) for path in run_time_widths(device, layout)]
     if register_fields:
-        fields = " and ".join(register_fields)
-        dependence = f"it depends on the current content of {fields}. Set it in the master."
+        joined_fields = " and ".join(register_fields)
+        dependence = f"it depends on the current content of {joined_fields}. Set it in the master."
         return f"No Length: {dependence} {initial(device).capitalize()}:"
     number_of_lengths = _number_of_lengths(lengths)
     if number_of_lengths == 1:
@@ -316,9 +331,12 @@ def _number_code(device: Device, layout: Layout) -> str:
 
 
 def _selected_code(device: Device, layout: Layout) -> str:
-    """Return the code of a number that the order code or registers select."""
-    codes = {_factory_code(variant, layout) for variant in device.variants_over(Biss.name)}
-    factory_code = codes.pop() if len(codes) == 1 else "by order code"
+    """Return the code of a number that the order code or registers select.
+
+    Examples are ``position Gray`` and ``position in Gray code or binary, selected by FORMAT, factory default binary``.
+    """
+    factory_codes = {_factory_code(variant, layout) for variant in device.variants_over(Biss.name)}
+    factory_code = factory_codes.pop() if len(factory_codes) == 1 else "by order code"
     deciding_parameters = device.needed_parameters([layout.gray_when])
     register_fields = []
     for parameter in device.run_time_parameters:
@@ -326,8 +344,8 @@ def _selected_code(device: Device, layout: Layout) -> str:
             register_fields.append(field_at(device, parameter.read_from))
     if not register_fields:
         return f"{layout.gray_of} {factory_code}"
-    fields = ", ".join(register_fields)
-    return f"{layout.gray_of} in Gray code or binary, selected by {fields}, factory default {factory_code}"
+    joined_fields = ", ".join(register_fields)
+    return f"{layout.gray_of} in Gray code or binary, selected by {joined_fields}, factory default {factory_code}"
 
 
 def _factory_code(variant: Variant, layout: Layout) -> str:

@@ -27,9 +27,9 @@ class _OneFile(etree.Resolver):
         self.answered = False
 
     def resolve(self, *request: Any, **_: Any) -> Any:
-        """Answer a request that consists of address, public ID and context.
+        """Return the DTD for the first request, that of our DOCTYPE. Note the address of any other, and return nothing.
 
-        The published type stubs do not declare the context.
+        A request consists of address, public ID and context. The published type stubs do not declare the context.
         """
         address, public_id, context = request
         answer: Any = self.resolve_string
@@ -48,6 +48,7 @@ def read_dtd(path: Path) -> bytes:
     """
     try:
         with path.open("rb") as file:
+            # One byte more than allowed shows that the file is too large.
             text = file.read(_LARGEST + 1)
     except OSError as error:
         raise DtdError(f"{path}: {error.strerror}") from None
@@ -69,20 +70,22 @@ def faults(document: str, name: str, dtd: bytes, dtd_name: str) -> list[str]:
         dtd_validation=True, load_dtd=True, no_network=True, resolve_entities=False, huge_tree=False
     )
     parser.resolvers.add(resolver)
-    broken = ""
+    # The message of the parser if it stops, for when it has logged none.
+    syntax_error = ""
     try:
+        # Called for the errors that it logs. The document itself is not needed.
         etree.fromstring(document.encode("ascii"), parser, base_url=name)
     except etree.XMLSyntaxError as error:
-        broken = str(error.msg)
+        syntax_error = str(error.msg)
     if resolver.refused:
         raise DtdError(
             f"{dtd_name}: refers to {resolver.refused}. Other files and the network are not read. Put everything"
             " into one file"
         )
-    messages = []
+    located_messages = []
     for logged in parser.error_log:
         message = " ".join(logged.message.split())
         if logged.filename == dtd_name:
             raise DtdError(f"{dtd_name}:{logged.line}: {message}")
-        messages.append(f"{name}:{logged.line}: {message}")
-    return messages or ([f"{name}: {broken}"] if broken else [])
+        located_messages.append(f"{name}:{logged.line}: {message}")
+    return located_messages or ([f"{name}: {syntax_error}"] if syntax_error else [])

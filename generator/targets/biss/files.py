@@ -57,10 +57,10 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     for maker, devices in library.by_manufacturer():
         nodes, left_out = _identified_nodes(devices)
         if maker.biss_id is not None and nodes:
-            name = identifier_name(maker.biss_id)
-            identifiers.append(f"`{name}`")
+            file_name = identifier_name(maker.biss_id)
+            identifiers.append(f"`{file_name}`")
             about = [f"{maker.title}: encoders with a BiSS C interface."]
-            files[f"biss/{name}"] = _identifier(maker, maker.biss_id, about, nodes, library, left_out)
+            files[f"biss/{file_name}"] = _identifier(maker, maker.biss_id, about, nodes, library, left_out)
         for device in devices:
             files |= library.files_of(_family, device, options)
     if files:
@@ -97,7 +97,10 @@ def _order_code_xml(device: Device, variant: Variant) -> str:
 
 
 def _identified_nodes(devices: Sequence[Device]) -> tuple[list[Node], str]:
-    """Return the elements of the encoders that a master can identify, and a sentence about the others."""
+    """Return the elements of the encoders that a master can identify, and a sentence about those without a device ID.
+
+    The sentence is empty if all have one.
+    """
     # A master cannot distinguish a special model or another edition from its family.
     families = [device for device in devices if device.find_interface(Biss) is not None and not device.base]
     nodes: list[Node] = []
@@ -116,7 +119,10 @@ def _identified_nodes(devices: Sequence[Device]) -> tuple[list[Node], str]:
 
 
 def _of_encoders(biss_id: int, device: Device, library: Library) -> Iterator[tuple[str, Callable[[], str]]]:
-    """Yield a file for each order code, or for each answer where the manual leaves the length open."""
+    """Yield a file for each order code, or for each answer where the manual leaves the length open.
+
+    There are none if a master cannot identify the family, or if it has no single cycle data.
+    """
     ids, layout, maker = device_bits(device), single_cycle_data(device), device.manufacturer
     if not ids or layout is None:
         return
@@ -145,20 +151,21 @@ def _encoder_xml(
 
 
 def _encoder_name(variant: Variant, answers: Iterable[Answer]) -> str:
-    """Return the order code and the names of the answers."""
+    """Return the order code and the names of the answers, such as ``X-24-wide``."""
     return "-".join((variant.code, *(answer.name for answer in answers)))
 
 
 def _one_encoder(device: Device, variant: Variant, decided: Mapping[str, Answer]) -> Device:
     """Return the device with one order code, and with one answer to each of the decided questions."""
     alternatives = list(device.alternatives)
-    for place, alternative in enumerate(alternatives):
+    for index, alternative in enumerate(alternatives):
         if alternative.name in decided:
-            alternatives[place] = replace(alternative, answers=(decided[alternative.name],))
+            alternatives[index] = replace(alternative, answers=(decided[alternative.name],))
     return replace(device, variants=(variant,), alternatives=tuple(alternatives))
 
 
 def _about_answer(question: Alternative, answer: Answer) -> str:
+    """Return the sentences on an open question and the answer that a file is for."""
     return (
         f"The manual leaves {question.name} open ({question.meaning}). This file is for {answer.name}: "
         f"{answer.meaning}. There is a file for each answer."
@@ -215,7 +222,10 @@ _ONE_ENCODER_NOTE = (
 
 
 def _device(device: Device, ids: tuple[IdBits, ...], one_encoder: bool = False) -> Node | None:
-    """Return the element of a family, or of one encoder, or None without single cycle data."""
+    """Return the element of a family, or of one encoder, or None without single cycle data.
+
+    ``ids`` are the bits that identify it. Inside it is the element with the data length, unless registers change that.
+    """
     layout = single_cycle_data(device)
     if layout is None:
         return None

@@ -70,13 +70,13 @@ class DataLength:
 
 def manufacturer_bits(biss_id: int) -> IdBits:
     """Return the manufacturer ID, which is often two ASCII characters."""
-    text = biss_id.to_bytes(2, "big").decode("ascii", "replace")
+    characters = biss_id.to_bytes(2, "big").decode("ascii", "replace")
     return IdBits(
         high=_MANUFACTURER_BITS - 1,
         low=0,
         number=biss_id,
         what="64-bit identity: manufacturer ID, registers 7Eh and 7Fh",
-        text=text if text.isprintable() and text.isascii() else "",
+        text=characters if characters.isprintable() and characters.isascii() else "",
     )
 
 
@@ -89,6 +89,7 @@ def device_bits(device: Device) -> tuple[IdBits, ...]:
 
 
 def _holds_identity(register: Register) -> bool:
+    """Return True for a BiSS register in 78h to 7Fh whose bytes are in the order of the 64-bit identity."""
     ordered = register.length == 1 or register.byte_order == "high_byte_first"
     return register.interface == Biss.name and register.address >= FIRST and register.last_address <= LAST and ordered
 
@@ -100,24 +101,25 @@ def _register_bits(register: Register) -> Iterator[IdBits]:
         number = _fixed_value(register.layout, field)
         if number is None or not field.low.is_constant or not field.width.is_constant:
             continue
+        # The field counts its bits within the register, and the identity from bit 0 of 7Fh.
         low = bits_below + field.low.constant
         high = low + field.width.constant - 1
         first_address, last_address = _address_of_bit(high), _address_of_bit(low)
-        place = f"register {first_address:02X}h"
+        registers_in_words = f"register {first_address:02X}h"
         if first_address != last_address:
-            place = f"registers {first_address:02X}h to {last_address:02X}h"
+            registers_in_words = f"registers {first_address:02X}h to {last_address:02X}h"
         yield IdBits(
             high=high,
             low=low,
             number=number,
-            what=f"64-bit identity: device ID, {place}",
+            what=f"64-bit identity: device ID, {registers_in_words}",
             text=field.equals if isinstance(field.equals, str) else "",
             register=register.name,
         )
 
 
 def _address_of_bit(bit: int) -> int:
-    """Return the register with a bit of the 64-bit identity."""
+    """Return the address of the register with a bit of the 64-bit identity: 7Fh for bit 0, 78h for bit 63."""
     return FIRST + (_IDENTITY_BITS - 1 - bit) // 8
 
 
@@ -134,7 +136,7 @@ def _fixed_value(layout: Layout, field: Field) -> int | None:
 
 
 def single_cycle_data(device: Device) -> Layout | None:
-    """Return the frame that a BiSS master receives in every cycle."""
+    """Return the frame that a BiSS master receives in every cycle: the encoder's first word with a CRC, or None."""
     for interface, layout in device.layouts():
         is_word_of_encoder = layout.sender == "encoder" and not layout.in_bytes
         if isinstance(interface, Biss) and is_word_of_encoder and layout.crc_fields:
@@ -153,7 +155,8 @@ def only_crc(device: Device, layout: Layout, lengths: Sequence[DataLength]) -> C
 def data_lengths(device: Device, layout: Layout) -> tuple[DataLength, ...]:
     """Return the lengths of the single cycle data, each with the order codes that have it, in order of length.
 
-    Each length is listed once, or once for each choice that the manual leaves open.
+    Order codes whose fields all have the same widths share a length. Two lengths can have the same total. Each is
+    listed once for each answer to the choices that the manual leaves open.
     """
     lengths: list[DataLength] = []
     for answers, parameters_of_answers in choices(device.alternatives_of(layout)):
@@ -171,9 +174,10 @@ def data_lengths(device: Device, layout: Layout) -> tuple[DataLength, ...]:
 
 
 def profile_ids(device: Device) -> dict[int, tuple[str, ...]]:
-    """Return the profile IDs in registers 42h and 43h with their order codes.
+    """Return the profile IDs in registers 42h and 43h with their order codes, such as ``{0x0C18: ("X-24", "X-25")}``.
 
-    The result is empty if the spec gives none.
+    If the spec does not give all bits, all order codes have the default of the register. The result is empty
+    without a default, and without such a register with its high byte first.
     """
     registers = device.registers_over(Biss.name)
     register = next((register for register in registers if register.address == PROFILE and register.length == 2), None)
@@ -193,6 +197,7 @@ def profile_ids(device: Device) -> dict[int, tuple[str, ...]]:
 
 
 def _is_stated(layout: Layout, field: Field) -> bool:
+    """Return True if the spec gives the value of a field, as a constant or as an expression of the order code."""
     return only_value(layout, field) is not None or isinstance(field.equals, (int, Expression))
 
 
@@ -206,7 +211,7 @@ def _stated_value(layout: Layout, field: Field, variant: Variant) -> int:
 
 
 def _data_length(device: Device, placed: PlacedLayout, codes: tuple[str, ...], answers: tuple[str, ...]) -> DataLength:
-    """Return the data and status bits of a frame with these widths, and its CRC."""
+    """Return the data and status bits of a placed frame, and its CRC. The CRC field counts as neither."""
     status_names = [field.name for field in placed.layout.status_fields]
     data_fields = [field for field in placed.fields if field != placed.crc_field and field.name not in status_names]
     data_widths = {field.name: field.width for field in data_fields}

@@ -56,7 +56,11 @@ from .layouts import (
 
 
 def label_grammar(device: Device) -> Data:
-    """Return the notations of the order codes of a family."""
+    """Return the notations of the order codes of a family.
+
+    ``written`` are the spellings, the listed one first. ``wrong`` has a regular expression for each of the ``parts``,
+    which accepts any text for this part.
+    """
     order_code = device.order_code
     listed_spelling = as_listed(order_code)
     spellings = (listed_spelling, *order_code.also_written)
@@ -69,17 +73,21 @@ def label_grammar(device: Device) -> Data:
 
 
 def _part_data(part: CodePart) -> Data:
+    """Return a part of the order code: its values, and the values of other parts with which it may be open."""
     values = [value.text for value in part.values]
     return without_empty(name=part.name, values=values, only_with=dict(part.open_only_with))
 
 
 def _spelling_data(device: Device, spelling: Spelling) -> Data:
-    """Return a spelling of labels: its regular expression, where it is used, and its own texts for values."""
-    values: dict[str, dict[str, str]] = {}
-    for value in spelling.values:
-        values.setdefault(value.part, {})[value.text.upper()] = value.value
+    """Return a spelling of labels: its regular expression, where it is used, and its own texts for values.
+
+    The texts are in capitals and lead to the values, by part: ``{"output": {"BC": "biss"}}``.
+    """
+    values_by_part: dict[str, dict[str, str]] = {}
+    for part_value in spelling.values:
+        values_by_part.setdefault(part_value.part, {})[part_value.text.upper()] = part_value.value
     return without_empty(
-        label=_javascript_pattern(regex(device.order_code, spelling)), where=spelling.where, values=values
+        label=_javascript_pattern(regex(device.order_code, spelling)), where=spelling.where, values=values_by_part
     )
 
 
@@ -89,12 +97,16 @@ def _javascript_pattern(expression: str) -> str:
 
 
 def javascript_pattern(expression: str) -> str:
-    """Return a regular expression in the notation of JavaScript."""
+    """Return a regular expression in the notation of JavaScript, whose groups with names begin with ``(?<``."""
     return expression.replace("(?P<", "(?<")
 
 
 def family_data(device: Device) -> Data:
-    """Return all data of a family for the script."""
+    """Return all data of a family for the script.
+
+    ``given`` are the parameters that order codes set, ``derived`` those computed from them, and ``held`` those in
+    registers. ``shared`` are the parts to which the indexes in ``interfaces`` refer.
+    """
     parameter_names = [parameter.name for parameter in device.parameters if parameter.equals is None]
     interface_names = [interface.name for interface in device.interfaces]
     held = [parameter for register in held_parameters(device) for parameter in register.parameters]
@@ -121,13 +133,13 @@ def family_data(device: Device) -> Data:
 
 
 def _order_code_row(variant: Variant, interface_names: Sequence[str], parameter_names: Sequence[str]) -> list[Any]:
-    """Return an order code, the index of its interface, and the values of its parameters."""
+    """Return an order code, the index of its interface, and the values of its parameters: ``["X-24", 0, 24, 12]``."""
     values = (json_number(variant.parameters[name]) for name in parameter_names)
     return [variant.code, interface_names.index(variant.interface), *values]
 
 
 def _held_parameter_data(device: Device, register_parameter: HeldParameter) -> Data:
-    """Return a parameter that is held in a register, with its limits."""
+    """Return a parameter that is held in a register: the register, its limits, and the values that codes stand for."""
     parameter = register_parameter.parameter
     return without_empty(
         name=parameter.name,
@@ -150,15 +162,19 @@ def _alternative_data(alternative: Alternative) -> Data:
 
 
 def _answer_data(answer: Answer) -> list[Any]:
+    """Return the name and the meaning of an answer, and the parameters that it sets: ``["gray", "…", {"code": 1}]``."""
     return [answer.name, answer.meaning, {name: json_number(value) for name, value in answer.sets.items()}]
 
 
 def _crc_data(device: Device, crc: Crc) -> Data:
-    """Return the parameters of a CRC, and those of similar CRCs that may be used by mistake."""
-    over = carriers(device, crc)
+    """Return the parameters of a CRC, and those of similar CRCs that may be used by mistake.
+
+    ``others`` are the similar ones over bits, and ``byte_others`` those over bytes, if such frames have the CRC.
+    """
+    carriers_of_crc = carriers(device, crc)
     similar_crcs = {
-        "others": other_crcs_over_bits(crc) if Carrier.BITS in over else (),
-        "byte_others": other_crcs_over_bytes(crc) if Carrier.BYTES in over else (),
+        "others": other_crcs_over_bits(crc) if Carrier.BITS in carriers_of_crc else (),
+        "byte_others": other_crcs_over_bytes(crc) if Carrier.BYTES in carriers_of_crc else (),
     }
     others = {name: _similar_crcs(crc, similar) for name, similar in similar_crcs.items()}
     return _crc_parameters(crc) | {"text": crc.polynomial} | without_empty(**others)
@@ -170,7 +186,7 @@ def _similar_crcs(crc: Crc, similar_crcs: Iterable[OtherCrc]) -> list[list[Any]]
 
 
 def _crc_parameters(crc: Crc) -> Data:
-    """Return the parameters of a CRC in the notation of catalogues of CRCs."""
+    """Return the parameters of a CRC in the notation of catalogues of CRCs, except those that are 0."""
     return without_empty(
         width=crc.width,
         poly=json_number(crc.poly),
@@ -182,7 +198,11 @@ def _crc_parameters(crc: Crc) -> Data:
 
 
 def _interface_data(device: Device, interface: Interface, shared: SharedParts) -> Data:
-    """Return an interface with its frames and registers, whose equal parts are in ``shared``."""
+    """Return an interface with its frames and registers. Their parts are in ``shared``, and indexes in place of them.
+
+    ``exact`` has the senders whose frames differ in length, so that their bytes imply no leading zeros. ``told`` has
+    the selectors that distinguish frames.
+    """
     reportings_by_name = {reporting.codec.layout.name: reporting for reporting in reportings(device)}
     frames = [frame_data(device, layout, reportings_by_name.get(layout.name)) for layout in interface.layouts]
     registers = [register_data(device, register) for register in device.registers_over(interface.name)]
@@ -199,7 +219,10 @@ def _interface_data(device: Device, interface: Interface, shared: SharedParts) -
 
 
 def _position_unit(device: Device, interface: Interface) -> Data:
-    """Return the unit of the position. If the position is not sent as a whole, ``part`` contains the angle."""
+    """Return the unit of the position, empty if the manual has none.
+
+    If the position is a join, ``part`` is its last field, the angle within a turn.
+    """
     measurement = device.measurement_of(interface.name)
     if measurement is None:
         return {}
@@ -216,7 +239,10 @@ def _position_unit(device: Device, interface: Interface) -> Data:
 
 
 def _dispatch_data(interface: Interface, dispatch: Dispatch) -> Data:
-    """Return the pieces of bytes that form the selector of a sender's frames, and the frames keyed by its value."""
+    """Return the pieces of bytes that form the selector of a sender's frames, and the values that select each frame.
+
+    A frame is ``[index of the layout, value, …]``. ``fallback`` is the index of the frame for all other values, or -1.
+    """
     indexes = {layout.name: index for index, layout in enumerate(interface.layouts)}
     return without_empty(
         sender=dispatch.sender,
@@ -301,8 +327,8 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
         "runtime": {path.stem: _code_without_comment(path) for path in our_runtime("browser").glob("*.js")},
         "palette": palette_css().rstrip("\n"),
     }
-    names = ("README.md", "decode.html", "decode.js")
-    files = {f"browser/{name}": TEMPLATES.render(f"{name}.jinja", page, library.own_templates) for name in names}
+    file_names = ("README.md", "decode.html", "decode.js")
+    files = {f"browser/{name}": TEMPLATES.render(f"{name}.jinja", page, library.own_templates) for name in file_names}
     return files | licence_in("browser")
 
 
@@ -312,7 +338,11 @@ def _code_without_comment(path: Path) -> str:
 
 
 def script_table(library: Library) -> Data:
-    """Return the data for the script."""
+    """Return the data for the script: texts and tables that are the same for all families, and the families.
+
+    ``worth`` are the verdicts in words, and ``said`` the messages. ``lines``, ``exchanges``, ``doubts``, ``inside`` and
+    ``likely`` are for the explanation of frames that do not decode, or whose values look wrong.
+    """
     return {
         "faults": [fault_code.value for fault_code in Fault],
         "worth": {verdict.value: words for verdict, words in WORTH.items()},
@@ -335,7 +365,7 @@ def script_table(library: Library) -> Data:
 
 
 def _line_data(line: Line) -> Data:
-    """Return the mistakes with the bits around a frame, with regular expressions in the notation of JavaScript."""
+    """Return the mistakes with the bits around a frame, each as a list, with patterns in the notation of JavaScript."""
     return {
         "slips": [[slip.kind, slip.text, slip.front, slip.missing, slip.lost, slip.behind] for slip in line.slips],
         "recordings": [

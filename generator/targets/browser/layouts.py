@@ -53,9 +53,9 @@ def json_number(value: int) -> int | str:
 
 
 def expression_data(value: Expression) -> Any:
-    """Return a number, or a list of a number and terms of a multiple and factors.
+    """Return a number, or a list of a number and terms, each of a multiple and factors.
 
-    ``^name`` is two to the power ``name``.
+    ``^name`` is two to the power ``name``: ``8 + 2 * turns - 2 ** bits`` becomes ``[8, [2, "turns"], [-1, "^bits"]]``.
     """
     if value.is_constant:
         return json_number(value.constant)
@@ -76,7 +76,10 @@ def optional_expression_data(value: Expression | None) -> Any:
 
 
 def plain_data(value: Any) -> Any:
-    """Return any part of the plan's description, without members that have their default or are 0, empty or False."""
+    """Return any part of the plan's description as plain data, a dataclass by the names of its members.
+
+    Members that have their default or are 0, empty or False are left out. So are those that ``==`` ignores.
+    """
     match value:
         case Expression():
             return expression_data(value)
@@ -92,9 +95,9 @@ def plain_data(value: Any) -> Any:
             return [numerator, denominator, offset, unit, value.places]
     members: Data = {}
     for member in fields(value):
-        content = getattr(value, member.name)
-        if member.compare and content != member.default:
-            members[member.name] = plain_data(content)
+        member_value = getattr(value, member.name)
+        if member.compare and member_value != member.default:
+            members[member.name] = plain_data(member_value)
     return without_empty(**members)
 
 
@@ -112,12 +115,12 @@ class SharedParts:
         self._indexes: dict[str, int] = {}
 
     def with_indexes(self, layout: Data) -> Data:
-        """Return the layout with indexes in place of its parts."""
+        """Return the layout with indexes in place of its fields, checks and reports: ``{"fields": [0, 4], …}``."""
         names = [name for name in ("fields", "checks", "tells") if name in layout]
         return layout | {name: list(map(self._index, layout[name])) for name in names}
 
     def _index(self, part: Data) -> int:
-        """Return the index of a part, which is added unless there is an equal one."""
+        """Return the index of a part, which is added unless there is an equal one. Equal parts have the same JSON."""
         index = self._indexes.setdefault(script_json(part), len(self.parts))
         if index == len(self.parts):
             self.parts.append(part)
@@ -125,7 +128,7 @@ class SharedParts:
 
 
 def frame_data(device: Device, layout: Layout, reporting: Reporting | None) -> Data:
-    """Return a frame with its verdict and reports."""
+    """Return a frame with its verdict and reports (``tells``). ``reporting`` is None if it has neither."""
     codec = codec_of(device, layout)
     description = describe(codec, reporting)
     causes = reporting.causes if reporting is not None else ()
@@ -134,7 +137,7 @@ def frame_data(device: Device, layout: Layout, reporting: Reporting | None) -> D
         reports.append(_report_data(device, tells, cause))
     # Use the order of the frame, without flags first. Values with a verdict come last.
     flags = (*layout.fields, *(sign.flag for sign in layout.signs))
-    names = [flag.name for flag in flags]
+    flag_names = [flag.name for flag in flags]
     return _layout_data(device, codec, description) | without_empty(
         title=title(layout),
         source=cite(layout.source),
@@ -142,12 +145,15 @@ def frame_data(device: Device, layout: Layout, reporting: Reporting | None) -> D
         channel=layout.channel,
         selector=layout.selector,
         selects=[json_number(value) for value in layout.selects],
-        tells=sorted(reports, key=lambda report: names.index(report["flag"])),
+        tells=sorted(reports, key=lambda report: flag_names.index(report["flag"])),
     )
 
 
 def register_data(device: Device, register: Register) -> Data:
-    """Return a register with its alarms and the rules for writing it."""
+    """Return a register with its alarms (``tells``), limits and default.
+
+    ``strange`` are digits whose values show that another edition of the manual applies.
+    """
     meanings: tuple[RegisterMeaning | None, ...] = register.meanings or (None,)
     default = register.default_bytes()
     statements = (*spec_text(register.meaning), *facts(device, register), *spec_text(register.note))
@@ -185,20 +191,24 @@ def _alarm_report_data(field: Field, alarm: Alarm) -> Data:
 
 
 def _layout_data(device: Device, codec: Codec, description: Description) -> Data:
-    """Return the description of a frame or register with the texts about its parts."""
-    members = ("bits", "order", "joins", "speaks", "gray", "otherwise", "judging_bits")
+    """Return the description of a frame or register with the texts about its parts.
+
+    ``asks`` are the open questions that a decoder needs answers to, and ``offers`` those that only affect the verdict.
+    """
+    described_members = ("bits", "order", "joins", "speaks", "gray", "otherwise", "judging_bits")
     checks = zip(description.checks, codec.checks, strict=True)
     crc = codec.only_crc
     optional_crcs = {frame_crc.field.name: frame_crc.crc.name for frame_crc in codec.crcs if frame_crc.is_optional}
     return without_empty(
         name=codec.layout.name,
-        **{name: plain_data(getattr(description, name)) for name in members},
+        **{name: plain_data(getattr(description, name)) for name in described_members},
         fields=[*_field_data(codec, description)],
         checks=[plain_data(check) | _check_message(codec.layout, operation) for check, operation in checks],
         # A byte that the bits sent do not fill begins with these zeros.
         fill=(codec.layout.bits - codec.layout.sent_bits).constant,
         crc=crc.crc.name if crc is not None else "",
         crcs=optional_crcs,
+        # If the CRC covers only a part of the frame: the lowest bit, and the number of bits.
         crc_of=[crc.low, crc.covered.constant] if crc is not None and crc.is_part else [],
         asks=[alternative.name for alternative in codec.alternatives],
         offers=[alternative.name for alternative in device.verdict_alternatives(codec.layout)],
@@ -207,7 +217,7 @@ def _layout_data(device: Device, codec: Codec, description: Description) -> Data
 
 
 def _parameters_in_registers(device: Device, layout: Layout, codec: Codec) -> list[str]:
-    """Return those parameters of the layout that registers hold."""
+    """Return those parameters that registers hold and that the layout needs, for places, widths or its Gray code."""
     names_in_layout = set(layout.bits.parameters)
     for field in layout.fields:
         names_in_layout.update(field.low.parameters, field.width.parameters)
@@ -251,12 +261,15 @@ def _digits_data(run: Digits) -> list[Any]:
 
 
 def _without_empty_end(*row: Any) -> list[Any]:
-    """Return a row without the empty values at its end."""
+    """Return a row without its last value if that is empty."""
     return list(row if row[-1] else row[:-1])
 
 
 def _documented_value(field: Field) -> Any:
-    """Return the documented value of a field, either as a string or as a list that holds a number or an expression."""
+    """Return the documented value of a field: a string, or a number or expression in a list such as ``[27]``, or None.
+
+    A 0 of its own would be left out as empty, unlike ``[0]``.
+    """
     value = field.equals
     if value is None or isinstance(value, str):
         return value
@@ -264,7 +277,10 @@ def _documented_value(field: Field) -> Any:
 
 
 def _encoding_data(value: object) -> Data:
-    """Return the data for encoding a field that users do not provide. For a CRC, there is none."""
+    """Return the data for encoding a field that users do not provide, empty for a field that they do provide.
+
+    ``value`` is that of the field's term. A CRC has no term.
+    """
     match value:
         case Fixed(constant):
             return {"fixed": json_number(constant)}
@@ -279,14 +295,17 @@ def _encoding_data(value: object) -> Data:
 
 
 def _check_message(layout: Layout, check: Check) -> Data:
-    """Return the message of a check that fails: ``says`` selects it. The other members fill it in."""
-    name = check.field.name
+    """Return the message of a check that fails: ``says`` selects it. The other members fill it in.
+
+    ``always`` is 1 if the bits have one valid value in every such frame, so that they tell it from other frames.
+    """
+    field_name = check.field.name
     always, highest_digit, covered_names = False, 0, ""
     match check:
         case AlwaysIs():
             message, always = "constant", True
         case ZerosAbove(padding=padding):
-            message, always, name = "constant", True, padding.name
+            message, always, field_name = "constant", True, padding.name
         case ParityIs():
             message, always = "parity", True
             covered_names = ", ".join(field.name for field in check.of)
@@ -301,16 +320,16 @@ def _check_message(layout: Layout, check: Check) -> Data:
             message = "outside"
         case _:
             assert_never(check)
-    return without_empty(field=name, says=message, always=int(always), most=highest_digit, of_name=covered_names)
+    return without_empty(field=field_name, says=message, always=int(always), most=highest_digit, of_name=covered_names)
 
 
 def _report_texts(field: Field, alarm: Alarm | None) -> Data:
-    """Return the text of a report, shown while the field is active or differs from the manual."""
+    """Return the meaning, remedy and source of a report, shown while the field is active or differs from the manual."""
     return without_empty(meaning=meaning(field, alarm), remedy=remedy(field, alarm), source=cite(source(field, alarm)))
 
 
 def _limits_data(register_meaning: RegisterMeaning | None, limits: Limits) -> Data:
-    """Return the limits of a register, or of one of its meanings."""
+    """Return the limits of a register, or of one of its meanings. ``low`` and ``high`` are None without a limit."""
     data = without_empty(
         name=register_meaning.name if register_meaning is not None else "",
         meaning=register_meaning.meaning if register_meaning is not None else "",

@@ -48,7 +48,7 @@ _PLACE = 30
 
 
 def _with_heading(name: str, items: Iterable[Statement]) -> list[Paragraph]:
-    """Return the statements, with the name before the first one."""
+    """Return the statements, with the name before the first one. Without statements, it is the name alone."""
     lines = list(map(S.sentence, items))
     return [f"{name}: {lines[0]}", *lines[1:]] if lines else [f"{name}."]
 
@@ -57,7 +57,10 @@ def _with_heading(name: str, items: Iterable[Statement]) -> list[Paragraph]:
 
 
 def about_order_codes(device: Device) -> list[Paragraph]:
-    """Return the comment on the order codes, with the parts of which only the listed values are known."""
+    """Return the comment on the order codes, with the parts of which only the listed values are known.
+
+    For these, the statements about other values are left out.
+    """
     names_of_unknown_parts = unknown_parts(device)
     statements_on_unknown_parts: list[Statement] = []
     for part in device.order_code.parts:
@@ -73,6 +76,7 @@ def about_order_codes(device: Device) -> list[Paragraph]:
 
 
 def about_parameter(device: Device, prefix: str, parameter: Parameter) -> str:
+    """Return the comment on a parameter. If its function computes it, the comment leaves out how it is computed."""
     update = f" {prefix}_take_{parameter.register}() updates it." if parameter.read_from else ""
     in_code = list(say_parameter.parameter_origin(device, parameter)) if parameter.equals is not None else ()
     statements = say_parameter.parameter(device, parameter)
@@ -84,7 +88,7 @@ def about_alarm(device: Device, alarm: Alarm) -> list[Paragraph]:
 
 
 def about_crc(device: Device, function: CrcFunction) -> list[Paragraph]:
-    """Return the comment on the function of a CRC."""
+    """Return the comment on the function of a CRC: its argument, the facts of the CRC, and a special form."""
     facts = list(map(S.sentence, say_crc.crc(device, function.crc)))
     if function.carrier is Carrier.BITS:
         return ["Return the CRC of bits. Bit 0 is the last one sent.", *facts]
@@ -110,7 +114,10 @@ def about_bits_crc(device: Device, crc: Crc) -> list[Paragraph]:
 
 
 def _derivation(crc: Crc) -> str:
-    """Explain why the straight-line code leaves the remainder."""
+    """Explain why the straight-line code leaves the remainder of a polynomial with two or three terms.
+
+    Without a middle term, the polynomial is x^width + 1.
+    """
     width, middle = crc.width, (crc.poly >> 1).bit_length()
     if not middle:
         return (
@@ -146,7 +153,7 @@ def about_layout(device: Device, interface: Interface, struct: Struct) -> list[P
 
 
 def about_member(struct: Struct, member: Field) -> str:
-    """Return the facts of a field that its enumeration does not show."""
+    """Return the facts of a field that its enumeration does not show, or its title if there are none."""
     choice = struct.enumeration(member)
     statements = say_field.field(struct.device, member)
     about = [statement for statement in statements if choice is None or statement not in choice.statements]
@@ -155,19 +162,22 @@ def about_member(struct: Struct, member: Field) -> str:
 
 
 def about_unused(struct: Struct) -> str:
-    """Describe the member for all unused bits."""
+    """Describe the member for all unused bits, with the bits of it that belong to each unused field."""
     unused = struct.layout.unused
     fields = listed([f"{bit_range(low + field.widest - 1, low)} {field.name}" for field, low in unused])
     return f"Unused bits, each 1 if it differs from the manual: {S.phrase(statement(*fields))}."
 
 
 def place(frame_layout: Layout, placed_field: Field) -> str:
-    """Return the position of a field."""
+    """Return the position of a field in words, such as ``bits 46:31`` or ``byte 1, bits 7:1``."""
     return S.phrase(statement(*field_place(frame_layout, placed_field)))
 
 
 def _facts_without_member(struct: Struct, field: Field) -> str:
-    """Return the facts of a field that no member shows, and its width unless its place shows it."""
+    """Return the facts of a field that no member shows, and its width unless its place shows it.
+
+    The comment on a member has the facts of that field. Constants and the selector have no member.
+    """
     is_member = field.carries_data and field is not struct.plan.selector
     about = () if is_member else say_field.field(struct.device, field)
     if field.is_fixed:
@@ -192,31 +202,35 @@ def table(struct: Struct) -> Iterator[Paragraph]:
     place_width = max((width for width in place_widths if width <= _PLACE), default=0)
     name_width = max((len(name) for _, name, _ in rows), default=0)
     for place_text, name, description in rows:
-        line = f"  {place_text:{place_width}}  "
+        lead = f"  {place_text:{place_width}}  "
         if not description:
-            yield line, name
+            yield lead, name
         elif len(place_text) > place_width:
-            yield line, name
+            yield lead, name
             yield "        ", description
         else:
-            yield f"{line}{name:{name_width}}  ", description
+            yield f"{lead}{name:{name_width}}  ", description
 
 
 # -- registers
 
 
 def about_register(device: Device, register: Register) -> list[Paragraph]:
+    """Return the comment on a register, without its default and limits, which constants and functions have."""
     head = say_register.head(device, register, full_title(register))
     about = [statement for statement in say_register.register(device, register) if statement.label not in _IN_CODE]
     return list(map(S.sentence, (head, *about)))
 
 
 def about_access(device: Device, register: Register, writes: bool, read_state: str) -> Iterator[Paragraph]:
-    """Yield the comment on a function that reads or writes a register."""
+    """Yield the comment on a function that reads or writes a register.
+
+    ``read_state`` is the function that updates the variant, or empty if the register has no part of it.
+    """
     waits = f", then wait {register.wait_at_least_ms} ms" if writes and register.wait_at_least_ms is not None else ""
-    name = title(register)
-    kind = "" if name.lower().endswith(("register", "registers")) else " register"
-    yield f"{'Write' if writes else 'Read'} the {name}{kind} ({addresses(register)}){waits}."
+    register_title = title(register)
+    kind = "" if register_title.lower().endswith(("register", "registers")) else " register"
+    yield f"{'Write' if writes else 'Read'} the {register_title}{kind} ({addresses(register)}){waits}."
     selector = device.bank_selector(register)
     if selector:
         yield f"It first writes to {title(device.register(selector))} to select bank {register.bank}."
@@ -249,7 +263,10 @@ def about_run(device: Device, run: Run, read_state: str) -> Iterator[Paragraph]:
 
 
 def note_of_step(device: Device, operation: Operation) -> str:
-    """Return the purpose of a step. Its row already has the address, the bytes and the times."""
+    """Return the purpose of a step, if the spec has one. Its row already has the address, the bytes and the times.
+
+    Without one, it is the place in the register, the value written, or the time.
+    """
     meaning = operation.step.meaning
     match operation:
         case Waits(step):
@@ -269,7 +286,7 @@ def note_of_step(device: Device, operation: Operation) -> str:
 
 
 def note_of_read(device: Device, read: Reads) -> str:
-    """Describe a member for bytes that are read."""
+    """Describe a member for bytes that are read: their place, and the meaning of the step if it has one."""
     return ": ".join(filter(None, (_register_place(device, read), read.step.meaning)))
 
 

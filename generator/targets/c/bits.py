@@ -30,7 +30,11 @@ from .names import (
 
 
 def of_bytes(pieces: tuple[Piece, ...]) -> tuple[str, Expr]:
-    """Return the type and the bits in these pieces of ``bytes``, or 0 if no order code has such bits."""
+    """Return the type and the bits in these pieces of ``bytes``, as one number.
+
+    For one piece, this is ``uint8_t`` and ``(uint8_t)(bytes[1] >> 4)``. Without pieces, when no order code has such
+    bits, it is 0.
+    """
     if not pieces:
         return unsigned(1), Number(0)
     width = sum(piece.mask.bit_length() for piece in pieces)
@@ -69,18 +73,22 @@ class Reader:
         return Name("plain" if self.plan.gray is not None and not self.as_sent else "word")
 
     def value(self, bits: Bits) -> tuple[str, Expr]:
-        """Return the type and the bits of a field, with its padding if that is read as well."""
+        """Return the type and the bits of a field, such as ``uint16_t`` and ``(uint16_t)(word >> 6)``."""
         if not self.plan.by_word:
             return of_bytes(bits.pieces)
         type_ = unsigned(bits.widest)
         if bits.are_fixed and bits.width.constant == 64:
             return type_, self.word
         number = self.in_word(bits)
+        # At a place that depends on the order code, the bits have 64 bits, the type of more than 32 of them.
         has_64_bits = bits.widest > 32 and not bits.are_fixed
         return type_, number if has_64_bits else Cast(type_, number)
 
     def in_word(self, bits: Bits) -> Expr:
-        """Return bits of the word. If their place is fixed and in the lower half, the expression has 32 bits."""
+        """Return bits of the word, shifted to bit 0. If their place is fixed and in the lower half, they have 32 bits.
+
+        At a place that depends on the order code, the runtime extracts them, or a shift if no bits are above them.
+        """
         if bits.are_fixed:
             low, width = bits.low.constant, bits.width.constant
             return masked(shifted_right(self.lower(low + width), low), (1 << width) - 1)
@@ -112,7 +120,7 @@ class Reader:
         return number if whole.widest > 32 else Cast(unsigned(whole.widest), number)
 
     def joined(self, whole: Whole, name_of: Callable[[Field], Expr]) -> Expr:
-        """Return the fields of a join as one number of the join's type."""
+        """Return the fields of a join as one number of the join's type. The first field has the highest bits."""
         highest_field, *lower_fields = whole.fields
         type_ = unsigned(whole.widest)
         is_short = size_of(whole.widest) < 32
@@ -148,6 +156,7 @@ class Reader:
         if mask:
             combined = masked(combined, mask)
         if widest > 32:
+            # The parity of a number is that of its halves XORed, and the runtime takes 32 bits.
             lower_half = Cast("uint32_t", combined)
             upper_half = Cast("uint32_t", shifted_right(combined, 32))
             combined = Operation("^", (lower_half, upper_half))
@@ -156,11 +165,12 @@ class Reader:
 
 def digits(number: object, field: Field, run: Digits) -> Expr:
     """Return a run of decimal digits extracted from a number, such as ``(number / 100U) % 10U``."""
-    value: Expr = Name(str(number))
+    quotient: Expr = Name(str(number))
     if run.divisor > 1:
-        value = Operation("/", (value, Number(run.divisor)))
+        quotient = Operation("/", (quotient, Number(run.divisor)))
+    # No digits are above the highest run, so that it needs no remainder.
     is_highest_run = run is field.runs[0]
-    return value if is_highest_run else Operation("%", (value, Number(run.modulus)))
+    return quotient if is_highest_run else Operation("%", (quotient, Number(run.modulus)))
 
 
 _MEMBER = Name("in->unused")
@@ -194,17 +204,20 @@ class Unused:
 
     @property
     def member(self) -> Expr:
-        """The member, from the word, or from bytes if the fields are extracted one by one."""
+        """The member: 1 in each bit that differs from the manual.
+
+        The bits come from the word, or from bytes if the fields are extracted one by one.
+        """
         all_bits = (*map(self._moved_bits, self.moved), *map(self._single_bits, self.single))
         documented = _documented(sum(moved.value for moved in self.moved))
         return Cast(self.type, _with_inverted(joined("|", all_bits), documented))
 
     def at_place(self, moved: ShiftedBits, byte: Expr) -> Expr:
-        """Return a byte shifted to the place of its bits in the member."""
+        """Return a byte shifted to the place of its bits in the member, which is never lower than in the byte."""
         return shifted_left(Cast(self.work, byte), -moved.shift) if moved.shift else byte
 
     def member_from(self, bits: Expr) -> Expr:
-        """Return the member from bytes that are at their positions."""
+        """Return the member from bytes that ``at_place`` shifted, without their other bits."""
         mask = sum(moved.mask for moved in self.moved)
         documented = _documented(sum(moved.value for moved in self.moved))
         differing_bits = _with_inverted(masked(bits, mask), documented)
@@ -217,13 +230,14 @@ class Unused:
 
     def _moved_bits(self, moved: ShiftedBits) -> Expr:
         """Return bits of the word, shifted to their places in the member."""
+        # The mask has the places of the member. Bit 0 of the member is bit ``shift`` of the word.
         word = self.reader.lower(moved.mask.bit_length() + moved.shift)
         if moved.shift >= 0:
             return masked(shifted_right(word, moved.shift), moved.mask)
         return shifted_left(masked(word, moved.mask >> -moved.shift), -moved.shift)
 
     def _single_bits(self, reserved: Reserved) -> Expr:
-        """Return the differing bits of one unused field, shifted to their place in the member."""
+        """Return the bits of one unused field that differ from the manual, shifted to their place in the member."""
         _, bits = self.reader.value(reserved.bits)
         documented = self._documented(reserved)
         if not reserved.place:
@@ -238,7 +252,10 @@ class Unused:
 
     @property
     def refused(self) -> Expr | None:
-        """The condition that the member has a bit other than the unused ones, or None if its type has no such bit."""
+        """The condition that the member has a bit other than the unused ones, or None if its type has no such bit.
+
+        With fields whose width depends on the order code, that is ``(in->unused & mask) != in->unused``.
+        """
         fixed_mask = sum(reserved.mask for reserved in self.plan.reserved if reserved.bits.width.is_constant)
         varying_fields = [reserved for reserved in self.single if not reserved.bits.width.is_constant]
         if not varying_fields:
@@ -255,11 +272,13 @@ class Unused:
 
     @property
     def in_word(self) -> Iterator[Expr]:
-        """The terms of a word that come from it."""
+        """The terms of a word that come from it: the documented bits, with those inverted that are 1 in the member."""
+        # A single group of bits is the whole member, and needs no mask.
         is_all = len(self.moved) + len(self.single) == 1
         for moved in self.moved:
             differing_bits = _MEMBER if is_all else masked(_MEMBER, moved.mask)
             bits = _with_inverted(differing_bits, _documented(moved.value))
+            # Bit 0 of the member is bit ``shift`` of the word.
             yield _shifted(Cast("uint64_t", bits), -moved.shift)
         for reserved in self.single:
             bits = _with_inverted(_MEMBER, self._documented(reserved)) if is_all else self._bits_to_send(reserved)
@@ -280,6 +299,7 @@ class Unused:
 
     def _moved_bits_to_send(self, moved: ShiftedBits) -> Expr:
         """Return bits of the member, shifted to their places in the frame and combined with the documented ones."""
+        # In bytes, ``shift`` is 0 or negative: bit -shift of the member is bit 0 of the byte.
         bits = _masked_byte(shifted_right(_MEMBER, -moved.shift), moved.mask >> -moved.shift)
         is_wider_than_byte = bits is _MEMBER and self.width > 8
         if is_wider_than_byte:
@@ -287,19 +307,19 @@ class Unused:
         return _with_inverted(bits, _documented(moved.value >> -moved.shift))
 
     def bits_of(self, field: Field) -> Expr:
-        """Return the bits of one field."""
+        """Return the bits to send for one unused field, shifted to bit 0."""
         reserved_fields = (reserved for reserved in self.plan.reserved if reserved.field is field)
         return self._bits_to_send(first_of(reserved_fields, f"unused field '{field.name}'"))
 
     def _bits_to_send(self, reserved: Reserved) -> Expr:
-        """Return the documented bits of an unused field, with those inverted that are 1 in the member."""
+        """Return the documented bits of an unused field at bit 0, with those inverted that are 1 in the member."""
         differing_bits = shifted_right(masked(_MEMBER, reserved.mask), reserved.place)
         return _with_inverted(differing_bits, self._documented(reserved))
 
     # -- both
 
     def _documented(self, reserved: Reserved) -> Expr | None:
-        """Return the value in the manual of a field that may be narrower with this order code."""
+        """Return the value in the manual of a field that may be narrower with this order code, or None if it is 0."""
         value = _documented(reserved.value)
         width = reserved.bits.width
         if value is None or width.is_constant:
@@ -308,7 +328,7 @@ class Unused:
 
 
 def _masked_byte(bits: Expr, mask: int) -> Expr:
-    """Return these bits of a number. A later cast to one byte drops the higher bits."""
+    """Return these bits of a number. A whole byte has no mask, because a later cast drops the higher bits."""
     return bits if mask == 0xFF else masked(bits, mask)
 
 

@@ -45,17 +45,20 @@ class NoFrame(Exception):
 
 
 def chosen_variant(device: Device, interface: Interface) -> Variant:
-    """Return the order code of an interface with the most examples that are used as printed."""
+    """Return the order code of an interface with the most examples that are used as printed, without an erratum."""
     examples = (example for example in device.examples if _is_over_interface(device, interface, example))
     # An example without an order code holds for every one.
-    counted = Counter(getattr(example, "order_code", "") for example in examples if not example.erratum)
+    number_of_examples = Counter(getattr(example, "order_code", "") for example in examples if not example.erratum)
     variants = device.variants_over(interface.name) or device.variants
-    # Without any example, take the one with the finest resolution.
-    return max(variants, key=lambda variant: (counted[variant.code], sum(variant.parameters.values())))
+    # With equal numbers of examples, take the finest resolution: the largest sum of the parameters.
+    return max(variants, key=lambda variant: (number_of_examples[variant.code], sum(variant.parameters.values())))
 
 
 def _is_over_interface(device: Device, interface: Interface, example: Example) -> bool:
-    """Return True if the manual shows it for an order code with this interface."""
+    """Return True if a program for this interface can show the example.
+
+    It is then a readable register, a valid reply that depends on no open question, a procedure or a measurement.
+    """
     if example_variant(device, example).interface != interface.name:
         return False
     match example:
@@ -85,12 +88,13 @@ class Chosen:
         self.measurement = device.measurement_of(interface.name)
         self.variant = chosen_variant(device, interface)
         examples = (example for example in device.examples if _is_over_interface(device, interface, example))
+        #: The examples for the chosen order code. One without an order code is for the first of the family.
         self.examples = [example for example in examples if example_variant(device, example).code == self.variant.code]
         self.frame = self._frame()
 
     @property
     def registers(self) -> Mapping[str, tuple[Register, RegisterExample]]:
-        """The registers that are shown, by name. Simulated ones have no banks."""
+        """The registers with an example, by name, each with its first one. Those in banks cannot be simulated."""
         registers: dict[str, tuple[Register, RegisterExample]] = {}
         for example in self.examples:
             if isinstance(example, RegisterExample) and self.device.register(example.register).bank is None:
@@ -99,7 +103,10 @@ class Chosen:
 
     @property
     def procedure(self) -> tuple[Procedure, ProcedureExample | None] | None:
-        """Worked procedure with the most writes, or else the first one that clears an alarm by a request."""
+        """Worked procedure with the most writes and its example, or the first one that clears an alarm by a request.
+
+        The latter has None in place of an example. The result is None if there is neither.
+        """
         examples = (example for example in self.examples if isinstance(example, ProcedureExample))
         procedures_and_examples: list[tuple[Procedure, ProcedureExample]] = []
         for example in examples:
@@ -109,6 +116,7 @@ class Chosen:
                 procedures_and_examples.append((procedure, example))
         if procedures_and_examples:
             return max(procedures_and_examples, key=_number_of_writes)
+        # Only the first one counts.
         for procedure in self._clearing_procedures():
             return procedure, None
         return None
@@ -141,7 +149,11 @@ class Chosen:
         )
 
     def _made_up_frame(self) -> Frame:
-        """Return a made-up frame, if possible one with the position."""
+        """Return a made-up frame, if possible one with the position.
+
+        Raises:
+            NoFrame: The device has no sample of the frame.
+        """
         layouts = [layout for layout in self.interface.layouts if layout.sender == "encoder"]
         # Prefer one that needs no choice by the user. Order codes have the first answer of each alternative.
         layouts.sort(key=lambda layout: (not self.has_position(layout), bool(self.device.alternatives_of(layout))))

@@ -53,6 +53,7 @@ class StructCodec:
         if not self.plan.in_bytes:
             yield f"{self.name}_bits"
         elif self.about:
+            # A register declares this macro by itself.
             yield self.length_macro
         yield from (scale.name for scale in self.struct.scales)
         yield from (f"{self.name}_set_{name}" for name in self.set_names)
@@ -131,7 +132,10 @@ class StructCodec:
 
     @property
     def order_of_bytes(self) -> str:
-        """The order of several bytes, for the comments on the decoder and the encoder."""
+        """The order of several bytes, for the comments on the decoder and the encoder. Empty for a single byte.
+
+        Only frames have a comment of their own (``about``), so that without one it is a register.
+        """
         if self.plan.length < 2:
             return ""
         if not self.about:
@@ -155,9 +159,9 @@ class StructCodec:
 
     @cached_property
     def word_crc(self) -> WordCrc | None:
-        """The function that computes the CRC of a whole word."""
+        """The function that computes the CRC of a whole word, or None if the layout has no such CRC."""
         crc, bits = self.plan.only_crc, self.plan.layout.widest
-        # Its register has 32 bits.
+        # The shift register of the function has 32 bits.
         if crc is None or not crc.divides or crc.crc.width > 32:
             return None
         fold_steps = tuple(folds(crc.steps, bits, "word")) if crc.steps else ()
@@ -172,7 +176,10 @@ class StructCodec:
 
     @property
     def bits_crcs(self) -> dict[str, BitsCrc]:
-        """The functions that compute the CRCs of a frame of bits in bytes, by the name of the field."""
+        """The functions that compute the CRCs of a frame of bits in bytes, by the name of the CRC field.
+
+        Empty for a word, and for a CRC over whole bytes.
+        """
         if not self.plan.in_bytes or self.plan.layout.crc_covers_bytes:
             return {}
         return {crc.field.name: self._bits_crc(crc) for crc in self.plan.crcs}
@@ -198,7 +205,10 @@ class StructCodec:
 
     @property
     def encoder_depends(self) -> bool:
-        """True if the encoder uses the variant."""
+        """True if the encoder uses the variant: for Gray code, terms, unused bits, limits or a CRC.
+
+        It does not if the layout depends on an answer alone.
+        """
         if self.alternatives and not self.plan.depends:
             return False
         gray = self.plan.gray
@@ -241,6 +251,7 @@ class StructCodec:
             case str(characters):
                 return string(characters)
             case Expression(constant):
+                # Only values that are the same for all order codes have a macro.
                 return number(constant)
             case _:
                 return number(field.equals or 0, hexadecimal=True)
@@ -250,7 +261,7 @@ class StructCodec:
 
     @property
     def is_expected(self) -> Expr:
-        """Condition that a struct has the values of the manual."""
+        """Condition that a struct has the values of the manual, and that no unused bit differs from it."""
         conditions: list[Expr] = []
         for field in self.expected:
             conditions += self._has_expected_value(field)

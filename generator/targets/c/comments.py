@@ -22,6 +22,7 @@ _ASCII_SPELLINGS = {"±": "+/-", "°": " deg ", "Ω": "ohm"}
 
 
 def ascii_text(text: object) -> str:
+    """Return text in ASCII, with single spaces."""
     return re.sub(" +", " ", in_ascii(plain(text).replace("N°", "No."), _ASCII_SPELLINGS)).strip()
 
 
@@ -39,7 +40,10 @@ def _separate_comment_marks(text: str) -> str:
 
 
 def comment(paragraphs: Sequence[Paragraph] | str, indent: int = 0) -> str:
-    """Format paragraphs as a comment. Empty ones are omitted."""
+    """Format paragraphs as a comment, on one line if it fits. Empty paragraphs are omitted.
+
+    ``indent`` is the number of spaces before each line. A long lead has its text on the lines below.
+    """
     if isinstance(paragraphs, str):
         leads_and_texts = [("", paragraphs)]
     else:
@@ -55,6 +59,7 @@ def comment(paragraphs: Sequence[Paragraph] | str, indent: int = 0) -> str:
             # The lead is too long: the text goes below.
             lines.append(_separate_comment_marks(lead.rstrip()))
             lead = "        "
+        # 3 characters are " * ", and the 6 below are the marks of a comment on one line.
         width = COLUMNS - indent - 3 - len(lead)
         wrapped = textwrap.wrap(in_comment(text), width, break_long_words=False, break_on_hyphens=False)
         first_line, *further_lines = wrapped or [""]
@@ -71,7 +76,7 @@ def _lead_and_text(paragraph: Paragraph) -> tuple[str, str]:
 
 
 def comment_lines(paragraphs: Sequence[Paragraph] | str) -> str:
-    """Format paragraphs as lines inside a comment that the template opens and closes."""
+    """Format paragraphs as lines inside a comment that the template opens and closes, each with `` * ``."""
     comment_with_marks = comment(paragraphs)
     first_line, *further_lines = comment_with_marks.splitlines()
     if not further_lines:
@@ -91,6 +96,7 @@ class InHeader(Style):
     """
 
     def sentence(self, statement: Statement) -> str:
+        """Return the sentence of a statement, or its brief form if it has one."""
         if statement.brief is None:
             return super().sentence(statement)
         return self.text(statement.brief)
@@ -117,7 +123,10 @@ def end_comment(note: object) -> str:
 
 
 def in_lines(parts: Sequence[str], indent: int) -> str:
-    """Return a call with its arguments on one line, or each on its own line if that is too long."""
+    """Return a call with its arguments on one line, or each on its own line if that is too long.
+
+    The parts are the start of the call, such as ``f(``, and the arguments with their commas.
+    """
     margin = " " * indent
     on_one_line = margin + " ".join(parts)
     if len(on_one_line) <= COLUMNS:
@@ -128,6 +137,7 @@ def in_lines(parts: Sequence[str], indent: int) -> str:
 
 def literals(text: object, indent: int) -> str:
     """Return text as a string literal, or as several literals on separate lines if it is too long."""
+    # 4 characters are the quotes, the space at the end of a literal, and what follows the last one.
     lines = textwrap.wrap(ascii_text(text), COLUMNS - indent - 4, break_long_words=False, break_on_hyphens=False)
     *other_lines, last_line = lines or [""]
     literals_of_lines = [string(f"{line} ") for line in other_lines]
@@ -154,7 +164,10 @@ def documented(text: str) -> str:
 
 
 def _documented(line: str) -> Iterator[str]:
-    """Yield a line with the mark of Doxygen in its comment, if it has one."""
+    """Yield a line with the mark of Doxygen in its comment, if it has one: ``/**`` before it, or ``/**<`` at its end.
+
+    A comment that gets too long at the end goes above the line, as ``/**``.
+    """
     if _OPENING.match(line):
         yield from _one_or_more(line.replace("/*", "/**", 1))
         return
@@ -185,6 +198,7 @@ def break_lines(text: str) -> str:
     in_comment = False
     for line in text.splitlines():
         in_comment = in_comment or line.lstrip().startswith("/*")
+        # Initialisers end in "};", and the lines of a macro in a backslash.
         if in_comment or len(line) <= COLUMNS or line.endswith(("};", "\\")):
             lines.append(line)
         else:
@@ -195,7 +209,10 @@ def break_lines(text: str) -> str:
 
 
 def _broken_lines(line: str, *, continues_previous: bool) -> Iterator[str]:
-    """Yield a long line as several, with the comment at its end above them."""
+    """Yield a long line of code as several, with the comment at its end, as in ``x = y; /* why */``, above them.
+
+    No line that is only a comment comes here. The head of a function has its parameters on the next line.
+    """
     code, mark, note = line.rpartition(" /*") if line.endswith("*/") else (line, "", "")
     margin = " " * (len(code) - len(code.lstrip()))
     if mark:
@@ -212,17 +229,20 @@ def _broken_lines(line: str, *, continues_previous: bool) -> Iterator[str]:
 
 
 def _broken_code(code: str, margin: str, further_margin: str) -> Sequence[str]:
-    """Break code after an assignment or a question mark if that is enough, else between conditions or anywhere.
+    """Break code after a question mark or an assignment if that is enough, else between conditions or anywhere.
 
-    ``further_margin`` begins all lines but the first.
+    ``further_margin`` begins all lines but the first. A question mark inside two or more brackets does not count, and
+    neither does any if parts are joined by ``|``.
     """
+    # It has the length of the code, so that places in it are places in the code.
     without_strings = _STRING.sub(lambda string: "x" * len(string[0]), code)
     left_side, mark, _ = without_strings.partition(" ? ")
     is_inside_brackets = left_side.count("(") > left_side.count(")") + 1
     if not mark or is_inside_brackets:
         left_side, mark, _ = without_strings.partition(" = ")
-    end = len(left_side) + len(mark)
-    two_lines = [margin + code[: end - 1], further_margin + code[end:]]
+    # The second line begins here. The space before it is left out.
+    second_start = len(left_side) + len(mark)
+    two_lines = [margin + code[: second_start - 1], further_margin + code[second_start:]]
     if mark and " | " not in without_strings and _all_fit(two_lines):
         return two_lines
     lines = _split(code, without_strings, margin, further_margin, _CONDITIONS)
@@ -234,7 +254,7 @@ def _all_fit(lines: Sequence[str]) -> bool:
 
 
 def _split(code: str, without_strings: str, margin: str, further_margin: str, breaks: re.Pattern[str]) -> list[str]:
-    """Break code as late as possible at the spaces that ``breaks`` finds in ``without_strings``."""
+    """Break code as late as possible at the spaces that ``breaks`` finds in ``without_strings``, which is as long."""
     break_indices = [space.start() for space in breaks.finditer(without_strings)]
     lines: list[str] = []
     current_line = margin

@@ -25,6 +25,7 @@ class Context:
     def __init__(self, device: Device, passing: Passing = BY_VALUE) -> None:
         self.device, self.passing = device, passing
         self.maker = device.manufacturer
+        # The device was narrowed to one interface.
         (self.interface,) = device.interfaces
         self.stem = f"{device.name}_{self.interface.name}"
         self.prefix = f"{device.manufacturer.name}_{self.stem}"
@@ -33,6 +34,7 @@ class Context:
         self.alternatives = tuple(AlternativeCode(device, self.prefix, question) for question in open_questions)
         argument_by_parameter: dict[str, str] = {}
         for alternative in self.alternatives:
+            # All answers of an alternative set the same parameters.
             argument_by_parameter |= dict.fromkeys(alternative.item.answers[0].sets, alternative.argument)
         self.scope = Scope(
             prefix=self.prefix, largest=_largest_values(device), answers=argument_by_parameter, passing=passing
@@ -91,13 +93,17 @@ class Function:
 
 
 def number_of(scope: Scope, name: str, expression: Expression, largest: int, about: str) -> Function:
-    """Build a function for numbers up to ``largest``, in 32 bits if they fit."""
-    # A product is computed before anything is subtracted from it.
+    """Build a function for numbers up to ``largest``, in 32 bits if they and all intermediate results fit.
+
+    ``about`` is the comment on the function.
+    """
+    # A product is computed before a negative constant is subtracted from it, so it is larger than the result.
     has_product = any(term.is_product for term in expression.terms)
     subtracted = min(expression.constant, 0) if has_product else 0
     largest_intermediate = largest - subtracted
     bits = max(largest_intermediate.bit_length(), 32)
     value = scope.of(expression)
+    # A power of two is computed in 64 bits.
     if bits == 32 and any(term.is_power for term in expression.terms):
         value = Cast("uint32_t", value)
     return Function(name, type=unsigned(bits), value=value, about=about, uses_variant=not expression.is_constant)
@@ -106,6 +112,7 @@ def number_of(scope: Scope, name: str, expression: Expression, largest: int, abo
 def wide_number_of(scope: Scope, name: str, expression: Expression, about: str) -> Function:
     """Build a function for numbers of 64 bits."""
     value = scope.of(expression)
+    # A power of two is computed in 64 bits, and so is what follows it.
     has_64_bits = bool(expression.terms) and expression.terms[0].is_power
     if not has_64_bits:
         value = Cast("uint64_t", value)
@@ -120,7 +127,10 @@ class Macro:
 
 
 def timing_macros(timing: Timing, stem: str) -> Iterator[Macro]:
-    """Yield the bounds of a time in microseconds. The comment on the first one describes all of them."""
+    """Yield the bounds of a time in microseconds, such as ``ACME_X_STARTUP_AT_MOST_US``.
+
+    The comment on the first one describes all of them, and the others refer to it.
+    """
     note = S.sentence(said_of(timing))
     bounds = {"AT_LEAST": timing.at_least_us, "TYPICAL": timing.typical_us, "AT_MOST": timing.at_most_us}
     for bound, value in bounds.items():

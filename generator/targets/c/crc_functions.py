@@ -50,7 +50,13 @@ FoldOperation = FoldWide | FoldHalves | Fold | Narrow
 
 
 def folds(steps: Sequence[FoldStep], bits: int, source: str) -> Iterator[FoldOperation]:
-    """Yield the steps over ``source``, a number of this many bits. They leave the remainder in ``v``."""
+    """Yield the steps over ``source``, a number of this many bits. They leave the remainder in ``v``.
+
+    A step takes the bits from ``shift`` up, moves them lower and XORs them. It is done in 64 bits (``wide``) if more
+    than 32 bits are left after it, or are moved. The first other step gives ``v`` of 32 bits, in which all later ones
+    are done.
+    """
+    # ``source`` and ``bits`` are those of the number before each step.
     for step in steps:
         bits_left = max(step.shift, bits - step.shift + step.back)
         if source == "v":
@@ -116,6 +122,10 @@ class WordCrc:
 
     @property
     def needs_high(self) -> bool:
+        """True if the function takes a single byte from the upper half of the word.
+
+        A CRC of more than 8 bits takes its first bytes from the whole word instead.
+        """
         byte_halves = [byte.half for byte in self.one_by_one]
         if self.crc.width <= 8:
             byte_halves.append(self.first.half)

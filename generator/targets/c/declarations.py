@@ -45,7 +45,10 @@ class Declaration:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names that it declares."""
+        """The names that it declares.
+
+        A condition such as ``#ifdef`` declares those inside it, an enumeration its type and its constants.
+        """
         code = self.plain_code
         if code.startswith("#if"):
             inner_lines = [line for line in self.code.splitlines(keepends=True) if not _CONDITION.match(line)]
@@ -79,13 +82,16 @@ class Declaration:
 
 
 def declarations_in(header: str) -> list[Declaration]:
-    """Return the declarations of a header in their order, without what surrounds the scope of C."""
+    """Return the declarations of a header in their order: those between the braces of ``extern "C"``."""
     body = header.partition(_OPENS_C)[2].rpartition(_CLOSES_C)[0]
     return list(_declarations(body.splitlines(keepends=True)))
 
 
 def _declarations(lines: Sequence[str]) -> Iterator[Declaration]:
-    """Yield the declarations in these lines, each with the comment directly above it."""
+    """Yield the declarations in these lines, each with the comment directly above it.
+
+    A comment with a blank line or another comment below it is an item of its own, without code.
+    """
     comment = ""
     index = 0
     while index < len(lines):
@@ -107,6 +113,7 @@ def _declarations(lines: Sequence[str]) -> Iterator[Declaration]:
 
 
 def _end_of_comment(lines: Sequence[str], start: int) -> int:
+    """Return the index after the last line of a comment that begins at ``start``."""
     end = start
     while not lines[end].rstrip().endswith("*/"):
         end += 1
@@ -114,7 +121,10 @@ def _end_of_comment(lines: Sequence[str], start: int) -> int:
 
 
 def _end_of_code(lines: Sequence[str], start: int) -> int:
-    """Return the index after the last line of a declaration."""
+    """Return the index after the last line of a declaration that begins at ``start``.
+
+    Outside braces, it is the first line that ends in a semicolon or is a closing brace.
+    """
     if lines[start].startswith("#define"):
         return _end_of_macro(lines, start)
     if lines[start].startswith("#if"):
@@ -130,6 +140,7 @@ def _end_of_code(lines: Sequence[str], start: int) -> int:
 
 
 def _end_of_macro(lines: Sequence[str], start: int) -> int:
+    """Return the index after the last line of a macro that begins at ``start``: the first one without a backslash."""
     end = start
     while lines[end].endswith("\\\n"):
         end += 1
@@ -156,8 +167,11 @@ class _OpenCondition:
 
 
 def without_settings(text: str, settings: Collection[str]) -> str:
-    """Return a text in which no macro of ``settings`` is defined, so that its conditions on them are gone."""
-    lines: list[str] = []
+    """Return a text in which no macro of ``settings`` is defined, so that its conditions on them are gone.
+
+    Lines between ``#ifndef`` and ``#else`` or ``#endif`` stay, and so do those after the ``#else`` of an ``#ifdef``.
+    """
+    kept_lines: list[str] = []
     conditions: list[_OpenCondition] = []
     for line in text.splitlines(keepends=True):
         directive, _, macro = line.rstrip().partition(" ")
@@ -171,10 +185,10 @@ def without_settings(text: str, settings: Collection[str]) -> str:
             innermost.keeps_lines = not innermost.keeps_lines
         is_directive_on_setting = is_on_setting and directive in {"#ifdef", "#ifndef", "#else", "#endif"}
         if not is_directive_on_setting and all(condition.keeps_lines for condition in conditions):
-            lines.append(line)
+            kept_lines.append(line)
         if directive == "#endif":
             conditions.pop()
-    return "".join(lines)
+    return "".join(kept_lines)
 
 
 def needed_by(roots: Iterable[str], declarations: Sequence[Declaration]) -> list[Declaration]:

@@ -101,7 +101,11 @@ class Decoder:
 
     @property
     def fields_with_local(self) -> tuple[Field, ...]:
-        """The fields that have a local."""
+        """The fields whose bits the decoder keeps in a local.
+
+        Those without one are constants, CRCs, texts, flags that are read from their byte, unused fields that are only
+        reported, and parity bits that are checked in the word.
+        """
         names_without_local = self._plain_flags | self._only_reported | self.plan.constants.keys()
         names_without_local |= self._word_parities.keys()
         names_without_local |= {part.field.name for part in self.plan.parts if isinstance(part.meaning, Characters)}
@@ -120,7 +124,11 @@ class Decoder:
 
     @property
     def checks(self) -> Iterator[Check | ByteIs]:
-        """The checks in order. A parity bit of the selector comes last, since its check covers both."""
+        """The checks in order: constants, parity bits, parity bits of the selector, and then values.
+
+        In bytes, constants are checked byte by byte, after the zeros above fields. A parity bit of the selector is
+        checked together with the selector, which then has no check of its own.
+        """
         checks = self.plan.checks
         parities = [check for check in checks if isinstance(check, ParityIs)]
         parities_of_selector = [parity for parity in parities if parity.known_parity is not None]
@@ -143,6 +151,7 @@ class Decoder:
         A byte that holds both is compared once, such as ``(bytes[0] & 0x9FU) != 0x1AU``.
         """
         assert parity.known_parity is not None
+        # With a known parity, one value selects the frame, and the parity is that of the selector alone.
         (selected_value,) = self.plan.layout.selects
         (selector_bits,) = parity.of_bits
         pieces = [(piece, selected_value) for piece in selector_bits.pieces]
@@ -151,19 +160,20 @@ class Decoder:
         if self.plan.by_word or len(bytes_of_pieces) != 1:
             return self._selector_or_parity_differs(parity, parity.known_parity)
         (byte,) = bytes_of_pieces
-        mask, value = 0, 0
+        mask, expected_value = 0, 0
         # The other constants in it have been checked.
         for constant in _constant_bytes(self.plan.checks):
             if constant.byte == byte:
-                mask, value = constant.mask, constant.value
+                mask, expected_value = constant.mask, constant.value
         for piece, number in pieces:
             mask |= piece.mask << piece.right
-            value |= (number >> piece.left & piece.mask) << piece.right
+            expected_value |= (number >> piece.left & piece.mask) << piece.right
         whole_byte = Name(f"bytes[{byte}]")
         compared_bits = masked(whole_byte, mask) if mask != 0xFF else whole_byte
-        return Operation("!=", (compared_bits, Number(value, hexadecimal=True)))
+        return Operation("!=", (compared_bits, Number(expected_value, hexadecimal=True)))
 
     def _selector_or_parity_differs(self, parity: ParityIs, known_parity: int) -> Expr:
+        """Return the condition that the local of the selector or that of its parity bit has another value."""
         selects, selector = self.plan.layout.selects, parity.selector
         other_value = self.struct.is_none_of(selector, self.local(selector), selects, is_raw=True)
         other_parity = Operation("!=", (self.local(parity.field), Number(known_parity)))
@@ -186,7 +196,7 @@ class Decoder:
         return mask if mask.bit_length() <= 32 else 0
 
     def parity_in_word(self, parity: ParityIs) -> Expr | None:
-        """Return the parity of a parity bit and all bits that it covers, if the word has them all, or None."""
+        """Return the parity of a parity bit and all bits that it covers, or None if ``_mask_in_word`` has no mask."""
         mask = self._word_parities.get(parity.field.name)
         return Call("cw_parity", (masked(self.reader.lower(32), mask),)) if mask else None
 
@@ -202,6 +212,7 @@ class Decoder:
     def fills(self) -> Iterator[FlagsIn | Part | Whole | UnusedIn | UnusedAre]:
         """The operations that fill the members, in order. Unused bits are taken from a byte together with its flags."""
         unused = self.struct.unused
+        # The unused bits of each byte that no operation has taken yet. It shrinks in the calls below.
         ungathered = {bits.byte: bits for bits in unused.moved if bits.byte is not None}
         for operation in self._parts_and_wholes():
             yield operation
@@ -239,7 +250,10 @@ class Decoder:
         yield from self.plan.wholes
 
     def _first_flags_of_bytes(self) -> dict[str, FlagsIn]:
-        """Return the bytes of flags, by the name of the first flag that is read from each."""
+        """Return the bytes of flags, by the name of the first flag of each run of flags in the same byte.
+
+        A byte comes again if flags of another byte are between its flags.
+        """
         byte_by_first_flag: dict[str, int] = {}
         previous_byte = -1
         for part in self.plan.parts:
@@ -284,7 +298,10 @@ class Decoder:
                 assert_never(never)
 
     def _is_active(self, part: Part, bit: Expr, *, low_is_active: bool) -> Expr:
-        """Return the condition that a flag is active. A flag that the order code does not have is inactive."""
+        """Return the condition that a flag is active. A flag that the order code does not have is inactive.
+
+        An active-low flag is compared with its width, which is 1, or 0 if there is no flag.
+        """
         if low_is_active and not part.field.width.is_constant:
             return Operation("!=", (bit, self.struct.scope.of(part.field.width)))
         return Operation("==" if low_is_active else "!=", (bit, Number(0)))
@@ -304,7 +321,7 @@ class Decoder:
 
 
 def _constant_bytes(checks: Iterable[Check]) -> list[ByteIs]:
-    """Return the bytes with constant bits, in order, each with all its constants."""
+    """Return the bytes with constant bits, in order, each with the mask and the value of all its constants."""
     constant_bytes: dict[int, ByteIs] = {}
     for check in checks:
         name = words(check.field.name)
@@ -314,6 +331,7 @@ def _constant_bytes(checks: Iterable[Check]) -> list[ByteIs]:
                     constant_bytes[piece.byte] = ByteIs(piece.byte, mask=0xFF, value=0, reasons=(f"above {name}",))
             case AlwaysIs(bits=bits, value=constant):
                 for piece in bits.pieces:
+                    # Bit ``left`` of the number is bit ``right`` of the byte.
                     earlier = constant_bytes.get(piece.byte, ByteIs(piece.byte, mask=0, value=0, reasons=()))
                     value_in_byte = (constant >> piece.left & piece.mask) << piece.right
                     constant_bytes[piece.byte] = ByteIs(

@@ -89,7 +89,7 @@ class CrcCode:
 
 
 def crc_code(context: Context, function: CrcFunction, codecs: Sequence[StructCodec]) -> CrcCode:
-    """Return the function of a CRC, with a table only if a codec uses the CRC."""
+    """Return the function of a CRC, with a table if a codec uses it. A codec with a CRC for words does not call it."""
     users = [codec for codec in codecs if _uses(codec, function)]
     return CrcCode(
         name=context.crc_name(function.crc, function.carrier.value),
@@ -101,7 +101,7 @@ def crc_code(context: Context, function: CrcFunction, codecs: Sequence[StructCod
 
 
 def _uses(codec: StructCodec, function: CrcFunction) -> bool:
-    """Return whether a codec computes a CRC by this function, or by its table."""
+    """Return whether a codec uses this function or its table. Bits in bytes have their own functions, ``bits_crcs``."""
     has_crc = any(frame_crc.crc == function.crc for frame_crc in codec.plan.crcs)
     if not has_crc or codec.bits_crcs:
         return False
@@ -109,7 +109,7 @@ def _uses(codec: StructCodec, function: CrcFunction) -> bool:
 
 
 def _table_of(function: CrcFunction) -> tuple[int, ...]:
-    """Return the entries of the table of a CRC, none if it is computed otherwise."""
+    """Return the entries of the table of a CRC, if it has one. A folded CRC has one only for frames that are words."""
     crc = function.crc
     if function.form is Form.TABLE:
         is_reflected = function.carrier is Carrier.BYTES and crc.refin
@@ -215,20 +215,20 @@ class DeviceView:
     @property
     def parts(self) -> list[Part]:
         """The other headers. Each includes the first one, and what else it needs."""
-        position_header, encoder, transport = self.header, "codewheel/encoder.h", "codewheel/transport.h"
-        labels = (f"{self.maker.name}/{self.stem}_labels.h",) if self.identities else ()
-        registers = f"{self.maker.name}/{self.stem}_registers.h" if self.registers else position_header
-        parts = [self._part("labels", "find the order code that a label shows", encoder, position_header)]
+        first_header, encoder_header, transport_header = self.header, "codewheel/encoder.h", "codewheel/transport.h"
+        label_headers = (f"{self.maker.name}/{self.stem}_labels.h",) if self.identities else ()
+        registers_header = f"{self.maker.name}/{self.stem}_registers.h" if self.registers else first_header
+        parts = [self._part("labels", "find the order code that a label shows", encoder_header, first_header)]
         if self.reports.all or self.alarms or self.timings:
             parts.append(
-                self._part("reports", "texts that describe reports, alarms and times", encoder, position_header)
+                self._part("reports", "texts that describe reports, alarms and times", encoder_header, first_header)
             )
         if self.registers:
             about = "registers, and identification of encoders"
-            parts.append(self._part("registers", about, encoder, transport, position_header, *labels))
+            parts.append(self._part("registers", about, encoder_header, transport_header, first_header, *label_headers))
         if self.procedures:
-            parts.append(self._part("procedures", "procedures, step by step", transport, registers))
-        parts.append(self._part("simulate", "the encoder's side, for simulators and tests", position_header))
+            parts.append(self._part("procedures", "procedures, step by step", transport_header, registers_header))
+        parts.append(self._part("simulate", "the encoder's side, for simulators and tests", first_header))
         return parts
 
     def _part(self, name: str, about: str, *includes: str) -> Part:
@@ -338,9 +338,9 @@ class DeviceView:
         return first_of(codecs, f"frame received over {self.context.interface.title}")
 
     def modulus(self, encoder: str, layout: Layout | None = None) -> str:
-        """Return the counts after which the position in a frame wraps around, as C, 0 if it does not or may not.
+        """Return the call for the counts after which the position wraps around, or ``0U`` if it does not or may not.
 
-        Without a frame, it is that of the only one of the interface.
+        ``encoder`` is the argument for the order code. Without a frame, the first range that wraps counts.
         """
         ranges = self.positions.ranges if self.positions is not None else ()
         if layout is not None:
@@ -350,7 +350,7 @@ class DeviceView:
 
     @property
     def usage(self) -> Usage | None:
-        """The example at the top of the header, None if no frame has a verdict and a position."""
+        """The example at the top of the header: the encoder's first frame with a verdict and the position, or None."""
         measurement = self.device.measurement_of(self.context.interface.name)
         if measurement is None:
             return None
@@ -380,12 +380,13 @@ class DeviceView:
 
 
 def _bank_selectors_first(device: Device) -> list[Register]:
-    """Return the registers. Functions of registers in a bank use the address of the register that selects it."""
+    """Return the registers, those first that select a bank, since functions of registers in the bank use them."""
     selector_names = {device.bank_selector(register) for register in device.registers}
     return sorted(device.registers, key=lambda register: register.name not in selector_names)
 
 
 def _cites(text: str, key: str) -> bool:
+    """Return True if a text has a source such as ``data sheet: page 4`` with this key."""
     # The first test is much faster, and few documents pass it.
     return f"{key}:" in text and re.search(rf"\b{key}:", text) is not None
 
@@ -399,7 +400,7 @@ def _is_range_of(functions: RangeFunctions, layout: Layout) -> bool:
 
 
 def manual_of(device: Device) -> str:
-    """Return the title and revision of a manual, with the editions that it was compared with."""
+    """Return the title, revision, date and language of a manual, with the editions that it was compared with."""
     manual = device.manual
     editions = ", ".join(f"{edition.language} {edition.revision}" for edition in manual.editions)
     dated = f" of {manual.date}" if manual.date else ""
@@ -436,12 +437,12 @@ def _views_of(device: Device, passing: Passing) -> Iterator[DeviceView]:
 
 
 def _with_known_register(parameter: Parameter, known_registers: Set[str]) -> Parameter:
-    """Return a parameter. A register that only another interface reaches cannot update it."""
+    """Return a parameter, without its register if only another interface reaches that."""
     return parameter if parameter.register in known_registers else replace(parameter, read_from="")
 
 
 def _with_path(build: Callable[[], _Built], *path: str) -> _Built:
-    """Return the result of ``build``. An error from it names this part of the spec."""
+    """Return the result of ``build``. An error from it gets this path in the spec, unless it has one already."""
     try:
         return build()
     except TargetError as error:

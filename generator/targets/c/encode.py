@@ -48,8 +48,10 @@ class Encoder:
         self.plan = struct.plan
         self.reader = struct.reader
         possible_refusals = (*_with_powers_first(refusals(self.plan)), *limits)
+        #: The checks, in order: for a value too wide for its field, outside its limits, and the like.
         self.refusals = tuple(refusal for refusal in possible_refusals if not _never_applies(refusal))
         checks = self.plan.checks
+        #: The names of parity bits, of fields with zeros above them, and of unused fields.
         self._parity_names = frozenset(check.field.name for check in checks if isinstance(check, ParityIs))
         self._padded_names = frozenset(check.field.name for check in checks if isinstance(check, ZerosAbove))
         self._reserved_names = frozenset(reserved.field.name for reserved in self.plan.reserved)
@@ -74,7 +76,7 @@ class Encoder:
         return Cast("uint32_t", self.member_of(field)) if needs_cast else self.member_of(field)
 
     def joined(self, whole: Whole) -> Expr:
-        """Return the number that the members of a join form."""
+        """Return the number that the members of a join form, the first one in its highest bits."""
         return self.reader.joined(whole, self._unsigned_bits_of_member)
 
     def total(self, field: Field) -> Expr:
@@ -93,7 +95,10 @@ class Encoder:
 
     @property
     def word(self) -> tuple[Expr, ...]:
-        """The terms of the word, except parity bits of Gray code."""
+        """The terms of the word: constants, members, parity bits and unused bits. Terms that are always 0 are left out.
+
+        Parity bits over a number in Gray code are in ``parities_of_sent_bits``.
+        """
         terms: list[Expr] = []
         for term in self.plan.terms:
             is_added_later = self.plan.parity_covers_gray and isinstance(term.value, ParityOf)
@@ -103,7 +108,7 @@ class Encoder:
 
     @property
     def parities_of_sent_bits(self) -> tuple[Expr, ...]:
-        """Terms that are added to the word once its number in Gray code is converted."""
+        """The parity bits over a number in Gray code, which are added to the word after its conversion. Often none."""
         if not self.plan.parity_covers_gray:
             return ()
         return tuple(self._term_in_word(term) for term in self.plan.terms if isinstance(term.value, ParityOf))
@@ -112,19 +117,20 @@ class Encoder:
         """Return a term shifted to its place in the word."""
         value, low = self._value(term), term.field.low
         is_at_bit_0 = low.is_constant and low.constant == 0
+        # A member of a small type would be promoted to a signed one.
         if is_at_bit_0:
             return Cast("uint64_t", value) if isinstance(value, Name) else value
         return shifted_left(Cast("uint64_t", value), self.struct.scope.of(low))
 
     def _is_always_zero(self, term: Term) -> bool:
-        """Return True if none of its bits is ever set."""
+        """Return True if a term is a constant field or a parity bit that is always 0."""
         is_derived = term.field.name in self.plan.constants or term.field.name in self._parity_names
         return is_derived and term.value == Fixed(0)
 
     # -- values of terms, with their lowest bit at bit 0
 
     def _value(self, term: Term) -> Expr:
-        """Return the value of a term as a number, with its lowest bit at bit 0."""
+        """Return the value of a term, with its lowest bit at bit 0: a literal, a parity, or the bits of a member."""
         match term.value:
             case Fixed(number):
                 is_parity = term.field.name in self._parity_names
@@ -146,11 +152,13 @@ class Encoder:
         width = term.field.width
         if self.plan.parity_covers_gray or width.is_constant:
             return bit
+        # The width is 1 or 0 by order code, which makes it the mask of the bit.
         return Operation("&", (bit, self.struct.scope.of(width)))
 
     def _parity_of_members(self, parity: ParityOf) -> Expr:
         """Return the parity of the members that a parity bit covers, 1 for an odd number of ones."""
         bits_and_widths = [(self._bits_of_member(field), field.widest) for field in parity.of]
+        # The reader casts several members to one type, but not a single one.
         if len(bits_and_widths) == 1:
             ((bits, width),) = bits_and_widths
             if width <= 32:
@@ -163,7 +171,10 @@ class Encoder:
         return Cast(unsigned(field.widest), bits) if isinstance(meaning_of(field), Named) else bits
 
     def _bits_of_member(self, field: Field) -> Expr:
-        """Return the bits that are sent for a member."""
+        """Return the bits that are sent for a member, such as ``in->error ? 1U : 0U`` for a flag.
+
+        The bits of an unused field come from the member ``unused``.
+        """
         if field.name in self._reserved_names:
             return self.struct.unused.bits_of(field)
         member = self.member_of(field)
@@ -187,7 +198,7 @@ class Encoder:
             return Conditional(flag, Number(1), Number(0))
         if field.width.is_constant:
             return Conditional(flag, Number(0), Number(1))
-        # An absent flag is not active, so both are 0.
+        # The width is 1, which inverts the bit, or 0 if the order code has no flag. Its bit is then 0 ^ 0.
         active = Conditional(flag, Number(1), Number(0))
         width = self.struct.scope.of(field.width)
         return Operation("^", (Cast("uint64_t", active), Cast("uint64_t", width)))
@@ -196,7 +207,10 @@ class Encoder:
 
     @property
     def bytes(self) -> Iterator[tuple[int, Expr]]:
-        """The index and the value of each byte, such as ``(0, (uint8_t)(0x80U | in->address))``, without the CRC."""
+        """The index and the value of each byte, such as ``(0, (uint8_t)(0x80U | in->address))``.
+
+        Bytes of a CRC over whole bytes are left out, since the encoder computes them afterwards.
+        """
         expressions = self._variable_bits_by_byte()
         crc_bytes = self._crc_bytes()
         for byte, constant in self._constant_bits_by_byte().items():
@@ -207,24 +221,25 @@ class Encoder:
                 yield byte, Number(constant, hexadecimal=True)
 
     def _crc_bytes(self) -> set[int]:
-        """Return the bytes of a CRC that is computed over whole bytes."""
+        """Return the indices of the bytes of a CRC over whole bytes. The set is empty if there is no such CRC."""
         crc = self.plan.only_crc
         if crc is None or not self.plan.layout.crc_covers_bytes:
             return set()
         return {piece.byte for piece in crc.bits.pieces}
 
     def _constant_bits_by_byte(self) -> dict[int, int]:
-        """Return the constant bits of every byte."""
+        """Return the constant bits of every byte, by its index, such as ``{0: 0x80, 1: 0}``."""
         constants = dict.fromkeys(range(self.plan.length), 0)
         for term in self.plan.terms:
             if isinstance(term.value, Fixed):
                 for piece in term.field.pieces:
+                    # Bit ``left`` of the number is bit ``right`` of the byte.
                     bits_of_piece = term.value.number >> piece.left & piece.mask
                     constants[piece.byte] |= bits_of_piece << piece.right
         return constants
 
     def _variable_bits_by_byte(self) -> dict[int, list[Expr]]:
-        """Return what members and parity bits contribute to each byte."""
+        """Return the expressions to be ORed in each byte, by its index: bits of unused fields, members, parities."""
         expressions: dict[int, list[Expr]] = {}
         for byte, bits in self.struct.unused.in_bytes:
             expressions.setdefault(byte, []).append(bits)
@@ -234,7 +249,10 @@ class Encoder:
         return expressions
 
     def _variable_bits(self, term: Term) -> Iterator[tuple[int, Expr]]:
-        """Yield the bytes of a term that is not constant, each with its bits at their places."""
+        """Yield the index of each byte of a term, with the bits at their places in it. Constant terms have none.
+
+        Reserved bits have none either, because ``unused.in_bytes`` has them.
+        """
         match term.value:
             case ReservedBits() | Fixed():
                 return
@@ -248,7 +266,7 @@ class Encoder:
                 assert_never(term.value)
 
     def _bits_in_bytes(self, term: Term, field: Field) -> Iterator[tuple[int, Expr]]:
-        """Yield the bytes of a member, each with its bits at their places."""
+        """Yield the index of each byte of a member, with the bits at their places in it."""
         member = self.member_of(field)
         match meaning_of(field):
             case Characters():
@@ -263,15 +281,20 @@ class Encoder:
                 for piece in field.pieces:
                     yield piece.byte, self._piece_in_byte(field, piece, bits, may_be_wider=True)
             case Raw() | ZeroMeans() | Named() | DigitRuns():
+                # A single piece has all bits of the member, so that none are above it.
                 is_split = len(field.pieces) > 1
                 for piece in field.pieces:
+                    # Bits above the type of the member are 0.
                     if piece.left < size_of(widest_value(field)):
                         yield piece.byte, self._piece_in_byte(field, piece, self._value(term), may_be_wider=is_split)
             case meaning:
                 assert_never(meaning)
 
     def _piece_in_byte(self, field: Field, piece: Piece, bits: Expr, *, may_be_wider: bool) -> Expr:
-        """Return one piece of the bits of a field, shifted to its place in its byte."""
+        """Return one piece of the bits of a field, shifted to its place in its byte.
+
+        ``may_be_wider`` is True if ``bits`` can have ones above the piece, which must be masked.
+        """
         bits_of_piece = shifted_right(bits, piece.left)
         if may_be_wider and piece.mask != 0xFF:
             bits_of_piece = masked(bits_of_piece, piece.mask)
@@ -310,7 +333,7 @@ def _with_powers_first(unordered: Iterable[Refusal]) -> list[Refusal]:
 
 
 def _never_applies(refusal: Refusal) -> bool:
-    """Return True if no value of the member's type would be refused."""
+    """Return True if a check for the width refuses nothing, because the field is as wide as the member's type."""
     if not isinstance(refusal, TooWide) or not refusal.width.is_constant:
         return False
     return size_of(refusal.field.widest) == refusal.field.widest

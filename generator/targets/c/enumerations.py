@@ -49,6 +49,7 @@ class Enumeration:
 
     @property
     def is_enum(self) -> bool:
+        """True if all values fit in an int of 16 bits, the smallest one in C."""
         return max((constant.value for constant in self.entries), default=0) <= 0x7FFF
 
     @property
@@ -71,6 +72,7 @@ class Enumerations:
         self.prefix = prefix
         self.choices: dict[tuple[str, str], Enumeration] = {}
         self.all: list[Enumeration] = []
+        #: By field name, the values and the enumeration of the first field with this name.
         self._shared: dict[str, tuple[Sequence[Value], Enumeration]] = {}
         for interface, layout in device.layouts():
             path = ("interfaces", interface.name, "layouts", layout.name)
@@ -80,15 +82,20 @@ class Enumerations:
         for register in device.registers:
             for field in register.layout.fields:
                 if isinstance(meaning_of(field), Named):
+                    # The title of a register whose only field it is.
                     sole = title(register) if len(register.layout.fields) == 1 else ""
                     self._add(f"reg_{register.name}", field, ("registers", register.name), sole)
 
     def of(self, *path: str) -> list[Enumeration]:
-        """Return those declared with this part of the spec, or with one inside it."""
+        """Return those declared with this part of the spec, such as ``("registers", "status")``, or one inside it."""
         return [enumeration for enumeration in self.all if enumeration.path[: len(path)] == path]
 
     def _add(self, owner: str, field: Field, path: Path, sole: str = "") -> None:
-        """Add the enumeration of a field. ``sole`` is the title of a register whose only field it is."""
+        """Add the enumeration of a field, or share an earlier one of a field with the same name and the same values.
+
+        The first one is ``PREFIX_FIELD``. With other values it is ``PREFIX_OWNER_FIELD``. ``sole`` is the title of a
+        register whose only field it is, which has its own ``PREFIX_REGISTER``.
+        """
         if sole:
             self._add_new(owner, field, path, f"{self.prefix}_{path[-1]}", sole)
             return
@@ -110,6 +117,7 @@ class Enumerations:
             about=S.paragraph(statements) or f"Values of {sole or title(field)}.",
             statements=statements,
             entries=tuple(Entry(f"{type_}_{value.name}".upper(), value.value, _note(value)) for value in field.values),
+            # A hexadecimal digit for each 4 bits, rounded up.
             digits=(field.widest + 3) // 4,
             path=path,
         )
@@ -195,7 +203,7 @@ class AlternativeCode:
 
 
 def alternatives_in(alternatives: tuple[AlternativeCode, ...], *expressions: Expression) -> tuple[AlternativeCode, ...]:
-    """Return the alternatives on whose answers these expressions depend."""
+    """Return the alternatives on whose answers these expressions depend: those that set a parameter in them."""
     names = {name for expression in expressions for name in expression.parameters}
     return tuple(alternative for alternative in alternatives if not names.isdisjoint(alternative.item.answers[0].sets))
 
@@ -219,6 +227,7 @@ class FrameReports:
     ) -> None:
         self.family, self.reporting, self.frame, self.type = family, reporting, frame, type_
         self._choices = choices
+        #: Returns the condition on a parameter of the order code.
         self._holds = partial(_holds, family.scope)
         self.judgement = reporting.judgement
         self.verdict = f"{frame}_verdict" if reporting.judgement is not None else ""
@@ -226,12 +235,12 @@ class FrameReports:
         self._mask_of_all_unused = sum(reserved.mask for reserved in reporting.codec.reserved)
 
     def names(self) -> Iterator[str]:
-        """Return the names that it declares at file scope."""
+        """Return the names that it declares at file scope. A frame can lack either function."""
         return filter(None, (self.verdict, self.reports))
 
     @property
     def mask_terms(self) -> Iterator[Expr]:
-        """The terms of the mask of its reports."""
+        """The terms of the mask of its reports, such as ``frame->error ? ACME_X_REPORT_ERROR : 0U``."""
         for report_cause in self.reporting.causes:
             is_for_encoder = [self._holds(only) for only in report_cause.conditions]
             condition = joined("&&", (*is_for_encoder, self._is_active(report_cause.by)))
@@ -297,7 +306,10 @@ class FrameReports:
                     yield condition, verdict
 
     def _conditions_of_causes(self, causes: Sequence[VerdictCause]) -> Iterator[Expr]:
-        """Yield the condition that each of these is active. Unused bits are checked together."""
+        """Yield the condition that each of these is active. Unused bits are checked together, last.
+
+        A cause counts only for its order codes or answers, and only while all flags in its ``unless`` are inactive.
+        """
         reserved_causes = []
         for cause in causes:
             if isinstance(cause.by, Reserved):
@@ -311,7 +323,7 @@ class FrameReports:
             yield self._differs_in(reserved_causes)
 
     def _differs_in(self, reserved: Sequence[Reserved]) -> Expr:
-        """Return the condition that some of these bits differ from the manual."""
+        """Return the condition that some of these bits differ from the manual, ``frame->unused != 0U`` if it is all."""
         mask = sum(bits.mask for bits in reserved)
         differing_bits = _UNUSED if mask == self._mask_of_all_unused else masked(_UNUSED, mask)
         return Operation("!=", (differing_bits, Number(0)))
@@ -355,14 +367,14 @@ class Reports:
             yield constant.name, self._path(report)
 
     def of(self, layout: Layout, name: str, type_: str) -> FrameReports | None:
-        """Return the functions of a frame, if it has any."""
+        """Return the functions of a frame, or None. ``name`` and ``type_`` are those of its struct."""
         reporting = self._by_frame.get(layout.name)
         if reporting is None:
             return None
         return FrameReports(family=self, reporting=reporting, frame=name, type_=type_, choices=self._choices)
 
     def constant(self, report: Report) -> Expr:
-        """Return the bit of a report."""
+        """Return the bit of a report, as a number of the type of the mask."""
         name = Name(self.enumeration.entries[report.number].name)
         return Cast(self.mask, name) if self.enumeration.is_enum else name
 
@@ -391,7 +403,7 @@ def _members_of_text(device: Device, report: Report) -> tuple[str, ...]:
 
 
 def _report_note(device: Device, report: Report) -> str:
-    """Return its name in the manual and the source of its meaning."""
+    """Return the comment on a report: the title of its field, ``unused`` if it has no use, and the source."""
     field = report.field
     unused = ", unused" if report.is_unused else ""
     return S.sentence(statement(title(field), unused, source=source(field, alarm_of(device, field))))

@@ -50,31 +50,35 @@ def errata_files(
 
 
 def _family_errata(device: Device) -> FamilyErrata:
-    """Return the errata of a family, with the changes by editions and overlays apart from those of its manual."""
+    """Return the errata of a family, with the changes by editions and overlays apart from those of its manual.
+
+    ``editions`` has the name of each edition or overlay with its changes, in the order of the errata.
+    """
+    # Each of the other errata has its labelled texts as rows, under the name of its edition or overlay.
     of_manual = [erratum for erratum in device.errata if not (erratum.overlay or erratum.edition)]
     changes: dict[str, list[Rows]] = {}
     for erratum in device.errata:
         if erratum.overlay or erratum.edition:
-            rows = (*changed(erratum), *_reason_and_source(erratum))
-            changes.setdefault(layer_in_words(erratum.overlay, erratum.edition), []).append(rows)
+            labelled_texts = (*changed(erratum), *_reason_and_source(erratum))
+            changes.setdefault(layer_in_words(erratum.overlay, erratum.edition), []).append(labelled_texts)
     return FamilyErrata(
         title=device.title,
         manual=manual_of(device),
         errata=tuple(map(_erratum_text, of_manual)),
-        editions=tuple((edition, tuple(rows)) for edition, rows in changes.items()),
+        editions=tuple((edition, tuple(labelled_texts)) for edition, labelled_texts in changes.items()),
     )
 
 
 def _erratum_text(erratum: Erratum) -> ErratumText:
     """Return the text of an erratum, without the rows that have no content."""
     severity = erratum.severity.replace("_", " ")
-    labelled = (
+    labelled_texts = (
         ("Affects", ", ".join(map(paths_in_words, erratum.affects))),
         ("Printed", erratum.printed),
         ("Used", erratum.used),
         ("Only with", erratum.only),
     )
-    rows = tuple((label, text) for label, text in labelled if text)
+    rows = tuple((label, text) for label, text in labelled_texts if text)
     return ErratumText(
         title=erratum.title,
         standing=sentence(f"{erratum.name}: {erratum.status}, {severity}"),
@@ -83,6 +87,7 @@ def _erratum_text(erratum: Erratum) -> ErratumText:
 
 
 def _reason_and_source(erratum: Erratum) -> Iterator[tuple[str, str]]:
+    """Yield the rows ``Why`` and ``Source``, if they have content."""
     if erratum.why:
         yield "Why", erratum.why
     if erratum.source:

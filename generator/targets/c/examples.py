@@ -160,7 +160,7 @@ class ExampleCode:
 
     @property
     def received(self) -> list[FrameSize]:
-        """The lengths of the frame as received, by order code."""
+        """The lengths of the frame as received, one for each order code, with the first answers of alternatives."""
         first_answers = [question.item.answers[0] for question in self.alternatives]
         received_frames = received(self.view.device, self.interface)
         frames_of_layout = [frame for frame in received_frames if frame.layout is self.frame.layout]
@@ -184,7 +184,7 @@ class ExampleCode:
 
     @property
     def reports(self) -> FrameReports | None:
-        """The reports in the frame, if any."""
+        """The functions for the reports and the verdict of the frame, or None if it has neither."""
         return self.view.reports.of(self.frame.layout, self.struct.name, self.struct.type)
 
     @property
@@ -202,12 +202,16 @@ class ExampleCode:
 
     @property
     def raw(self) -> ReceivedBytes | None:
-        """The data line of SSI: high until the first clock has stored the position, the word, and the 0 after it."""
+        """The data line of SSI: high until the first clock has stored the position, the word, and the 0 after it.
+
+        None for another interface.
+        """
         frames = [frame for frame in self.received if frame.variant is self._chosen.variant]
         if not frames or not isinstance(self.interface, Ssi):
             return None
         frame = frames[0]
         bits_macro, bytes_macro = self.view.lengths.macros_of(frame)
+        # A 1, the word, and a 0. In the buffer, the first bit received is the highest of the first byte.
         bits_on_line = (1 << frame.bits | self.frame.wire) << 1
         unused_bits = 8 * frame.bytes - frame.bits - SSI_AROUND
         return ReceivedBytes(
@@ -218,7 +222,7 @@ class ExampleCode:
 
     @property
     def session(self) -> Session | None:
-        """The request for the position that the frame answers over SPI, if there is one."""
+        """The request for the position that the frame answers over SPI, or None."""
         request_name = self._request_over_spi()
         if not request_name:
             return None
@@ -245,7 +249,7 @@ class ExampleCode:
 
     @property
     def asking(self) -> ReplyRequest | None:
-        """The request frame over RS-485 that the frame answers, or None if the request has only a control field."""
+        """The request frame over RS-485, with the numbers of its reply, or None if it is only a control field."""
         parameters = self._chosen.variant.parameters
         numbers: dict[str, int] = {}
         for placed_field in self.frame.layout.place(parameters).fields:
@@ -258,7 +262,7 @@ class ExampleCode:
 
     @property
     def request(self) -> str:
-        """Macro of the control field that asks for the frame, or an empty text."""
+        """Macro of the control field that asks for the frame, which begins with the same byte, or an empty text."""
         data_ids = self.interface.data_ids if isinstance(self.interface, Rs485) else ()
         for data_id in data_ids:
             if self.data.startswith(bytes([data_id.control])):
@@ -273,7 +277,10 @@ class ExampleCode:
 
     @property
     def polls(self) -> bool:
-        """True if a main loop can request the frame and carry out the procedure, with a reply to every request."""
+        """True if a main loop can request the frame and carry out the procedure, with a reply to every request.
+
+        The procedure has no arguments and reads nothing.
+        """
         code = self.run.code if self.run is not None else None
         if code is None or code.arguments or code.reads or not self.request:
             return False
@@ -310,15 +317,15 @@ class ExampleCode:
     @property
     def headers(self) -> Iterator[str]:
         """The headers of the interface that the program includes."""
-        names = set()
+        part_names = set()
         if self.reports is not None and self.reports.reports:
-            names.add("reports")
+            part_names.add("reports")
         if self.reads:
-            names.add("registers")
+            part_names.add("registers")
         if self.run is not None:
-            names.add("procedures")
+            part_names.add("procedures")
         yield self.view.header
-        yield from self.headers_of(names)
+        yield from self.headers_of(part_names)
 
     def headers_of(self, names: Collection[str]) -> Iterator[str]:
         """Yield the further headers with these names."""
@@ -344,23 +351,23 @@ class ExampleCode:
         return self.run.code.run.procedure.steps if self.run is not None else ()
 
     def _shown_run(self) -> ShownRun | None:
-        """Return the procedure that the program carries out, if the manual has a suitable one."""
+        """Return the procedure that the program carries out, with the arguments of its worked example, or None."""
         if self._chosen.procedure is None:
             return None
         procedure, example = self._chosen.procedure
         candidates = (code for code in self.view.procedures if code.run.procedure is procedure)
         code = first_of(candidates, f"code for the procedure '{procedure.name}'")
-        values: dict[str, int] = {}
+        argument_values: dict[str, int] = {}
         if example is not None:
-            values = {argument.name: example.arguments[argument.name] for argument in procedure.arguments}
+            argument_values = {argument.name: example.arguments[argument.name] for argument in procedure.arguments}
         heading = ascii_text(procedure.title)
-        if values:
-            heading += ": " + ", ".join(f"{name} {value}" for name, value in values.items())
+        if argument_values:
+            heading += ": " + ", ".join(f"{name} {value}" for name, value in argument_values.items())
         return ShownRun(
             title=heading,
             about=f"{procedure.title} [{cite(procedure.source)}]. It changes the contents of the encoder.",
             code=code,
-            values=tuple(values.values()),
+            values=tuple(argument_values.values()),
         )
 
     def _read(self, register: Register) -> ShownRegister:
@@ -377,7 +384,10 @@ class ExampleCode:
         )
 
     def _memory(self) -> Iterator[Memory]:
-        """Yield the worked examples, and the factory defaults of the registers that the procedure writes."""
+        """Yield the registers that are shown, by address, with the bytes of their worked examples.
+
+        Those that the procedure writes have their factory default instead, or 0 if the manual gives none.
+        """
         written_names = {step.register for step in self._steps if isinstance(step, (WriteStep, ModifyStep))}
         registers_and_examples = sorted(self._chosen.registers.values(), key=_address_of_register)
         for register, example in registers_and_examples:
@@ -388,7 +398,7 @@ class ExampleCode:
                 yield Memory(register.address, example.bytes, title(register))
 
     def printed(self, part: Part, variable: str) -> Iterator[PrintedMember]:
-        """Yield the members of a part of a struct as ``printf`` shows them."""
+        """Yield the members of a part of the struct ``variable`` as ``printf`` shows them. Runs of digits are extra."""
         member = f"{variable}.{c_name(part.field.name)}"
         match part.meaning:
             case Characters():
@@ -400,8 +410,8 @@ class ExampleCode:
             case Named(values):
                 yield replace(self.number(part.field.name, variable), value_names=_value_meanings(values))
             case DigitRuns(runs):
-                names = (part.field.name, *(run.name for run in runs))
-                yield from (self.number(name, variable) for name in names)
+                member_names = (part.field.name, *(run.name for run in runs))
+                yield from (self.number(name, variable) for name in member_names)
             case Raw() | ZeroMeans():
                 yield self.number(part.field.name, variable)
             case never:
@@ -424,9 +434,9 @@ def _has_only_answers(frame: FrameSize, answers: Sequence[Answer]) -> bool:
 
 
 def _value_meanings(values: Iterable[Value]) -> str:
-    """Return the meanings of the values, if there are only a few."""
-    text = ", ".join(f"{value.value} {ascii_text(title(value))}" for value in values)
-    return text if len(text) <= _LONGEST_EXPLANATION else ""
+    """Return the meanings of the values, such as ``0 off, 1 on``, or an empty text if they take too long a line."""
+    meanings = ", ".join(f"{value.value} {ascii_text(title(value))}" for value in values)
+    return meanings if len(meanings) <= _LONGEST_EXPLANATION else ""
 
 
 def example_codes(view: DeviceView) -> Iterator[ExampleCode]:

@@ -182,7 +182,14 @@ class Program(Family):
 
 
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
-    """Return the headers, their README, examples, self-test and package files, by path."""
+    """Return the headers, their README, examples, self-test and package files, by path.
+
+    Form ``single`` has only the headers for order codes. Passing by address has only headers and the licence.
+
+    Raises:
+        OptionError: The option ``only`` has an unknown name.
+        TargetError: C cannot express something, or two parts of specs have the same C name.
+    """
     files: dict[str, str] = {}
     try:
         devices = narrowed_to(library.devices, options.get(ONLY.name, ""))
@@ -194,6 +201,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     if options.get(FORM.name) == "single":
         return files
     views = [view for device in devices for view in views_of(device, passing)]
+    # The first clash ends the function.
     for device, clash in clashes((view.device, view.names) for view in views):
         raise TargetError(f"{device.name}: {called(clash.path)}: {clash.message()}")
     if views:
@@ -228,7 +236,10 @@ def _passing(options: Options) -> Passing:
 
 
 def _family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
-    """Yield the path of each header, self-test and example program of a family, and a function for its text."""
+    """Yield the path of each header, self-test and example program of a family, and a function for its text.
+
+    Form ``single`` has only the headers for order codes. Passing by address has only the headers for C.
+    """
 
     def later(template: str, values: Mapping[str, object]) -> Callable[[], str]:
         return partial(_render, library, template, values)
@@ -238,15 +249,15 @@ def _family(device: Device, library: Library, options: Options) -> Iterator[tupl
         yield from _single_headers(device, library, passing)
         return
     for view in views_of(device, passing):
-        for path, text in _headers(library, view):
-            yield f"c/include/{path}", text
+        for path, text_function in _headers(library, view):
+            yield f"c/include/{path}", text_function
         if passing.by_address:
             continue
         yield f"c/include/{view.cpp_header}", later("device.hpp.jinja", _values(view))
-        for path, text in own_test(view, later):
-            yield f"c/{path}", text
-        for path, text in own_programs(view, later):
-            yield f"c/{path}", text
+        for path, text_function in own_test(view, later):
+            yield f"c/{path}", text_function
+        for path, text_function in own_programs(view, later):
+            yield f"c/{path}", text_function
 
 
 def problems(library: Library) -> Iterator[TargetProblem]:
@@ -259,6 +270,7 @@ def problems(library: Library) -> Iterator[TargetProblem]:
             problem = f"{error}; use 'generate --target' to write the other outputs"
             yield TargetProblem(device, rule="c-target", place=error.place or ("device",), message=problem)
     for device, clash in clashes(headers):
+        # A clash with another family has no place in this spec.
         other_place = () if clash.other[:1] == ("device",) else clash.other
         message = clash.message(" on line {line}" if other_place else "")
         yield TargetProblem(device, rule="c-name", place=clash.path, message=message, other=other_place)
@@ -269,14 +281,15 @@ def _headers(library: Library, view: DeviceView) -> Iterator[tuple[str, Callable
     values = _values(view)
     yield view.header, partial(_render, library, "device.h.jinja", values | {"runtime": runtime_version()})
     for part in view.parts:
-        text = partial(_render, library, "part.h.jinja", values | {"further": part})
-        yield f"{view.maker.name}/{part.file}", text
+        text_function = partial(_render, library, "part.h.jinja", values | {"further": part})
+        yield f"{view.maker.name}/{part.file}", text_function
 
 
 def _single_headers(device: Device, library: Library, passing: Passing) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the path of the header of each order code, and a function for its text."""
 
     def text(view: DeviceView) -> str:
+        # The functions for the texts of the other headers are not called.
         header = next(text for path, text in _headers(library, view) if path == view.header)
         return single_header(view, partial(_render, library), header())
 
@@ -289,6 +302,7 @@ def _values(view: DeviceView) -> Family:
 
 
 def _render(library: Library, template: str, values: Mapping[str, object]) -> str:
+    """Render a template. C files get their long lines broken, and headers also the marks of Doxygen."""
     text = TEMPLATES.render(template, values, library.own_templates)
     if template.endswith((".h.jinja", ".hpp.jinja")):
         return documented(break_lines(text))

@@ -40,12 +40,12 @@ class FrameTeller:
 
     @property
     def value(self) -> Expr:
-        """The selecting field, extracted from the bytes."""
+        """The selecting field, extracted from the bytes, such as ``bytes[0] & 0x1FU``."""
         _, bits = of_bytes(self.dispatch.bits.pieces)
         return bits
 
     def values(self, branch: Branch) -> list[str]:
-        """Return the values that select a frame."""
+        """Return the values that select a frame, as constants of an enumeration or as numbers such as ``0x1AU``."""
         return [self._names.get(value, number(value, hexadecimal=True)) for value in branch.values]
 
 
@@ -73,7 +73,7 @@ class InterfaceCode:
         self.upper = self.prefix.upper()
         self.cable = [fact for fact in interface.facts() if isinstance(fact, CableLength)]
         self.timeout = interface.timeout if isinstance(interface, Biss) else None
-        #: Statements that are comments on macros.
+        #: Statements that are comments on macros. Building the macros fills it, and the comment leaves them out.
         self._macro_statements: list[Statement] = []
         self.macros = tuple(self._macros())
         self.controls = tuple(self._controls())
@@ -83,6 +83,7 @@ class InterfaceCode:
         self.codecs = tuple(self._codec(context, layout) for layout in interface.layouts)
 
     def declared(self) -> Iterator[Declared]:
+        """Yield the names at file scope, each with its path in the spec. The codecs yield those of their layouts."""
         path = ("interfaces", self.interface.name)
         for macro in (*self.macros, *self.controls):
             yield macro.name, path
@@ -118,7 +119,7 @@ class InterfaceCode:
         return [layout for layout in self.interface.layouts if layout.name in names]
 
     def request_of(self, reply: Layout) -> str:
-        """Return the macro of the request that a frame answers, or an empty text."""
+        """Return the macro of the first data ID over RS-485 that a frame answers, or an empty text."""
         interface = self.interface
         if not isinstance(interface, Rs485):
             return ""
@@ -128,7 +129,11 @@ class InterfaceCode:
         return ""
 
     def asking(self, reply: Layout, values: Mapping[str, int] = MappingProxyType({})) -> ReplyRequest | None:
-        """Return the request whose reply is a frame in bytes, with the given numbers in its fields, or None."""
+        """Return the request whose reply is a frame in bytes, with the given numbers in its fields.
+
+        ``values`` are numbers by the names of fields and joins. The result is None if the frame is the reply to no
+        request frame, or if the interface is not a serial port.
+        """
         exchanged = self._exchange_with_reply(reply)
         ports = [fact for fact in self.interface.facts() if isinstance(fact, Port)]
         if exchanged is None or not ports:
@@ -168,7 +173,7 @@ class InterfaceCode:
         return StructCodec(struct, about_layout(self.device, self.interface, struct))
 
     def _about(self) -> Iterator[Paragraph]:
-        """Yield the comment on the interface, without the layouts, which have their own."""
+        """Yield the comment on the interface. Statements and errata on macros and layouts are in comments of those."""
         interface = self.interface
         statements = said_of(self.device, interface)
         for statement in statements:
@@ -188,7 +193,7 @@ class InterfaceCode:
                 yield S.sentence(erratum(correction))
 
     def _receiving(self) -> Iterator[Paragraph]:
-        """Yield how to send a request and receive its reply over a serial port."""
+        """Yield one paragraph on how to send a request and receive its reply in bytes, if there are such replies."""
         requests_by_function: dict[str, list[str]] = {}
         for exchanged in exchanges(self.interface):
             if exchanged.reply is not None and exchanged.reply.in_bytes:
@@ -210,9 +215,11 @@ class InterfaceCode:
         timeout = self.timeout
         if timeout is None or timeout.rule != "follows_clock":
             return 0
+        # Half a clock period in nanoseconds is 500,000,000 divided by the clock in hertz.
         return 500_000_000 * (timeout.half_clock_periods or 0)
 
     def _macro(self, name: str, value: int, about: Statement | str = "", hexadecimal: bool = False) -> Macro:
+        """Return a macro, and note a statement in its comment, so that the comment on the interface leaves it out."""
         if isinstance(about, Statement):
             self._macro_statements.append(about)
         note = about if isinstance(about, str) else S.sentence(about)
@@ -252,11 +259,11 @@ class InterfaceCode:
             ("MAX", clock.max_hz, "highest clock in Hz"),
             ("USED", max(clock.used_hz, default=None), "a clock in use in Hz, not a limit"),
         )
-        has_first_macro = False
+        has_comment_on_all = False
         for name, clock_hz, note in names_clocks_and_notes:
             if clock_hz is not None:
-                yield self._macro(f"CLOCK_{name}_HZ", clock_hz, note if has_first_macro else about)
-                has_first_macro = True
+                yield self._macro(f"CLOCK_{name}_HZ", clock_hz, note if has_comment_on_all else about)
+                has_comment_on_all = True
 
     def _port(self, port: Port, about: Statement) -> Iterator[Macro]:
         yield self._macro("BAUD", port.baud, about)
@@ -273,7 +280,10 @@ class InterfaceCode:
                 yield self._macro(name, value.value, f"{title(field)}: {title(value)}", hexadecimal=True)
 
     def _timeout(self, timeout: Timeout, about: Statement) -> Iterator[Macro]:
-        """Yield the typical and the longest time-out, or those at each clock. The first macro has the comment."""
+        """Yield the typical and the longest time-out. The first macro has the comment on all of them.
+
+        If the time-out is not a number of clock periods, those printed for each clock follow.
+        """
         names_and_times = [("TYPICAL", timeout.typical_ns), ("AT_MOST", timeout.at_most_ns)]
         if timeout.half_clock_periods is None:
             names_and_times += [(f"AT_{printed.clock_hz}_HZ", printed.timeout_ns) for printed in timeout.printed]
@@ -284,7 +294,7 @@ class InterfaceCode:
 
     @property
     def exchanged(self) -> str:
-        """Macro of the request for the position over SPI, or an empty text."""
+        """Macro of the first request for the position over SPI, or an empty text."""
         spi_exchanges = self.interface.exchanges if isinstance(self.interface, Spi) else ()
         for spi_exchange in spi_exchanges:
             if spi_exchange.purpose == "position":

@@ -55,7 +55,7 @@ def _texts(folder: str) -> dict[str, str]:
 
 
 def c_name(name: str, taken_names: Iterable[str] = ()) -> str:
-    """Return ``name`` as the name of a member or argument."""
+    """Return ``name`` as the name of a member or argument, with ``_`` at its end if it is reserved or taken."""
     return name + "_" if name in RESERVED or name in taken_names or name.startswith(PREFIX) else name
 
 
@@ -95,7 +95,10 @@ class Clash:
 
 
 def called(path: Path) -> str:
-    """Describe a part of the spec in words."""
+    """Describe a part of the spec in words: ``the register 'status'`` for ``("registers", "status")``.
+
+    Its kind is the last step of the path that has a word here, or else the first step.
+    """
     kind = next((step for step in reversed(path) if step in _WORDS), path[0])
     return f"{_WORDS.get(str(kind), str(kind))} '{path[-1]}'" if path[-1] != kind else _WORDS.get(str(kind), str(kind))
 
@@ -112,18 +115,22 @@ class Names:
             elif path:
                 self.clashes.append(Clash(name, path, self.paths[name]))
             else:
+                # Every header has this name, so the part that declared it before is the one to rename.
                 self.clashes.append(Clash(name, self.paths[name], ()))
 
 
 def inner_names(device: Device) -> Iterator[tuple[str, Path]]:
-    """Yield the C names of members, arguments and locals, and the part of the spec that each comes from."""
+    """Yield the C names of members, arguments and locals, and the part of the spec that each comes from.
+
+    The same name can come several times, because each has a scope of its own.
+    """
     for parameter in device.parameters:
         yield c_name(parameter.name), ("parameters", parameter.name)
-    places: list[tuple[Path, Layout]] = []
+    paths_and_layouts: list[tuple[Path, Layout]] = []
     for interface, layout in device.layouts():
-        places.append((("interfaces", interface.name, "layouts", layout.name), layout))
-    places += [(("registers", register.name), register.layout) for register in device.registers]
-    for path, layout in places:
+        paths_and_layouts.append((("interfaces", interface.name, "layouts", layout.name), layout))
+    paths_and_layouts += [(("registers", register.name), register.layout) for register in device.registers]
+    for path, layout in paths_and_layouts:
         yield from ((c_name(field.name), path) for field in layout.fields)
         yield from ((c_name(run.name), path) for field in layout.fields for run in field.runs)
         yield from ((c_name(join.name), path) for join in layout.joins)
@@ -134,7 +141,10 @@ def inner_names(device: Device) -> Iterator[tuple[str, Path]]:
 
 
 def clashes(headers: Iterable[tuple[Device, Names]]) -> Iterator[tuple[Device, Clash]]:
-    """Yield every clash within these headers, and between families."""
+    """Yield every clash within these headers, and between families, with the device in whose spec it is.
+
+    An inner name clashes with a name that an earlier header or its own declares at file scope.
+    """
     declared_paths: dict[str, Path] = {}
     for device, names in headers:
         if device.manufacturer.name in TAKEN:
@@ -144,6 +154,7 @@ def clashes(headers: Iterable[tuple[Device, Names]]) -> Iterator[tuple[Device, C
         for name, path in names.paths.items():
             if name in declared_paths:
                 yield device, Clash(name, path or ("device",), declared_paths[name])
+            # For the families that follow, a name belongs to the family rather than to a part of it.
             declared_paths[name] = ("device", device.name)
         for name, path in inner_names(device):
             if name in declared_paths:
@@ -159,19 +170,24 @@ def string(text: object) -> str:
 
 
 def _character(byte: int) -> str:
-    """Return a byte as a character of a string literal."""
+    """Return a byte as a character of a string literal, in octal if C or a trigraph gives it another meaning."""
     return chr(byte) if chr(byte) in _PLAIN else f"\\{byte:03o}"
 
 
 def number(value: int, hexadecimal: bool = False, digits: int = 2) -> str:
-    """Return ``value`` as an unsigned constant."""
-    text = f"0x{value:0{digits}X}" if hexadecimal else str(value)
-    return f"UINT64_C({text})" if value > 0xFFFFFFFF or (hexadecimal and digits > 8) else f"{text}U"
+    """Return ``value`` as an unsigned constant, such as ``24U``, ``0x1BU`` or ``UINT64_C(4294967296)``.
+
+    ``digits`` is the least number of hexadecimal digits. More than 8 also make it a constant of 64 bits.
+    """
+    literal = f"0x{value:0{digits}X}" if hexadecimal else str(value)
+    return f"UINT64_C({literal})" if value > 0xFFFFFFFF or (hexadecimal and digits > 8) else f"{literal}U"
 
 
 def signed_number(value: int) -> str:
-    text = f"INT64_C({abs(value)})" if abs(value) > 0x7FFF else str(abs(value))
-    return f"(-{text})" if value < 0 else text
+    """Return ``value`` as a signed constant, such as ``24``, ``(-24)`` or ``INT64_C(40000)`` above 7FFFh."""
+    # An int can have 16 bits.
+    magnitude = f"INT64_C({abs(value)})" if abs(value) > 0x7FFF else str(abs(value))
+    return f"(-{magnitude})" if value < 0 else magnitude
 
 
 def mask(width: int) -> str:
@@ -259,7 +275,7 @@ class Operation(Expr):
 
     def __str__(self) -> str:
         first, *following = self.operands
-        # A sum continues without parentheses, from the left.
+        # A sum continues without parentheses, from the left: ``a + b - c``.
         continues_sum = isinstance(first, Operation) and {first.operator, self.operator} <= _SUMS
         operand_texts = [str(first) if continues_sum else first.operand]
         operand_texts += [operand.operand for operand in following]
@@ -349,7 +365,7 @@ class Scope:
         return Call(f"{self.prefix}_{parameter}", (Name("variant"),))
 
     def member(self, parameter: str) -> Expr:
-        """Return a parameter that order codes set."""
+        """Return a parameter that order codes set: a member of the variant, such as ``variant.position_bits``."""
         return Name(self.passing.member("variant", c_name(parameter)))
 
     def mask(self, width: Expression) -> Expr:
@@ -367,6 +383,7 @@ class Scope:
             case Expression(-1, (Term(1, (Factor(exponent, True),)),)):
                 # 2 to the power of the parameter, minus 1.
                 return Call("cw_mask", (self.atom(exponent),))
+        # Terms with positive multiples come first, so that no intermediate result is negative.
         added = [self._term(term) for term in expression.terms if term.multiple > 0]
         subtracted = [self._term(term) for term in expression.terms if term.multiple < 0]
         is_single_operand = len(expression.terms) == 1 and expression.constant >= 0
@@ -407,7 +424,10 @@ class Scope:
         return total
 
     def _term(self, term: Term) -> Expr:
-        """Return a product, in 64 bits if 32 may be too few. A single parameter keeps its own type."""
+        """Return the product of a term without its sign, in 64 bits if 32 may be too few.
+
+        A single parameter keeps its own type. A power of two has 64 bits already.
+        """
         first, *further = (self._factor(factor) for factor in term.factors)
         if abs(term.multiple) != 1:
             further.append(Number(abs(term.multiple)))

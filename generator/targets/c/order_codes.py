@@ -62,9 +62,13 @@ class _Choice:
 
 
 def written_out(expression: str) -> tuple[str, ...]:
-    """Return the patterns of an open part, the longest first, or nothing if it cannot be expanded."""
+    """Return the patterns of an open part, the longest first, or nothing if it cannot be expanded.
+
+    ``[A-Z][0-9]{2}|X`` gives ``@##`` and ``X``. More than ``_MOST_PATTERNS`` count as not expanded.
+    """
     patterns: list[str] = []
     for alternative in expression.split("|"):
+        # An atom is a unit with its repetitions, as the tuple of its patterns.
         atoms, start = [], 0
         while start < len(alternative):
             match = _ATOM.match(alternative, start)
@@ -99,14 +103,17 @@ def _repetitions(match: re.Match[str], *, is_last: bool) -> tuple[str, ...]:
 
 
 def _mark_of(unit: str) -> str:
-    """Return the mark for a class of characters, or the character itself. Empty for another class."""
+    """Return the mark for a class of characters, or the character itself: ``#`` for ``[0-9]``, ``-`` for ``\\-``.
+
+    Another class has no mark, and the result is empty.
+    """
     is_escaped_sign = unit[0] == "\\" and not unit[1:].isalnum()
     own_character = unit[-1] if len(unit) == 1 or is_escaped_sign else ""
     return _CLASSES.get(unit, own_character)
 
 
 def unknown_parts(device: Device) -> tuple[str, ...]:
-    """Return the open parts that the table does not contain."""
+    """Return the names of the open parts of which the table has only the listed values, since none can be expanded."""
     return tuple(part.name for part in device.order_code.parts if part.open and not written_out(part.open))
 
 
@@ -158,7 +165,10 @@ class _Codes:
         self._indices: dict[tuple[str, ...], dict[tuple[str, ...], list[int]]] = {}
 
     def first(self, chosen: Mapping[str, _Choice]) -> int | None:
-        """Return the first order code with the listed parts, if the other parts may be open there."""
+        """Return the index of the first order code with the listed parts that allows the open parts, or None.
+
+        ``chosen`` has a string for each part of the order code.
+        """
         part_names = tuple(name for name, choice in chosen.items() if not choice.is_open)
         listed_texts = tuple(chosen[name].text for name in part_names)
         for index in self._indices_by_texts(part_names).get(listed_texts, ()):
@@ -168,7 +178,10 @@ class _Codes:
         return None
 
     def _indices_by_texts(self, part_names: tuple[str, ...]) -> Mapping[tuple[str, ...], list[int]]:
-        """Return the indices of all order codes, by their texts of these parts."""
+        """Return the indices of all order codes, by their texts of these parts: ``{("24", "B"): [0, 3]}``.
+
+        They are computed once for each set of parts.
+        """
         if part_names not in self._indices:
             indices_by_texts: dict[tuple[str, ...], list[int]] = defaultdict(list)
             for index, variant in enumerate(self._device.variants):
@@ -178,9 +191,14 @@ class _Codes:
 
 
 def _open_codes_of(codes: _Codes, spelling: _Spelling) -> list[OpenCode]:
-    """Return the patterns of one spelling. Order codes without open parts need none in the listed spelling."""
+    """Return the patterns of one spelling, those with the fewest open parts first.
+
+    Order codes without open parts need none in the listed spelling. A combination that is not an order code needs one,
+    which refuses it, only if a pattern with open parts would match it.
+    """
     combinations = [dict(zip(codes.names, choices, strict=True)) for choices in itertools.product(*spelling.choices)]
     choices_and_indices = [(chosen, codes.first(chosen)) for chosen in combinations]
+    # The combinations with open parts that lead to an order code.
     allowed: set[tuple[_Choice, ...]] = set()
     for chosen, index in choices_and_indices:
         if index is not None and _open_parts(chosen):
@@ -194,8 +212,8 @@ def _open_codes_of(codes: _Codes, spelling: _Spelling) -> list[OpenCode]:
         else:
             is_needed = bool(unlisted) or not spelling.is_listed
         if is_needed:
-            texts = {name: choice.shown for name, choice in chosen.items()}
-            label_pattern = filled(without_blanks(spelling.pattern), texts)
+            shown_texts = {name: choice.shown for name, choice in chosen.items()}
+            label_pattern = filled(without_blanks(spelling.pattern), shown_texts)
             open_codes_of_spelling.append(OpenCode(pattern=label_pattern, code=index, unlisted=unlisted))
     return sorted(open_codes_of_spelling, key=lambda open_code: len(open_code.unlisted))
 
@@ -209,7 +227,7 @@ def _open_choices(choices: Sequence[_Choice]) -> list[_Choice]:
 
 
 def _choices_in(part: CodePart, spelling: Spelling) -> list[_Choice]:
-    """Return the choices for a part in another spelling, which can have texts of its own."""
+    """Return the choices for a part in another spelling: its own texts for the values, or else those of the part."""
     if any(value.part == part.name for value in spelling.values):
         texts_on_label = spelled(part, spelling).items()
         choices = [_Choice(value, is_open=False, label=text) for text, value in texts_on_label]
@@ -219,6 +237,7 @@ def _choices_in(part: CodePart, spelling: Spelling) -> list[_Choice]:
 
 
 def _choices(part: CodePart) -> list[_Choice]:
+    """Return the listed values of a part, and its patterns if it is open."""
     choices = [_Choice(value.text, is_open=False) for value in part.values]
     if part.open:
         choices += [_Choice(pattern, is_open=True) for pattern in written_out(part.open)]
@@ -226,7 +245,10 @@ def _choices(part: CodePart) -> list[_Choice]:
 
 
 def _open_combinations(parts: Sequence[CodePart], chosen: Mapping[str, _Choice], variant: Variant) -> Iterator[bool]:
-    """Yield, for each condition of an open part on another part, whether an order code meets it."""
+    """Yield, for each condition of an open part on another part, whether an order code meets it.
+
+    The condition is that the other part is open too, or has one of certain values.
+    """
     for part in parts:
         if chosen[part.name].is_open:
             for other_part, allowed in part.open_only_with.items():
@@ -236,9 +258,9 @@ def _open_combinations(parts: Sequence[CodePart], chosen: Mapping[str, _Choice],
 def _is_covered(
     chosen: tuple[_Choice, ...], patterns: Sequence[Sequence[_Choice]], allowed: Set[tuple[_Choice, ...]]
 ) -> bool:
-    """Return True if a label of the codes ``chosen`` would match one of these patterns, which has more open parts.
+    """Return True if a label with the strings ``chosen`` would match an allowed combination with more open parts.
 
-    ``patterns`` contains the patterns of each part.
+    ``patterns`` contains the patterns of each part, and ``allowed`` the combinations that lead to an order code.
     """
     if not allowed:
         return False

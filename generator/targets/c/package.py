@@ -62,20 +62,24 @@ def assumptions_files(
 
 def _frames(devices: tuple[Device, ...]) -> Iterator[Frames]:
     """Yield the frames with the same CRC and the same length, with the errors that this CRC does not detect."""
-    names_by_crc_and_bits: dict[tuple[int, int, int], dict[str, Crc]] = {}
+    crcs_by_width_poly_and_bits: dict[tuple[int, int, int], dict[str, Crc]] = {}
     for device in devices:
         for interface, layout in device.layouts():
             name = _frame_name(device, interface.title, layout)
             for crc, bits in _crcs_and_lengths(device, interface.name, layout):
                 key = (crc.width, crc.poly, bits)
-                names_by_crc_and_bits.setdefault(key, {}).setdefault(name, crc)
-    for (_, _, bits), crcs_by_name in sorted(names_by_crc_and_bits.items()):
+                crcs_by_width_poly_and_bits.setdefault(key, {}).setdefault(name, crc)
+    # The undetected errors depend only on width, polynomial and length, so any CRC with these stands for all.
+    for (_, _, bits), crcs_by_name in sorted(crcs_by_width_poly_and_bits.items()):
         first_crc = next(iter(crcs_by_name.values()))
         yield Frames(first_crc, tuple(crcs_by_name), residual(first_crc, bits))
 
 
 def _crcs_and_lengths(device: Device, interface: str, layout: Layout) -> Iterator[tuple[Crc, int]]:
-    """Yield each CRC of a layout with each length of its frames: of each order code, and the longest for registers."""
+    """Yield each CRC of a layout with each length of its frames in bits. The same pair can come several times.
+
+    The length is that of each order code and answer, and if all have a CRC, also the longest that registers can cause.
+    """
     if layout.always_has_crc:
         for crc in device.crcs_of(layout):
             yield crc, layout.widest
@@ -88,7 +92,7 @@ def _crcs_and_lengths(device: Device, interface: str, layout: Layout) -> Iterato
 
 
 def _without_verdict(devices: tuple[Device, ...]) -> Iterator[str]:
-    """Yield the frames in which nothing says whether the position is usable."""
+    """Yield the frames with a position whose verdict is always unknown: no flag or unused bit affects it."""
     for device in devices:
         for reporting in reportings(device):
             judgement = reporting.judgement
@@ -97,7 +101,7 @@ def _without_verdict(devices: tuple[Device, ...]) -> Iterator[str]:
 
 
 def _unprotected(devices: tuple[Device, ...]) -> Iterator[str]:
-    """Yield the frames over SSI with a position and no CRC."""
+    """Yield the frames over SSI with a position that have no CRC, at least with some order codes."""
     for device in devices:
         for interface, layout in device.layouts():
             has_position = device.tells_position(interface.name, layout)
@@ -106,7 +110,7 @@ def _unprotected(devices: tuple[Device, ...]) -> Iterator[str]:
 
 
 def _with_parity(devices: tuple[Device, ...]) -> Iterator[str]:
-    """Yield the frames with a position that have a parity bit and no CRC."""
+    """Yield the frames with a position that have a parity bit and, at least with some order codes, no CRC."""
     for device in devices:
         for interface, layout in device.layouts():
             has_only_parity = layout.has_parity and not layout.always_has_crc
@@ -134,19 +138,22 @@ class ReceiverCode:
         self.verdict = example.reports.verdict if example.reports is not None else ""
         self.member = example.counts
         self.is_signed = example.is_signed(example.counts)
+        #: The size of the longest frame. The program is for its order code.
         self.longest = max(example.received, key=lambda frame: frame.bits)
         variant = self.longest.variant
         rows = (row for row in view.variants.rows if row.variant is variant)
         self.row: CodeRow = first_of(rows, f"row for {variant.code}")
+        #: The macros of the bits in a frame and of the bytes in its buffer.
         self.bits, self.size = (macro.name for macro in view.lengths.macros_of(self.longest))
         reading = view.reading
+        #: The call that reads the position from the buffer.
         self.read = f"{reading.macro}({reading.arguments_of(self.row.code)}, rx, &position)"
         self.position_type = reading.frame.struct.member_type(reading.frame.measured) if reading.frame else ""
         self.modulus = view.modulus(self.row.macro, example.frame.layout)
 
 
 def receiver_codes(examples: Iterable[ExampleCode]) -> Iterator[ReceiverCode]:
-    """Yield a program for each family whose BiSS frames have a verdict."""
+    """Yield a program for each example over BiSS whose frame is the only one and has a verdict and a position."""
     for example in examples:
         has_verdict = example.reports is not None and bool(example.reports.verdict)
         has_position = bool(example.counts) and example.position is not None
@@ -252,7 +259,10 @@ def _headers_of_families(views: Iterable[DeviceView]) -> list[str]:
 
 
 def _package_names(namespace: str, makers: Sequence[Manufacturer]) -> Named:
-    """Return the headers of these manufacturers as a package with a name of its own."""
+    """Return the names of a package with the headers of these manufacturers: ``acme-encoders`` for ``acme``.
+
+    Its version is the highest of theirs.
+    """
     package = f"{namespace}-encoders"
     return {
         "package": package,
@@ -283,7 +293,7 @@ def _program_template(program: ExampleCode | ReceiverCode) -> str:
 
 
 def _makers_with_crc(views: Iterable[DeviceView], is_wanted: Callable[[CrcCode], bool]) -> list[str]:
-    """Return the uppercase names of the manufacturers that have a wanted CRC."""
+    """Return the uppercase names of the manufacturers with a CRC for which ``is_wanted`` is true, sorted."""
     return sorted({view.maker.name.upper() for view in views if any(map(is_wanted, view.crcs))})
 
 
@@ -304,15 +314,16 @@ class Guide:
 
     @property
     def bits(self) -> str:
-        """The macro of the length of its frame, for a receiver."""
+        """The macro of the length of its frame in bits, for a receiver."""
         variant = self.example.row.variant
         frames = (frame for frame in self.example.received if frame.variant is variant)
+        # The first of its two macros has the bits, the second one the bytes.
         macros = self.example.view.lengths.macros_of(first_of(frames, f"frame received from {variant.code}"))
         return first_of(macros, f"macro for the length of the frames of {variant.code}").name
 
     @property
     def number(self) -> str:
-        """The position or else the first number of the frame, by its name in the spec."""
+        """The position or else the first number of the frame, by its name in the spec. Without any, ``no_data``."""
         plan = self.example.struct.plan
         number_names = [whole.join.name for whole in plan.wholes]
         number_names += [part.field.name for part in plan.parts]
@@ -338,7 +349,11 @@ class Guide:
 
 
 def guide(examples: Sequence[ExampleCode]) -> Guide | None:
-    """Choose the program of the family with the most interfaces whose procedure has the most steps."""
+    """Choose the program for the README, or None without any: from the family with the most programs.
+
+    Of these it is the one whose procedure has the most steps. The README also shows its register with the most members,
+    and the procedure unless it reads values.
+    """
     if not examples:
         return None
     family_sizes = Counter(program.view.device.name for program in examples)
@@ -350,12 +365,12 @@ def guide(examples: Sequence[ExampleCode]) -> Guide | None:
     example = max(examples, key=preference)
     whole_reads = [register for register in example.reads if register.access.struct]
     run = example.run if example.run is not None and not example.run.code.reads else None
-    ordered = sorted(examples, key=lambda program: program is not example)
+    ordered_programs = sorted(examples, key=lambda program: program is not example)
     return Guide(
         example=example,
         reads=max(whole_reads, key=lambda register: register.members, default=None),
         runs=run,
-        wires=tuple(program for program in ordered if program.view.device.name == example.view.device.name),
+        wires=tuple(program for program in ordered_programs if program.view.device.name == example.view.device.name),
     )
 
 

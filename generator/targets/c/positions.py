@@ -143,7 +143,10 @@ def _length_positions(
 
 
 def _range_functions(context: Context, ranges: Sequence[PositionRange]) -> Iterator[RangeFunctions]:
-    """Yield the functions of the interface, or those of each frame if their ranges differ."""
+    """Yield the functions of the only range, or those of each frame if there are several ranges.
+
+    A range in which the distance between two positions is not known has none.
+    """
     for position_range in ranges:
         if not position_range.has_difference:
             continue
@@ -157,7 +160,7 @@ def _range_functions(context: Context, ranges: Sequence[PositionRange]) -> Itera
 def _functions_of_range(
     context: Context, position_range: PositionRange, *, scope: str, layouts: tuple[Layout, ...]
 ) -> RangeFunctions:
-    """Return the functions for one range, whose names begin with ``scope``."""
+    """Return the functions for one range. ``scope`` is a part of their names: ``acme_x_ssi_`` and then ``scope``."""
     turns = position_range.measurement.turns
     return RangeFunctions(
         prefix=context.prefix,
@@ -172,7 +175,7 @@ def _functions_of_range(
 
 
 def _modulus(context: Context, position_range: PositionRange, name: str) -> Function | None:
-    """Return the function for the number of counts after which a length wraps around."""
+    """Return the function for the number of counts after which a length wraps around, or None if there is no number."""
     measurement, is_signed = position_range.measurement, position_range.signed_field is not None
     if measurement.modulus is None:
         return None

@@ -129,8 +129,10 @@ class ProcedureCode:
         self.steps = f"{self.function}_steps"
         self.count_macro = f"{self.steps}_count".upper()
         self._names = {parameter.argument.name: c_name(parameter.argument.name, _TAKEN) for parameter in run.arguments}
+        #: Both by argument and register.
         self._filled = dict(self._structs_to_fill())
         self._wholes = dict(self._whole_numbers())
+        #: Registers with parameters on which the limits of later steps depend.
         self._teaching = {step.register.name for step in run.operations if isinstance(step, Writes) and step.teaches}
         self.arguments = [self._argument(parameter) for parameter in run.arguments]
         self.rows = list(self._rows())
@@ -171,7 +173,7 @@ class ProcedureCode:
         return f"{self.context.prefix}_take_{name}" if name in self._teaching else ""
 
     def is_late(self, refusal: ArgumentRefusal) -> bool:
-        """Return True if it must be checked after the copy was updated."""
+        """Return True if an argument is checked only after the copy was updated, which can change its limits."""
         return bool(self._teaching) and _has_variable_limits(refusal)
 
     @property
@@ -191,7 +193,7 @@ class ProcedureCode:
                 yield name, ("procedures", self.run.procedure.name)
 
     def _parameters(self) -> Iterator[Paragraph]:
-        """Yield the parameters of the function that carries it out, if it has any of its own."""
+        """Yield the parameters of the function that carries it out, or nothing if the procedure has no arguments."""
         if self.arguments:
             yield "@param transport ", "Your bus access functions."
             yield "@param variant ", "The order code."
@@ -203,7 +205,7 @@ class ProcedureCode:
     # -- arguments
 
     def _argument(self, parameter: CheckedArgument) -> ArgumentCode:
-        """Return an argument with the reasons to refuse it, each once."""
+        """Return an argument with the reasons to refuse it, each once. Those that its type excludes are left out."""
         all_refusals = list(parameter.refusals)
         for write in parameter.written:
             all_refusals += self._byte_refusals(write)
@@ -227,7 +229,7 @@ class ProcedureCode:
                 yield from field_refusals(self.context.device, write.register, field, argument)
 
     def _argument_type(self, write: Writes) -> str:
-        """Return the type of the argument that a step writes."""
+        """Return the type of the argument that a step writes: that of the field, of the member, or of the register."""
         match write.value:
             case InField(field=field):
                 return unsigned(field.widest)
@@ -239,7 +241,10 @@ class ProcedureCode:
                 assert_never(write.value)
 
     def _structs_to_fill(self) -> Iterator[tuple[tuple[str, str], FilledRegister]]:
-        """Yield the structs that take arguments, by argument and register."""
+        """Yield the structs that take arguments, with their key ``(argument, register)``.
+
+        A register has one if the argument is a field or join of it, and the register is not one plain byte.
+        """
         for parameter in self.run.arguments:
             argument = parameter.argument.name
             member_by_register: dict[str, str] = {}
@@ -248,6 +253,7 @@ class ProcedureCode:
                 if isinstance(write.value, AsMember) and not is_plain:
                     member_by_register[write.register.name] = write.value.member
             for index, (register, member) in enumerate(member_by_register.items()):
+                # The first register of an argument needs no name of its own.
                 stem = argument if index == 0 else f"{argument}_{register}"
                 filled_register = FilledRegister(
                     code=self.registers[register],
@@ -259,7 +265,10 @@ class ProcedureCode:
                 yield (argument, register), filled_register
 
     def _whole_numbers(self) -> Iterator[tuple[tuple[str, str], Whole]]:
-        """Yield the registers whose whole number is an argument, if their decoder or a later limit checks it."""
+        """Yield the registers whose whole number is an argument, with their key ``(argument, register)``.
+
+        Only those are needed whose decoder can reject the number, or on which the limit of a later step depends.
+        """
         for parameter in self.run.arguments:
             argument = parameter.argument.name
             undecodable = [refusal for refusal in parameter.refusals if isinstance(refusal, Undecodable)]
@@ -292,7 +301,10 @@ class ProcedureCode:
     def _rows_of_register(
         self, first_index: int, step: Writes | Reads | Polls | Verifies, note: str
     ) -> Iterator[Row | FilledRows]:
-        """Yield the steps on the bytes of a register. Only the first has a note."""
+        """Yield the steps on the bytes of a register. Only the first has a note.
+
+        If a struct is filled for the register, one item stands for all its bytes.
+        """
         filled_register = self._filled_by(step)
         if filled_register is not None:
             if isinstance(step, Verifies):
@@ -307,7 +319,7 @@ class ProcedureCode:
 
     @staticmethod
     def _row(index: int, step: Writes | Reads | Polls | Verifies, note: str, piece: Piece, value: Expr) -> Row:
-        """Return the step on one byte of a register."""
+        """Return the step on one byte of a register. ``value`` has the bits at their places in the byte."""
         return Row(
             at=index,
             op=step,
@@ -327,6 +339,7 @@ class ProcedureCode:
             return
         for index, piece in enumerate(step.pieces):
             written_byte = Name(f"{filled_register.bytes}[{piece.byte}]")
+            # A mask of 0 is a byte of reserved bits, which is read but not compared.
             expected = masked(written_byte, piece.mask) if piece.mask else _ZERO
             yield self._row(first_index + index, step, note if index == 0 else "", piece, expected)
 
@@ -342,6 +355,7 @@ class ProcedureCode:
         if isinstance(step, Reads) or not piece.mask:
             return _ZERO
         write = step.write if isinstance(step, Verifies) else step
+        # Bit ``left`` of the number is bit ``right`` of the byte.
         value = FixedNumber(write.step.value) if isinstance(write, Polls) else write.value
         if isinstance(value, FixedNumber):
             bits_of_piece = value.number >> piece.left & piece.mask
@@ -353,7 +367,10 @@ class ProcedureCode:
         return bits if is_whole_byte else Cast("uint8_t", bits)
 
     def _read_members(self) -> Iterator[ReadMember]:
-        """Yield a member for each register or field that is read. Repeated names are numbered."""
+        """Yield a member for each register or field that is read. Repeated names are numbered.
+
+        The name includes the field if not all bytes of the register are read.
+        """
         used_names: set[str] = set()
         first_byte = 0
         for read in self.run.reads:
@@ -369,7 +386,7 @@ class ProcedureCode:
 
 
 def _unused_name(name: str, used_names: Collection[str]) -> str:
-    """Return ``name``, with a number at its end if it is used already."""
+    """Return ``name``, or with the first free number at its end if it is used already: ``status_2``, ``status_3``."""
     numbered_name = name
     for number in count(2):
         if numbered_name not in used_names:
@@ -379,7 +396,7 @@ def _unused_name(name: str, used_names: Collection[str]) -> str:
 
 
 def _refuse_unsupported(step: Writes | Reads | Polls | Verifies) -> None:
-    """Raise an error if the C target cannot access the bytes of a step."""
+    """Raise an error if the bytes of a step depend on the order code, or would be polled one after the other."""
     if not step.pieces:
         raise TargetError(
             f"the place of '{_place_text(step)}' depends on the order code; the C target cannot access it alone"

@@ -25,6 +25,7 @@ class ReadCode:
         self.macro = f"{context.PREFIX}_READ"
 
     def declared(self) -> Iterator[Declared]:
+        """Yield the names of the macros and of the function that reads twice. Without a frame, there are none."""
         if self.frame is not None:
             path = ("interfaces", self._context.interface.name)
             names = [self.macro, f"{self.macro}_BYTES"]
@@ -39,7 +40,10 @@ class ReadCode:
 
     @property
     def expected_size(self) -> str:
-        """The number of bytes in the array of the macro, as C. Without a macro for it, any array is accepted."""
+        """The number of bytes in the array of the macro, as C: a macro, or ``sizeof(rx)`` to accept any array.
+
+        It is empty if there is no frame to read.
+        """
         if self.frame is None:
             return ""
         if self._lengths.macros and self.frame.struct.layout.name in self._lengths.layouts:
@@ -49,7 +53,7 @@ class ReadCode:
         return "sizeof(rx)"
 
     def buffer_macro(self, frame: StructCodec) -> str:
-        """Return the name of the size of a buffer, made of the arguments of a macro."""
+        """Return the name of the size of a buffer, which a macro pastes: ``ACME_X_SSI_##code##_##width##_RX_BYTES``."""
         layout_names = [frame.struct.layout.name.upper()] if len(self._lengths.layouts) > 1 else []
         answers = [f"##{question.argument}##" for question in frame.length_alternatives]
         return "_".join((f"{self._context.PREFIX}_##code##", *layout_names, *answers, "RX_BYTES"))
@@ -59,14 +63,14 @@ class ReadCode:
 
         A word over SPI has no macro for its size.
         """
-        size = self.expected_size
-        if size == "sizeof(rx)":
+        buffer_size = self.expected_size
+        if buffer_size == "sizeof(rx)":
             return ""
         for question in self.questions:
-            size = size.replace(f"##{question.argument}##", question.item.answers[0].name.upper())
-        return size.replace("##code##", code)
+            buffer_size = buffer_size.replace(f"##{question.argument}##", question.item.answers[0].name.upper())
+        return buffer_size.replace("##code##", code)
 
     def arguments_of(self, code: str) -> str:
-        """Return the first arguments of a macro for an order code and the first answers."""
+        """Return the first arguments of a macro for an order code and the first answers, such as ``X24, WIDE``."""
         answers = (question.item.answers[0].name.upper() for question in self.questions)
         return ", ".join((code, *answers))

@@ -67,11 +67,15 @@ class Access:
             self._set_bank(context.device.register(selector_name))
 
     def _type_of_byte(self) -> str:
+        """Return the type of a plain byte: that of its named values, if it has any."""
         choice = self._layout.choice(self._field)
         return choice.type if choice is not None else "uint8_t"
 
     def _about(self, *, writes: bool) -> tuple[Paragraph, ...]:
-        """Return the comment on the function that reads, or on the one that writes."""
+        """Return the comment on the function that reads, or on the one that writes.
+
+        If the register holds a part of the variant, the latter tells users to read that part again.
+        """
         context = self._layout.context
         changes_variant = writes and self.register.name in state_registers(context.device)
         read_state = f"{context.prefix}_read_state" if changes_variant else ""
@@ -83,10 +87,14 @@ class Access:
             problem = f"'{selector.name}' selects banks with {selector.length} bytes"
             raise TargetError(f"{problem}; the C target writes one")
         self.bank_address = f"{self._layout.context.PREFIX}_REG_{selector.name}_ADDRESS".upper()
+        # One byte, as checked above.
         (self.bank,) = number_to_bytes(selector.layout, self.register.bank or 0, 8)
 
     def is_unknown(self, name: str, is_raw: bool) -> Expr:
-        """Return the condition that a byte differs from all named values."""
+        """Return the condition that a byte differs from all named values, such as ``kind != 1U && kind != 2U``.
+
+        ``is_raw`` is True if the variable ``name`` holds the byte as read, rather than a value of the enumeration.
+        """
         return self._layout.is_none_of(self._field, Name(name), self.values, is_raw)
 
     @property
@@ -124,7 +132,10 @@ def _alarm_macros(device: Device, alarm: Alarm, stem: str) -> Iterator[Macro]:
 
 
 def _alarm_mask(device: Device, alarm: Alarm) -> tuple[int, str]:
-    """Return the bits of an alarm, or 0 if they have no place, and a note if they belong to one of several bytes."""
+    """Return the mask of an alarm in its byte or register, and a note on that byte, which is often empty.
+
+    A flag in a frame counts before one in a register. The mask is 0 if the alarm has no bits at a fixed place.
+    """
     frame_field = _frame_field_of(device, alarm)
     if frame_field is not None and len(frame_field.pieces) == 1:
         (piece,) = frame_field.pieces
@@ -141,7 +152,10 @@ def _alarm_mask(device: Device, alarm: Alarm) -> tuple[int, str]:
 
 
 def _frame_field_of(device: Device, alarm: Alarm) -> Field | None:
-    """Return the first field of a frame that is the alarm, or None if the alarm is in no group of flags."""
+    """Return the first field of a frame that is the alarm.
+
+    The result is None if the alarm is in no group of flags, or if no frame has such a field at a fixed place.
+    """
     if not alarm.group:
         return None
     for _, layout in device.layouts():
@@ -181,6 +195,7 @@ class RegisterCode:
         self.stem = self.name.upper()
         self.struct = Struct(context, self.layout, self.name, f"{self.stem}_LENGTH", register)
         self.enumerations = context.enumerations.of("registers", register.name)
+        # The check for the limits, or None if they limit no single field or join, or if no value is outside them.
         outside_limits = outside(self.struct.plan, limits_of(self.device, register))
         refused = (outside_limits,) if outside_limits is not None else ()
         self.codec = None if self.is_plain else StructCodec(self.struct, outside=refused)
@@ -190,6 +205,7 @@ class RegisterCode:
         self.explained = tuple(self._explained())
 
     def declared(self) -> Iterator[Declared]:
+        """Yield the names at file scope, each with its path in the spec."""
         for name in self._names():
             yield name, ("registers", self.register.name)
         if self.codec is not None:
@@ -240,13 +256,13 @@ class RegisterCode:
 
     @property
     def expected(self) -> int | None:
-        """The value of the byte that the manual states."""
+        """The value of a plain byte that the manual states, or None."""
         equals = self.layout.fields[0].equals if self.is_plain else None
         return equals if isinstance(equals, int) else None
 
     @property
     def about(self) -> list[Paragraph]:
-        """The comment, with the places of the fields if they have no macros."""
+        """The comment. It has the facts of a plain byte, or the table of the fields if some of them have no macros."""
         paragraphs = about_register(self.device, self.register)
         if self.is_plain:
             paragraphs.append(about_member(self.struct, self.layout.fields[0]))
@@ -258,7 +274,11 @@ class RegisterCode:
 
     @cached_property
     def _with_masks(self) -> tuple[Field, ...]:
-        """The fields that have masks. A register's only field is the register itself."""
+        """The fields that have masks: those that are neither constant nor a text.
+
+        There are none in a register of one plain byte or of more than 8 bytes, or if its only field has no named
+        values, because such a field is the register itself.
+        """
         fields = self.layout.fields
         is_whole_register = len(fields) == 1 and not isinstance(meaning_of(fields[0]), Named)
         if self.is_plain or self.register.length > 8 or is_whole_register:
@@ -268,7 +288,7 @@ class RegisterCode:
 
     @staticmethod
     def has_shift(field: Field) -> bool:
-        """Return True if a mask is not enough to use a field in the register's number."""
+        """Return True if a field needs a shift and a mask. For a flag, the mask is enough."""
         match meaning_of(field):
             case Active():
                 return False
@@ -279,16 +299,19 @@ class RegisterCode:
 
     @property
     def masked(self) -> tuple[Field, ...]:
-        """The fields at the same place for every order code."""
+        """The fields with masks that are at the same place for every order code."""
         return tuple(field for field in self._with_masks if field.is_fixed)
 
     @property
     def moving(self) -> tuple[Field, ...]:
-        """The fields whose place depends on the order code."""
+        """The fields with masks whose place depends on the order code."""
         return tuple(field for field in self._with_masks if field not in self.masked)
 
     def _explained(self) -> Iterator[ExplainingBits]:
-        """Yield the bits of other registers that give the reason why a field of this one is set."""
+        """Yield the bits of other registers that give the reason why a field of this one is set.
+
+        For ``explained_by: [errors.crc, errors.parity]`` these are both bits of ``errors``, as one mask.
+        """
         for field in self.layout.fields:
             mask_by_register: dict[str, int] = {}
             for register_and_field in field.explained_by:
@@ -306,9 +329,12 @@ class RegisterCode:
     # -- limits
 
     def _limits(self, meaning: RegisterMeaning | None) -> Bounds:
-        """Return the limits of the register, or of one of its meanings."""
+        """Return the limits of the register, or of one of its meanings, under names that end in ``min`` and ``max``.
+
+        A limit that the manual does not give is left out.
+        """
         limits = limits_of(self.device, self.register, meaning)
-        bounded = self.register.limits_of if meaning is None else words(meaning.name)
+        name_of_limited = self.register.limits_of if meaning is None else words(meaning.name)
         stem = self.name if meaning is None else f"{self.name}_{meaning.name}"
         macros: list[tuple[str, Expr]] = []
         functions: list[Function] = []
@@ -319,24 +345,30 @@ class RegisterCode:
             if limit.is_constant:
                 macros.append((name.upper(), NumberExpr(limit.constant, signed=limits.signed)))
             else:
-                about = f"Return the {adjective} {bounded}: {limit.render()}."
+                about = f"Return the {adjective} {name_of_limited}: {limit.render()}."
                 functions.append(self._limit_function(name, about, limit, is_signed=limits.signed))
         return Bounds(tuple(macros), tuple(functions))
 
     def _limit_function(self, name: str, about: str, limit: Expression, *, is_signed: bool) -> Function:
-        """Return the function for a limit that depends on the order code."""
+        """Return the function for a limit that depends on the order code: of 64 bits with a sign, or as for numbers.
+
+        The largest limit of all order codes, with the parameters that they have at run time, gives the type.
+        """
         if is_signed:
             value = self.scope.signed(limit)
             return Function(name, type="int64_t", value=value, about=about, uses_variant=True)
-        limits_of_encoders = [0]
+        unsigned_limits = [0]
         for variant in self.device.variants_over(self.register.interface):
             for parameters in parameters_at_run_time(self.device, variant):
-                limits_of_encoders.append(limit.value(parameters))
-        return number_of(self.scope, name, limit, largest=max(limits_of_encoders), about=about)
+                unsigned_limits.append(limit.value(parameters))
+        return number_of(self.scope, name, limit, largest=max(unsigned_limits), about=about)
 
 
 def _is_byte(plan: Codec) -> bool:
-    """Return True if the only field is the whole number in a byte."""
+    """Return True if the first field has a whole byte as its number or as a named value.
+
+    A field that only allows powers of two does not count, since the byte needs a check.
+    """
     if not plan.parts or any(isinstance(refusal, NoPowerOfTwo) for refusal in refusals(plan)):
         return False
     only_part = plan.parts[0]
@@ -374,6 +406,7 @@ class IdentityCode:
 
 
 def identity_codes(context: Context, codes: Mapping[str, RegisterCode]) -> Iterator[IdentityCode]:
+    """Yield the identifying registers of each interface that has any. ``codes`` are all registers by name."""
     for identity in identities(context.device):
         compared = tuple(codes[comparison.register.name] for comparison in identity.compared)
         yield IdentityCode(context.prefix, context.device.interface(identity.interface), compared)

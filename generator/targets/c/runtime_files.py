@@ -15,7 +15,11 @@ _INCLUDE = re.compile(rf'^#include "(?:{FOLDER}/)?(\w+\.hp*)"', re.MULTILINE)
 
 
 def needed_runtime(views: Iterable[DeviceView]) -> dict[str, str]:
-    """Return the texts of the headers of the runtime that these interfaces need, by their file names."""
+    """Return the texts of the headers of the runtime that these interfaces need, by their file names.
+
+    They are those for all encoders, those for each interface, those that the self-tests include, and what these
+    include in turn.
+    """
     texts_by_header = runtime_headers()
     unvisited_headers = list(_FOR_ALL)
     for view in views:
@@ -32,7 +36,10 @@ def needed_runtime(views: Iterable[DeviceView]) -> dict[str, str]:
 
 
 def _for_interface(view: DeviceView) -> Iterator[str]:
-    """Yield the headers that the files of an interface include, and those that its users need for its registers."""
+    """Yield the headers that the files of an interface include, and those that its users need with them.
+
+    Users need a receiver for its frames, and helpers for its registers and procedures.
+    """
     interface = view.context.interface
     for part in view.parts:
         yield from (name.removeprefix(f"{FOLDER}/") for name in part.includes if name.startswith(f"{FOLDER}/"))

@@ -123,7 +123,7 @@ class SelfTest:
 
     @property
     def is_used(self) -> Mapping[str, bool]:
-        """The helpers that the checks need."""
+        """The helpers for comparing bytes, texts and writes, each with True if a check needs it."""
         frames = [check.work for check in self.checks if isinstance(check.work, FrameCheck)]
         return {
             "bytes": any(frame.data and not frame.fault for frame in frames),
@@ -139,14 +139,14 @@ class SelfTest:
                 yield about, work
 
     def _vector_checks(self) -> Iterator[tuple[str, Work]]:
-        """Yield a description and a check for each test vector from a public source."""
+        """Yield a description and a check for each vector of a CRC and each control field from a public source."""
         for codec in self.view.interface.codecs:
-            crc = codec.word_crc
-            if crc is None:
+            word_crc = codec.word_crc
+            if word_crc is None:
                 continue
-            for vector in vectors_of(crc.crc):
-                for work in _word_check(crc, vector.data, vector.crc):
-                    yield f"{crc.crc.name}: {vector.title} [{vector.source}]", work
+            for vector in vectors_of(word_crc.crc):
+                for work in _word_check(word_crc, vector.data, vector.crc):
+                    yield f"{word_crc.crc.name}: {vector.title} [{vector.source}]", work
         interface = self.view.context.interface
         data_ids = interface.data_ids if isinstance(interface, Rs485) else ()
         for data_id in data_ids:
@@ -186,7 +186,10 @@ class SelfTest:
         )
 
     def _written_bytes(self, write: Write) -> Iterator[tuple[str, str]]:
-        """Yield the bytes of a write, each with its address."""
+        """Yield the bytes of a write as ``(address, byte)``, such as ``("0x10U", "0x02U")``.
+
+        It is one byte if the interface addresses bytes. If not, it is all bytes of the register, with the same address.
+        """
         length = 1
         if self.writes_whole:
             interface = self.view.context.interface.name
@@ -202,20 +205,25 @@ class SelfTest:
         return not self.view.context.interface.byte_addresses
 
     def _variant(self, order_code: str) -> str:
-        """Return the macro of an order code, or of the first one if it is not a listed code."""
+        """Return the macro of an order code, or of the first one if the family does not list the code."""
         device = self.view.device
         order_codes = [variant.code for variant in device.variants]
         index = order_codes.index(order_code) if order_code in order_codes else 0
         return self.view.variants.rows[index].macro
 
     def _codecs(self, example: FrameExample) -> Iterator[StructCodec]:
+        """Yield the codec of the example's layout, or all of its sender if it has no layout."""
         for codec in self.view.interface.codecs:
             layout = codec.struct.layout
             if layout.name == example.layout or (not example.layout and layout.sender == example.sender):
                 yield codec
 
     def _frame_checks(self, example: FrameExample) -> Iterator[Work]:
-        """Yield a check for each frame that the example can be, in bytes or as a word."""
+        """Yield a check for each frame that the example can be, if the example is in the form of that frame.
+
+        A frame in bytes needs an example in bytes. A word accepts bits, and bytes unless their length is wrong. Without
+        a layout, only an example with a wrong length is checked.
+        """
         has_wrong_length = example.refused == "length"
         if not example.layout and not has_wrong_length:
             return
@@ -228,7 +236,7 @@ class SelfTest:
                 yield self._frame_check(codec, example)
 
     def _frame_check(self, codec: StructCodec, example: FrameExample) -> FrameCheck:
-        """Return the check that a frame decodes to the values of the example, or is refused."""
+        """Return the check that a frame decodes to the values of the example, or that its decoder returns the fault."""
         # A word can be given as its bytes, too.
         word = int(example.bits, 2) if example.bits else int.from_bytes(example.bytes, "big")
         fault = f"CW_FAULT_{example.refused.upper()}" if example.refused else ""
@@ -245,24 +253,27 @@ class SelfTest:
         )
 
     def _length(self, codec: StructCodec, example: FrameExample) -> str:
-        """Return the number of bits in the word of an example, as C."""
+        """Return the number of bits in the word of an example, as C.
+
+        It is a literal if the example gives bits, or else a call such as ``acme_x24_bits(variant, WIDE)``.
+        """
         if example.bits:
             return number(len(example.bits))
-        answers = self._answers(codec.length_alternatives, example).removesuffix(", ")
-        return f"{codec.name}_bits({', '.join(filter(None, ('variant', answers)))})"
+        arguments = self._answers(codec.length_alternatives, example).removesuffix(", ")
+        return f"{codec.name}_bits({', '.join(filter(None, ('variant', arguments)))})"
 
     def _answers(self, questions: Sequence[AlternativeCode], example: FrameExample) -> str:
         """Return the answers for the example as arguments, such as ``CODE_GRAY, ``. The default is the first."""
-        answers = ""
+        arguments = ""
         for question in questions:
             answer_names = [answer.name for answer in question.item.answers]
             chosen_name = example.alternatives.get(question.item.name, answer_names[0])
             constant = question.enumeration.entries[answer_names.index(chosen_name)]
-            answers += f"{constant.name}, "
-        return answers
+            arguments += f"{constant.name}, "
+        return arguments
 
     def _register_checks(self, example: RegisterExample) -> Iterator[Work]:
-        """Yield the check that a register decodes to the values of the example, if it has a decoder."""
+        """Yield the check that a register decodes to the values of the example, or nothing if it has no decoder."""
         codes = (code for code in self.view.registers if code.register.name == example.register)
         code = first_of(codes, f"code for the register '{example.register}'")
         if code.codec is not None:
@@ -280,15 +291,21 @@ class SelfTest:
     def _expected_members(
         self, codec: StructCodec, key: str, values: Mapping[str, int | str | bool]
     ) -> Iterator[Expected]:
-        """Yield the members. Fields without one are constant. They are checked by decoding and encoding the frame."""
+        """Yield the members and their values. ``key`` is the layout name, or ``reg_`` and the name of a register.
+
+        Fields without a member are constant. They are checked by decoding and encoding the frame.
+        """
         member_names = set(_member_names(codec))
-        parts = {part.field.name: part for part in codec.plan.parts}
+        part_by_field = {part.field.name: part for part in codec.plan.parts}
         for name, value in values.items():
             if name in member_names:
-                yield self._expected_member(key, name, value, parts.get(name))
+                yield self._expected_member(key, name, value, part_by_field.get(name))
 
     def _expected_member(self, key: str, name: str, value: int | str | bool, part: Part | None) -> Expected:
-        """Return the expected value of a field, or without ``part`` of a join or a run of digits."""
+        """Return the expected value of a member, as C. ``part`` is None for a join or a run of digits: a plain number.
+
+        A named value has its constant, if C has one.
+        """
         match part.meaning if part is not None else Raw():
             case Characters():
                 return Expected(c_name(name), string(value), text=True)
@@ -307,14 +324,14 @@ class SelfTest:
                 assert_never(never)
 
     def _crc_checks(self, example: CrcExample) -> Iterator[Work]:
-        """Yield the checks of a CRC over the bytes of the example, and over them as a word."""
+        """Yield the checks of a CRC over the bytes of the example, and over them as a word that ends in its CRC."""
         for function in self.view.crcs:
             if function.crc.name == example.crc and function.is_called and function.in_bytes:
                 yield CrcCheck(function.name, data=_bytes(example.bytes), word="", crc=_hex(example.check))
         data = int.from_bytes(example.bytes, "big")
-        for crc in (codec.word_crc for codec in self.view.interface.codecs):
-            if crc is not None and crc.crc.name == example.crc:
-                yield from _word_check(crc, data, example.check)
+        for word_crc in (codec.word_crc for codec in self.view.interface.codecs):
+            if word_crc is not None and word_crc.crc.name == example.crc:
+                yield from _word_check(word_crc, data, example.check)
 
     def _measure_checks(self, example: MeasureExample) -> Iterator[Work]:
         """Yield the check of a position in counts as a length, for a linear encoder."""
@@ -335,7 +352,7 @@ def _member_names(codec: StructCodec) -> Iterator[str]:
 
 
 def _word_check(crc: WordCrc, data: int, check: int) -> Iterator[Work]:
-    """Yield the check of a word that ends in its CRC, if a frame can be as long."""
+    """Yield the check that the CRC function returns 0 for a word that ends in its CRC, if a frame can be as long."""
     word = data << crc.crc.width | check
     if word.bit_length() <= crc.bits:
         yield CrcCheck(crc.name, data=(), word=_hex(word, 64), crc=_hex(0))
@@ -374,8 +391,8 @@ def selftest_files(
     """Return the files of the self-test other than those of the families, by their path in the C folder."""
     files = {}
     makers = manufacturers(view.device for view in views)
-    names = [maker.name for maker in makers]
-    values: AllTests = {"makers": {name: _tests_of(name, tests) for name in names}}
+    maker_names = [maker.name for maker in makers]
+    values: AllTests = {"makers": {name: _tests_of(name, tests) for name in maker_names}}
     for name, template in (("selftest.h", "selftest.h.jinja"), ("selftest.c", "selftest_all.c.jinja")):
         files[f"selftest/{name}"] = render(template, values)
     return files | {f"selftest/{name}": text for name, text in runtime_tests().items()}

@@ -67,13 +67,14 @@ class SingleCode:
         self.stem = self.path.removesuffix(".h")
         self.STEM = self.stem.upper()
         settings = {f"{view.maker.name.upper()}_CRC_{setting}" for setting in ("TABLE", "BITWISE")}
-        runtime = [declarations_in(runtime_headers()[name]) for name in _RECEIVING]
-        of_runtime = [declaration for declarations in runtime for declaration in declarations]
-        declarations = [*of_runtime, *declarations_in(without_settings(header, settings))]
+        declarations_by_header = [declarations_in(runtime_headers()[name]) for name in _RECEIVING]
+        # One list of all of them.
+        runtime_declarations = [declaration for declarations in declarations_by_header for declaration in declarations]
+        declarations = [*runtime_declarations, *declarations_in(without_settings(header, settings))]
         needed = needed_by(self._roots(names_of(declarations)), declarations)
         self.declarations = [declaration for declaration in needed if not declaration.is_title]
         kept_names = names_of(self.declarations)
-        self._runtime_names = names_of(of_runtime) & kept_names
+        self._runtime_names = names_of(runtime_declarations) & kept_names
         self._renamed = self._new_names(kept_names)
         self._shared_names = names_of(declarations_in(runtime_headers()[_SHARED]))
 
@@ -90,14 +91,15 @@ class SingleCode:
     @property
     def marks(self) -> str:
         """The definitions of the macros that mark functions and constants."""
-        text = runtime_headers()["bits.h"]
-        start = text.index("/* With C++17")
-        lines = text[start : text.index("#endif\n", start)].splitlines(keepends=True)
+        bits_header = runtime_headers()["bits.h"]
+        start = bits_header.index("/* With C++17")
+        lines = bits_header[start : bits_header.index("#endif\n", start)].splitlines(keepends=True)
+        # The first line is the comment. The definitions follow it, up to the first #endif.
         return "".join(lines[1:]) + "#endif\n"
 
     @property
     def request(self) -> StructCodec | None:
-        """The frame of the request for the position, if it is a frame with members, or None."""
+        """The frame of the request for the position, over SPI the one that the macro names. None without a struct."""
         usage = self.view.usage
         if usage is not None and usage.asking is not None:
             return usage.asking.codec
@@ -111,6 +113,7 @@ class SingleCode:
         usage = self.view.usage
         if usage is None:
             return 0
+        # Bits to bytes, rounded up.
         return -(-usage.frame.struct.layout.bits.value(self.view.device.variants[0].parameters) // 8)
 
     @property
@@ -121,15 +124,18 @@ class SingleCode:
 
     @property
     def body(self) -> str:
-        """The declarations, with their names in this header."""
+        """The declarations, with their names in this header.
+
+        A blank line is before each, except a function with a comment of one line, and a further macro without any.
+        """
         texts: list[str] = []
         follows_macro = False
         for declaration in self.declarations:
-            text = self._text(declaration)
-            is_short_function = text.startswith("/** ") and declaration.is_function
-            if texts and not is_short_function and not (follows_macro and text.startswith("#define")):
+            declaration_text = self._text(declaration)
+            is_short_function = declaration_text.startswith("/** ") and declaration.is_function
+            if texts and not is_short_function and not (follows_macro and declaration_text.startswith("#define")):
                 texts.append("\n")
-            texts.append(text)
+            texts.append(declaration_text)
             follows_macro = declaration.has_macro
         return "".join(texts)
 
@@ -144,7 +150,11 @@ class SingleCode:
     # -- what is needed
 
     def _roots(self, known_names: Collection[str]) -> Iterator[str]:
-        """Yield the names of the tree that a program uses to read positions. Some may not exist."""
+        """Yield the names of the tree that a program uses to read positions. Some may not exist.
+
+        They are the macros of the interface, except those for registers and times, the functions of the frames with
+        the position, and what the request needs.
+        """
         view = self.view
         timings = view.context.interface.timings
         macros_of_times = chain.from_iterable(timing_macros(timing, view.PREFIX) for timing in timings)
@@ -163,7 +173,7 @@ class SingleCode:
         yield from self._roots_of_requests()
 
     def _roots_of_requests(self) -> Iterator[str]:
-        """Yield the names that a program uses to request positions over RS-485 or SPI."""
+        """Yield the names that a program uses to request positions over RS-485 or SPI. ``exchanged`` can be empty."""
         usage, exchanged = self.view.usage, self.view.interface.exchanged
         if usage is not None and usage.request:
             yield usage.request
@@ -190,7 +200,7 @@ class SingleCode:
     # -- names
 
     def _new_names(self, kept_names: Iterable[str]) -> Mapping[str, str]:
-        """Return the names in this header by those in the tree."""
+        """Return the names in this header by those in the tree, or raise an error if two of them are equal."""
         new_names = {name: self._new_name(name) for name in kept_names}
         for new_name, count in Counter(new_names.values()).items():
             if count > 1:
@@ -198,10 +208,11 @@ class SingleCode:
         return new_names
 
     def _new_name(self, name: str) -> str:
-        """Return a name of the tree with the prefix of this header."""
+        """Return a name of the tree with the prefix of this header, such as ``acme_x_24_read`` for ``cw_read``."""
         if name in self._runtime_names:
             return re.sub("^cw_", f"{self.stem}_", re.sub("^CW_", f"{self.STEM}_", name))
         view = self.view
+        # The macro of the order code itself begins with view.PREFIX, so it is tried first.
         new_prefixes = {view.row.macro: self.STEM, view.PREFIX: self.STEM, view.prefix: self.stem}
         for old_prefix, new_prefix in new_prefixes.items():
             if name == old_prefix or name.startswith(f"{old_prefix}_"):
@@ -217,6 +228,7 @@ class SingleCode:
             comment = _first_paragraph(comment)
         if declaration.has_macro:
             comment, code = self._without_argument(comment, code)
+        # The pattern is a comment on the lines above a member.
         clear_code = re.sub(r"^ +/\*\*\n.*?\*/\n", self._member_comment, code, flags=re.MULTILINE | re.DOTALL)
         new_code = "".join(map(self._pasted, clear_code.splitlines(keepends=True)))
         # The marks for Doxygen come back with those of the whole header.
@@ -227,20 +239,25 @@ class SingleCode:
         return self._in_comment(comment) + break_lines(_with_guards_in_line(_with_head_in_line(named_code)))
 
     def _without_argument(self, comment: str, code: str) -> tuple[str, str]:
-        """Return a macro that takes no order code, since there is only one."""
+        """Return the comment and the code of a macro without its parameter ``code``, since there is one order code.
+
+        ``RECEIVE(code, rx)``, which pastes ``ACME_X_##code##_BITS``, becomes ``RECEIVE(rx)`` with ``ACME_X_24_BITS``.
+        """
         if "(code, " not in code:
             return comment, code
         constant = self.view.row.macro.removeprefix(f"{self.view.PREFIX}_")
         bound = code.replace("(code, ", "(", 1).replace("##code", constant)
+        # In MACRO##_BITS nothing is left to paste. MACRO##_##name still pastes another parameter.
         return comment, re.sub(rf"({self.view.row.macro})##(?=_\w)(?!_##)", r"\1", bound)
 
     def _pasted(self, line: str) -> str:
-        """Return a line in which the first part of a name that is pasted together has its new name."""
+        """Return a line with the new prefix in names that a macro pastes together: ``ACME_X_`` in ``ACME_X_##name``."""
+        # A prefix that is followed by letters and ##.
         pattern = rf"\b(?:{self.view.row.macro}|{self.view.PREFIX})_(?=\w*##)"
         return re.sub(pattern, f"{self.STEM}_", line)
 
     def _in_comment(self, comment: str) -> str:
-        """Return a comment without sentences about what the header lacks, and with its names."""
+        """Return a comment up to its first ``@param``, with new names, without sentences on what the header lacks."""
         lines: list[str] = []
         for paragraph in _paragraphs(_comment_lines(comment)):
             if paragraph[0].startswith("@"):
@@ -249,28 +266,34 @@ class SingleCode:
         return _as_comment(lines)
 
     def _member_comment(self, comment: re.Match[str]) -> str:
-        """Return the comment on a member without sentences about what the header lacks."""
+        """Return the comment above a member, without sentences about what the header lacks."""
         margin = " " * (len(comment[0]) - len(comment[0].lstrip()))
-        text = " ".join(_comment_lines(comment[0].strip())).strip()
-        sentences = _SENTENCE_END.split(text)
+        comment_text = " ".join(_comment_lines(comment[0].strip())).strip()
+        sentences = _SENTENCE_END.split(comment_text)
         kept_sentences = [sentence for sentence in sentences if not self._is_about_absent(sentence)]
         return _member_comment(self.named(" ".join(kept_sentences)), margin)
 
     def _paragraph(self, lines: list[str]) -> list[str]:
-        """Return the lines of a paragraph without sentences about what the header lacks, none if nothing is left."""
-        text = " ".join(lines)
-        if lines[0].startswith((" ", "@")) or not text:
+        """Return the lines of a paragraph without sentences about what the header lacks, none if nothing is left.
+
+        In an indented line, such as one of a picture, only the names change.
+        """
+        paragraph = " ".join(lines)
+        if lines[0].startswith((" ", "@")) or not paragraph:
             return [self.named(line) for line in lines]
-        if text.startswith(_OTHER_PARAGRAPHS):
+        if paragraph.startswith(_OTHER_PARAGRAPHS):
             return []
-        sentences = [sentence for sentence in _SENTENCE_END.split(text) if not self._is_about_absent(sentence)]
+        sentences = [sentence for sentence in _SENTENCE_END.split(paragraph) if not self._is_about_absent(sentence)]
         new_text = self.named(" ".join(sentences))
-        if new_text == text:
+        if new_text == paragraph:
             return lines
         return _wrapped(new_text)
 
     def _is_about_absent(self, sentence: str) -> bool:
-        """Return True if a sentence mentions another header, the argument of a macro, or something left out."""
+        """Return True if a sentence mentions another header, the argument of a macro, or a name left out.
+
+        Sentences about register access and about a CRC of 0 count too (``_OTHER_SENTENCES``).
+        """
         if sentence.startswith(_OTHER_SENTENCES):
             return True
         is_elsewhere = re.search(r"\b\w+\.h\b|_reports\(\)|order code is named once|[Cc]ode can be ", sentence)
@@ -306,7 +329,8 @@ def single_header(view: DeviceView, render: Callable[[str, Mapping[str, object]]
 
 
 def _with_head_in_line(code: str) -> str:
-    """Return a function with its parameters, and the macros that mark it, on the line of its name if they fit."""
+    """Return a function with its head on one line, after the macros that mark it if they and the name fit there."""
+    # The marks, each on a line, and the head up to the bracket that closes its parameters.
     function = re.match(r"((?:CW_[A-Z]+\n)*)(static inline [^{;]*\))\n\{", code)
     if function is None:
         return code
@@ -324,18 +348,20 @@ def _with_guards_in_line(code: str) -> str:
 
 
 def _guard_in_line(guard: re.Match[str]) -> str:
+    """Return a condition and its result on one line, or unchanged if that is too long or has a comment."""
     line = f"{guard['condition']} {guard['result']} }}"
     return guard[0] if len(line) > COLUMNS or "/*" in line else f"{line}\n"
 
 
 def _refilled_macro(code: str) -> str:
-    """Return a macro of several lines with as few lines as its width allows."""
+    """Return a macro with its first line as it is, and the others joined and broken again at the width of a header."""
     head, *body = (line.removesuffix("\\").rstrip() for line in code.splitlines())
+    # One further line cannot become fewer.
     if len(body) < 2:
         return code
-    text = " ".join(line.strip() for line in body)
+    joined_body = " ".join(line.strip() for line in body)
     lines = textwrap.wrap(
-        text,
+        joined_body,
         COLUMNS - 2,
         initial_indent=" " * 4,
         subsequent_indent=" " * 8,
@@ -348,7 +374,7 @@ def _refilled_macro(code: str) -> str:
 def _member_comment(text: str, margin: str) -> str:
     """Return the comment on a member, with its marks on the first and the last line of the text."""
     single_line = f"{margin}/* {text} */\n"
-    # Doxygen's mark is one character longer.
+    # Its line break counts too, which leaves room for Doxygen's mark, longer by one character.
     if len(single_line) <= COLUMNS:
         return single_line
     joint = "\0"  # keeps the mark at the end on the line of the last word
@@ -364,23 +390,27 @@ def _member_comment(text: str, margin: str) -> str:
 
 
 def _first_paragraph(comment: str) -> str:
-    """Return the first sentence of a comment of the runtime, and the picture that it announces."""
-    text, _, picture = "\n".join(_comment_lines(comment)).partition(":\n\n")
+    """Return the start of a comment of the runtime: its first sentence, or all text up to a picture and the picture.
+
+    A picture follows ``:`` and a blank line. If it is an example that calls the runtime, it is left out.
+    """
+    text_before_picture, _, picture = "\n".join(_comment_lines(comment)).partition(":\n\n")
     if picture and "cw_" in picture.partition("\n\n")[0]:
-        return _as_comment(_wrapped(text.replace("\n", " ") + "."))
+        return _as_comment(_wrapped(text_before_picture.replace("\n", " ") + "."))
     if picture:
-        announced = picture.partition("\n\n")[0].splitlines()
-        return _as_comment([*_wrapped(text.replace("\n", " ") + ":"), "", *announced])
-    sentences = _SENTENCE_END.split(text.partition("\n\n")[0].partition("\n@")[0].replace("\n", " "))
+        picture_lines = picture.partition("\n\n")[0].splitlines()
+        return _as_comment([*_wrapped(text_before_picture.replace("\n", " ") + ":"), "", *picture_lines])
+    sentences = _SENTENCE_END.split(text_before_picture.partition("\n\n")[0].partition("\n@")[0].replace("\n", " "))
     return _as_comment(_wrapped(sentences[0]))
 
 
 def _wrapped(text: str) -> list[str]:
+    """Return the lines of a text. Each will have `` * `` before it."""
     return textwrap.wrap(text, COLUMNS - 3, break_long_words=False, break_on_hyphens=False)
 
 
 def _comment_lines(comment: str) -> list[str]:
-    """Return the lines of a comment without its marks."""
+    """Return the lines of a comment without ``/**``, ``*/`` and the ``*`` in front. Further spaces stay."""
     if not comment:
         return []
     lines = comment.rstrip().removeprefix("/**").removesuffix("*/").strip("\n").splitlines()
@@ -395,6 +425,7 @@ def _paragraphs(lines: Iterable[str]) -> Iterator[list[str]]:
     paragraph: list[str] = []
     for line in lines:
         first_word = line.partition(" ")[0]
+        # COLUMNS - 3 is the width without " * ", and 1 the space before the word.
         goes_on = bool(paragraph) and len(paragraph[-1]) + 1 + len(first_word) > COLUMNS - 3
         if paragraph and not (goes_on and first_word and not line.startswith("@")):
             yield paragraph
@@ -412,6 +443,7 @@ def _as_comment(lines: list[str]) -> str:
     text = "\n".join(lines).strip("\n")
     if not text:
         return ""
+    # 7 characters are the marks of a comment on one line.
     if "\n" not in text and len(text) <= COLUMNS - 7:
         return f"/** {text.strip()} */\n"
     body = "\n".join(f" * {line}".rstrip() for line in text.splitlines())

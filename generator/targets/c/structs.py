@@ -63,10 +63,12 @@ class Struct:
                 self.path,
             )
         if self.unused.width > 64:
+            # Rounded up.
             bytes_ = -(-self.unused.width // 8)
             raise TargetError(f"{name} has unused bits in {bytes_} bytes; the C target supports at most 8", self.path)
         for part in self.plan.parts:
             field = part.field
+            # Called for its error if the field has more than 64 bits.
             self.type_of(field)
             if isinstance(meaning_of(field), Characters) and not characters(field):
                 raise TargetError(
@@ -76,7 +78,7 @@ class Struct:
 
     @property
     def path(self) -> tuple[str, ...]:
-        """The path of the layout in the spec."""
+        """The path of the layout in the spec, such as ``("registers", "status")``."""
         if self.register is not None:
             return ("registers", self.register.name)
         (interface_name,) = (interface.name for interface, layout in self.device.layouts() if layout is self.layout)
@@ -89,12 +91,12 @@ class Struct:
     # -- members
 
     def choice(self, field: Field) -> Enumeration | None:
-        """Return the named values of a field, or None if its values have no names."""
+        """Return the named values of a field as an enumeration or as macros, or None if its values have no names."""
         owner = self.layout.name if self.register is None else f"reg_{self.register.name}"
         return self.context.choices.get((owner, field.name))
 
     def enumeration(self, field: Field) -> Enumeration | None:
-        """Return the enumeration of a field, if that is a type."""
+        """Return the enumeration of a field, or None if its values have no names or are macros."""
         choice = self.choice(field)
         return choice if choice is not None and choice.is_enum else None
 
@@ -128,8 +130,9 @@ class Struct:
     def initial(self, parameters: Mapping[str, int], values: Mapping[str, int] = MappingProxyType({})) -> str:
         """Return the initialiser of a struct without its braces, such as ``true, 0x1BU, 0U``.
 
-        ``values`` are numbers by the names of fields and joins. Other fields have the default of the spec, or 0.
-        ``parameters`` are those of an order code. The bits of a member ``unused`` that is 0 are as documented.
+        ``values`` are numbers by the names of fields and joins. Other fields have the default of the spec, or else a
+        value that an encoder accepts, mostly 0. ``parameters`` are those of an order code. The bits of a member
+        ``unused`` that is 0 are as documented.
         """
         numbers: dict[str, int] = {}
         for part in self.plan.parts:
@@ -137,6 +140,7 @@ class Struct:
         for whole in self.plan.wholes:
             if whole.join.name in values:
                 numbers.update(whole.parts(values[whole.join.name], parameters))
+        # C sets all members after the first one to 0.
         if not any(numbers.values()):
             return "0U"
         initial_values: list[str] = []
@@ -154,7 +158,7 @@ class Struct:
         return tuple(c_name(part.field.name) for part in self.plan.parts if part.field.default is None)
 
     def _initial_values(self, field: Field, initial_number: int) -> Iterator[str]:
-        """Yield the initial values of the members of a field."""
+        """Yield the initial value of each member of a field: one, or with runs of digits also one for each run."""
         match meaning_of(field):
             case Active():
                 yield "true" if initial_number else "false"
@@ -182,6 +186,7 @@ class Struct:
         """
         choice = self.choice(field)
         constants = choice.names if choice is not None else {}
+        # The type to which constants are cast, empty if they need no cast.
         type_of_bits = ""
         if is_raw and self.enumeration(field) is not None:
             type_of_bits, _ = self.reader.value(self.plan.bits_of(field.name))
@@ -196,7 +201,10 @@ class Struct:
 
 
 def _default_value(field: Field) -> int:
-    """Return the default of a field, or a value that an encoder accepts."""
+    """Return the default of a field, or else a value that its encoder accepts.
+
+    That is 1 for a power of two, the lowest named value, the number that 0 stands for, and 0 for all others.
+    """
     if field.default is not None:
         return field.default
     if field.number.power_of_two:

@@ -52,6 +52,10 @@ class HeldValue:
         return str(Number(value))
 
     def _locals(self) -> Iterator[tuple[str, str, Expr]]:
+        """Yield the type, the name and the initial value of each local, such as ``("uint8_t", "turns", bytes[0])``.
+
+        If 0 stands for a number, a local with the bits as read comes first. A code has a local that ends in ``_code``.
+        """
         type_, bits = of_bytes(self.held_parameter.bits.pieces)
         match self.held_parameter.meaning:
             case ZeroMeans(number):
@@ -90,7 +94,10 @@ class CodeSwitch:
 
 
 def _switches(values: Sequence[HeldValue]) -> Iterator[CodeSwitch]:
-    """Yield a switch for each field that holds a code. A code is valid if all parameters have it."""
+    """Yield a switch for each field that holds a code of one or several parameters.
+
+    It has a case for each code for which all of these parameters have a value.
+    """
     values_by_field: dict[str, list[HeldValue]] = {}
     for value in values:
         if value.is_coded:
@@ -106,7 +113,7 @@ def _codes_of(value: HeldValue) -> set[int]:
 
 
 def _switch_case(code: int, values: Sequence[HeldValue]) -> tuple[str, tuple[tuple[str, str], ...]]:
-    """Return a code, and the assignments that it stands for."""
+    """Return a code, and the assignments that it stands for, such as ``("2U", (("position_bits", "24U"),))``."""
     return str(Number(code)), tuple((value.local, value.for_code(code)) for value in values)
 
 
@@ -116,8 +123,8 @@ class Taker:
     def __init__(self, context: Context, register_parameters: HoldingRegister, access: Access) -> None:
         register = register_parameters.register
         self.name = f"{context.prefix}_take_{register.name}"
-        names = listed(parameter.parameter.name for parameter in register_parameters.parameters)
-        self.about = f"Update {names} in a variant from the content of the {title(register)} register."
+        parameter_names = listed(parameter.parameter.name for parameter in register_parameters.parameters)
+        self.about = f"Update {parameter_names} in a variant from the content of the {title(register)} register."
         self.values = tuple(HeldValue(context, parameter) for parameter in register_parameters.parameters)
         self.switches = tuple(_switches(self.values))
         #: Locals that the bits are read into: type, name and initial value.
@@ -129,7 +136,10 @@ class Taker:
         yield self.name, ()
 
     def _locals(self) -> Iterator[tuple[str, str, Expr]]:
-        """Yield the locals of all values. Values with the same code share the local of the switch."""
+        """Yield the locals of all values: type, name and initial value.
+
+        Values that one field holds as a code share the local of its switch, that of the first value.
+        """
         switch_locals = {switch.local for switch in self.switches}
         for value in self.values:
             for type_, local, initial_value in value.locals:
@@ -165,6 +175,7 @@ class VariantCode:
         self.about = about_order_codes(self.device)
 
     def declared(self) -> Iterator[Declared]:
+        """Yield the names at file scope, each with its path in the spec. Names that every header has have none."""
         yield self.context.prefix, ()
         for name in ("order_code", "order_codes", "find_order_code"):
             yield f"{self.context.prefix}_{name}", ()
@@ -182,11 +193,11 @@ class VariantCode:
         return any(pattern.code is None for pattern in self.patterns)
 
     def bits(self, pattern: OpenCode) -> str:
-        """Return the parts that a pattern leaves open."""
+        """Return the parts that a pattern leaves open as bits in C, such as ``ACME_X_UNLISTED_BITS``, or ``0U``."""
         return " | ".join(map(self._unlisted_macro, pattern.unlisted)) or "0U"
 
     def _unlisted_macros(self) -> Iterator[Macro]:
-        """Yield a bit for each open part of the order code."""
+        """Yield a macro with a bit for each open part of the order code, except parts that no pattern describes."""
         unknown_names = unknown_parts(self.device)
         bit = 1
         for part in self.device.order_code.parts:
@@ -198,7 +209,7 @@ class VariantCode:
         return f"{self.context.PREFIX}_UNLISTED_{part.upper()}"
 
     def _in_order_of_use(self) -> list[Parameter]:
-        """Return the derived parameters, each after those that it needs."""
+        """Return the derived parameters, each after those that it needs. Parameters in a cycle are an error."""
         waiting = {parameter.name: parameter for parameter in self.device.parameters if parameter.equals is not None}
         ordered: list[Parameter] = []
         while waiting:
@@ -208,20 +219,24 @@ class VariantCode:
         return ordered
 
     def _derived(self, parameter: Parameter) -> Function:
+        """Return the function that computes a derived parameter."""
         assert parameter.equals is not None
         name = f"{self.context.prefix}_{parameter.name}"
         return number_of(self.context.scope, name, parameter.equals, parameter.largest, self.about_parameter(parameter))
 
     def _row(self, variant: Variant) -> CodeRow:
-        """Return an order code with its name in C, which does not repeat the name of the family."""
+        """Return an order code with its name in C, such as ``24_A`` for ``X-24/A`` of the family X.
+
+        The name of the family is only left out if all order codes begin with it.
+        """
         family, order_code = self.device.name.upper(), variant.code.upper()
         if all(other.code.upper().startswith(family) for other in self.device.variants):
             order_code = order_code.removeprefix(family) or order_code
-        name = re.sub("[^A-Z0-9]+", "_", order_code).strip("_")
+        constant_name = re.sub("[^A-Z0-9]+", "_", order_code).strip("_")
         return CodeRow(
             variant=variant,
-            code=name,
-            macro=f"{self.context.PREFIX}_{name}",
+            code=constant_name,
+            macro=f"{self.context.PREFIX}_{constant_name}",
             values=tuple(_parameter_value(parameter, variant) for parameter in self.parameters),
         )
 
@@ -277,7 +292,7 @@ class LengthCode:
         return f"For example, code can be {code}, as in {self._prefix}{code}_BITS."
 
     def for_layout(self, layout: Layout) -> LengthCode:
-        """Return the same for one frame. Of an interface, some frames may be words, and others bytes."""
+        """Return a copy whose variables and arguments are those of one frame, as a word or as bytes."""
         length_code = copy(self)
         length_code.length = self._context.length_macro(layout) if layout.in_bytes else ""
         return length_code
@@ -295,14 +310,18 @@ class LengthCode:
         return f"bytes{index}, {self.length}" if self.length else f"word{index}"
 
     def code_of(self, frame: FrameSize) -> str:
-        """Return the name of an order code in names of lengths, with the answers on which these depend."""
-        names = [self._codes[id(frame.variant)]]
+        """Return the name of an order code in names of lengths, such as ``X24`` or ``X24_POSITION_WIDE``.
+
+        The frame follows if there are several, and then the answers on which the length depends.
+        """
+        name_parts = [self._codes[id(frame.variant)]]
         if len(self.layouts) > 1:
-            names.append(frame.layout.name)
-        names += [answer.name for answer in frame.answers]
-        return "_".join(names).upper()
+            name_parts.append(frame.layout.name)
+        name_parts += [answer.name for answer in frame.answers]
+        return "_".join(name_parts).upper()
 
     def declared(self) -> Iterator[Declared]:
+        """Yield the names of its macros at file scope, each with the path of the interface in the spec."""
         path = ("interfaces", self.interface.name)
         for macro in self.macros:
             yield macro.name, path
@@ -317,24 +336,27 @@ class LengthCode:
 
 
 def _register_access(device: Device, interface: Interface, frames: Sequence[FrameSize]) -> Iterator[str]:
-    """Yield the deadlines for the control bit of a master, with the numbers of the family, if the interface is BiSS."""
+    """Yield the pieces of a text about the deadlines for the control bit of a master, or nothing unless it is BiSS.
+
+    The numbers are those of the shortest frame, at the highest and lowest clock, or else at the last clock in use.
+    """
     if not isinstance(interface, Biss) or not frames:
         return
     shortest_bits, clock = min(frame.bits for frame in frames), interface.clock
-    delay = f"{shortest_bits} clock periods after its CDS"
+    delay_text = f"{shortest_bits} clock periods after its CDS"
     if any(frame.depends_on_registers for frame in frames):
-        delay += f" with {initial(device)}"
+        delay_text += f" with {initial(device)}"
     else:
-        delay = f"at least {delay}"
+        delay_text = f"at least {delay_text}"
     limits_hz = [limit_hz for limit_hz in (clock.max_hz, clock.min_hz) if limit_hz is not None]
-    delays = []
+    delays_at_clocks = []
     for clock_hz in limits_hz or clock.used_hz[-1:]:
         delay_ns = shortest_bits * 1_000_000_000 // clock_hz
-        delays.append(f"{nanoseconds(delay_ns)} at {hertz(clock_hz)}")
-    if delays:
-        delay += f": {' and '.join(delays)}"
+        delays_at_clocks.append(f"{nanoseconds(delay_ns)} at {hertz(clock_hz)}")
+    if delays_at_clocks:
+        delay_text += f": {' and '.join(delays_at_clocks)}"
     yield "For register access with codewheel/biss.h: the bit of cw_biss_master_next must be on MA before the last "
-    yield f"clock of the same frame. It comes {delay}. The bit of "
+    yield f"clock of the same frame. It comes {delay_text}. The bit of "
     yield "cw_biss_master_next_late, for SPI and DMA, is needed before the next frame begins, since the SPI mode "
     yield "sends it. MA carries the inverse of the bit for the whole time-out"
     if interface.timeout is not None:

@@ -32,7 +32,7 @@ class FileValue:
 
     @property
     def size(self) -> int:
-        """Size of the data in bytes."""
+        """Size of the data in bytes, rounded up."""
         return -(-(self.place.bits or 0) // 8)
 
     @property
@@ -72,7 +72,7 @@ class Channel:
 
     @property
     def registers(self) -> list[tuple[str, list[FileValue]]]:
-        """The values of each register, in the order of their first bits."""
+        """The registers in the order of their names, each with its values in the order of their first bits."""
         values_by_register: dict[str, list[FileValue]] = {}
         for file_value in sorted(self.entries, key=_first_bit):
             values_by_register.setdefault(file_value.register, []).append(file_value)
@@ -80,7 +80,7 @@ class Channel:
 
     @property
     def structures(self) -> list[tuple[str, list[FileValue]]]:
-        """The values of each structure."""
+        """The structures in the order of their names, each with its values in the order of writing."""
         values_by_structure: dict[str, list[FileValue]] = {}
         for file_value in self.entries:
             structure, _ = file_value.symbol
@@ -107,7 +107,10 @@ class Content:
 
 
 def content(sheet: Sheet, rule: Raw, device: str) -> Content:
-    """Return the content of a file in this format for a device."""
+    """Return the content of a file for a device. ``rule`` is the entry of ``files`` in the description of the master.
+
+    A setting that the file leaves out gets a sentence with the reason. So does a value without a place in the format.
+    """
     format_ = FILE_FORMATS[rule["format"]]
     file_values: list[FileValue] = []
     omissions: list[str] = []
@@ -127,7 +130,10 @@ def content(sheet: Sheet, rule: Raw, device: str) -> Content:
 
 
 def _settings_in_write_order(sheet: Sheet) -> Iterator[tuple[Setting, list[Write], list[Write]]]:
-    """Yield the settings in the order of writing, each with the values to write before and after it."""
+    """Yield the settings in the order of writing, each with the values to write before and after it.
+
+    A rule for several settings adds its values before the first and after the last of them.
+    """
     names_in_order = write_order([setting.name for setting in sheet.settings], sheet.writing)
     settings = sorted(sheet.settings, key=lambda setting: names_in_order.index(setting.name))
     setting_names = [setting.name for setting in settings]
@@ -135,7 +141,7 @@ def _settings_in_write_order(sheet: Sheet) -> Iterator[tuple[Setting, list[Write
         writes_before: list[Write] = []
         writes_after: list[Write] = []
         for rule in sheet.writing:
-            # Without names, a rule applies to all settings.
+            # Without names, a rule applies to all settings. The names are in the order of writing.
             names_of_rule = [name for name in setting_names if name in (rule.of or setting_names)]
             if setting.name == names_of_rule[0]:
                 writes_before += rule.needs
@@ -145,7 +151,10 @@ def _settings_in_write_order(sheet: Sheet) -> Iterator[tuple[Setting, list[Write
 
 
 def _reason_to_leave_out(setting: Setting, sheet: Sheet, format_: FileFormat) -> str:
-    """Return the reason that no file contains a setting, or an empty string."""
+    """Return the reason that no file contains a setting, or an empty string if files contain it.
+
+    Reasons are an unknown value, an open bound, and a factory default that could be written only after other values.
+    """
     if setting.value is None:
         return setting.text
     if setting.bound == "below":
@@ -161,7 +170,7 @@ def _name(setting_or_write: Setting | Write) -> str:
 
 
 def _reason_for_misfit(setting_or_write: Setting | Write, rule: Raw, format_: FileFormat, device: str) -> str:
-    """Return the reason that a format cannot write a value to a location on a device, or an empty string."""
+    """Return the reason for the first place on a device to which a format cannot write a value, or an empty string."""
     key = _key(setting_or_write, rule)
     for place in setting_or_write.places:
         if place.device == device:
@@ -198,7 +207,7 @@ def _word(setting_or_write: Setting | Write, rule: Raw) -> str:
 
 
 def _marks(setting: Setting) -> list[str]:
-    """Return the words that say that a value is derived, or that it is a bound."""
+    """Return the marks of a setting: ``derived`` if no document states it, and its bound, such as ``at most``."""
     marks = ["derived"] if setting.standing == "inferred" else []
     if setting.bound:
         marks.append(setting.bound.replace("_", " "))
@@ -217,7 +226,10 @@ def _value(setting_or_write: Setting | Write) -> Value:
 
 
 def _reason_for_misfit_at(place: Place, value: Value, key: str, format_: FileFormat) -> str:
-    """Return the reason that a format cannot write a value to this location, or an empty string."""
+    """Return the reason that a format cannot write a value to this location, or an empty string.
+
+    ``key`` is the name of the setting in the file. For a format with names, only the name counts.
+    """
     if format_.needs == "name":
         return "" if key else "the file has no name for it"
     has_bits = place.high_bit is not None and bool(place.register or place.address is not None)
@@ -233,7 +245,10 @@ def _reason_for_misfit_at(place: Place, value: Value, key: str, format_: FileFor
 
 
 def _channels(sheet: Sheet, device: str, file_values: Sequence[FileValue]) -> tuple[Channel, ...]:
-    """Return the channels of a device with their values, or one channel if all of them are shared."""
+    """Return the channels of a device with their values, or one channel if all values are shared, or none without any.
+
+    That one channel has a name only if the device has a single channel.
+    """
     if not file_values:
         return ()
     devices = (master_device for master_device in sheet.master.devices if master_device.name == device)

@@ -97,7 +97,7 @@ def _first_paragraphs(
 
 
 def _paragraphs_on_origin(device: Device, sheet: Sheet, rule: Raw, master_device: str) -> Iterator[str]:
-    """Yield the manual and the documents that the values come from, and whether the file has been tested."""
+    """Yield the manual and the cited documents of the master, and that the file has not been tested on hardware."""
     format_, manual = FILE_FORMATS[rule["format"]], device.manual
     yield f"From the spec of {device.title}, manual {manual.title}, revision {manual.revision}."
     cited_keys: set[str] = set()
@@ -120,7 +120,7 @@ def _places_on_device(sheet: Sheet, master_device: str) -> Iterator[Place]:
 
 
 def _paragraphs_on_content(file_content: Content, is_short: bool) -> Iterator[str]:
-    """Yield which values are derived or left out, and the conditions on writing them."""
+    """Yield which values are derived, only a start, or left out, and unless ``is_short``, the conditions on writing."""
     derived = _names_with_mark(file_content, "derived")
     if derived:
         yield f"Derived, not stated in a document: {listed(derived)}."
@@ -134,7 +134,7 @@ def _paragraphs_on_content(file_content: Content, is_short: bool) -> Iterator[st
 
 
 def _names_with_mark(file_content: Content, mark: str) -> list[str]:
-    """Return the names of the values with a mark, each once."""
+    """Return the names of the values whose mark, such as ``derived, start with``, contains this one, each once."""
     return list(dict.fromkeys(file_value.name for file_value in file_content.entries if mark in file_value.mark))
 
 
@@ -155,7 +155,7 @@ def note(text: object) -> str:
 
 
 def filled(pattern: str, file_content: Content) -> str:
-    """Return the pattern with each name in braces replaced by the value of that name."""
+    """Return the pattern with each key in braces replaced by its value: ``-b {bits}`` becomes ``-b 24``."""
     for file_value in file_content.entries:
         pattern = pattern.replace(f"{{{file_value.key}}}", file_value.word)
     return pattern
@@ -180,6 +180,7 @@ def _family(device: Device, library: Library, options: Options) -> Iterator[tupl
     masters = shipped_masters()
     interface_sheets = sheets_of(device, masters)
     for index, master in enumerate(masters):
+        # The sheets of a group of order codes are in the order of the masters.
         usable_sheets = list(_usable_sheets(interface_sheets, index))
         for rule in master.files:
             master_devices: dict[str, None] = {}
@@ -187,12 +188,16 @@ def _family(device: Device, library: Library, options: Options) -> Iterator[tupl
                 master_devices |= dict.fromkeys(sheet.devices_with(rule))
             for master_device in master_devices:
                 start = _start_of_path(master, rule, master_device)
+                # The first of each triple is the sheet.
                 sheets = [usable for usable in usable_sheets if master_device not in usable[0].unusable_devices]
                 yield from files_of_device(start, device, sheets, rule, master_device, library)
 
 
 def _start_of_path(master: Master, rule: Raw, master_device: str) -> str:
-    """Return the folder and the beginning of a file name, such as ``masters/acme/c_struct/m100-``."""
+    """Return the folder and the beginning of a file name, such as ``masters/acme/c_struct/m100-``.
+
+    If the master has only one device, it is the folder alone.
+    """
     folder = f"masters/{master.name}/{rule['format']}/"
     if len(master.devices) == 1:
         return folder
@@ -201,7 +206,10 @@ def _start_of_path(master: Master, rule: Raw, master_device: str) -> str:
 
 
 def _usable_sheets(interface_sheets: Sequence[GroupSheets], number: int) -> Iterator[SheetOfCodes]:
-    """Yield the settings of the master with this number for each group of order codes that it can use."""
+    """Yield the settings of the master with this number, with the record and the order codes that share them.
+
+    Groups of order codes that the master cannot use are left out.
+    """
     for group_sheets in interface_sheets:
         _, sheets = group_sheets.sheets[number]
         for sheet, group in zip(sheets, group_sheets.groups, strict=True):
@@ -210,7 +218,7 @@ def _usable_sheets(interface_sheets: Sequence[GroupSheets], number: int) -> Iter
 
 
 def _index(library: Library, files: Iterable[str]) -> str:
-    """Return the page about the formats of masters that have any of these files."""
+    """Return the page about the formats of masters. Formats of which ``files`` contains no path are left out."""
     folders = {path.rpartition("/")[0].removeprefix("masters/") for path in files}
     rows: list[dict[str, str]] = []
     for master in shipped_masters():
@@ -241,7 +249,10 @@ SheetOfCodes = tuple[Sheet, Record, Sequence[str]]
 def _file_of_each_order_code(
     start: str, device: Device, sheets: Sequence[SheetOfCodes], rule: Raw, master_device: str, library: Library
 ) -> Iterator[tuple[str, Callable[[], str]]]:
-    """Yield the path of a file for each order code, and a function for its text."""
+    """Yield the path of a file for each order code, and a function for its text.
+
+    ``start`` is the beginning of each path. Its end is the order code, and the answers of open choices.
+    """
     suffix = FILE_FORMATS[rule["format"]].suffix
     labels: list[str] = []
     text_functions: list[Callable[[], str]] = []
@@ -266,27 +277,31 @@ def _bulk_file(
 
 
 def _bulk_text(device: Device, sheets: Sequence[SheetOfCodes], rule: Raw, master_device: str, library: Library) -> str:
-    """Return the text of a file in which order codes with the same content share a block."""
+    """Return the text of a file in which order codes with the same content and the same answers share a block."""
     codes_by_content: dict[tuple[Content, Sequence[tuple[str, str]]], list[str]] = {}
     sheet_by_content: dict[tuple[Content, Sequence[tuple[str, str]]], Sheet] = {}
     for sheet, record, codes in sheets:
-        key = (content(sheet, rule, master_device), tuple(record.answers.items()))
-        codes_by_content.setdefault(key, []).extend(codes)
-        sheet_by_content.setdefault(key, sheet)
+        content_and_answers = (content(sheet, rule, master_device), tuple(record.answers.items()))
+        codes_by_content.setdefault(content_and_answers, []).extend(codes)
+        sheet_by_content.setdefault(content_and_answers, sheet)
     blocks = []
     for (file_content, answers), codes in codes_by_content.items():
         choices = " and ".join(f"{name}={answer}" for name, answer in answers)
         title = f"{', '.join(codes)} with {choices}" if choices else ", ".join(codes)
         sheet = sheet_by_content[file_content, answers]
-        text = file_text(device, codes, sheet, rule, master_device, library, is_short=True, file_content=file_content)
-        blocks.append((title, text))
+        block = file_text(device, codes, sheet, rule, master_device, library, is_short=True, file_content=file_content)
+        blocks.append((title, block))
+    # The head has the documents and conditions of the last sheet.
     return _joined_blocks(device, blocks, sheet, rule, master_device)
 
 
 def _joined_blocks(
     device: Device, blocks: Sequence[tuple[str, str]], sheet: Sheet, rule: Raw, master_device: str
 ) -> str:
-    """Return the files as comments, or as children of one element in XML."""
+    """Return the files as comments, or as children of one element in XML. Each block is a title and its text.
+
+    ``sheet`` gives the documents and conditions in the comment at the top.
+    """
     format_ = FILE_FORMATS[rule["format"]]
     head = [
         f"{master_device} with the order codes of {device.title}. For {format_.title}.",
@@ -298,8 +313,8 @@ def _joined_blocks(
     )
     if format_.comment == "<!--":
         head.append("Copy the element below your order code into a file of its own.")
-        inner = "".join(f"\n{comment([title], '<!--')}\n{_without_declaration(text)}" for title, text in blocks)
-        return f'<?xml version="1.0" encoding="UTF-8"?>\n{comment(head, "<!--")}\n<files>{inner}</files>\n'
+        elements = "".join(f"\n{comment([title], '<!--')}\n{_without_declaration(text)}" for title, text in blocks)
+        return f'<?xml version="1.0" encoding="UTF-8"?>\n{comment(head, "<!--")}\n<files>{elements}</files>\n'
     head.append(f"Copy the lines below your order code and remove the first {format_.comment} of each line.")
     lines = [comment(head, format_.comment)]
     for title, text in blocks:
