@@ -100,7 +100,10 @@ def _supply_range(supply: Supply) -> str:
 
 
 def _identity_rows(device: Device) -> Iterator[Row]:
-    """Yield rows of the registers whose content is the same for the whole family or is determined by the order code."""
+    """Yield rows of family, address, name, content, source of the register fields that identify an encoder.
+
+    Their content is the same for the whole family, or the order code determines it.
+    """
     for register, field in device.identity:
         name = title(register)
         if len(register.layout.fields) > 1:
@@ -118,6 +121,7 @@ def _documented_content(field: Field) -> str:
     """Return the content of an identifying field, such as ```1Bh```, or an empty text if the manual gives none."""
     match field.equals:
         case int():
+            # One hexadecimal digit holds four bits.
             return f"`{field.equals:0{(field.widest + 3) // 4}X}h`"
         case str():
             return code(field.equals)
@@ -128,7 +132,7 @@ def _documented_content(field: Field) -> str:
 
 
 def _interface_fact_rows(device: Device) -> Iterator[Row]:
-    """Yield rows of interface, family, label, fact, source."""
+    """Yield rows of interface, family, label, fact, source for the facts with a label in ``_COMPARED_LABELS``."""
     for interface in device.interfaces:
         for setting in settings(device, interface):
             if setting.label in _COMPARED_LABELS:
@@ -142,7 +146,10 @@ def _interface_fact_rows(device: Device) -> Iterator[Row]:
 
 
 def _position_frame_rows(device: Device) -> Iterator[Row]:
-    """Yield rows of interface, family, frame, bits, order, CRC."""
+    """Yield rows of interface, family, frame, bits, order, CRC for the frames that send the position.
+
+    ``none`` is one of the CRCs if the frames of some order codes have none.
+    """
     for interface, layout in device.layouts():
         if device.tells_position(interface.name, layout):
             crcs = [f"{crc.polynomial}, {crc_sent(crc)}" for crc in device.crcs_of(layout)]
@@ -161,32 +168,37 @@ def _position_frame_rows(device: Device) -> Iterator[Row]:
 def _range_of_lengths(device: Device, interface: Interface, layout: Layout) -> str:
     """Return the lengths in bits that a frame has for the order codes of an interface, such as ``33 to 45``."""
     variants = device.variants_over(interface.name)
+    # The length is 0 if no order code of the interface is listed.
     lengths = {layout.place(variant.parameters).bits for variant in variants} or {0}
     shortest, longest = min(lengths), max(lengths)
     return f"{shortest}" if shortest == longest else f"{shortest} to {longest}"
 
 
 def _resolution_rows(device: Device) -> Iterator[Row]:
-    """Yield the resolution and range of the position by order code."""
+    """Yield rows of family, quantity, values, unit, source.
+
+    The quantities are those with a unit that an order code sets, and that no register changes at run time. The values
+    are those of all listed order codes, in ascending order.
+    """
     run_time_parameters = run_time_names(device)
     for parameter in device.set_parameters:
         if not parameter.unit or parameter.name in run_time_parameters:
             continue
         variants = [variant for variant in device.variants if parameter.name in variant.parameters]
-        counts = sorted({variant.parameters[parameter.name] for variant in variants})
-        values = ", ".join(parameter_value(parameter, count) for count in counts)
-        yield _family_link(device), text(parameter.meaning), values, text(parameter.unit), cited(parameter.source)
+        different_values = sorted({variant.parameters[parameter.name] for variant in variants})
+        values_cell = ", ".join(parameter_value(parameter, count) for count in different_values)
+        yield _family_link(device), text(parameter.meaning), values_cell, text(parameter.unit), cited(parameter.source)
 
 
 def _byte_order_rows(device: Device) -> Iterator[Row]:
-    """Yield the byte order of registers that have several bytes."""
+    """Yield rows of family, byte order, links to its registers of several bytes with this order."""
     registers_by_order: dict[str, list[Register]] = {}
     for register in device.registers:
         if register.length > 1:
             registers_by_order.setdefault(register.byte_order, []).append(register)
     for order, registers in registers_by_order.items():
-        links = (_register_link(device, register) for register in registers)
-        yield _family_link(device), order.replace("_", " "), ", ".join(links)
+        register_links = (_register_link(device, register) for register in registers)
+        yield _family_link(device), order.replace("_", " "), ", ".join(register_links)
 
 
 def _register_link(device: Device, register: Register) -> str:
@@ -203,7 +215,9 @@ def registers_page_values(devices: Sequence[Device]) -> RegistersPage:
 
 
 def _address_and_family(register_of_device: tuple[Register, Device]) -> tuple[int, int, str]:
+    """Return the sort key of a register: its address, then its bank, then the family."""
     register, device = register_of_device
+    # A register that is in every bank comes first.
     bank = -1 if register.bank is None else register.bank
     return register.address, bank, device.name
 
@@ -224,7 +238,7 @@ def _register_row(register: Register, device: Device) -> Row:
 
 
 def alarms_page_values(devices: Sequence[Device]) -> AlarmsPage:
-    """Return the values of the page with the alarms and LEDs of all families."""
+    """Return the values of the page with the alarms of all families by title, and their LEDs."""
     explained_alarms: list[tuple[Alarm, Device, Interface]] = []
     for device in devices:
         explained_alarms += _alarms_with_interfaces(device)
@@ -293,7 +307,7 @@ class _InterfacePage:
 
 
 def page_values(devices: Sequence[Device]) -> GlossaryPage:
-    """Return the values of the glossary: the terms that a page of these families uses."""
+    """Return the values of the glossary: the terms to which a page of these families has a section."""
     pages: list[_InterfacePage] = []
     for device in devices:
         pages += [_interface_page(device, interface) for interface in device.interfaces]
@@ -312,17 +326,21 @@ def _interface_page(device: Device, interface: Interface) -> _InterfacePage:
 
 def _links(term: Term, pages: Sequence[_InterfacePage]) -> str:
     """Return links to the sections about a term, one for each interface page that has one."""
-    links: list[str] = []
+    page_links: list[str] = []
     for page in pages:
         anchor = _anchor_of_term(term, page)
         if anchor:
-            title = f"{page.device.name.upper()} {page.interface.short}"
-            links.append(link(text(title), path_to_anchor(page.device, page.interface.name, anchor)))
-    return ", ".join(links)
+            page_title = f"{page.device.name.upper()} {page.interface.short}"
+            page_links.append(link(text(page_title), path_to_anchor(page.device, page.interface.name, anchor)))
+    return ", ".join(page_links)
 
 
 def _anchor_of_term(term: Term, page: _InterfacePage) -> str:
-    """Return the anchor of the section about a term on an interface page, or an empty string."""
+    """Return the anchor of the section about a term on an interface page, or an empty string.
+
+    It is the section that a term of an interface states. For another term, it is the first name that is a spelling of
+    the term, or else the first name that contains one as a whole word.
+    """
     if term.over is not None:
         is_on_page = isinstance(page.interface, term.over) and _has_section(page, term.section)
         return term.section if is_on_page else ""
@@ -336,7 +354,7 @@ def _anchor_of_term(term: Term, page: _InterfacePage) -> str:
 
 
 def _has_section(page: _InterfacePage, section: str) -> bool:
-    """Return whether an interface page has a section. Every page has frames and times."""
+    """Return whether an interface page has a section. Sections not in ``contents`` are on every page."""
     contents = {
         "control-data": getattr(page.interface, "control_data", ()),
         "procedures": page.device.procedures,
@@ -367,5 +385,6 @@ def _anchors_by_name(device: Device, interface: Interface) -> Iterator[tuple[str
 
 
 def _names_of(titled: Titled, anchor: str) -> Iterator[tuple[str, str]]:
+    """Yield our name in words and the printed name in lowercase, each with the anchor."""
     yield titled.name.replace("_", " "), anchor
     yield titled.printed_name.casefold(), anchor

@@ -186,15 +186,18 @@ def _data_id_row(data_id: DataId) -> tuple[str, ...]:
 
 
 def _exchange_rows(interface: Interface) -> Rows:
-    """Return rows of request, reply, length if requests differ in it, purpose, source."""
+    """Return rows of request, reply, length, purpose, source.
+
+    The rows have a length only if there are requests of bits with different lengths.
+    """
     frame_exchanges = exchanges(interface)
     lengths = {exchange.request.bits for exchange in frame_exchanges if not exchange.request.in_bytes}
     rows: Rows = []
     for exchange in frame_exchanges:
-        length = [f"{exchange.request.bits.render()} bits"] if len(lengths) > 1 else []
+        length_cells = [f"{exchange.request.bits.render()} bits"] if len(lengths) > 1 else []
         purpose = PURPOSES[exchange.exchange.purpose]
-        frames = [_layout_link(exchange.request), _layout_link(exchange.reply)]
-        rows.append((*frames, *length, purpose, cited(exchange.exchange.source)))
+        frame_links = [_layout_link(exchange.request), _layout_link(exchange.reply)]
+        rows.append((*frame_links, *length_cells, purpose, cited(exchange.exchange.source)))
     return rows
 
 
@@ -233,7 +236,10 @@ def _layout_section(device: Device, interface: Interface, layout: Layout) -> Sec
 
 
 def _register_section(device: Device, register: Register) -> Section:
-    """Return a register with its facts, fields and named values."""
+    """Return a register with its facts, fields and named values.
+
+    A single field with the name of the register has no row if the row says nothing that the register does not.
+    """
     fields = register.layout.fields
     rows = list(layout_tables.field_rows(device, register.layout))
     _, _, _, meaning_cell, source_cell = rows[0]
@@ -330,7 +336,7 @@ _TITLES_AND_SUMMARIES = {
 
 
 def subjects(device: Device, kind: str) -> list[str]:
-    """Return the subjects of an interface that have pages of their own."""
+    """Return the subjects for which an interface has any content. Each has a page of its own."""
     interface_device = for_interface(device, kind)
     contents = {
         "registers": interface_device.registers,
@@ -355,7 +361,7 @@ def subject_values(subject: str, page: InterfacePage) -> SubjectPage:
 def interface_values(
     family: Device, device: Device, variants: Sequence[Variant], has_masters: bool, pictures: Pictures
 ) -> InterfaceValues:
-    """Return the values. ``device`` is the family, reduced to the interface."""
+    """Return the values of a page about one interface. ``device`` is ``family`` reduced to the interface."""
     (interface,) = device.interfaces
     layouts = family.interface(interface.name).layouts
     return {
@@ -372,7 +378,7 @@ def interface_values(
 def page_values(
     device: Device, kind: str, links: Mapping[str, str], has_masters: bool, pictures: Pictures
 ) -> InterfacePage:
-    """Return the values of the page. ``links`` contains a link to the page of each order code."""
+    """Return the values of the page of interface ``kind``. ``links`` has a link to the page of each order code."""
     interface_device = for_interface(device, kind)
     variants = device.variants_over(kind)
     codes = [variant.code for variant in variants]
@@ -388,7 +394,7 @@ def page_values(
 
 
 def _overview_rows(device: Device, interface: Interface, variants: Sequence[Variant]) -> Iterator[Row]:
-    """Yield the unit of the position, the supply, and the facts of the interface."""
+    """Yield rows of fact, value, source: the position with its unit, each supply, and the facts of the interface."""
     position_measurement = device.measurement_of(interface.name)
     if position_measurement is not None:
         yield "Position", STYLE.phrase(measurement(position_measurement)), cited(position_measurement.source)
@@ -401,7 +407,7 @@ def _overview_rows(device: Device, interface: Interface, variants: Sequence[Vari
 
 
 def _codes_by_supply(device: Device, variants: Iterable[Variant]) -> dict[Supply, list[str]]:
-    """Return the order codes with each supply."""
+    """Return the order codes with each supply, without those whose supply is unknown."""
     codes_by_supply: dict[Supply, list[str]] = {}
     for variant in variants:
         supply = device.supply_of(variant)
@@ -411,7 +417,7 @@ def _codes_by_supply(device: Device, variants: Iterable[Variant]) -> dict[Supply
 
 
 def _name_rows(device: Device) -> Iterator[Row]:
-    """Yield name, printed name, language and name in that language of items that have other names."""
+    """Yield rows of name, printed name, language, name in that language if it differs from the printed one."""
     for named_part in _parts_with_names(device):
         for language, name in named_part.names.items():
             if name != title(named_part):
@@ -419,7 +425,7 @@ def _name_rows(device: Device) -> Iterator[Row]:
 
 
 def _parts_with_names(device: Device) -> Iterator[Named]:
-    """Yield the parts of an interface that may have other names. Fields and values of the same name are one part."""
+    """Yield the parts of an interface that may have other names. Of fields or values with one name, yield the last."""
     (interface,) = device.interfaces
     layouts = [*interface.layouts, *(register.layout for register in device.registers)]
     fields = [field for layout in layouts for field in layout.fields]

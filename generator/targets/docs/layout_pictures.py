@@ -36,7 +36,7 @@ _CLASS_COLOURS = (
 
 
 def _style_element() -> str:
-    """Return the style sheet of a picture, with the colours for light and dark screens."""
+    """Return the style sheet of a picture, with the colours of its classes for light and dark screens."""
     colours = palette()
     light = "".join(f".{name}{{{key}:{colours.light[colour]}}}" for name, key, colour in _CLASS_COLOURS)
     dark = "".join(f".{name}{{{key}:{colours.on_dark(colour)}}}" for name, key, colour in _CLASS_COLOURS)
@@ -179,13 +179,14 @@ class _BitRun:
 def bit_stack(caption: str, placed_layout: PlacedLayout) -> Stack:
     """Return a frame that is one number, with one byte of the number per row, highest bits first."""
     runs = runs_of(placed_layout)
+    # Lowest bit of each byte of the number. The first byte may have fewer than eight bits.
     lows = range((placed_layout.bits - 1) // 8 * 8, -1, -8)
     labels = [bit_range(min(low + 7, placed_layout.bits - 1), low) for low in lows]
     return Stack(caption, _rows(runs, lows, labels), f"{placed_layout.bits} bits: {_runs_text(runs)}")
 
 
 def register_stack(caption: str, placed_layout: PlacedLayout, address: int, low_byte_first: bool) -> Stack:
-    """Return a register in order of address. Bit numbers refer to the whole register."""
+    """Return a register, one byte per row in order of address. Bit numbers refer to the whole register."""
     runs = runs_of(placed_layout)
     lows = _lowest_bits(placed_layout.bits, low_byte_first)
     labels = [f"{address + index:02X}h" for index in range(len(lows))]
@@ -212,7 +213,11 @@ def byte_stack(caption: str, placed_layout: PlacedLayout) -> Stack:
 
 
 def _box_in_byte(run: _BitRun, byte_low: int) -> Box:
-    """Return the box of a run in one byte of a frame. It has no bit numbers if the run is this byte."""
+    """Return the box of a run in one byte of a frame.
+
+    Its bit numbers are those in the byte or, if the run spans several bytes, those in the run. It has none if the run
+    is this byte.
+    """
     is_within = run.high < byte_low + 8 and run.low >= byte_low
     if is_within and run.high - run.low == 7:
         return run.box(byte_low, "")
@@ -222,12 +227,14 @@ def _box_in_byte(run: _BitRun, byte_low: int) -> Box:
 def group_stack(caption: str, fields: Sequence[tuple[Field, int, int]], bits: int) -> Stack:
     """Return a group of fields, each given with its highest and lowest bit within the group."""
     runs = [_run_of_field(field, high, low) for field, high, low in fields]
+    # Lowest bit of each byte, highest first.
     lows = range((bits - 1) // 8 * 8, -1, -8)
     return Stack(caption, _rows(runs, lows, [""] * len(lows)), _runs_text(runs))
 
 
 def text_alternative(stacks: Sequence[Stack]) -> str:
     """Return the text alternative for a picture of these stacks. It describes the first ones."""
+    # To mention a single further stack would be no shorter than to describe it.
     if len(stacks) <= _MOST_DESCRIBED + 1:
         return "; ".join(map(_stack_text, stacks))
     further_stacks = f"and {len(stacks) - _MOST_DESCRIBED} more, in the tables"
@@ -253,7 +260,7 @@ def _lowest_bits(bits: int, low_byte_first: bool) -> range:
 
 
 def _rows(runs: Sequence[_BitRun], lows: Sequence[int], labels: Sequence[str]) -> tuple[ByteRow, ...]:
-    """Return rows whose boxes have bit numbers in the whole layout."""
+    """Return a row for each lowest bit of a byte. Boxes have bit numbers in the whole layout."""
     rows = []
     for low, row_label in zip(lows, labels, strict=True):
         boxes = tuple(run.box(low, run.bits_in_byte(low)) for run in runs if run.is_in_byte(low))
@@ -266,6 +273,7 @@ def _runs_text(runs: Sequence[_BitRun]) -> str:
 
 
 def _box_text(name: str, place: str, active_low: bool) -> str:
+    """Return the bits of a box in words, such as ``error 7 (0 = active)``. Constant bits are ``always 0``."""
     spoken_name = f"always {name}" if name.isdecimal() else name
     return " ".join(filter(None, (spoken_name, place, "(0 = active)" if active_low else "")))
 
@@ -279,7 +287,7 @@ def runs_of(placed_layout: PlacedLayout) -> list[_BitRun]:
 
 
 def _runs_with_groups_merged(placed_layout: PlacedLayout) -> list[_BitRun]:
-    """Return the runs, with a group of fields, or a field with its padding, as one run."""
+    """Return the runs, highest first, with a group of fields, or a field with its padding, as one run."""
     field_names = {placed_field.name for placed_field in placed_layout.fields}
     group_names = {placed_field.field.group for placed_field in placed_layout.fields} - {""}
     fields_by_group_or_field: dict[str, list[PlacedField]] = {}
@@ -313,6 +321,7 @@ def _run_of_field(field: Field, high: int, low: int) -> _BitRun:
 def _gaps(placed_layout: PlacedLayout) -> list[tuple[int, int]]:
     """Return the highest and lowest bit of each run of bits that belong to no field, highest run first."""
     gaps: list[tuple[int, int]] = []
+    # All bits from here on upwards are fields or listed gaps.
     top = placed_layout.bits
     for placed_field in sorted(placed_layout.fields, key=lambda field: -field.high):
         if placed_field.high + 1 < top:
@@ -327,21 +336,21 @@ def _gaps(placed_layout: PlacedLayout) -> list[tuple[int, int]]:
 
 
 def stacks_picture(title: str, stacks: Sequence[Stack]) -> str:
-    """Return a picture of the stacks, one below the other."""
+    """Return a picture of the stacks, one below the other. Names that do not fit a box are below its row."""
     body: list[str] = []
     top = _MARGIN
     for stack in stacks:
-        for line in wrapped(stack.caption, WIDE - 2 * _MARGIN, _BIG * _WIDE_LETTERS):
-            body.append(text(_MARGIN, top + 13, line, _BIG, "start", bold=True))
+        for text_line in wrapped(stack.caption, WIDE - 2 * _MARGIN, _BIG * _WIDE_LETTERS):
+            body.append(text(_MARGIN, top + 13, text_line, _BIG, "start", bold=True))
             top += _LINE + 4
         for row in stack.rows:
             body += _row_elements(row, top)
             top += _BOX
             lines_below = _lines_below(row)
-            for fill, line in lines_below:
+            for fill, text_line in lines_below:
                 if fill:
                     body.append(rect(_MARGIN, top + 5, 10, 10, fill))
-                body.append(text(_MARGIN + _INDENT, top + 14, line, _SMALL, "start"))
+                body.append(text(_MARGIN + _INDENT, top + 14, text_line, _SMALL, "start"))
                 top += _LINE
             top += 6 if lines_below else 0
         top += _GAP
@@ -353,11 +362,13 @@ def _row_elements(row: ByteRow, top: float) -> Iterator[str]:
     if row.label:
         yield text(_MARGIN, top + _BOX / 2 + 4, row.label, _SMALL, "start", faint=True)
     for box in row.boxes:
+        # Bit 7 is at the left.
         left, box_width = _MARGIN + _LABELS + (7 - box.high) * _BIT, _width(box)
         yield rect(left, top, box_width, _BOX, box.fill)
         name_lines = _lines_inside(box)
         number_of_lines = len(name_lines) + bool(box.place)
         center = left + box_width / 2
+        # The lines are 14 pixels apart, and centred in the box.
         baseline = top + _BOX / 2 + 4.5 - 7 * (number_of_lines - 1)
         for line in name_lines:
             yield text(center, baseline, line, _SMALL, "middle")
@@ -371,7 +382,11 @@ def _width(box: Box) -> float:
 
 
 def _lines_inside(box: Box) -> list[str]:
-    """Return the lines of the name inside its box, or none if the name is below the row."""
+    """Return the lines of the name inside its box, or none if the name is below the row.
+
+    The name must fit on one line, or on two without a place and without breaking a word. Active-low flags are always
+    below.
+    """
     if box.active_low:
         return []
     lines = wrapped(box.name, _width(box) - 4, _SMALL)
@@ -380,7 +395,10 @@ def _lines_inside(box: Box) -> list[str]:
 
 
 def _lines_below(row: ByteRow) -> list[tuple[str, str]]:
-    """Return the lines below a row. The first line of each name has its colour class."""
+    """Return the colour class and text of each line below a row, for names that do not fit their box.
+
+    Further lines of a name have no colour class.
+    """
     lines = []
     for box in row.boxes:
         if not _lines_inside(box):
