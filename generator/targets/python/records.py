@@ -113,6 +113,7 @@ def records_of(class_name: str, model_parts: Sequence[object]) -> tuple[Call, ..
 
 
 def _in_printed_order(class_name: str) -> list[RecordMember]:
+    """Return the members of a record in the order of its class, those in ``_PRINTED_LAST`` at the end."""
     members = runtime_records().members[class_name]
     names_at_end = _PRINTED_LAST.get(class_name, ())
     first = [member for member in members if member.name not in names_at_end]
@@ -120,7 +121,10 @@ def _in_printed_order(class_name: str) -> list[RecordMember]:
 
 
 def _value(model_part: object, member: RecordMember) -> Literal:
-    """Return a member of a part of the model as a literal, according to the type of the member in the record."""
+    """Return a member of a part of the model as a literal, according to the type of the member in the record.
+
+    A record or an enumeration in the type is used for the value, or for each value of a tuple. Sources are one text.
+    """
     value = getattr(model_part, member.name)
     if member.name == "source":
         return cite(value)
