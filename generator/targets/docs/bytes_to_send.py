@@ -112,7 +112,10 @@ def _introduction(
 def _introduction_for_biss(
     device: Device, possible_commands: Commands, *, has_rows: bool, has_preset: bool
 ) -> Iterator[str]:
-    """Yield what the rows show over BiSS, or that the manual describes no commands."""
+    """Yield what the rows of commands show over BiSS, or without rows, what is known about commands.
+
+    The sentence that there are no commands needs a spec of a whole manual. Without one, the encoder may have some.
+    """
     if has_preset:
         # The script of the site changes this sentence together with the bytes.
         zero = '<span id="preset-of-rows">The preset is 0 in these rows.</span>'
@@ -133,16 +136,16 @@ def _introduction_for_biss(
 
 
 def _sentences_on_writable_registers(possible_commands: Commands) -> Iterator[str]:
-    """Yield the registers that hold commands, with the commands, and the other registers that can be written."""
+    """Yield a sentence for each register that holds commands, and one about all others that can be written."""
     for register in possible_commands.registers:
         command_names: list[str] = []
         for field in register.layout.fields:
             command_names += [code(title(command)) for command in field.values]
         yield f"Write a command to {_register_link(register)}: {', '.join(command_names)}."
     if possible_commands.settings:
-        registers = "Other registers" if possible_commands.registers else "Registers"
-        links = ", ".join(map(_register_link, possible_commands.settings))
-        yield f"{registers} that can be written: {links}."
+        subject = "Other registers" if possible_commands.registers else "Registers"
+        register_links = ", ".join(map(_register_link, possible_commands.settings))
+        yield f"{subject} that can be written: {register_links}."
 
 
 def _register_link(register: Register) -> str:
@@ -188,11 +191,11 @@ def _how_to_write_other_positions(register: Register, variant: Variant) -> str:
         return ""
     order = register.byte_order.replace("_", " ")
     shift = f" × 2^{low}" if low else ""
-    example = min(1000, (1 << width) - 1)
-    data = register.bytes_of(example << low).hex(" ").upper()
+    example_position = min(1000, (1 << width) - 1)
+    example_bytes = register.bytes_of(example_position << low).hex(" ").upper()
     return (
         f"Another position: write position{shift} as {counted(register.length, 'byte')}, {order}, to "
-        f"{link(addresses(register), f'#register-{register.name}')}. For 1,000: {code(data)}."
+        f"{link(addresses(register), f'#register-{register.name}')}. For 1,000: {code(example_bytes)}."
     )
 
 
@@ -252,7 +255,7 @@ def _names_after_control_field(request: Layout) -> list[str]:
         if not is_in_control_field:
             unique_names[field.group or field.name] = None
     # Of "preset of turns", only "preset" is shown.
-    return [text(name_as_words(name).partition(" of ")[0]) for name in unique_names]
+    return [text(name_as_words(part_name).partition(" of ")[0]) for part_name in unique_names]
 
 
 def _procedures_sending_only(device: Device, data_id: DataId) -> list[Procedure]:
@@ -324,8 +327,8 @@ def _step_in_bytes(device: Device, step: Step, variant: Variant) -> str:
             return f"read {addresses(device.register(step.register))} until {code(step.field)} is {step.value}"
         case ModifyStep():
             register = device.register(step.register)
-            value = "the new value" if step.value is None else f"{step.value}"
-            return f"{addresses(register)}: {_bits_of_field(register, step.field, variant)} = {value}"
+            bit_value = "the new value" if step.value is None else f"{step.value}"
+            return f"{addresses(register)}: {_bits_of_field(register, step.field, variant)} = {bit_value}"
         case WriteStep():
             register = device.register(step.register)
             return f"{addresses(register)}: {_bytes_to_write(device, register, step.value, variant)}"
@@ -335,8 +338,8 @@ def _step_in_bytes(device: Device, step: Step, variant: Variant) -> str:
 
 def _bytes_to_write(device: Device, register: Register, value: int | None, variant: Variant) -> str:
     """Return the bytes of a value, or those of the position 0 for a preset without a value."""
-    data = bytes_of_zero_position(device, register, variant) if value is None else register.bytes_of(value)
-    return code(data.hex(" ").upper()) if data is not None else "the new value"
+    register_bytes = bytes_of_zero_position(device, register, variant) if value is None else register.bytes_of(value)
+    return code(register_bytes.hex(" ").upper()) if register_bytes is not None else "the new value"
 
 
 def _bits_of_field(register: Register, name: str, variant: Variant) -> str:

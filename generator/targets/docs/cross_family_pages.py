@@ -83,7 +83,10 @@ def _family_link(device: Device) -> str:
 
 
 def _label_row(device: Device) -> Row:
-    """Return a row of family, title, patterns of its order codes, interfaces, supply."""
+    """Return a row of family, title, patterns of its order codes, interfaces, supply.
+
+    It has each supply that one of the order codes needs.
+    """
     supplies_of_variants = [device.supply_of(variant) for variant in device.variants]
     supplies = dict.fromkeys(supply for supply in supplies_of_variants if supply is not None)
     return (
@@ -105,13 +108,13 @@ def _identity_rows(device: Device) -> Iterator[Row]:
     Their content is the same for the whole family, or the order code determines it.
     """
     for register, field in device.identity:
-        name = title(register)
+        register_title = title(register)
         if len(register.layout.fields) > 1:
-            name += f", {words(field.name)}"
+            register_title += f", {words(field.name)}"
         yield (
             _family_link(device),
             link_to_register(device, register, addresses(register)),
-            text(name),
+            text(register_title),
             _documented_content(field),
             cited(field.source or register.source),
         )
@@ -313,9 +316,9 @@ def page_values(devices: Sequence[Device]) -> GlossaryPage:
         pages += [_interface_page(device, interface) for interface in device.interfaces]
     term_rows: list[tuple[str, str, str]] = []
     for term in sorted(TERMS, key=lambda term: term.name.casefold()):
-        links = _links(term, pages)
-        if links:
-            term_rows.append((text(term.name), text(term.meaning), links))
+        term_links = _links(term, pages)
+        if term_links:
+            term_rows.append((text(term.name), text(term.meaning), term_links))
     return {"term_rows": term_rows}
 
 
@@ -344,11 +347,11 @@ def _anchor_of_term(term: Term, page: _InterfacePage) -> str:
     if term.over is not None:
         is_on_page = isinstance(page.interface, term.over) and _has_section(page, term.section)
         return term.section if is_on_page else ""
-    for name, anchor in page.names:
-        if name in term.spelled:
+    for lowercase_name, anchor in page.names:
+        if lowercase_name in term.spelled:
             return anchor
-    for name, anchor in page.names:
-        if any(f" {word} " in f" {name} " for word in term.spelled):
+    for lowercase_name, anchor in page.names:
+        if any(f" {word} " in f" {lowercase_name} " for word in term.spelled):
             return anchor
     return ""
 
@@ -364,7 +367,10 @@ def _has_section(page: _InterfacePage, section: str) -> bool:
 
 
 def _anchors_by_name(device: Device, interface: Interface) -> Iterator[tuple[str, str]]:
-    """Yield the names on an interface page in lowercase with their anchors. Names with their own section are first."""
+    """Yield the names on an interface page in lowercase with their anchors, such as ``("crc", "crc-x24")``.
+
+    Names with their own section are first. A name can occur several times.
+    """
     for register in device.registers:
         yield from _names_of(register, f"register-{register.name}")
     for group in device.field_groups:
@@ -372,6 +378,7 @@ def _anchors_by_name(device: Device, interface: Interface) -> Iterator[tuple[str
     for crc in device.crcs:
         yield "crc", f"crc-{crc.name}"
     if isinstance(interface, Ssi) and interface.output_code is not None and interface.output_code.code != "binary":
+        # The section about frames mentions the Gray code.
         yield "gray", "frames"
     for timing in interface.timings:
         yield timing.symbol.casefold(), "timings"

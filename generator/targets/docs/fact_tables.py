@@ -259,8 +259,8 @@ def _place_cell(device: Device, layout: Layout, field: Field) -> str:
 def _group_cell(layout: Layout, group: FieldGroup) -> str:
     """Return a link to the table of a group, and the names of its fields."""
     group_link = link(text(heading(group.name)), f"#group-{group.name}")
-    names = ", ".join(code(field.name) for field in layout.fields if field.group == group.name)
-    return f"{group_link} <small>{code(group.name)}</small>: {names}"
+    field_names = ", ".join(code(field.name) for field in layout.fields if field.group == group.name)
+    return f"{group_link} <small>{code(group.name)}</small>: {field_names}"
 
 
 def group_rows(device: Device, name: str) -> Iterator[Row]:
@@ -293,8 +293,8 @@ def _value_table(field: Field) -> list[Row]:
 def register_rows(device: Device) -> Iterator[Row]:
     """Yield rows of bank, addresses, register."""
     for register in device.registers:
-        data = register.default_bytes()
-        default = f", default {code(data.hex(' ').upper())}" if data is not None else ""
+        default_bytes = register.default_bytes()
+        default = f", default {code(default_bytes.hex(' ').upper())}" if default_bytes is not None else ""
         register_link = link(text(title(register)), f"#register-{register.name}")
         bank = "" if register.bank is None else f"{register.bank}"
         about = f"{register_link} <small>{code(register.name)}</small> {say_register.access(register)}{default}"

@@ -65,18 +65,18 @@ def _release_section(release: Release) -> dict[str, Any]:
 
     More than ``_MOST_DOCUMENTATION_CHANGES`` changes of the documentation are only counted.
     """
-    parts: list[dict[str, Any]] = []
+    impact_sections: list[dict[str, Any]] = []
     for impact, title in _TITLES_BY_IMPACT.items():
         impact_changes = [change for change in release.changes if change.impact == impact]
         change_lines = [_change_line(change) for change in impact_changes]
         if impact == "documentation" and len(change_lines) > _MOST_DOCUMENTATION_CHANGES:
             change_lines = [f"{counted(len(change_lines), 'change')} to wording, sources, errata and examples"]
         if change_lines:
-            parts.append({"title": title, "lines": change_lines})
+            impact_sections.append({"title": title, "lines": change_lines})
     if release.names:
-        parts.append({"title": "Names in code", "lines": [text(name) for name in release.names]})
+        impact_sections.append({"title": "Names in code", "lines": [text(name) for name in release.names]})
     about = f"Changes since {release.since}, with revision {release.manual} of the manual."
-    return {"version": text(release.version), "about": about, "parts": parts}
+    return {"version": text(release.version), "about": about, "parts": impact_sections}
 
 
 def _change_line(change: ReleasedChange) -> str:
@@ -166,8 +166,8 @@ def _order_code_links(family: OrderCodes) -> Iterator[tuple[str, list[str]]]:
     for interface in family.device.interfaces:
         order_codes = [variant.code for variant in family.device.variants_over(interface.name)]
         if order_codes:
-            links = [family.links[order_code] for order_code in order_codes]
-            yield f"{interface.title}: {counted(len(order_codes), 'order code')}", links
+            code_links = [family.links[order_code] for order_code in order_codes]
+            yield f"{interface.title}: {counted(len(order_codes), 'order code')}", code_links
 
 
 def _task_rows(device: Device, has_masters: bool) -> Iterator[tuple[str, str]]:
@@ -198,8 +198,8 @@ def _position_frame_links(device: Device) -> Iterator[str]:
     for interface in device.interfaces:
         layouts = [layout for layout in interface.layouts if device.tells_position(interface.name, layout)]
         for layout in layouts:
-            name = f" {code(layout.name)}" if len(layouts) > 1 else ""
-            yield page_links.link_to_layout(device, layout, interface.title + name)
+            frame_name = f" {code(layout.name)}" if len(layouts) > 1 else ""
+            yield page_links.link_to_layout(device, layout, interface.title + frame_name)
 
 
 #: Sections of an interface page, with the task that each one covers.
@@ -324,8 +324,8 @@ def _edition_rows(device: Device) -> Iterator[tuple[str, ...]]:
 def _edition_errata(device: Device, edition_name: str) -> str:
     """Return links to the differences in an edition, named ``1.4`` or ``before 1.4``."""
     differences = [erratum for erratum in device.errata if erratum.edition == edition_name]
-    links = [link(text(erratum.title), f"{page_links.ERRATA}#erratum-{erratum.name}") for erratum in differences]
-    return link_list(links)
+    errata_links = [link(text(erratum.title), f"{page_links.ERRATA}#erratum-{erratum.name}") for erratum in differences]
+    return link_list(errata_links)
 
 
 def revision_and_date(manual: Manual) -> str:

@@ -172,10 +172,10 @@ def _pictures(codes: order_code_page.OrderCodes) -> Iterator[tuple[str, Callable
 def _without_surplus_spaces(page_text: str) -> str:
     """Remove trailing spaces and repeated empty lines, and end the file with a single line end."""
     kept_lines: list[str] = []
-    for line in page_text.splitlines():
+    for text_line in page_text.splitlines():
         # An empty line is kept only after a line with text.
-        if line.strip() or (kept_lines and kept_lines[-1]):
-            kept_lines.append(line.rstrip())
+        if text_line.strip() or (kept_lines and kept_lines[-1]):
+            kept_lines.append(text_line.rstrip())
     return "\n".join(kept_lines).rstrip() + "\n"
 
 

@@ -67,7 +67,7 @@ class ErrataLines:
         return link(label, f"{self._page}#erratum-{erratum.name}")
 
     def _line(self, erratum: Erratum) -> str:
-        """Return an erratum as an item of a list."""
+        """Return an erratum as an item of a list: its text at the first mention on the page, then a link to that."""
         if erratum.name in self._names_on_page:
             first_mention = link(text(erratum.title), f"#erratum-{erratum.name}")
             return f"- {status_badge(erratum)} {first_mention}, see above"
@@ -175,11 +175,11 @@ def erratum_line(listed_erratum: Erratum, page: str) -> str:
     A change by an overlay has its reason and source, because the user of a special model needs them.
     """
     name = listed_erratum.name
-    head = f"{status_badge(listed_erratum)} {link(text(listed_erratum.title), f'{page}#erratum-{name}')}"
+    title_link = f"{status_badge(listed_erratum)} {link(text(listed_erratum.title), f'{page}#erratum-{name}')}"
     if listed_erratum.overlay:
         reasons = map(STYLE.sentence, erratum_statement(listed_erratum).below)
-        return " ".join([f"{head} {STYLE.cited(listed_erratum.source)}:", *reasons])
-    return f"{head}: {text(_shortened(sentence(listed_erratum.used)))}"
+        return " ".join([f"{title_link} {STYLE.cited(listed_erratum.source)}:", *reasons])
+    return f"{title_link}: {text(_shortened(sentence(listed_erratum.used)))}"
 
 
 def _shortened(sentences: str) -> str:
@@ -261,14 +261,17 @@ def all_values(devices: Sequence[Device]) -> AllErrataPage:
     titles = {"open": "Open: only hardware or the manufacturer can decide", "settled": "Settled"}
     sections = []
     for status, title in titles.items():
-        rows = list(_rows_of_all_families(devices, status))
-        if rows:
-            sections.append({"title": title, "anchor": status, "rows": rows})
+        erratum_rows = list(_rows_of_all_families(devices, status))
+        if erratum_rows:
+            sections.append({"title": title, "anchor": status, "rows": erratum_rows})
     return {"standings": sections}
 
 
 def _rows_of_all_families(devices: Sequence[Device], status: str) -> Iterator[tuple[str, ...]]:
-    """Yield rows of impact, family, title, printed text and value used. Wrong bytes come before wording."""
+    """Yield rows of impact, family, title, printed text and value used of the errata with this status.
+
+    Wrong bytes come before wording.
+    """
     for severity in fact_tables.SEVERITIES:
         for device in devices:
             for erratum in _errata_of_manual(device):

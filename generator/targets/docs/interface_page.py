@@ -192,13 +192,13 @@ def _exchange_rows(interface: Interface) -> Rows:
     """
     frame_exchanges = exchanges(interface)
     lengths = {exchange.request.bits for exchange in frame_exchanges if not exchange.request.in_bytes}
-    rows: Rows = []
+    exchange_rows: Rows = []
     for exchange in frame_exchanges:
         length_cells = [f"{exchange.request.bits.render()} bits"] if len(lengths) > 1 else []
         purpose = PURPOSES[exchange.exchange.purpose]
         frame_links = [_layout_link(exchange.request), _layout_link(exchange.reply)]
-        rows.append((*frame_links, *length_cells, purpose, cited(exchange.exchange.source)))
-    return rows
+        exchange_rows.append((*frame_links, *length_cells, purpose, cited(exchange.exchange.source)))
+    return exchange_rows
 
 
 def _layout_link(layout: Layout | None) -> str:
@@ -223,7 +223,10 @@ def _group_title(group: FieldGroup) -> str:
 
 
 def _layout_section(device: Device, interface: Interface, layout: Layout) -> Section:
-    """Return a frame with the rows of its fields and its places by order code."""
+    """Return a frame with the rows of its fields and its places by order code.
+
+    ``delivered`` is true if the places or the code are as delivered, because registers can change them.
+    """
     return {
         "layout": layout,
         "head": say_layout.head(interface, layout, Code(layout.name), device.alternatives),
@@ -283,13 +286,13 @@ def _connector_section(connector: Connector) -> Section:
 
 def _register_row(register: Register) -> tuple[str, ...]:
     """Return a row for one register in the overview."""
-    data = register.default_bytes()
+    default_bytes = register.default_bytes()
     return (
         "" if register.bank is None else f"{register.bank}",
         addresses(register),
         link(code(register.name), f"#register-{register.name}"),
         say_register.access(register),
-        f"`{data.hex(' ').upper()}`" if data is not None else "",
+        f"`{default_bytes.hex(' ').upper()}`" if default_bytes is not None else "",
         cited(register.source),
     )
 
@@ -344,7 +347,7 @@ def subjects(device: Device, kind: str) -> list[str]:
         "wiring": (*interface_device.connectors, *interface_device.leds),
         "examples": interface_device.examples,
     }
-    return [subject for subject, parts in contents.items() if parts]
+    return [subject for subject, content in contents.items() if content]
 
 
 def subject_values(subject: str, page: InterfacePage) -> SubjectPage:
@@ -398,8 +401,8 @@ def _overview_rows(device: Device, interface: Interface, variants: Sequence[Vari
     position_measurement = device.measurement_of(interface.name)
     if position_measurement is not None:
         yield "Position", STYLE.phrase(measurement(position_measurement)), cited(position_measurement.source)
-        for name, own_range in own_ranges(device, interface.name):
-            yield f"Position in {code(name)}", STYLE.phrase(position_range(own_range)), cited(own_range.source)
+        for layout_name, own_range in own_ranges(device, interface.name):
+            yield f"Position in {code(layout_name)}", STYLE.phrase(position_range(own_range)), cited(own_range.source)
     for supply, codes in _codes_by_supply(device, variants).items():
         with_codes = f" ({order_codes(device, codes)})" if len(codes) < len(variants) else ""
         yield f"Supply{with_codes}", f"{volts(supply.min_mv)} to {volts(supply.max_mv)}", cited(supply.source)
@@ -419,19 +422,19 @@ def _codes_by_supply(device: Device, variants: Iterable[Variant]) -> dict[Supply
 def _name_rows(device: Device) -> Iterator[Row]:
     """Yield rows of name, printed name, language, name in that language if it differs from the printed one."""
     for named_part in _parts_with_names(device):
-        for language, name in named_part.names.items():
-            if name != title(named_part):
-                yield code(named_part.name), text(named_part.printed_name), text(language), text(name)
+        for language, name_in_language in named_part.names.items():
+            if name_in_language != title(named_part):
+                yield code(named_part.name), text(named_part.printed_name), text(language), text(name_in_language)
 
 
 def _parts_with_names(device: Device) -> Iterator[Named]:
     """Yield the parts of an interface that may have other names. Of fields or values with one name, yield the last."""
     (interface,) = device.interfaces
     layouts = [*interface.layouts, *(register.layout for register in device.registers)]
-    fields = [field for layout in layouts for field in layout.fields]
-    values = [value for field in fields for value in field.values]
-    yield from {field.name: field for field in fields if field.names}.values()
-    yield from {value.name: value for value in values if value.names}.values()
+    all_fields = [field for layout in layouts for field in layout.fields]
+    named_values = [named_value for field in all_fields for named_value in field.values]
+    yield from {field.name: field for field in all_fields if field.names}.values()
+    yield from {named_value.name: named_value for named_value in named_values if named_value.names}.values()
     yield from device.registers
     yield from device.field_groups
     yield from device.alarms

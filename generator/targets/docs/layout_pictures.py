@@ -46,7 +46,7 @@ def _style_element() -> str:
 
 def card(title: str, body: Sequence[str], width: float, height: float, description: str) -> str:
     """Return a picture of this size. ``description`` is its text alternative."""
-    head = (
+    svg_start = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{number(width)}" height="{number(height)}" '
         f'viewBox="0 0 {number(width)} {number(height)}" role="img" aria-label="{html.escape(plain(title))}" '
         'font-family="system-ui, -apple-system, Segoe UI, Helvetica, Arial, sans-serif">'
@@ -54,7 +54,7 @@ def card(title: str, body: Sequence[str], width: float, height: float, descripti
     size = f'width="{number(width - 1)}" height="{number(height - 1)}"'
     descriptions = [f"<title>{_escaped(title)}</title>", f"<desc>{_escaped(description)}</desc>"]
     background = f'<rect x="0.5" y="0.5" {size} rx="6" class="card"/>'
-    return "\n".join([head, *descriptions, _style_element(), background, *body, "</svg>", ""])
+    return "\n".join([svg_start, *descriptions, _style_element(), background, *body, "</svg>", ""])
 
 
 def _escaped(words: str) -> str:
@@ -84,7 +84,10 @@ def text(
     faint: bool = False,
     bold: bool = False,
 ) -> str:
-    """Return a line of text."""
+    """Return a line of text that starts, ends or has its middle at ``x``.
+
+    ``anchor`` is ``start``, ``end`` or ``middle``.
+    """
     weight = ' font-weight="600"' if bold else ""
     look = f'font-size="{size}" text-anchor="{anchor}" class="{"faint" if faint else "ink"}"{weight}'
     return f'<text x="{number(x)}" y="{number(y)}" {look}>{_escaped(words)}</text>'
@@ -203,13 +206,13 @@ def byte_stack(caption: str, placed_layout: PlacedLayout) -> Stack:
     """
     runs = _runs_with_groups_merged(placed_layout)
     is_low_byte_first = placed_layout.layout.byte_order == "low_byte_first"
-    rows, descriptions = [], []
+    byte_rows, descriptions = [], []
     for index, byte_low in enumerate(_lowest_bits(placed_layout.bits, is_low_byte_first)):
         boxes = tuple(_box_in_byte(run, byte_low) for run in runs if run.is_in_byte(byte_low))
-        rows.append(ByteRow(f"byte {index}", boxes))
+        byte_rows.append(ByteRow(f"byte {index}", boxes))
         box_texts = [_box_text(box.name, box.place, box.active_low) for box in boxes]
         descriptions.append(f"byte {index}: {', '.join(box_texts)}")
-    return Stack(caption, tuple(rows), "; ".join(descriptions))
+    return Stack(caption, tuple(byte_rows), "; ".join(descriptions))
 
 
 def _box_in_byte(run: _BitRun, byte_low: int) -> Box:
@@ -261,11 +264,11 @@ def _lowest_bits(bits: int, low_byte_first: bool) -> range:
 
 def _rows(runs: Sequence[_BitRun], lows: Sequence[int], labels: Sequence[str]) -> tuple[ByteRow, ...]:
     """Return a row for each lowest bit of a byte. Boxes have bit numbers in the whole layout."""
-    rows = []
+    byte_rows = []
     for low, row_label in zip(lows, labels, strict=True):
         boxes = tuple(run.box(low, run.bits_in_byte(low)) for run in runs if run.is_in_byte(low))
-        rows.append(ByteRow(row_label, boxes))
-    return tuple(rows)
+        byte_rows.append(ByteRow(row_label, boxes))
+    return tuple(byte_rows)
 
 
 def _runs_text(runs: Sequence[_BitRun]) -> str:
@@ -370,8 +373,8 @@ def _row_elements(row: ByteRow, top: float) -> Iterator[str]:
         center = left + box_width / 2
         # The lines are 14 pixels apart, and centred in the box.
         baseline = top + _BOX / 2 + 4.5 - 7 * (number_of_lines - 1)
-        for line in name_lines:
-            yield text(center, baseline, line, _SMALL, "middle")
+        for name_line in name_lines:
+            yield text(center, baseline, name_line, _SMALL, "middle")
             baseline += 14
         if box.place:
             yield text(center, baseline, box.place, _SMALL, "middle", faint=True)
@@ -389,9 +392,9 @@ def _lines_inside(box: Box) -> list[str]:
     """
     if box.active_low:
         return []
-    lines = wrapped(box.name, _width(box) - 4, _SMALL)
-    fits = len(lines) == 1 or (len(lines) == 2 and not box.place and " ".join(lines) == box.name)
-    return lines if fits else []
+    name_lines = wrapped(box.name, _width(box) - 4, _SMALL)
+    fits = len(name_lines) == 1 or (len(name_lines) == 2 and not box.place and " ".join(name_lines) == box.name)
+    return name_lines if fits else []
 
 
 def _lines_below(row: ByteRow) -> list[tuple[str, str]]:
@@ -399,18 +402,18 @@ def _lines_below(row: ByteRow) -> list[tuple[str, str]]:
 
     Further lines of a name have no colour class.
     """
-    lines = []
+    colours_and_lines = []
     for box in row.boxes:
         if not _lines_inside(box):
             name_lines = wrapped(_name_below(box), WIDE - 2 * _MARGIN - _INDENT, _SMALL)
-            lines.append((box.fill, name_lines[0]))
-            lines += [("", line) for line in name_lines[1:]]
-    return lines
+            colours_and_lines.append((box.fill, name_lines[0]))
+            colours_and_lines += [("", further_line) for further_line in name_lines[1:]]
+    return colours_and_lines
 
 
 def _name_below(box: Box) -> str:
     """Return the name with its bit numbers, and the level of an active-low flag."""
-    bits = f"bit{'s' * (':' in box.place)} {box.place}" if box.place else ""
+    bits_text = f"bit{'s' * (':' in box.place)} {box.place}" if box.place else ""
     level = "0 = active" if box.active_low else ""
-    about = ", ".join(filter(None, (bits, level)))
-    return f"{box.name} ({about})" if about else box.name
+    place_and_level = ", ".join(filter(None, (bits_text, level)))
+    return f"{box.name} ({place_and_level})" if place_and_level else box.name

@@ -79,13 +79,13 @@ def name_cell(named_part: Named) -> str:
 
 def field_cell(device: Device, field: Field, in_register: bool = False) -> str:
     """Return all statements about a field in one cell. Many values of a register are in a separate table."""
-    parts = [
+    statements = [
         *spec_text(field.meaning),
         *_value_statements(field, in_register),
         *rules(device, field),
         *spec_text(field.note),
     ]
-    return joined(map(STYLE.sentence, parts))
+    return joined(map(STYLE.sentence, statements))
 
 
 def _value_statements(field: Field, in_register: bool) -> Iterator[Statement]:
@@ -248,10 +248,10 @@ def links_to_frames_with(interface: Interface, group: str) -> list[str]:
 
 def used_groups(interface: Interface) -> list[str]:
     """Return the names of the field groups in the frames, in the order of their first use."""
-    names: dict[str, None] = {}
+    group_names: dict[str, None] = {}
     for layout in interface.layouts:
-        names |= dict.fromkeys(field.group for field in layout.fields if field.group)
-    return list(names)
+        group_names |= dict.fromkeys(field.group for field in layout.fields if field.group)
+    return list(group_names)
 
 
 def placement_table(device: Device, layout: Layout, interface_name: str) -> str:
@@ -266,21 +266,21 @@ def placement_table(device: Device, layout: Layout, interface_name: str) -> str:
             answers_and_placements.append((answers, placement))
     if len(answers_and_placements) < 2:
         return ""
-    fields = _fields_moved_by_order_code(device, layout)
-    containers = _containers(layout, fields)
-    rows = []
+    moved_fields = _fields_moved_by_order_code(device, layout)
+    containers = _containers(layout, moved_fields)
+    table_rows = []
     for answers, placement in answers_and_placements:
         placed_layout = placement.placed_layout
         length_cell = "" if layout.bits.is_constant else f"{placed_layout.bits}"
         bits_cells = []
-        for field in fields:
+        for field in moved_fields:
             placed_field = placed_layout.find_field(field.name)
             bits_cells.append(_bits_cell(placed_field, from_own_low=field.name in containers))
         answer_cells = [code(answer.name) for answer in answers]
-        rows.append([order_codes(device, placement.codes), *answer_cells, length_cell, *bits_cells])
+        table_rows.append([order_codes(device, placement.codes), *answer_cells, length_cell, *bits_cells])
     question_heads = [link(code(question.name), f"#alternative-{question.name}") for question in questions]
-    field_heads = [_field_head(field, containers) for field in fields]
-    return table(["Order codes", *question_heads, "Bits", *field_heads], rows)
+    field_heads = [_field_head(field, containers) for field in moved_fields]
+    return table(["Order codes", *question_heads, "Bits", *field_heads], table_rows)
 
 
 def _fields_moved_by_order_code(device: Device, layout: Layout) -> list[Field]:

@@ -108,21 +108,21 @@ def _common_rows_and_tables(columns: Columns) -> tuple[list[Row], list[Table]]:
 
     Each column is a group with its rows by key. The first cell of a row is its name, the second its value.
     """
-    keys: dict[Any, None] = {}
-    for _, rows in columns:
-        keys |= dict.fromkeys(rows)
+    setting_keys: dict[Any, None] = {}
+    for _, rows_of_group in columns:
+        setting_keys |= dict.fromkeys(rows_of_group)
     common_rows: list[Row] = []
     differing_keys: list[Any] = []
     supply_keys: list[Any] = []
-    for key in keys:
-        first_row, *other_rows = [rows.get(key) for _, rows in columns]
+    for setting_key in setting_keys:
+        first_row, *other_rows = [rows_of_group.get(setting_key) for _, rows_of_group in columns]
         is_common = all(row == first_row for row in other_rows)
         if first_row is not None and is_common:
             common_rows.append(first_row)
-        elif _follows_supply(key, columns):
-            supply_keys.append(key)
+        elif _follows_supply(setting_key, columns):
+            supply_keys.append(setting_key)
         else:
-            differing_keys.append(key)
+            differing_keys.append(setting_key)
     tables = [_table_of_differences(table_keys, columns) for table_keys in (differing_keys, supply_keys) if table_keys]
     return common_rows, tables
 
@@ -177,7 +177,7 @@ def _codes_label(groups: Sequence[Group]) -> str:
         return order_codes(device, next(iter(codes_by_answers.values())))
     labels = []
     for answers, codes in codes_by_answers.items():
-        with_answers = [f"with {code(f'{name}={answer}')}" for name, answer in answers]
+        with_answers = [f"with {code(f'{question_name}={answer}')}" for question_name, answer in answers]
         labels.append(" ".join([order_codes(device, codes), *with_answers]))
     return joined(labels)
 

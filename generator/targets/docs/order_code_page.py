@@ -196,9 +196,10 @@ class OrderCodes:
             quantities = tuple(sorted(variant.parameters.items()))
             variants_by_quantities.setdefault((variant.interface, quantities), []).append(variant)
         groups = variants_by_quantities.values()
-        names = names_of_codes((variants[0].code for variants in groups), RESERVED_NAMES)
+        page_names = names_of_codes((variants[0].code for variants in groups), RESERVED_NAMES)
         return tuple(
-            CodeGroup(self.device, tuple(variants), name) for variants, name in zip(groups, names, strict=True)
+            CodeGroup(self.device, tuple(variants), page_name)
+            for variants, page_name in zip(groups, page_names, strict=True)
         )
 
     @cached_property
@@ -292,8 +293,8 @@ def page_values(group: CodeGroup, has_masters: bool, pictures: Pictures) -> Code
 def _register_section(device: Device, section: Section) -> Section:
     """Return the values of a register with tables of two columns."""
     register: Register = section["register"]
-    rows = list(fact_tables.field_rows(device, register.layout)) if section["rows"] else []
-    return {**section, "rows": rows, "value_tables": fact_tables.value_tables(register)}
+    field_rows = list(fact_tables.field_rows(device, register.layout)) if section["rows"] else []
+    return {**section, "rows": field_rows, "value_tables": fact_tables.value_tables(register)}
 
 
 def _procedure_section(device: Device, section: Section) -> Section:
@@ -391,6 +392,6 @@ def _origin_of_quantity(family: Device, parameter: Parameter, is_set_by_register
     """Return a sentence on the registers that hold or set a quantity, or an empty string."""
     if parameter.read_from:
         has_default = family.register(parameter.register).default is not None
-        kind = "Factory default" if has_default else "Value of the order code"
-        return f" {kind}, held in {text(field_at(family, parameter.read_from))}."
+        value_kind = "Factory default" if has_default else "Value of the order code"
+        return f" {value_kind}, held in {text(field_at(family, parameter.read_from))}."
     return " Factory default, set by registers." if is_set_by_registers else ""

@@ -77,8 +77,8 @@ def spelling_rows(device: Device) -> Iterator[tuple[str, ...]]:
 def _only_with(texts_by_part: Mapping[str, Sequence[str]]) -> str:
     """Return the parts of an order code with which a value can be combined."""
     conditions = []
-    for name, texts in texts_by_part.items():
-        conditions.append(f"only with {code(name)} {', '.join(map(code, texts))}")
+    for part_name, texts in texts_by_part.items():
+        conditions.append(f"only with {code(part_name)} {', '.join(map(code, texts))}")
     return "; ".join(conditions)
 
 
@@ -106,9 +106,9 @@ def run_time_rows(device: Device, interface_name: str) -> Iterator[tuple[str, ..
 
     They are those that a register holds, possibly of another interface, and those calculated from them.
     """
-    names = run_time_names(device)
+    names_at_run_time = run_time_names(device)
     for parameter in parameters_of(device, interface_name):
-        if parameter.name in names:
+        if parameter.name in names_at_run_time:
             unit = f"unit: {text(parameter.unit)}" if parameter.unit else ""
             yield (
                 code(parameter.name),
@@ -138,12 +138,12 @@ def _factory_default(device: Device, parameter: Parameter) -> str:
 def code_table(device: Device, interface: Interface, links: Mapping[str, str]) -> dict[str, Any]:
     """Return the order codes of an interface as the links in ``links``, with the quantities that they set."""
     parameters = _parameters_of_order_codes(device, interface.name)
-    rows = []
+    code_rows = []
     for variant in device.variants_over(interface.name):
         quantities = [parameter_value(parameter, variant.parameters[parameter.name]) for parameter in parameters]
-        rows.append((links[variant.code], *quantities))
+        code_rows.append((links[variant.code], *quantities))
     parameter_names = [code(parameter.name) for parameter in parameters]
-    return {"head": ["Order code", *parameter_names], "rows": rows}
+    return {"head": ["Order code", *parameter_names], "rows": code_rows}
 
 
 def alternative_sections(device: Device) -> list[dict[str, Any]]:
@@ -232,13 +232,13 @@ def _pattern(order_code: OrderCode, part_names: Sequence[str], texts_of_parts: S
     letters = _letters_without(fixed_letters)
     text_or_letter_by_part: dict[str, str] = {}
     letter_meanings: list[str] = []
-    for name, texts in zip(part_names, texts_of_parts, strict=True):
+    for part_name, texts in zip(part_names, texts_of_parts, strict=True):
         if len(texts) == 1:
-            text_or_letter_by_part[name] = texts[0]
+            text_or_letter_by_part[part_name] = texts[0]
             continue
-        text_or_letter_by_part[name] = next(letters)
+        text_or_letter_by_part[part_name] = next(letters)
         choice = f"{', '.join(texts[:-1])} or {texts[-1]}"
-        letter_meanings.append(f"{text_or_letter_by_part[name]} = {choice}")
+        letter_meanings.append(f"{text_or_letter_by_part[part_name]} = {choice}")
     pattern = code(filled(order_code.pattern, text_or_letter_by_part))
     return f"{pattern} with {', '.join(letter_meanings)}" if letter_meanings else pattern
 
@@ -269,12 +269,12 @@ def _products(combinations: Sequence[PartTexts]) -> Iterator[list[list[str]]]:
 def _divided_by_part(combinations: Sequence[PartTexts], index: int) -> list[list[PartTexts]]:
     """Group the combinations by a part: texts of it share a group if they combine with the same other parts."""
     other_parts_by_text: dict[str, set[PartTexts]] = {}
-    for texts in combinations:
-        other_parts = texts[:index] + texts[index + 1 :]
-        other_parts_by_text.setdefault(texts[index], set()).add(other_parts)
+    for part_texts in combinations:
+        other_parts = part_texts[:index] + part_texts[index + 1 :]
+        other_parts_by_text.setdefault(part_texts[index], set()).add(other_parts)
     groups: dict[frozenset[PartTexts], list[PartTexts]] = {}
-    for texts in combinations:
-        groups.setdefault(frozenset(other_parts_by_text[texts[index]]), []).append(texts)
+    for part_texts in combinations:
+        groups.setdefault(frozenset(other_parts_by_text[part_texts[index]]), []).append(part_texts)
     return list(groups.values())
 
 
@@ -372,9 +372,9 @@ def _range_of_signed_number(family: Device, placed_field: PlacedField, placed_la
 def _with_places(flags: Sequence[tuple[str, str]]) -> Iterator[str]:
     """Yield flags with their places: ``error (byte 1, bit 0)``, then ``warning (bit 1)`` in the same byte."""
     previous_byte = ""
-    for name, place in flags:
+    for flag_name, place in flags:
         byte, _, bit = place.rpartition(", ")
-        yield f"{name} ({bit if byte == previous_byte else place})"
+        yield f"{flag_name} ({bit if byte == previous_byte else place})"
         previous_byte = byte
 
 
@@ -439,8 +439,8 @@ def _cause_texts(causes: Sequence[VerdictCause]) -> Iterator[str]:
 
 def _cause_text(cause: VerdictCause) -> str:
     """Return a flag, with the flags that must be inactive if it combines them."""
-    name = code(cause.by.field.name)
+    flag_name = code(cause.by.field.name)
     if not cause.unless:
-        return name
+        return flag_name
     flags = " and ".join(code(part.field.name) for part in cause.unless)
-    return f"{name} (while {flags} {'is' if len(cause.unless) == 1 else 'are'} inactive)"
+    return f"{flag_name} (while {flags} {'is' if len(cause.unless) == 1 else 'are'} inactive)"

@@ -94,16 +94,16 @@ def with_errata_linked(device: Device, page: str, page_text: str) -> str:
     titles = {erratum.name: erratum.title for erratum in device.errata}
     # Otherwise a name that another one begins with would match first.
     longest_first = sorted(titles, key=len, reverse=True)
-    name = f"(?:{'|'.join(longest_first)})\\b"
+    name_expression = f"(?:{'|'.join(longest_first)})\\b"
 
     def name_link(erratum_name: re.Match[str]) -> str:
         return link(text(titles[erratum_name[0]]), f"{folder}{ERRATA}#erratum-{erratum_name[0]}")
 
     def with_names_linked(mention: re.Match[str]) -> str:
-        return re.sub(name, name_link, mention[0])
+        return re.sub(name_expression, name_link, mention[0])
 
     # "erratum" or "errata" with one or more names, separated by commas.
-    return re.sub(rf"\berrat(?:um|a)\s(?:{name}(?:, (?={name}))?)+", with_names_linked, page_text)
+    return re.sub(rf"\berrat(?:um|a)\s(?:{name_expression}(?:, (?={name_expression}))?)+", with_names_linked, page_text)
 
 
 def links_to_steps(folder: str, names: Iterable[str]) -> list[str]:

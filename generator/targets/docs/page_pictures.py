@@ -76,7 +76,7 @@ def _contact_elements(contact: Contact, top: float) -> Iterator[str]:
         colour_width = 28.0 / len(colour_words)
         for index, word in enumerate(colour_words):
             yield swatch(_MARGIN + colour_width * index, top + 5, colour_width, 18, wire_colours[word])
-    # Further lines of the name have no room.
+    # Only the first line of a long name fits.
     for name_line in wrapped(contact.contact, _SIGNAL_AFTER_WIRES - _NAME - 6, _SIZE)[:1]:
         yield text(_NAME, top + 18, name_line, _SIZE, "start")
 

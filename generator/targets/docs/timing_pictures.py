@@ -96,7 +96,7 @@ def _ssi_diagram(interface: Ssi) -> TimingDiagram:
     """Return a word with its clocks. After the word, the data line stays low for some time and then goes high."""
     up, down = Trace.UP, Trace.DOWN
     first_bits = "the most significant bit" if interface.alignment.end == "msb_left" else "leading zeros"
-    clock = (
+    clock_line = (
         Part(up, 40),
         Part(Trace.CLOCK, 3 * _PERIOD),
         Part(Trace.GAP, 40),
@@ -105,7 +105,7 @@ def _ssi_diagram(interface: Ssi) -> TimingDiagram:
         Part(Trace.CLOCK, 2 * _PERIOD),
     )
     # Data is sent from the first rising edge to the last.
-    data = (
+    data_line = (
         Part(up, 52),
         Part(Trace.EITHER, 64, "first bit", "data"),
         Part(Trace.EITHER, 32, "…", "data"),
@@ -117,7 +117,7 @@ def _ssi_diagram(interface: Ssi) -> TimingDiagram:
     monoflop, pause = _symbol_with_times(interface, "Tm"), _symbol_with_times(interface, "Tp")
     return TimingDiagram(
         title="SSI: a word",
-        lines=(("Clock", clock), ("Data", data)),
+        lines=(("Clock", clock_line), ("Data", data_line)),
         spans=(Span(212, 272, monoflop), Span(212, 374, pause)),
         text="Clock and data are high between words. Each rising edge of the clock shifts out one bit, starting with "
         f"{first_bits}. After the last bit the data line is low ({monoflop}) and then high again. "
@@ -171,7 +171,7 @@ def _biss_diagram(device: Device, interface: Biss) -> TimingDiagram:
     """Return a frame: acknowledge, start bit, CDS, the fields of the single cycle data, time-out."""
     names_and_fills = list(_data_boxes(codec_of(device, interface.layouts[0]), device.position_names(interface.name)))
     boxes = [Part(Trace.EITHER, max(34.0, text_width(name, 11) + 10), name, fill) for name, fill in names_and_fills]
-    data = (
+    data_line = (
         Part(Trace.UP, 76),  # up to the second rising edge of MA
         Part(Trace.DOWN, 60, "Ack"),
         Part(Trace.UP, 36, "Start"),
@@ -181,10 +181,10 @@ def _biss_diagram(device: Device, interface: Biss) -> TimingDiagram:
         Part(Trace.UP, 46),
     )
     # The last two parts, the time-out and the idle level, are 136 pixels wide.
-    timeout_start = sum(part.width for part in data) - 136
+    timeout_start = sum(part.width for part in data_line) - 136
     # Whole pulses, after 136 pixels with the first ones and a gap of at least 40.
     clocks_width = (timeout_start - 176) // _PERIOD * _PERIOD
-    clock = (
+    clock_line = (
         Part(Trace.UP, 40),
         Part(Trace.CLOCK, 4 * _PERIOD),
         Part(Trace.GAP, timeout_start - 136 - clocks_width),
@@ -198,7 +198,7 @@ def _biss_diagram(device: Device, interface: Biss) -> TimingDiagram:
     labels = ", ".join(name for name, _ in names_and_fills)
     return TimingDiagram(
         title="BiSS C-mode: a frame",
-        lines=(("MA", clock), ("SLO", data)),
+        lines=(("MA", clock_line), ("SLO", data_line)),
         spans=(Span(timeout_start, timeout_start + 90, f"time-out: {timeout}"),),
         text="MA and SLO are high between frames. SLO is low (acknowledge) from the second rising edge of MA until the "
         f"start bit, which is high. The CDS bit, {labels} and a low stop bit follow, until the time-out ({timeout}). "
@@ -279,19 +279,19 @@ def _byte_counts(interface: Interface, sender: str) -> list[int]:
 
 def diagram_picture(diagram: TimingDiagram) -> str:
     """Return the picture of a timing diagram."""
-    body: list[str] = []
+    elements: list[str] = []
     left = _MARGIN + _NAME
     right_end = 0.0
-    for row_index, (name, parts) in enumerate(diagram.lines):
+    for row_index, (line_name, parts) in enumerate(diagram.lines):
         top = _MARGIN + 14 + row_index * _ROW
-        body.append(text(_MARGIN, top + _HIGH - 7, name, 12, "start", bold=True))
-        body += _line_elements(parts, left, top)
+        elements.append(text(_MARGIN, top + _HIGH - 7, line_name, 12, "start", bold=True))
+        elements += _line_elements(parts, left, top)
         right_end = max(right_end, left + sum(part.width for part in parts))
     spans_top = _MARGIN + 14 + len(diagram.lines) * _ROW - 18
     for row_index, span in enumerate(diagram.spans):
-        body += _span_elements(span, left, spans_top + 10 + row_index * 22, right_end)
+        elements += _span_elements(span, left, spans_top + 10 + row_index * 22, right_end)
     height = spans_top + 10 + 22 * len(diagram.spans) + 4
-    return card(diagram.title, body, right_end + _MARGIN, height, diagram.text)
+    return card(diagram.title, elements, right_end + _MARGIN, height, diagram.text)
 
 
 def _span_elements(span: Span, left: float, middle: float, right_end: float) -> Iterator[str]:

@@ -58,10 +58,10 @@ def _deciding_rows(device: Device, reporting_frames: Sequence[Reporting]) -> Ite
     for reporting in reporting_frames:
         if reporting.judgement is not None:
             layout, judgement = reporting.codec.layout, reporting.judgement
-            rows = tuple(_rows_of_frame(device, reporting.interface, layout, judgement))
-            layouts_by_rows.setdefault((reporting.interface.title, rows), []).append(layout)
-    for (interface_title, rows), layouts in layouts_by_rows.items():
-        first_row, *further_rows = rows
+            rows_of_frame = tuple(_rows_of_frame(device, reporting.interface, layout, judgement))
+            layouts_by_rows.setdefault((reporting.interface.title, rows_of_frame), []).append(layout)
+    for (interface_title, rows_of_frame), layouts in layouts_by_rows.items():
+        first_row, *further_rows = rows_of_frame
         yield interface_title, _layout_links(device, layouts), *first_row
         for row in further_rows:
             yield "", "", *row
@@ -79,8 +79,8 @@ def _rows_of_frame(device: Device, interface: Interface, layout: Layout, judgeme
     last_name = "none of these" if deciders else "no field decides"
     yield last_name, "", code(judgement.otherwise.value), "", ""
     if judgement.may_be_unknown:
-        names = [Code(field.name) for field in layout.judging_fields]
-        missing_names = STYLE.phrase(statement(*listed(names)))
+        judging_names = [Code(field.name) for field in layout.judging_fields]
+        missing_names = STYLE.phrase(statement(*listed(judging_names)))
         yield f"order codes that lack {missing_names}", "", code(Verdict.UNKNOWN.value), "", ""
 
 
@@ -150,13 +150,13 @@ def _answer_text(device: Device, question: Alternative, only: Only) -> str:
     The link leads to the page of the first interface with a frame whose verdict depends on it.
     """
     answers = [answer for answer in question.answers if bool(answer.sets[only.parameter]) == only.holds]
-    names = " or ".join(code(answer.name) for answer in answers)
+    answer_names = " or ".join(code(answer.name) for answer in answers)
     frames = device.layouts()
     interfaces = (interface for interface, layout in frames if question in device.verdict_alternatives(layout))
     interface = first_of(interfaces, f"frame whose verdict '{question.name}' decides")
     page = f"{device.name}/{interface.name}.md#alternative-{question.name}"
     default = "" if only.holds else ", the default"
-    return f"and {link('your choice', page)} is {names}{default}"
+    return f"and {link('your choice', page)} is {answer_names}{default}"
 
 
 def _values_of_sign(layout: Layout, sign: Sign) -> str:
@@ -203,11 +203,11 @@ def _clearing_procedures(device: Device, alarm: Alarm | None) -> str:
     """Return links to the procedures that clear an alarm, or an empty string if the spec names none."""
     if alarm is None or not alarm.cleared_by:
         return ""
-    links = []
+    procedure_links = []
     for procedure in map(device.procedure, alarm.cleared_by):
         path = path_to_anchor(device, procedure.interface, f"procedure-{procedure.name}")
-        links.append(link(text(procedure.title), path))
-    return f"Cleared by: {', '.join(links)}"
+        procedure_links.append(link(text(procedure.title), path))
+    return f"Cleared by: {', '.join(procedure_links)}"
 
 
 def _name_cell(field: Field) -> str:

@@ -69,16 +69,16 @@ def _frame_elements(placed_layout: PlacedLayout, stack: Stack, top: float) -> tu
         cells, marks = list(_byte_cells(stack)), list(_byte_marks(stack))
     else:
         cells, marks = list(_bit_cells(placed_layout)), list(_bit_marks(placed_layout))
-    body = [text(x, top + 12, words, _SIZE, anchor, faint=True) for x, words, anchor in marks]
+    elements = [text(x, top + 12, mark_text, _SIZE, anchor, faint=True) for x, mark_text, anchor in marks]
     for cell in cells:
-        body += _cell_elements(cell, box_top)
+        elements += _cell_elements(cell, box_top)
     if not placed_layout.layout.in_bytes:
-        body.append(f'<path d="{_ticks(placed_layout.bits, box_top)}" class="line"/>')
+        elements.append(f'<path d="{_ticks(placed_layout.bits, box_top)}" class="line"/>')
     bottom = box_top + _BOX
     for line_bottom, element in _names_below(cells, bottom + 4):
-        body.append(element)
+        elements.append(element)
         bottom = max(bottom, line_bottom)
-    return body, bottom + _MARGIN
+    return elements, bottom + _MARGIN
 
 
 def _cell_elements(cell: _Cell, top: float) -> Iterator[str]:

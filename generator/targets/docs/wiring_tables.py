@@ -56,13 +56,13 @@ def wiring(device: Device, order_codes: Sequence[str]) -> Wiring:
     heads = _heads(columns)
     contacts = [contact for connector in device.connectors for contact in connector.contacts]
     signals = dict.fromkeys(_signal_cell(contact, order_codes) for contact in contacts)
-    about = []
+    about_columns = []
     for head, column in zip(heads, columns, strict=True):
-        about.append(f"{head}: {', or '.join(map(_anchored_title, column))}")
+        about_columns.append(f"{head}: {', or '.join(map(_anchored_title, column))}")
     return Wiring(
         head=(*heads, "Signal"),
         rows=tuple(_row(columns, signal, order_codes) for signal in signals),
-        about=tuple(about),
+        about=tuple(about_columns),
         notes=tuple(_common_sentences(device.connectors)),
         errata=tuple(f"connectors.{connector.name}" for connector in device.connectors),
     )
@@ -178,10 +178,10 @@ def _short_names(titles: Sequence[str]) -> list[str]:
         phrases_in_words = [phrase.split() for phrase in phrases]
         longest = max(map(len, phrases_in_words))
         for number_of_words in range(1, longest + 1):
-            names = [" ".join(phrase_words[:number_of_words]) for phrase_words in phrases_in_words]
-            are_unique = len(set(names)) == len(names)
-            if are_unique and not any(name.isdecimal() for name in names):
-                return names
+            short_names = [" ".join(phrase_words[:number_of_words]) for phrase_words in phrases_in_words]
+            are_unique = len(set(short_names)) == len(short_names)
+            if are_unique and not any(name.isdecimal() for name in short_names):
+                return short_names
     return [f"connector {index}" for index, _ in enumerate(titles, 1)]
 
 
@@ -309,18 +309,18 @@ def _clock_section(family: Device, device: Device, interface: Ssi | Biss, layout
         )
     facts += _pauses(family, interface)
     cable_clocks = cable_table(device, interface)
-    rows: list[Row] = []
+    cable_rows: list[Row] = []
     for cable in cable_clocks.rows:
         if clock.fastest_hz is not None and cable.hz >= (clock.min_hz or 0):
             clock_hz = min(cable.hz, clock.fastest_hz)
-            rows.append((f"{cable.metres} m", hertz(clock_hz), _durations(clocked_lengths, clock_hz)))
-    if rows:
+            cable_rows.append((f"{cable.metres} m", hertz(clock_hz), _durations(clocked_lengths, clock_hz)))
+    if cable_rows:
         facts.append(f"Clock for each cable length: from {text(cable_clocks.origin)}{_limit_of_used_clocks(clock)}.")
     if any(cable.is_below for cable in cable_clocks.rows):
         head = ("Cable below", "Clock below", "Frame above")
     else:
         head = ("Cable up to", "Clock up to", "Frame")
-    return SpeedSection(title="Clock and cable", facts=tuple(facts), head=head, rows=tuple(rows))
+    return SpeedSection(title="Clock and cable", facts=tuple(facts), head=head, rows=tuple(cable_rows))
 
 
 def _example_clock(clock: Clock) -> int:

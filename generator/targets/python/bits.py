@@ -129,8 +129,9 @@ class Reader:
         if not self.codec.by_word:
             return self.of_bytes(bits.pieces)
         shifted = moved(Atom(self.source), ">>", self.scope.of(bits.low))
-        on_top = bits.low + bits.width == self.codec.layout.bits
-        return shifted if on_top else Operation(shifted, "&", self.scope.ones(bits.width))
+        # Bits at the top of the word need no mask.
+        is_at_top = bits.low + bits.width == self.codec.layout.bits
+        return shifted if is_at_top else Operation(shifted, "&", self.scope.ones(bits.width))
 
     def place(self, bits: Bits) -> str:
         """Return the position of these bits, for a comment, such as ``bits 7:4``.
@@ -298,8 +299,8 @@ def from_pieces(pieces: Sequence[Piece], length: int = 0, byte: str = "data[{}]"
     ascending = pieces if low_byte_first else pieces[::-1]
     # From four bytes on, int.from_bytes is shorter than shifts.
     if len(pieces) > 3 and _are_adjacent_whole_bytes(ascending):
-        start, end = ascending[0].byte, ascending[-1].byte + 1
-        slice_of_data = "data" if (start, end) == (0, length) else f"data[{start}:{end}]"
+        first, stop = ascending[0].byte, ascending[-1].byte + 1
+        slice_of_data = "data" if (first, stop) == (0, length) else f"data[{first}:{stop}]"
         return call("int.from_bytes", slice_of_data, '"little"' if low_byte_first else '"big"')
     return joined("|", (_from_piece(piece, byte) for piece in ascending))
 

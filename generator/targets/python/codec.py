@@ -80,7 +80,7 @@ class Coder:
         if self.reports is not None and self.reports.depends:
             return True
         stated_values = [field.equals for field in self.expected if isinstance(field.equals, Expression)]
-        return not all(self.answered.issuperset(value.parameters) for value in stated_values)
+        return not all(self.answered.issuperset(stated_value.parameters) for stated_value in stated_values)
 
     @cached_property
     def questions(self) -> list[OpenQuestion]:
@@ -143,10 +143,10 @@ class Coder:
             bases.append("InBytes" if self.plan.in_bytes else "InBits")
             return ", ".join(bases)
         if self.register is not None:
-            kind = "LimitedRegister" if self.keeps_bytes else "Register"
+            kind_of_base = "LimitedRegister" if self.keeps_bytes else "Register"
         else:
-            kind = "Bytes" if self.plan.in_bytes else "Bits"
-        bases.append(f'{kind}Of["{self.encoder}"]' if self.takes_variant else f"Fixed{kind}")
+            kind_of_base = "Bytes" if self.plan.in_bytes else "Bits"
+        bases.append(f'{kind_of_base}Of["{self.encoder}"]' if self.takes_variant else f"Fixed{kind_of_base}")
         return ", ".join(bases)
 
     # -- attributes
@@ -304,10 +304,10 @@ class Coder:
     def measured(self) -> str:
         """Attribute that is the position. Empty if the frame has no position, or only a part of it."""
         measurement = self.context.device.measurement_of(self.layout_interface)
-        name = measurement.of if measurement is not None else "position"
-        numbers = {part.field.name for part in self.plan.parts if is_number(part.meaning)}
-        numbers.update(join.name for join in self.layout.joins)
-        return self.names.attribute(name) if name in numbers else ""
+        position_name = measurement.of if measurement is not None else "position"
+        number_names = {part.field.name for part in self.plan.parts if is_number(part.meaning)}
+        number_names.update(join.name for join in self.layout.joins)
+        return self.names.attribute(position_name) if position_name in number_names else ""
 
     @property
     def usable(self) -> str:

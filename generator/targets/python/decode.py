@@ -106,9 +106,10 @@ class Decoder:
 
     @property
     def crc_covers(self) -> Expr | None:
-        """Number of bits before the CRC of a word, for its tables. None if an answer or the order code decides it.
+        """Number of bits before the CRC of a word, for its tables.
 
-        With the start value 0, zeros before the word do not change the CRC, so the longest word has tables for all.
+        None for a frame of bytes, if order codes differ in the CRC, or if an answer decides the number. With the start
+        value 0, zeros before the word do not change the CRC, so the longest word has tables for all.
         """
         frame_crc = self.codec.only_crc
         if frame_crc is None or self.codec.in_bytes:
@@ -265,7 +266,10 @@ class Decoder:
         return "low" if self.tables and not self.codec.gray and is_in_low_table else ""
 
     def result(self, encoder_and_answers: Sequence[tuple[str, str]]) -> DecodedValues:
-        """Return the values of all attributes, in order, beginning with the encoder and the answers."""
+        """Return the values of all attributes, in order, beginning with the encoder and the answers.
+
+        The last one is for the unused bits, if the class has an attribute for them.
+        """
         decoded = DecodedValues(values=[(name, "") for name, _ in encoder_and_answers])
         for part in self.codec.parts:
             self._add_values(part, decoded)
@@ -346,12 +350,13 @@ def assigned(scope: Scope, names: ClassNames, enum: str, field: Field, bits: Exp
 def digits(number_of_runs: Expr, runs: Sequence[Digits]) -> Iterator[tuple[Digits, Expr]]:
     """Yield the runs of decimal digits in a number, each with its value, such as ``number // 100 % 10``."""
     for run in runs:
-        value = number_of_runs
+        run_value = number_of_runs
         if run.divisor != 1:
-            value = Operation(value, "//", number(run.divisor))
+            run_value = Operation(run_value, "//", number(run.divisor))
+        # No digits are before the first run.
         if run is not runs[0]:
-            value = Operation(value, "%", number(run.modulus))
-        yield run, value
+            run_value = Operation(run_value, "%", number(run.modulus))
+        yield run, run_value
 
 
 def _or_if_zero(bits: Expr, stands_for: int) -> Expr:

@@ -57,17 +57,17 @@ def docstring(summary: str, *blocks: Block, indent: int = 0) -> str:
     pad = " " * indent
     # Without blocks, the closing quotes are on the line of the summary.
     summary_width = WIDTH if any(blocks) else WIDTH - len('"""')
-    lines = [wrapped(_in_docstring(summary), summary_width, pad, f'{pad}"""')]
+    docstring_lines = [wrapped(_in_docstring(summary), summary_width, pad, f'{pad}"""')]
     for block in blocks:
         block_lines = _block_lines(block, pad)
         if block_lines:
-            lines += ["", *block_lines]
-    text = "\n".join(lines)
-    if "\n" in text:
-        return f'{text}\n{pad}"""'
+            docstring_lines += ["", *block_lines]
+    unfinished_docstring = "\n".join(docstring_lines)
+    if "\n" in unfinished_docstring:
+        return f'{unfinished_docstring}\n{pad}"""'
     # A quotation mark at the end must be apart from the closing ones.
-    open_quote = _OPEN_QUOTE.search(text)
-    return (f'{text[:-1]}\\"' if open_quote else text) + '"""'
+    open_quote = _OPEN_QUOTE.search(unfinished_docstring)
+    return (f'{unfinished_docstring[:-1]}\\"' if open_quote else unfinished_docstring) + '"""'
 
 
 def _block_lines(block: Block, pad: str) -> list[str]:
@@ -130,10 +130,11 @@ def of_errata(device: Device, *paths: str) -> list[Block]:
 
 def paragraphs(statements: Iterable[Statement]) -> list[Block]:
     """Return a paragraph for each statement, and one list of the errata among them."""
-    listed = [*statements]
-    errata_in_short = [_short_erratum(statement) for statement in listed if statement.below]
+    all_statements = [*statements]
+    # Of these statements, only errata have others below them.
+    errata_in_short = [_short_erratum(statement) for statement in all_statements if statement.below]
     return [
-        *(S.sentence(statement) for statement in listed if not statement.below),
+        *(S.sentence(statement) for statement in all_statements if not statement.below),
         ("Errata (full text in ERRATA)", errata_in_short),
     ]
 
@@ -213,13 +214,13 @@ def _about_quantity(device: Device, quantity: Parameter) -> str:
 
 def of_alternative(device: Device, alternative: Alternative) -> str:
     """Return the docstring of a question that the manual leaves open."""
-    head = S.sentence(statement(alternative.meaning, source=alternative.source))
+    question = S.sentence(statement(alternative.meaning, source=alternative.source))
     decision = "The manual leaves this open, or other evidence contradicts it."
     if alternative.default:
         decision += f" The default is {alternative.default.upper()}. Variant.with_answers() chooses another answer."
     else:
         decision += " There is no default."
-    return docstring(head, decision, *of_errata(device, f"alternatives.{alternative.name}"), indent=4)
+    return docstring(question, decision, *of_errata(device, f"alternatives.{alternative.name}"), indent=4)
 
 
 def of_answer(answer: Answer) -> str:
@@ -304,13 +305,13 @@ def of_argument(device: Device, argument: Argument) -> str:
 def of_field(device: Device, data_field: Field, may_be_missing: bool) -> str:
     """Return the description of an attribute: meaning, rules and note, or else the name of the field."""
     missing = [statement("0 if the encoder does not have this field")] if may_be_missing else []
-    about = [
+    statements = [
         *field.meaning(data_field, data_field.meaning),
         *missing,
         *field.rules(device, data_field),
         *spec_text(data_field.note),
     ]
-    return S.paragraph(about) or sentence(title(data_field))
+    return S.paragraph(statements) or sentence(title(data_field))
 
 
 #: Description of the member for unused bits.

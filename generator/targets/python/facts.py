@@ -83,11 +83,11 @@ def family(device: Device) -> Call:
 
 def order_code(code: OrderCode) -> Call:
     """Return the record ``OrderCode`` with the parts and their values."""
-    parts = []
+    part_records = []
     for part in code.parts:
         combinations = _allowed_combinations(part.open_only_with)
-        parts.append(record_of("Part", part, open_only_with=combinations))
-    return record_of("OrderCode", code, parts=tuple(parts))
+        part_records.append(record_of("Part", part, open_only_with=combinations))
+    return record_of("OrderCode", code, parts=tuple(part_records))
 
 
 def _allowed_combinations(allowed: Mapping[str, tuple[str, ...]]) -> Call | None:
@@ -97,11 +97,11 @@ def _allowed_combinations(allowed: Mapping[str, tuple[str, ...]]) -> Call | None
     """
     if not allowed:
         return None
-    items = []
+    dict_items = []
     for part_name, values in allowed.items():
         quoted_values = ", ".join(map(quoted, values))
-        items.append(f"{quoted(part_name)}: ({quoted_values},)")
-    return Call("ReadOnly", (("", Code(f"{{{', '.join(items)}}}")),))
+        dict_items.append(f"{quoted(part_name)}: ({quoted_values},)")
+    return Call("ReadOnly", (("", Code(f"{{{', '.join(dict_items)}}}")),))
 
 
 def tables(device: Device) -> list[Table]:

@@ -210,17 +210,17 @@ def _broken_lines(line: str) -> Iterator[str]:
         indent, name, quoted_text = text_item[1], text_item[2] or "", text_item[3]
         yield f"{indent}{name}{_split_literal(quoted_text, len(indent))},"
         return
-    start, items, end = _items(line)
+    line_start, items, line_end = _items(line)
     if not items:
         yield line
         return
     indent = line[: len(line) - len(line.lstrip())]
-    yield start
+    yield line_start
     # A comma would make a tuple of one unpacked value in parentheses.
-    comma = "" if start.endswith("*(") and len(items) == 1 else ","
+    comma = "" if line_start.endswith("*(") and len(items) == 1 else ","
     for element in items:
         yield from _broken_lines(f"{indent}    {element}{comma}")
-    yield indent + end
+    yield indent + line_end
 
 
 def _items(line: str) -> tuple[str, list[str], str]:
@@ -256,16 +256,16 @@ def _split_literal(quoted_text: str, indent: int) -> str:
     pieces = [""]
     for word in quoted_text[1:-1].split(" "):
         line_with_word = f'{margin}"{pieces[-1]}{word}"'
-        # A space follows each word except the last one.
+        # The space after the word is not counted yet.
         if pieces[-1] and len(line_with_word) > WIDTH - 2:
             pieces.append("")
         pieces[-1] += f"{word} "
     pieces[-1] = pieces[-1].removesuffix(" ")
-    lines = [f'{margin}"{piece}"' for piece in pieces if piece]
-    is_one_word_too_long = len(lines) == 1 and len(lines[0]) > WIDTH
+    literal_lines = [f'{margin}"{piece}"' for piece in pieces if piece]
+    is_one_word_too_long = len(literal_lines) == 1 and len(literal_lines[0]) > WIDTH
     if is_one_word_too_long:
         return quoted_text
-    return "\n".join(["(", *lines, f"{' ' * indent})"])
+    return "\n".join(["(", *literal_lines, f"{' ' * indent})"])
 
 
 def quoted(text: str | bytes) -> str:
@@ -375,8 +375,8 @@ def table(name: str, kind: str, rows: Sequence[Call]) -> str:
     start = f"{name}: Final[tuple[{kind}, ...]] = "
     if not rows:
         return f"{start}()"
-    lines = [broken(f"    {row.flat},") for row in rows]
-    return "\n".join([f"{start}(", *lines, ")"])
+    row_lines = [broken(f"    {row.flat},") for row in rows]
+    return "\n".join([f"{start}(", *row_lines, ")"])
 
 
 def literal(value: Literal) -> str:

@@ -121,8 +121,8 @@ class Steps:
         """Names of the arguments with their descriptions."""
         listed_arguments = []
         for parameter in self.arguments:
-            about = docstrings.of_argument(self.context.device, parameter.argument)
-            listed_arguments.append((self.argument(parameter.argument), about))
+            description = docstrings.of_argument(self.context.device, parameter.argument)
+            listed_arguments.append((self.argument(parameter.argument), description))
         return listed_arguments
 
     @property
@@ -177,9 +177,10 @@ class Steps:
         """
         attribute_of = self.coders[register.name].names.attribute
         argument = Atom(self.argument(value.argument))
-        fields = [field for field in register.layout.fields if field.name == value.member]
+        # Empty if the argument sets a join.
+        fields_of_member = [field for field in register.layout.fields if field.name == value.member]
         # A join of several fields is a number.
-        match meaning_of(fields[0]) if fields else Raw():
+        match meaning_of(fields_of_member[0]) if fields_of_member else Raw():
             case DigitRuns(runs):
                 return [(attribute_of(run.name), value_of_run) for run, value_of_run in digits(argument, runs)]
             case Raw() | TwosComplement() | ZeroMeans() | Active() | Named() | Characters():

@@ -328,7 +328,7 @@ class Readme:
             if variant is None or parameter.by_code or register.length > 1 or field.low.constant or field.widest != 8:
                 continue
             name = self.context.parameters[parameter.name]
-            # Another value than that of the order code shows that the register counts.
+            # Another value than that of the order code shows that the register determines it.
             changed_value = max(variant.parameters[parameter.name] - 4, parameter.min or 0)
             example = ReadmeExample(
                 code=variant.code,
@@ -426,20 +426,20 @@ def _register(example: RegisterExample, coder: Coder) -> ReadmeExample:
     """
     variant_argument = f', lookup("{example.order_code}")' if coder.takes_variant else ""
     types = {attribute.name: attribute.type for attribute in coder.attributes}
-    expressions, values = [], []
+    expressions, printed_values = [], []
     for name, value in example.values.items():
         attribute = coder.names.attribute(name)
         if isinstance(value, str) and types.get(attribute) != "str":
             expressions.append(f"register.{attribute}.name")
-            values.append(repr(value.upper()))
+            printed_values.append(repr(value.upper()))
         else:
             expressions.append(f"register.{attribute}")
-            values.append(repr(value))
+            printed_values.append(repr(value))
     return ReadmeExample(
         code=f"{coder.name}.decode({_bytes(example.bytes)}{variant_argument})",
         text="",
         shown=_tuple(expressions),
-        result=_tuple(values),
+        result=_tuple(printed_values),
         looked_up=coder.takes_variant,
     )
 

@@ -89,7 +89,9 @@ def _members(class_def: ast.ClassDef) -> Iterator[RecordMember]:
 
 
 def record_of(class_name: str, model_part: object, **overrides: Literal) -> Call:
-    """Return the record of a part of the model: all required members, and those that differ from their default.
+    """Return the record of a part of the model.
+
+    It has all required members, and the others unless they are empty or equal to their default.
 
     Args:
         class_name: Name of the record.

@@ -175,7 +175,7 @@ class Variants:
             return self._code_of(measurement.per_counts or Expression(1))
 
         cases = self._cases(counts_of)
-        is_one_everywhere = all(value == number(1) for value, _ in cases.cases)
+        is_one_everywhere = all(number_of_counts == number(1) for number_of_counts, _ in cases.cases)
         return replace(cases, cases=()) if is_one_everywhere else cases
 
     @cached_property
@@ -198,12 +198,12 @@ class Variants:
     @cached_property
     def by_frame(self) -> list[str]:
         """Names of the interfaces over which frames have different ranges, or positions that never wrap around."""
-        names: list[str] = []
+        interface_names: list[str] = []
         for interface in self.device.interfaces:
             # Without a measurement there are no ranges at all.
             if self._only_range(interface) is None and position_ranges(self.device, interface):
-                names.append(interface.name)
-        return names
+                interface_names.append(interface.name)
+        return interface_names
 
     @property
     def no_range(self) -> str:
@@ -334,7 +334,7 @@ class Variants:
             return end_of(only_range) or usual
 
         ends = by_interface(self.device, end_over)
-        is_usual = not self.by_frame and all(end == usual for end, _ in ends.cases)
+        is_usual = not self.by_frame and all(position == usual for position, _ in ends.cases)
         return None if is_usual else ends
 
     @property
@@ -386,7 +386,7 @@ class Variants:
 
     @cached_property
     def held_records(self) -> list[tuple[str, Call]]:
-        """Parameters that registers hold at run time: name and record."""
+        """Parameters that registers hold at run time: the attribute of the variant, and its record."""
         records: list[tuple[str, Call]] = []
         for group in held_parameters(self.device):
             for held_parameter in group.parameters:
