@@ -220,7 +220,7 @@ def registers_page_values(devices: Sequence[Device]) -> RegistersPage:
 def _address_and_family(register_of_device: tuple[Register, Device]) -> tuple[int, int, str]:
     """Return the sort key of a register: its address, then its bank, then the family."""
     register, device = register_of_device
-    # A register that is in every bank comes first.
+    # A register without a bank comes first.
     bank = -1 if register.bank is None else register.bank
     return register.address, bank, device.name
 

@@ -170,7 +170,7 @@ def _edition_phrase(difference: Erratum) -> str:
 
 
 def erratum_line(listed_erratum: Erratum, page: str) -> str:
-    """Return the status and title of an erratum, and the value used. The link leads to the full text.
+    """Return the status and title of an erratum, and the value used. The link leads to the full text on ``page``.
 
     A change by an overlay has its reason and source, because the user of a special model needs them.
     """

@@ -225,7 +225,7 @@ def _group_title(group: FieldGroup) -> str:
 def _layout_section(device: Device, interface: Interface, layout: Layout) -> Section:
     """Return a frame with the rows of its fields and its places by order code.
 
-    ``delivered`` is true if the places or the code are as delivered, because registers can change them.
+    ``delivered`` is true if registers can change the places or the code, so that those shown are factory defaults.
     """
     return {
         "layout": layout,

@@ -71,13 +71,16 @@ def _deciding_rows(device: Device, reporting_frames: Sequence[Reporting]) -> Ite
 
 
 def _rows_of_frame(device: Device, interface: Interface, layout: Layout, judgement: Judgement) -> Iterator[Row]:
-    """Yield a row for each field that decides the verdict on a frame, then one for all other cases."""
+    """Yield a row for each field that decides the verdict on a frame, then one for all other cases.
+
+    A last row is for order codes without the bits that judge the position, if there are any.
+    """
     signs = {sign.flag.name: sign for sign in layout.signs}
     deciders = _deciders(layout, judgement)
     for decider in deciders:
         yield _decider_row(device, interface, layout, decider, signs.get(decider.field.name))
-    last_name = "none of these" if deciders else "no field decides"
-    yield last_name, "", code(judgement.otherwise.value), "", ""
+    name_of_other_cases = "none of these" if deciders else "no field decides"
+    yield name_of_other_cases, "", code(judgement.otherwise.value), "", ""
     if judgement.may_be_unknown:
         judging_names = [Code(field.name) for field in layout.judging_fields]
         missing_names = STYLE.phrase(statement(*listed(judging_names)))

@@ -302,11 +302,9 @@ def _clock_section(family: Device, device: Device, interface: Ssi | Biss, layout
     clocked_lengths = [bits + start_bits for bits in lengths]
     if lengths:
         example_hz = _example_clock(clock)
-        frame_durations = _durations(clocked_lengths, example_hz)
+        durations = _durations(clocked_lengths, example_hz)
         with_start_bits = ", with the start bit and the CDS bit" if start_bits else ""
-        facts.append(
-            f"{_joined_by_or(map(str, lengths))} bits at {hertz(example_hz)}: {frame_durations}{with_start_bits}."
-        )
+        facts.append(f"{_joined_by_or(map(str, lengths))} bits at {hertz(example_hz)}: {durations}{with_start_bits}.")
     facts += _pauses(family, interface)
     cable_clocks = cable_table(device, interface)
     cable_rows: list[Row] = []

@@ -211,11 +211,9 @@ class Module:
         for frame in self.readme.frames[:1]:
             # The package's lookup() finds the family from which this one is derived.
             lookup_name, call = (self.name, f"{self.name}.lookup") if self.device.base else ("lookup", "lookup")
-            imported_names = ", ".join(
-                filter(None, ("Verdict" if frame.has_verdict else "", frame.module, lookup_name))
-            )
+            names = ", ".join(filter(None, ("Verdict" if frame.has_verdict else "", frame.module, lookup_name)))
             lookup_lines = (
-                f"from {self.device.manufacturer.python_package} import {imported_names}",
+                f"from {self.device.manufacturer.python_package} import {names}",
                 f'encoder = {call}("{frame.code}")',
             )
             if frame.has_verdict:

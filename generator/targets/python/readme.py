@@ -162,7 +162,10 @@ class Readme:
         return None
 
     def _valid_frame(self, coder: Coder, variant: Variant, sample: Sample) -> ReadmeExample:
-        """Return the call that decodes the sample frame, and its numbers."""
+        """Return the call that decodes the sample frame, and its numbers.
+
+        ``digits`` are the ones and zeros of a frame of bits.
+        """
         layout = coder.layout
         placed_layout = layout.place(variant.parameters)
         numbers = _numbers_of(coder, sample)
@@ -221,13 +224,11 @@ class Readme:
 
         It is one of an example in the manual if possible, then the one with the highest sum of its parameters.
         """
-        codes_in_examples = [
-            example.order_code for example in self.device.examples if not isinstance(example, CrcExample)
-        ]
+        example_codes = [example.order_code for example in self.device.examples if not isinstance(example, CrcExample)]
         parameter_names = [parameter.name for parameter in self.device.set_parameters]
 
         def preference(variant: Variant) -> tuple[bool, int]:
-            return variant.code in codes_in_examples, sum(variant.parameters[name] for name in parameter_names)
+            return variant.code in example_codes, sum(variant.parameters[name] for name in parameter_names)
 
         return max(self.device.variants_over(kind), key=preference, default=None)
 
