@@ -258,7 +258,7 @@ def manual_values(device: Device) -> ManualPage:
 
 
 def _history_row(revision: Revision) -> tuple[str, ...]:
-    """Return a row for one revision of the manual."""
+    """Return a row of revision, date, changes, hardware, software for one revision of the manual."""
     return (
         text(revision.revision),
         revision.date,

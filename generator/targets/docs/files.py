@@ -95,7 +95,8 @@ def _family_page(
 ) -> str:
     """Return the text of a page of a family. ``name`` is its path in the folder ``docs``.
 
-    Links to errata, and on pages of an interface to its other subjects, are corrected after rendering.
+    After rendering, errata that the text names become links, and on a page about an interface, links to places on its
+    other pages get the paths of these.
     """
     values = page_values()
     page_text = _page_text(template, values, library)

@@ -127,6 +127,7 @@ class ErrataLinks:
         open_first = sorted(self._errata.values(), key=lambda erratum: erratum.status != "open")
         list_items = [f"- {anchor(f'erratum-{erratum.name}')}{erratum_line(erratum, ERRATA)}" for erratum in open_first]
         anchors_by_edition: dict[str, list[str]] = {}
+        # In the order of the spec, not of the page.
         for difference in self._device.errata:
             if difference.name in self._differences:
                 path_with_anchor = f"{ERRATA}#erratum-{difference.name}"

@@ -174,7 +174,7 @@ def _group_section(device: Device, interface: Interface, group: FieldGroup) -> S
 
 
 def _data_id_row(data_id: DataId) -> tuple[str, ...]:
-    """Return a row for one data ID of the T-format."""
+    """Return a row of ID, name, control byte, purpose, meaning, source for one data ID of the T-format."""
     return (
         f"{data_id.id:X}",
         code(data_id.name),
@@ -206,7 +206,7 @@ def _layout_link(layout: Layout | None) -> str:
 
 
 def _memory_row(access: MemoryAccess) -> tuple[str, ...]:
-    """Return a row for one kind of access to memory."""
+    """Return a row of access, busy, address, data, meaning, source for one kind of access to memory."""
     return (
         text(access.access),
         f"{access.busy}",
@@ -285,7 +285,7 @@ def _connector_section(connector: Connector) -> Section:
 
 
 def _register_row(register: Register) -> tuple[str, ...]:
-    """Return a row for one register in the overview."""
+    """Return a row of bank, addresses, register, access, default, source for the overview of registers."""
     default_bytes = register.default_bytes()
     return (
         "" if register.bank is None else f"{register.bank}",

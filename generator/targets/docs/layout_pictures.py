@@ -38,8 +38,12 @@ _CLASS_COLOURS = (
 def _style_element() -> str:
     """Return the style sheet of a picture, with the colours of its classes for light and dark screens."""
     colours = palette()
-    light = "".join(f".{name}{{{key}:{colours.light[colour]}}}" for name, key, colour in _CLASS_COLOURS)
-    dark = "".join(f".{name}{{{key}:{colours.on_dark(colour)}}}" for name, key, colour in _CLASS_COLOURS)
+    light = "".join(
+        f".{name}{{{css_property}:{colours.light[colour]}}}" for name, css_property, colour in _CLASS_COLOURS
+    )
+    dark = "".join(
+        f".{name}{{{css_property}:{colours.on_dark(colour)}}}" for name, css_property, colour in _CLASS_COLOURS
+    )
     always = f".line,.wave{{fill:none}}rect{{stroke:{colours.light['line']}}}"
     return f"<style>{always}{light}@media(prefers-color-scheme:dark){{{dark}}}</style>"
 
@@ -164,7 +168,7 @@ class _BitRun:
         return self.low < byte_low + 8 and self.high >= byte_low
 
     def box(self, byte_low: int, place: str) -> Box:
-        """Return the part within the byte that begins at ``byte_low``."""
+        """Return the part within the byte that begins at ``byte_low``, with bit numbers in this byte."""
         return Box(
             high=min(self.high, byte_low + 7) - byte_low,
             low=max(self.low, byte_low) - byte_low,

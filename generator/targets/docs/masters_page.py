@@ -104,7 +104,7 @@ def _fact_rows(group: Group) -> dict[Any, Row]:
 
 
 def _common_rows_and_tables(columns: Columns) -> tuple[list[Row], list[Table]]:
-    """Return the rows common to all groups, and tables of the other rows, with a separate table for the supply.
+    """Return the rows common to all groups, and tables of the others: one for rows that depend only on the supply.
 
     Each column is a group with its rows by key. The first cell of a row is its name, the second its value.
     """

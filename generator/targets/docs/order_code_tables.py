@@ -332,14 +332,14 @@ def _flag_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
     layout = placed_layout.layout
     flags_by_label: dict[str, list[tuple[str, str]]] = {}
     for placed_field in placed_layout.fields:
-        place_in_bytes = (
+        byte_place = (
             frame_bytes(layout, placed_layout.bits, placed_field.high, placed_field.low) if layout.in_bytes else ""
         )
-        flag = (code(placed_field.name), place_in_bytes or bits(placed_field.high, placed_field.low))
+        flag = (code(placed_field.name), byte_place or bits(placed_field.high, placed_field.low))
         level = deciding(placed_field.field)
         if isinstance(meaning_of(placed_field.field), Active):
             flags_by_label.setdefault(f"Active at {level}", []).append(flag)
-        elif not place_in_bytes and placed_field.field.printed_name and level in {"0", "1"}:
+        elif not byte_place and placed_field.field.printed_name and level in {"0", "1"}:
             flags_by_label.setdefault("Not used by this encoder", []).append(flag)
     yield from ((label, ", ".join(_with_places(flags))) for label, flags in flags_by_label.items())
 

@@ -137,7 +137,10 @@ def _contacts_by_signal(connector: Connector, order_codes: Sequence[str]) -> dic
 
 
 def _signal_cell(contact: Contact, order_codes: Sequence[str]) -> str:
-    """Return the signal of a contact in Markdown, and which of these order codes have it unless all do."""
+    """Return the signal of a contact in Markdown.
+
+    If only some order codes have it, add the patterns of these that fit one of ``order_codes``.
+    """
     if not contact.only:
         return text(contact.signal)
     patterns = []
@@ -293,7 +296,8 @@ def speed_section(family: Device, device: Device, interface: Interface, layout: 
 def _clock_section(family: Device, device: Device, interface: Ssi | Biss, layout: Layout | None) -> SpeedSection:
     """Return the limits of the clock, the duration of a frame, and the clock for each cable length.
 
-    The table has no cables whose clock is below the lowest one of the encoder. It ends at its fastest clock.
+    The table has no cables whose clock is below the lowest one of the encoder. Faster clocks than its fastest one are
+    replaced by that.
     """
     clock = interface.clock
     facts = [f"Clock: {clock_words(clock)} ({cited(clock.source)})."]

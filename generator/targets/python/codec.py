@@ -175,7 +175,7 @@ class Coder:
         return _with_defaults(attributes + self._unused)
 
     def _field_attributes(self, field: Field) -> Iterator[Attribute]:
-        """Yield the attribute of a field, or one for each run of digits."""
+        """Yield the attribute of a field, or one for each run of digits. The value in the manual is its default."""
         match meaning_of(field):
             case Raw():
                 stated = self._stated_number(field)
@@ -311,7 +311,7 @@ class Coder:
 
     @property
     def usable(self) -> str:
-        """Expression for the position. A join of raw numbers is computed without the checks of its property."""
+        """Expression for the position: its attribute or, for a join of raw numbers, the join without checks."""
         scope = self._scope_of_attributes(self.by_index)
         for whole in self.plan.wholes:
             is_position = self.names.attribute(whole.join.name) == self.measured

@@ -92,7 +92,7 @@ class Decoder:
     def xor_before(self, frame_crc: FrameCrc) -> str:
         """Return the XOR of all bytes before a CRC that is this XOR, such as ``b0 ^ b1 ^ 0xFF``.
 
-        Empty for any other CRC.
+        Empty for any other CRC, and if there are more than ``_MAX_BYTE_VARIABLES`` such bytes.
         """
         if not frame_crc.crc.is_xor:
             return ""

@@ -150,16 +150,18 @@ def _labelled(statement: Statement) -> tuple[str, str]:
 
 
 def _short_erratum(statement: Statement) -> tuple[str, str]:
-    """Return the title of an erratum, and the value that is used instead, up to its first full sentence.
+    """Return the title of an erratum, and the value that is used instead.
 
-    Without such a value, it is the first statement below the title. The value is complete if a user must choose.
+    A change by an overlay or another edition has no such value. Instead, return the first sentence of its first
+    statement, with the label.
     """
     title_of_erratum = statement.label.removeprefix("Erratum: ")
     phrases_by_label = {part.label: S.phrase(part) for part in statement.below}
     first_part = statement.below[0]
     correction = phrases_by_label.get("Used") or f"{first_part.label}: {S.phrase(first_part)}"
-    is_users_choice = bool(statement.brief) and "Used" in phrases_by_label
-    if is_users_choice:
+    # Changes by overlays and other editions have no short form.
+    is_erratum_of_manual = bool(statement.brief) and "Used" in phrases_by_label
+    if is_erratum_of_manual:
         return title_of_erratum, sentence(correction)
     first_sentence = _END_OF_SENTENCE.split(correction)[0]
     return title_of_erratum, sentence(first_sentence)

@@ -253,12 +253,12 @@ def _open_questions(modules: Iterable[Module]) -> list[tuple[Module, OpenQuestio
 
 def _special_models(modules: Iterable[Module]) -> list[tuple[str, str]]:
     """Return the module of each special model, with the suffixes of its order codes."""
-    names_and_descriptions: list[tuple[str, str]] = []
+    modules_and_suffixes: list[tuple[str, str]] = []
     for module in modules:
         for overlay in module.device.overlays:
             if overlay.special:
-                names_and_descriptions.append((module.name, overlay.special))
-    return names_and_descriptions
+                modules_and_suffixes.append((module.name, overlay.special))
+    return modules_and_suffixes
 
 
 def _spi_example(modules: Iterable[Module]) -> ReadmeExample | None:

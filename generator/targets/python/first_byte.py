@@ -67,10 +67,8 @@ class FirstByte:
                 members = {}
             case meaning:
                 assert_never(meaning)
-        bytes_and_selectors = self.selectors_by_byte.items()
-        return {
-            byte: members.get(selector_value, coded(selector_value)) for byte, selector_value in bytes_and_selectors
-        }
+        selectors = self.selectors_by_byte.items()
+        return {byte: members.get(selector_value, coded(selector_value)) for byte, selector_value in selectors}
 
     @property
     def is_invalid(self) -> str:

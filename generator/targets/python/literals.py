@@ -228,6 +228,7 @@ def _items(line: str) -> tuple[str, list[str], str]:
 
     The line ``call(a, [b, c]),`` gives ``call(``, the items ``a`` and ``[b, c]``, and ``),``.
     """
+    # Empty before the first bracket.
     start = ""
     items = [""]
     position, depth = 0, 0

@@ -342,7 +342,7 @@ class Readme:
 
     @property
     def positions(self) -> list[ReadmeExample]:
-        """Conversion of a position, and its count after a wrap-around, for the first order code.
+        """Calls (``text``) that convert and unwrap a position, with their results, for the first order code.
 
         Empty if the number of counts until the wrap-around is unknown or too small for the example.
         """
@@ -352,7 +352,7 @@ class Readme:
             return []
         factors = [factor.value(variant.parameters) for factor in counts(measurement)]
         modulus = prod(factors) if factors else 0
-        # The example unwraps from modulus - 2 to 3, which must be the shorter way.
+        # The example unwraps from modulus - 2 to 3. In a small range, the way back would be shorter.
         if modulus < 8:
             return []
         calls_and_results: list[tuple[str, str]] = []
@@ -370,7 +370,7 @@ class Readme:
 
     @property
     def identified(self) -> list[ReadmeExample]:
-        """Worked examples of registers that identify an encoder, as the content of one dict.
+        """Worked examples of identifying registers, as items of a dict: ``"model": bytes.fromhex("1B")``.
 
         They are those of the order code in the first such example. Empty if it is not a listed one.
         """
