@@ -310,7 +310,7 @@ def _second_reading_text(counts: TimesRead | None) -> str:
 
 
 def _edition_rows(device: Device) -> Iterator[tuple[str, ...]]:
-    """Yield rows of an edition for each: revision, date, differences before it, differences since it, labels."""
+    """Yield a row for each edition: revision, date, differences before it, differences in it, labels."""
     for edition in device.editions:
         yield (
             text(edition.revision),
