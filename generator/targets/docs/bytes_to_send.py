@@ -54,7 +54,10 @@ class SendingSection:
 def sending_section(
     family: Device, device: Device, interface: Interface, variant: Variant, errata_at: Callable[..., str]
 ) -> SendingSection:
-    """Return the bytes to send for an order code. ``errata_at`` returns links to errata that change bytes."""
+    """Return the bytes to send for an order code. ``errata_at`` returns links to errata that change bytes.
+
+    ``device`` is ``family`` reduced to the order code.
+    """
     # In this order, because ``errata_at`` lists the errata in the order of its calls.
     requests = tuple(_request_rows(device, interface, errata_at))
     commands = tuple(_command_rows(device, variant, errata_at))
@@ -64,9 +67,11 @@ def sending_section(
         device, interface, possible_commands, has_rows=bool(commands), has_preset=bool(presets)
     )
     facts = list(introduction)
-    inputs = [link(text(title(hardware_input)), f"#input-{hardware_input.name}") for hardware_input in device.inputs]
-    if inputs:
-        facts.append(f"Inputs: {', '.join(inputs)}.")
+    input_links = [
+        link(text(title(hardware_input)), f"#input-{hardware_input.name}") for hardware_input in device.inputs
+    ]
+    if input_links:
+        facts.append(f"Inputs: {', '.join(input_links)}.")
     other_value = ""
     if presets:
         other_value = _how_to_write_other_positions(family.register(presets[0].name), variant)
@@ -82,7 +87,11 @@ def sending_section(
 def _introduction(
     device: Device, interface: Interface, possible_commands: Commands, *, has_rows: bool, has_preset: bool
 ) -> Iterator[str]:
-    """Yield what the bytes mean. A sentence denies only what no possible command contradicts."""
+    """Yield what the bytes mean, and what the interface lacks, such as a preset.
+
+    A sentence denies a preset, reset or save only if no possible command may be one. ``has_rows`` is true if the page
+    has rows of commands, and ``has_preset`` if one of the registers is a preset whose bytes for 0 are known.
+    """
     match interface:
         case Ssi():
             denial = " It has no preset, reset or save command." if possible_commands.is_empty else ""
@@ -103,7 +112,10 @@ def _introduction(
 def _introduction_for_biss(
     device: Device, possible_commands: Commands, *, has_rows: bool, has_preset: bool
 ) -> Iterator[str]:
-    """Yield what the rows show over BiSS, or that the manual describes no commands."""
+    """Yield what the rows of commands show over BiSS, or without rows, what is known about commands.
+
+    The sentence that there are no commands needs a spec of a whole manual. Without one, the encoder may have some.
+    """
     if has_preset:
         # The script of the site changes this sentence together with the bytes.
         zero = '<span id="preset-of-rows">The preset is 0 in these rows.</span>'
@@ -124,16 +136,16 @@ def _introduction_for_biss(
 
 
 def _sentences_on_writable_registers(possible_commands: Commands) -> Iterator[str]:
-    """Yield the registers that hold commands, with the commands, and the other registers that can be written."""
+    """Yield a sentence for each register that holds commands, and one about all others that can be written."""
     for register in possible_commands.registers:
         command_names: list[str] = []
         for field in register.layout.fields:
             command_names += [code(title(command)) for command in field.values]
         yield f"Write a command to {_register_link(register)}: {', '.join(command_names)}."
     if possible_commands.settings:
-        registers = "Other registers" if possible_commands.registers else "Registers"
-        links = ", ".join(map(_register_link, possible_commands.settings))
-        yield f"{registers} that can be written: {links}."
+        subject = "Other registers" if possible_commands.registers else "Registers"
+        register_links = ", ".join(map(_register_link, possible_commands.settings))
+        yield f"{subject} that can be written: {register_links}."
 
 
 def _register_link(register: Register) -> str:
@@ -141,7 +153,10 @@ def _register_link(register: Register) -> str:
 
 
 def _commands_missing_in_t_format(device: Device, possible_commands: Commands) -> Iterator[str]:
-    """Yield the commands that requests of the T-format lack."""
+    """Yield that there is no preset and no save command, unless something may be a preset.
+
+    The sentence leaves out the save command if something may be one.
+    """
     if possible_commands.may_preset:
         return
     exception = " other than the resets" if possible_commands.resets else ""
@@ -151,7 +166,7 @@ def _commands_missing_in_t_format(device: Device, possible_commands: Commands) -
 
 
 def _preset_registers(device: Device) -> Iterator[Register]:
-    """Yield the registers to which procedures write a position."""
+    """Yield the registers to which procedures write a position: those of their arguments ``position``."""
     for procedure in device.procedures:
         for argument in procedure.arguments:
             if argument.name == "position":
@@ -166,17 +181,21 @@ def _registers_with_known_zero(device: Device, variant: Variant) -> Iterator[Reg
 
 
 def _how_to_write_other_positions(register: Register, variant: Variant) -> str:
-    """Return a sentence on how to write a position other than 0 to a preset register, with an example."""
+    """Return a sentence on how to write a position other than 0 to a preset register, with an example.
+
+    Return an empty string if the order code lacks the field of the position.
+    """
+    # The position may begin above bit 0 of the register.
     low, width = register.layout.place(variant.parameters).place_of(register.limits_of)
     if not width:
         return ""
     order = register.byte_order.replace("_", " ")
     shift = f" × 2^{low}" if low else ""
-    example = min(1000, (1 << width) - 1)
-    data = register.bytes_of(example << low).hex(" ").upper()
+    example_position = min(1000, (1 << width) - 1)
+    example_bytes = register.bytes_of(example_position << low).hex(" ").upper()
     return (
         f"Another position: write position{shift} as {counted(register.length, 'byte')}, {order}, to "
-        f"{link(addresses(register), f'#register-{register.name}')}. For 1,000: {code(data)}."
+        f"{link(addresses(register), f'#register-{register.name}')}. For 1,000: {code(example_bytes)}."
     )
 
 
@@ -199,11 +218,16 @@ def _exchange_row(exchange: Exchanged) -> Row:
     if word_bits is not None:
         word_size = f"in words of {word_lengths([word_bits])}"
         description = f"{description}, {word_size}" if description else word_size
+    # capitalize() would change the case of the other letters.
     return " → ".join(frame_links), description[:1].upper() + description[1:]
 
 
 def _data_id_row(device: Device, interface: Rs485, data_id: DataId, errata_at: Callable[..., str]) -> Row:
-    """Return a row of the bytes of a request with its reply, meaning with its repetitions and errata."""
+    """Return a row of request → reply, meaning.
+
+    The request is its control byte and the names of its further parts. The meaning is followed by the repetitions in
+    procedures that send only this request, by the data ID, and by errata.
+    """
     request = _layout_with_data_id(interface, "master", data_id.id)
     reply = _layout_with_data_id(interface, "encoder", data_id.id)
     part_names = _names_after_control_field(request) if request is not None else []
@@ -220,15 +244,18 @@ def _data_id_row(device: Device, interface: Rs485, data_id: DataId, errata_at: C
 
 
 def _names_after_control_field(request: Layout) -> list[str]:
-    """Return the names of the parts of a request after its control field. A group of fields is one part."""
+    """Return the names of the parts of a request after its control field, each group of fields once.
+
+    The control field is the group of the first field.
+    """
     control_group = request.fields[0].group
-    names: dict[str, None] = {}
+    unique_names: dict[str, None] = {}
     for field in request.fields:
         is_in_control_field = bool(field.group) and field.group == control_group
         if not is_in_control_field:
-            names[field.group or field.name] = None
+            unique_names[field.group or field.name] = None
     # Of "preset of turns", only "preset" is shown.
-    return [text(name_as_words(name).partition(" of ")[0]) for name in names]
+    return [text(name_as_words(part_name).partition(" of ")[0]) for part_name in unique_names]
 
 
 def _procedures_sending_only(device: Device, data_id: DataId) -> list[Procedure]:
@@ -241,7 +268,7 @@ def _requests_sent(procedure: Procedure) -> list[str]:
 
 
 def _repetition(procedure: Procedure) -> str:
-    """Return how often a procedure repeats its only request, with a link, and its waiting times."""
+    """Return how often a procedure repeats its only request, such as ``Send it 10 times, at least 40 µs apart``."""
     send_step = next(step for step in procedure.steps if isinstance(step, SendStep))
     waits = [f"wait {microseconds(step.microseconds)}" for step in procedure.steps if isinstance(step, WaitStep)]
     times = link(f"{send_step.times} times", f"#procedure-{procedure.name}")
@@ -277,11 +304,12 @@ def _command_rows(device: Device, variant: Variant, errata_at: Callable[..., str
 
 
 def _command_errata(device: Device, errata_at: Callable[..., str]) -> str:
-    """Return the errata about procedures that write something, and about the registers that they write."""
+    """Return the errata about procedures that write something, and about whole registers that they write."""
     procedure_paths, register_paths = list[str](), list[str]()
     for procedure in _writing_procedures(device):
         procedure_paths.append(f"procedures.{procedure.name}")
         register_paths += [f"registers.{step.register}" for step in procedure.steps if isinstance(step, WriteStep)]
+    # Each path once, in this order.
     spec_paths = dict.fromkeys((*procedure_paths, *register_paths))
     return errata_at(*spec_paths, exactly=register_paths) if spec_paths else ""
 
@@ -299,8 +327,8 @@ def _step_in_bytes(device: Device, step: Step, variant: Variant) -> str:
             return f"read {addresses(device.register(step.register))} until {code(step.field)} is {step.value}"
         case ModifyStep():
             register = device.register(step.register)
-            value = "the new value" if step.value is None else f"{step.value}"
-            return f"{addresses(register)}: {_bits_of_field(register, step.field, variant)} = {value}"
+            bit_value = "the new value" if step.value is None else f"{step.value}"
+            return f"{addresses(register)}: {_bits_of_field(register, step.field, variant)} = {bit_value}"
         case WriteStep():
             register = device.register(step.register)
             return f"{addresses(register)}: {_bytes_to_write(device, register, step.value, variant)}"
@@ -310,17 +338,22 @@ def _step_in_bytes(device: Device, step: Step, variant: Variant) -> str:
 
 def _bytes_to_write(device: Device, register: Register, value: int | None, variant: Variant) -> str:
     """Return the bytes of a value, or those of the position 0 for a preset without a value."""
-    data = bytes_of_zero_position(device, register, variant) if value is None else register.bytes_of(value)
-    return code(data.hex(" ").upper()) if data is not None else "the new value"
+    register_bytes = bytes_of_zero_position(device, register, variant) if value is None else register.bytes_of(value)
+    return code(register_bytes.hex(" ").upper()) if register_bytes is not None else "the new value"
 
 
 def _bits_of_field(register: Register, name: str, variant: Variant) -> str:
+    """Return the bits of a field in a register, or its name if the order code lacks it."""
     placed_field = register.layout.place(variant.parameters).find_field(name)
     return bits(placed_field.high, placed_field.low) if placed_field is not None else code(name)
 
 
 def bytes_of_zero_position(device: Device, register: Register, variant: Variant) -> bytes | None:
-    """Return the bytes of a register that holds the position 0, or None for a register with anything else."""
+    """Return the bytes of a preset register for the position 0, or None if they are unknown.
+
+    Constants have their values, and numbers are 0. With any other field, the bytes are unknown. They are also None for
+    a register that is not a preset.
+    """
     if register not in _preset_registers(device):
         return None
     constants = codec_of(device, register.layout).constants

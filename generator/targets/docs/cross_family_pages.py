@@ -83,7 +83,10 @@ def _family_link(device: Device) -> str:
 
 
 def _label_row(device: Device) -> Row:
-    """Return a row of family, title, patterns of its order codes, interfaces, supply."""
+    """Return a row of family, title, patterns of its order codes, interfaces, supply.
+
+    It has each supply that one of the order codes needs.
+    """
     supplies_of_variants = [device.supply_of(variant) for variant in device.variants]
     supplies = dict.fromkeys(supply for supply in supplies_of_variants if supply is not None)
     return (
@@ -100,15 +103,18 @@ def _supply_range(supply: Supply) -> str:
 
 
 def _identity_rows(device: Device) -> Iterator[Row]:
-    """Yield rows of the registers whose content is the same for the whole family or is determined by the order code."""
+    """Yield rows of family, address, name, content, source of the register fields that identify an encoder.
+
+    Their content is the same for the whole family, or the order code determines it.
+    """
     for register, field in device.identity:
-        name = title(register)
+        register_title = title(register)
         if len(register.layout.fields) > 1:
-            name += f", {words(field.name)}"
+            register_title += f", {words(field.name)}"
         yield (
             _family_link(device),
             link_to_register(device, register, addresses(register)),
-            text(name),
+            text(register_title),
             _documented_content(field),
             cited(field.source or register.source),
         )
@@ -118,6 +124,7 @@ def _documented_content(field: Field) -> str:
     """Return the content of an identifying field, such as ```1Bh```, or an empty text if the manual gives none."""
     match field.equals:
         case int():
+            # One hexadecimal digit holds four bits.
             return f"`{field.equals:0{(field.widest + 3) // 4}X}h`"
         case str():
             return code(field.equals)
@@ -128,7 +135,7 @@ def _documented_content(field: Field) -> str:
 
 
 def _interface_fact_rows(device: Device) -> Iterator[Row]:
-    """Yield rows of interface, family, label, fact, source."""
+    """Yield rows of interface, family, label, fact, source for the facts with a label in ``_COMPARED_LABELS``."""
     for interface in device.interfaces:
         for setting in settings(device, interface):
             if setting.label in _COMPARED_LABELS:
@@ -142,7 +149,10 @@ def _interface_fact_rows(device: Device) -> Iterator[Row]:
 
 
 def _position_frame_rows(device: Device) -> Iterator[Row]:
-    """Yield rows of interface, family, frame, bits, order, CRC."""
+    """Yield rows of interface, family, frame, bits, order, CRC for the frames that send the position.
+
+    ``none`` is one of the CRCs if the frames of some order codes have none.
+    """
     for interface, layout in device.layouts():
         if device.tells_position(interface.name, layout):
             crcs = [f"{crc.polynomial}, {crc_sent(crc)}" for crc in device.crcs_of(layout)]
@@ -161,32 +171,37 @@ def _position_frame_rows(device: Device) -> Iterator[Row]:
 def _range_of_lengths(device: Device, interface: Interface, layout: Layout) -> str:
     """Return the lengths in bits that a frame has for the order codes of an interface, such as ``33 to 45``."""
     variants = device.variants_over(interface.name)
+    # The length is 0 if no order code of the interface is listed.
     lengths = {layout.place(variant.parameters).bits for variant in variants} or {0}
     shortest, longest = min(lengths), max(lengths)
     return f"{shortest}" if shortest == longest else f"{shortest} to {longest}"
 
 
 def _resolution_rows(device: Device) -> Iterator[Row]:
-    """Yield the resolution and range of the position by order code."""
+    """Yield rows of family, quantity, values, unit, source.
+
+    The quantities are those with a unit that an order code sets, and that no register changes at run time. The values
+    are those of all listed order codes, in ascending order.
+    """
     run_time_parameters = run_time_names(device)
     for parameter in device.set_parameters:
         if not parameter.unit or parameter.name in run_time_parameters:
             continue
         variants = [variant for variant in device.variants if parameter.name in variant.parameters]
-        counts = sorted({variant.parameters[parameter.name] for variant in variants})
-        values = ", ".join(parameter_value(parameter, count) for count in counts)
-        yield _family_link(device), text(parameter.meaning), values, text(parameter.unit), cited(parameter.source)
+        different_values = sorted({variant.parameters[parameter.name] for variant in variants})
+        values_cell = ", ".join(parameter_value(parameter, count) for count in different_values)
+        yield _family_link(device), text(parameter.meaning), values_cell, text(parameter.unit), cited(parameter.source)
 
 
 def _byte_order_rows(device: Device) -> Iterator[Row]:
-    """Yield the byte order of registers that have several bytes."""
+    """Yield rows of family, byte order, links to its registers of several bytes with this order."""
     registers_by_order: dict[str, list[Register]] = {}
     for register in device.registers:
         if register.length > 1:
             registers_by_order.setdefault(register.byte_order, []).append(register)
     for order, registers in registers_by_order.items():
-        links = (_register_link(device, register) for register in registers)
-        yield _family_link(device), order.replace("_", " "), ", ".join(links)
+        register_links = (_register_link(device, register) for register in registers)
+        yield _family_link(device), order.replace("_", " "), ", ".join(register_links)
 
 
 def _register_link(device: Device, register: Register) -> str:
@@ -203,7 +218,9 @@ def registers_page_values(devices: Sequence[Device]) -> RegistersPage:
 
 
 def _address_and_family(register_of_device: tuple[Register, Device]) -> tuple[int, int, str]:
+    """Return the sort key of a register: its address, then its bank, then the family."""
     register, device = register_of_device
+    # A register without a bank comes first.
     bank = -1 if register.bank is None else register.bank
     return register.address, bank, device.name
 
@@ -224,7 +241,7 @@ def _register_row(register: Register, device: Device) -> Row:
 
 
 def alarms_page_values(devices: Sequence[Device]) -> AlarmsPage:
-    """Return the values of the page with the alarms and LEDs of all families."""
+    """Return the values of the page with the alarms of all families by title, and their LEDs."""
     explained_alarms: list[tuple[Alarm, Device, Interface]] = []
     for device in devices:
         explained_alarms += _alarms_with_interfaces(device)
@@ -293,15 +310,15 @@ class _InterfacePage:
 
 
 def page_values(devices: Sequence[Device]) -> GlossaryPage:
-    """Return the values of the glossary: the terms that a page of these families uses."""
+    """Return the values of the glossary: the terms to which a page of these families has a section."""
     pages: list[_InterfacePage] = []
     for device in devices:
         pages += [_interface_page(device, interface) for interface in device.interfaces]
     term_rows: list[tuple[str, str, str]] = []
     for term in sorted(TERMS, key=lambda term: term.name.casefold()):
-        links = _links(term, pages)
-        if links:
-            term_rows.append((text(term.name), text(term.meaning), links))
+        term_links = _links(term, pages)
+        if term_links:
+            term_rows.append((text(term.name), text(term.meaning), term_links))
     return {"term_rows": term_rows}
 
 
@@ -312,31 +329,35 @@ def _interface_page(device: Device, interface: Interface) -> _InterfacePage:
 
 def _links(term: Term, pages: Sequence[_InterfacePage]) -> str:
     """Return links to the sections about a term, one for each interface page that has one."""
-    links: list[str] = []
+    page_links: list[str] = []
     for page in pages:
         anchor = _anchor_of_term(term, page)
         if anchor:
-            title = f"{page.device.name.upper()} {page.interface.short}"
-            links.append(link(text(title), path_to_anchor(page.device, page.interface.name, anchor)))
-    return ", ".join(links)
+            page_title = f"{page.device.name.upper()} {page.interface.short}"
+            page_links.append(link(text(page_title), path_to_anchor(page.device, page.interface.name, anchor)))
+    return ", ".join(page_links)
 
 
 def _anchor_of_term(term: Term, page: _InterfacePage) -> str:
-    """Return the anchor of the section about a term on an interface page, or an empty string."""
+    """Return the anchor of the section about a term on an interface page, or an empty string.
+
+    It is the section that a term of an interface states. For another term, it is the first name that is a spelling of
+    the term, or else the first name that contains one as a whole word.
+    """
     if term.over is not None:
         is_on_page = isinstance(page.interface, term.over) and _has_section(page, term.section)
         return term.section if is_on_page else ""
-    for name, anchor in page.names:
-        if name in term.spelled:
+    for lowercase_name, anchor in page.names:
+        if lowercase_name in term.spelled:
             return anchor
-    for name, anchor in page.names:
-        if any(f" {word} " in f" {name} " for word in term.spelled):
+    for lowercase_name, anchor in page.names:
+        if any(f" {word} " in f" {lowercase_name} " for word in term.spelled):
             return anchor
     return ""
 
 
 def _has_section(page: _InterfacePage, section: str) -> bool:
-    """Return whether an interface page has a section. Every page has frames and times."""
+    """Return whether an interface page has a section. Sections not in ``contents`` are on every page."""
     contents = {
         "control-data": getattr(page.interface, "control_data", ()),
         "procedures": page.device.procedures,
@@ -346,7 +367,10 @@ def _has_section(page: _InterfacePage, section: str) -> bool:
 
 
 def _anchors_by_name(device: Device, interface: Interface) -> Iterator[tuple[str, str]]:
-    """Yield the names on an interface page in lowercase with their anchors. Names with their own section are first."""
+    """Yield the names on an interface page in lowercase with their anchors, such as ``("crc", "crc-x24")``.
+
+    Names with their own section are first. A name can occur several times.
+    """
     for register in device.registers:
         yield from _names_of(register, f"register-{register.name}")
     for group in device.field_groups:
@@ -354,6 +378,7 @@ def _anchors_by_name(device: Device, interface: Interface) -> Iterator[tuple[str
     for crc in device.crcs:
         yield "crc", f"crc-{crc.name}"
     if isinstance(interface, Ssi) and interface.output_code is not None and interface.output_code.code != "binary":
+        # The section about frames mentions the Gray code.
         yield "gray", "frames"
     for timing in interface.timings:
         yield timing.symbol.casefold(), "timings"
@@ -367,5 +392,6 @@ def _anchors_by_name(device: Device, interface: Interface) -> Iterator[tuple[str
 
 
 def _names_of(titled: Titled, anchor: str) -> Iterator[tuple[str, str]]:
+    """Yield our name in words and the printed name in lowercase, each with the anchor."""
     yield titled.name.replace("_", " "), anchor
     yield titled.printed_name.casefold(), anchor

@@ -110,7 +110,10 @@ def _yes_or_no(is_true: bool) -> str:
 
 
 def example_facts(device: Device, example: Example) -> Iterator[tuple[str, str]]:
-    """Yield the label and value of each fact of a worked example."""
+    """Yield the label and value of each fact of a worked example, without empty ones.
+
+    An erratum of the example is linked here only if it does not affect the example, and so is not next to it.
+    """
     for label, content in _facts_of_kind(device, example):
         if content:
             yield label, content
@@ -168,6 +171,7 @@ def _bytes_fact(data: bytes) -> tuple[str, str]:
 
 
 def _values_fact(values: Mapping[str, int | str | bool], layouts: Iterable[Layout]) -> tuple[str, str]:
+    """Return the label and the values of an example, with quantities for fields that have a scale in a layout."""
     scales = {field.name: field.scale for layout in layouts for field in layout.fields}
     assignments = [f"{code(name)} = {_value_text(value, scales.get(name))}" for name, value in values.items()]
     return "Values", ", ".join(assignments)
@@ -217,12 +221,12 @@ def _document_row(document: Document) -> tuple[str, ...]:
 def control_rows(interface: Biss) -> Iterator[tuple[str, ...]]:
     """Yield the name, bits, meaning and source of each field of the BiSS control frame."""
     for control_field in interface.control_data:
-        values = [STYLE.phrase(value(named_value, control_field.bits)) for named_value in control_field.values]
-        crc = link(code(control_field.crc), f"#crc-{control_field.crc}") if control_field.crc else ""
+        value_phrases = [STYLE.phrase(value(named_value, control_field.bits)) for named_value in control_field.values]
+        crc_link = link(code(control_field.crc), f"#crc-{control_field.crc}") if control_field.crc else ""
         yield (
             name_cell(control_field),
             f"{control_field.bits}",
-            joined([text(control_field.meaning), crc, *values]),
+            joined([text(control_field.meaning), crc_link, *value_phrases]),
             cited(control_field.source),
         )
 
@@ -246,7 +250,7 @@ def field_rows(device: Device, layout: Layout) -> Iterator[Row]:
 
 
 def _place_cell(device: Device, layout: Layout, field: Field) -> str:
-    """Return the place of a field. If it is that of a field with its padding, the width of the field follows."""
+    """Return the place of a field. If it has a container, the place includes padding, and the width follows."""
     place = field_place_cell(layout, field, device.alternatives_of(layout))
     width = counted(STYLE.number(field.width), "bit") if field.container else ""
     return joined([place, width])
@@ -255,8 +259,8 @@ def _place_cell(device: Device, layout: Layout, field: Field) -> str:
 def _group_cell(layout: Layout, group: FieldGroup) -> str:
     """Return a link to the table of a group, and the names of its fields."""
     group_link = link(text(heading(group.name)), f"#group-{group.name}")
-    names = ", ".join(code(field.name) for field in layout.fields if field.group == group.name)
-    return f"{group_link} <small>{code(group.name)}</small>: {names}"
+    field_names = ", ".join(code(field.name) for field in layout.fields if field.group == group.name)
+    return f"{group_link} <small>{code(group.name)}</small>: {field_names}"
 
 
 def group_rows(device: Device, name: str) -> Iterator[Row]:
@@ -289,8 +293,8 @@ def _value_table(field: Field) -> list[Row]:
 def register_rows(device: Device) -> Iterator[Row]:
     """Yield rows of bank, addresses, register."""
     for register in device.registers:
-        data = register.default_bytes()
-        default = f", default {code(data.hex(' ').upper())}" if data is not None else ""
+        default_bytes = register.default_bytes()
+        default = f", default {code(default_bytes.hex(' ').upper())}" if default_bytes is not None else ""
         register_link = link(text(title(register)), f"#register-{register.name}")
         bank = "" if register.bank is None else f"{register.bank}"
         about = f"{register_link} <small>{code(register.name)}</small> {say_register.access(register)}{default}"
@@ -308,21 +312,21 @@ def time_rows(timings: Iterable[Timing]) -> Iterator[Row]:
     """Yield rows of duration, time."""
     for timing in timings:
         identifiers = "</small> <small>".join(filter(None, (text(timing.symbol), code(timing.name))))
-        about = f"{text(timing.meaning)} <small>{identifiers}</small> <small>{cited(timing.source)}</small>"
-        yield text(bounds_with_codes(timing)), about
+        time_cell = f"{text(timing.meaning)} <small>{identifiers}</small> <small>{cited(timing.source)}</small>"
+        yield text(bounds_with_codes(timing)), time_cell
 
 
 def example_rows(device: Device, examples: Iterable[Example]) -> Iterator[Row]:
-    """Yield rows of example, its facts."""
+    """Yield rows of example, its facts with their source. The order code is that of the page."""
     for example in examples:
         labelled_values = example_facts(device, example)
-        facts = [f"{label}: {value}" for label, value in labelled_values if label not in ("Order code", "Source")]
+        fact_lines = [f"{label}: {value}" for label, value in labelled_values if label not in ("Order code", "Source")]
         source = f" <small>{cited(example.source)}</small>"
-        yield anchor(f"example-{example.name}") + text(heading(example.name)), joined(facts) + source
+        yield anchor(f"example-{example.name}") + text(heading(example.name)), joined(fact_lines) + source
 
 
 def led_rows(device: Device) -> Iterator[Row]:
-    """Yield rows of LED or state, meaning."""
+    """Yield a row of LED, source for each LED, followed by rows of state, meaning."""
     for led in device.leds:
         yield f"**{text(led.title)}**", f"<small>{cited(led.source)}</small>"
         for state in led.states:

@@ -61,19 +61,22 @@ def page_values(device: Device) -> ChangesPage:
 
 
 def _release_section(release: Release) -> dict[str, Any]:
-    """Return the changes of a release by their impact, and the changed names in code."""
-    parts: list[dict[str, Any]] = []
+    """Return the changes of a release by their impact, and the changed names in code.
+
+    More than ``_MOST_DOCUMENTATION_CHANGES`` changes of the documentation are only counted.
+    """
+    impact_sections: list[dict[str, Any]] = []
     for impact, title in _TITLES_BY_IMPACT.items():
         impact_changes = [change for change in release.changes if change.impact == impact]
-        lines = [_change_line(change) for change in impact_changes]
-        if impact == "documentation" and len(lines) > _MOST_DOCUMENTATION_CHANGES:
-            lines = [f"{counted(len(lines), 'change')} to wording, sources, errata and examples"]
-        if lines:
-            parts.append({"title": title, "lines": lines})
+        change_lines = [_change_line(change) for change in impact_changes]
+        if impact == "documentation" and len(change_lines) > _MOST_DOCUMENTATION_CHANGES:
+            change_lines = [f"{counted(len(change_lines), 'change')} to wording, sources, errata and examples"]
+        if change_lines:
+            impact_sections.append({"title": title, "lines": change_lines})
     if release.names:
-        parts.append({"title": "Names in code", "lines": [text(name) for name in release.names]})
+        impact_sections.append({"title": "Names in code", "lines": [text(name) for name in release.names]})
     about = f"Changes since {release.since}, with revision {release.manual} of the manual."
-    return {"version": text(release.version), "about": about, "parts": parts}
+    return {"version": text(release.version), "about": about, "parts": impact_sections}
 
 
 def _change_line(change: ReleasedChange) -> str:
@@ -142,6 +145,7 @@ def index_values(family: OrderCodes, has_masters: bool) -> FamilyPage:
 def _interface_row(device: Device, interface: Interface) -> tuple[str, ...]:
     """Return a row of interface, order codes, clock or port, links to the pages of its subjects."""
     codes = [variant.code for variant in device.variants_over(interface.name)]
+    # The first setting is the clock of the master, or the port of a serial interface.
     first_settings = list(settings(device, interface))[:1]
     return (
         link(interface.title, page_links.interface_page_path(device, interface)),
@@ -158,16 +162,19 @@ def _subject_links(device: Device, interface: Interface) -> Iterator[str]:
 
 
 def _order_code_links(family: OrderCodes) -> Iterator[tuple[str, list[str]]]:
-    """Yield the number of order codes of each interface, with links to them."""
+    """Yield the number of order codes of each interface that has any, with links to their pages."""
     for interface in family.device.interfaces:
         order_codes = [variant.code for variant in family.device.variants_over(interface.name)]
         if order_codes:
-            links = [family.links[order_code] for order_code in order_codes]
-            yield f"{interface.title}: {counted(len(order_codes), 'order code')}", links
+            code_links = [family.links[order_code] for order_code in order_codes]
+            yield f"{interface.title}: {counted(len(order_codes), 'order code')}", code_links
 
 
 def _task_rows(device: Device, has_masters: bool) -> Iterator[tuple[str, str]]:
-    """Yield tasks, with the names used in the manual if it has any, and links to their instructions."""
+    """Yield rows of task, links to its instructions.
+
+    Procedures, also those by hand, have their titles as tasks. Tasks without instructions are left out.
+    """
     frame_links = list(_position_frame_links(device))
     if frame_links:
         yield "Read the position", ", ".join(frame_links)
@@ -178,8 +185,8 @@ def _task_rows(device: Device, has_masters: bool) -> Iterator[tuple[str, str]]:
     for procedure in device.procedures:
         yield text(procedure.title), page_links.link_to_procedure(device, procedure)
     for manual_procedure in manual_procedures(device):
-        anchor = f"by-hand-{manual_procedure.characteristic.name}"
-        yield text(manual_procedure.title), link("by hand", f"{device.name}/hardware.md#{anchor}")
+        anchor_of_steps = f"by-hand-{manual_procedure.characteristic.name}"
+        yield text(manual_procedure.title), link("by hand", f"{device.name}/hardware.md#{anchor_of_steps}")
     if device.characteristics:
         yield "Mount it, look up its limits", link("mounting and characteristics", f"{device.name}/hardware.md")
     if has_masters:
@@ -187,12 +194,12 @@ def _task_rows(device: Device, has_masters: bool) -> Iterator[tuple[str, str]]:
 
 
 def _position_frame_links(device: Device) -> Iterator[str]:
-    """Yield a link to each frame with the position, labelled with its name if its interface has several."""
+    """Yield a link to each frame with the position, with its name if its interface has several of them."""
     for interface in device.interfaces:
         layouts = [layout for layout in interface.layouts if device.tells_position(interface.name, layout)]
         for layout in layouts:
-            name = f" {code(layout.name)}" if len(layouts) > 1 else ""
-            yield page_links.link_to_layout(device, layout, interface.title + name)
+            frame_name = f" {code(layout.name)}" if len(layouts) > 1 else ""
+            yield page_links.link_to_layout(device, layout, interface.title + frame_name)
 
 
 #: Sections of an interface page, with the task that each one covers.
@@ -204,16 +211,16 @@ _TASKS_BY_SECTION = {
 
 
 def _section_links(device: Device, section: str) -> Iterator[str]:
-    """Yield a link to a section for each interface whose page has it."""
+    """Yield a link to a section of ``_TASKS_BY_SECTION`` for each interface whose page has it."""
     for interface in device.interfaces:
         page_device = for_interface(device, interface.name)
-        contents = {"wiring": page_device.connectors, "leds": page_device.leds, "alarms": page_device.alarms}
-        if contents[section]:
+        contents_by_section = {"wiring": page_device.connectors, "leds": page_device.leds, "alarms": page_device.alarms}
+        if contents_by_section[section]:
             yield link(interface.title, page_links.path_to_anchor(device, interface.name, section))
 
 
 def hardware_values(device: Device) -> HardwarePage:
-    """Return the values of the page about connectors, LEDs and inputs."""
+    """Return the values of the page with the procedures by hand and the characteristics."""
     errata_at = inline_errata.ErrataLines(device)
     return {
         "device": device,
@@ -229,8 +236,8 @@ def _characteristic_rows(device: Device, errata_at: inline_errata.ErrataLines) -
     for characteristic in device.characteristics:
         name = characteristic.name
         has_steps = name in names_with_steps
-        value = link("step by step", f"#by-hand-{name}") if has_steps else text(characteristic.value)
-        value_and_errata = joined([value, errata_at.links_in_cell(f"characteristics.{name}")])
+        value_cell = link("step by step", f"#by-hand-{name}") if has_steps else text(characteristic.value)
+        value_and_errata = joined([value_cell, errata_at.links_in_cell(f"characteristics.{name}")])
         yield code(name), value_and_errata, code(characteristic.only), cited(characteristic.source)
 
 
@@ -240,6 +247,7 @@ def manual_values(device: Device) -> ManualPage:
     tests = [edition_test(edition.revision, test) for edition in device.editions for test in edition.tests]
     return {
         "device": device,
+        # Rows without content are left out.
         "manual_rows": [row for row in _manual_rows(device) if row[1]],
         "edition_rows": list(_edition_rows(device)),
         "edition_tests": list(map(style.sentence, tests)),
@@ -250,7 +258,7 @@ def manual_values(device: Device) -> ManualPage:
 
 
 def _history_row(revision: Revision) -> tuple[str, ...]:
-    """Return a row for one revision of the manual."""
+    """Return a row of revision, date, changes, hardware, software for one revision of the manual."""
     return (
         text(revision.revision),
         revision.date,
@@ -274,32 +282,35 @@ def _manual_rows(device: Device) -> Iterator[tuple[str, str]]:
         yield evidence.label, STYLE.phrase(replace(evidence, label=""))
     yield "Manufacturer", text(device.manufacturer.title)
     for edition in manual.editions:
-        name = [text(language(edition.language)), text(edition.title)]
-        yield "Other edition", joined([*name, f"revision {text(edition.revision)}", edition.date], ", ")
+        language_and_title = [text(language(edition.language)), text(edition.title)]
+        yield "Other edition", joined([*language_and_title, f"revision {text(edition.revision)}", edition.date], ", ")
     yield "Version", f"{text(device.manufacturer.version)}, {link('changes', f'../{file_name(device)}')}"
 
 
 def _second_reading_text(counts: TimesRead | None) -> str:
-    """Return the text about facts confirmed by a second reading, or an empty string without one."""
+    """Return how many facts agree in two readings, and why others do not, or "" without a second reading.
+
+    Facts that follow from others are not part of the total.
+    """
     if counts is None:
         return ""
     number_of_facts = counts.twice + counts.explained + counts.decided + counts.once
     sentence_parts = [f"Of {number_of_facts} facts, {counts.twice} agree in both readings"]
     if counts.explained:
-        differ = "differs for a reason" if counts.explained == 1 else "differ for reasons"
-        sentence_parts.append(f"{counts.explained} {differ} given in the errata")
+        differ_verb = "differs for a reason" if counts.explained == 1 else "differ for reasons"
+        sentence_parts.append(f"{counts.explained} {differ_verb} given in the errata")
     if counts.decided:
-        are = "is" if counts.decided == 1 else "are"
-        sentence_parts.append(f"{counts.decided} {are} not in the manual")
+        are_verb = "is" if counts.decided == 1 else "are"
+        sentence_parts.append(f"{counts.decided} {are_verb} not in the manual")
     if counts.once:
-        were = "was" if counts.once == 1 else "were"
-        sentence_parts.append(f"and {counts.once} {were} read only once")
-    about = f"Twice. {', '.join(sentence_parts)}"
-    return f"{about}. {counts.derived} more follow from others" if counts.derived else about
+        were_verb = "was" if counts.once == 1 else "were"
+        sentence_parts.append(f"and {counts.once} {were_verb} read only once")
+    summary = f"Twice. {', '.join(sentence_parts)}"
+    return f"{summary}. {counts.derived} more follow from others" if counts.derived else summary
 
 
 def _edition_rows(device: Device) -> Iterator[tuple[str, ...]]:
-    """Yield the differences in other editions, with the revision that introduced them."""
+    """Yield a row for each edition: revision, date, differences before it, differences in it, labels."""
     for edition in device.editions:
         yield (
             text(edition.revision),
@@ -311,10 +322,10 @@ def _edition_rows(device: Device) -> Iterator[tuple[str, ...]]:
 
 
 def _edition_errata(device: Device, edition_name: str) -> str:
-    """Return links to the differences in an edition."""
+    """Return links to the differences in an edition, named ``1.4`` or ``before 1.4``."""
     differences = [erratum for erratum in device.errata if erratum.edition == edition_name]
-    links = [link(text(erratum.title), f"{page_links.ERRATA}#erratum-{erratum.name}") for erratum in differences]
-    return link_list(links)
+    errata_links = [link(text(erratum.title), f"{page_links.ERRATA}#erratum-{erratum.name}") for erratum in differences]
+    return link_list(errata_links)
 
 
 def revision_and_date(manual: Manual) -> str:

@@ -93,6 +93,11 @@ def _family(device: Device, library: Library, options: Options) -> Iterator[tupl
 def _family_page(
     device: Device, name: str, template: str, page_values: Callable[[], Mapping[str, Any]], library: Library
 ) -> str:
+    """Return the text of a page of a family. ``name`` is its path in the folder ``docs``.
+
+    After rendering, errata that the text names become links, and on a page about an interface, links to places on its
+    other pages get the paths of these.
+    """
     values = page_values()
     page_text = _page_text(template, values, library)
     if template in ("interface.md.jinja", "interface-subject.md.jinja"):
@@ -156,7 +161,7 @@ def _code_values(
 
 
 def _pictures(codes: order_code_page.OrderCodes) -> Iterator[tuple[str, Callable[[], str]]]:
-    """Yield the file name of each picture, and a function for its text."""
+    """Yield the file name of each picture of a family and its order codes, with a function for its text."""
     for pictures in (codes.pictures, *(group.pictures for group in codes.groups)):
         yield from ((picture.name, partial(str, picture.svg)) for picture in pictures.values())
     for interface in codes.device.interfaces:
@@ -167,15 +172,16 @@ def _pictures(codes: order_code_page.OrderCodes) -> Iterator[tuple[str, Callable
 
 def _without_surplus_spaces(page_text: str) -> str:
     """Remove trailing spaces and repeated empty lines, and end the file with a single line end."""
-    lines: list[str] = []
-    for line in page_text.splitlines():
-        if line.strip() or (lines and lines[-1]):
-            lines.append(line.rstrip())
-    return "\n".join(lines).rstrip() + "\n"
+    kept_lines: list[str] = []
+    for text_line in page_text.splitlines():
+        # An empty line is kept only after a line with text.
+        if text_line.strip() or (kept_lines and kept_lines[-1]):
+            kept_lines.append(text_line.rstrip())
+    return "\n".join(kept_lines).rstrip() + "\n"
 
 
 def _order_code_sections(codes: order_code_page.OrderCodes) -> Iterator[Section]:
-    """Yield the sections of a family on the index, one for each interface."""
+    """Yield the sections of a family on the index, one for each interface with listed order codes."""
     device = codes.device
     for interface in device.interfaces:
         interface_codes = [variant.code for variant in device.variants_over(interface.name)]

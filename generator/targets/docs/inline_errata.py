@@ -41,21 +41,24 @@ class ErrataLines:
         self._names_on_page: set[str] = set()
 
     def __call__(self, *paths: str, exactly: Collection[str] = ()) -> str:
-        """Return, as a list, the errata about these paths in the spec or about anything inside them."""
+        """Return, as a list, the errata about these paths in the spec or about anything inside them.
+
+        Errata about wording are one item, and so are the differences in other editions.
+        """
         manual_errata, edition_errata = _by_origin(self._device, *paths, exactly=exactly)
-        lines = [self._line(erratum) for erratum in manual_errata if erratum.severity != "wording"]
+        list_items = [self._line(erratum) for erratum in manual_errata if erratum.severity != "wording"]
         wording_errata = [erratum for erratum in manual_errata if erratum.severity == "wording"]
         if wording_errata:
             mistakes = "mistake" if len(wording_errata) == 1 else "mistakes"
             links = link_list(self._link(erratum, text(erratum.title)) for erratum in wording_errata)
-            lines.append(f"- Wording {mistakes} in the manual: {links}")
+            list_items.append(f"- Wording {mistakes} in the manual: {links}")
         if edition_errata:
             edition_links = [self._link(erratum, text(_edition_phrase(erratum))) for erratum in edition_errata]
-            lines.append(f"- Other editions differ: {', '.join(dict.fromkeys(edition_links))}")
-        return "\n".join(lines)
+            list_items.append(f"- Other editions differ: {', '.join(dict.fromkeys(edition_links))}")
+        return "\n".join(list_items)
 
     def links_in_cell(self, *paths: str) -> str:
-        """Return the errata about these paths as links for a table cell."""
+        """Return the errata about these paths, those about wording included, as links for a table cell."""
         affecting_errata = errata(self._device, *paths, wording=True)
         links = [f"{status_badge(erratum)} {self._link(erratum, text(erratum.title))}" for erratum in affecting_errata]
         return link_list(links)
@@ -64,7 +67,7 @@ class ErrataLines:
         return link(label, f"{self._page}#erratum-{erratum.name}")
 
     def _line(self, erratum: Erratum) -> str:
-        """Return an erratum as an item of a list."""
+        """Return an erratum as an item of a list: its text at the first mention on the page, then a link to that."""
         if erratum.name in self._names_on_page:
             first_mention = link(text(erratum.title), f"#erratum-{erratum.name}")
             return f"- {status_badge(erratum)} {first_mention}, see above"
@@ -96,7 +99,10 @@ class ErrataLinks:
         return self._links_by_status([erratum for erratum in manual_errata if erratum.severity == "wrong_data"])
 
     def _links_by_status(self, linked_errata: Sequence[Erratum]) -> str:
-        """Return links to errata in one cell, folded by status if there are several."""
+        """Return links to errata in one cell, and add the errata to the list on the page.
+
+        Several links are folded under their number by status. Without errata, return an empty string.
+        """
         self._errata |= {erratum.name: erratum for erratum in linked_errata}
         if len(linked_errata) == 1:
             (erratum,) = linked_errata
@@ -111,7 +117,7 @@ class ErrataLinks:
         return f"<details><summary>{', '.join(counts)} errata</summary>{' '.join(links)}</details>" if links else ""
 
     def count_by_status(self) -> str:
-        """Return the number of errata on the page so far, by status."""
+        """Return the number of errata on the page so far, such as ``1 open, 3 settled``, or that there are none."""
         counts = Counter(erratum.status for erratum in self._errata.values())
         no_errata = "none that change these facts" if self._device.errata else "none known"
         return ", ".join(f"{counts[status]} {status}" for status in _MARKS if counts[status]) or no_errata
@@ -119,16 +125,17 @@ class ErrataLinks:
     def list_of_errata(self) -> str:
         """Return the errata on the page so far, open ones first, and links to the differences in other editions."""
         open_first = sorted(self._errata.values(), key=lambda erratum: erratum.status != "open")
-        lines = [f"- {anchor(f'erratum-{erratum.name}')}{erratum_line(erratum, ERRATA)}" for erratum in open_first]
-        pages_by_edition: dict[str, list[str]] = {}
+        list_items = [f"- {anchor(f'erratum-{erratum.name}')}{erratum_line(erratum, ERRATA)}" for erratum in open_first]
+        anchors_by_edition: dict[str, list[str]] = {}
+        # In the order of the spec, not of the page.
         for difference in self._device.errata:
             if difference.name in self._differences:
-                page = f"{ERRATA}#erratum-{difference.name}"
-                pages_by_edition.setdefault(_edition_phrase(difference), []).append(page)
-        if pages_by_edition:
-            editions = link_list(_numbered_links(label, pages) for label, pages in pages_by_edition.items())
-            lines.append(f"- Other editions differ: {editions}")
-        return "\n".join(lines)
+                path_with_anchor = f"{ERRATA}#erratum-{difference.name}"
+                anchors_by_edition.setdefault(_edition_phrase(difference), []).append(path_with_anchor)
+        if anchors_by_edition:
+            editions = link_list(_numbered_links(label, pages) for label, pages in anchors_by_edition.items())
+            list_items.append(f"- Other editions differ: {editions}")
+        return "\n".join(list_items)
 
 
 def _html_link(erratum: Erratum) -> str:
@@ -147,7 +154,10 @@ _MARKS = {"open": "⚠", "settled": "✓"}
 
 
 def _by_origin(device: Device, *paths: str, exactly: Collection[str]) -> tuple[list[Erratum], list[Erratum]]:
-    """Return the errata of the manual about these paths, and the differences in other editions."""
+    """Return the errata of the manual about these paths, and the differences in other editions.
+
+    If the device itself is one of the other editions, all errata are in the first list.
+    """
     affecting_errata = errata(device, *paths, exactly=exactly, wording=True)
     edition_errata = [erratum for erratum in affecting_errata if erratum.edition and not device.edition]
     manual_errata = [erratum for erratum in affecting_errata if erratum not in edition_errata]
@@ -161,25 +171,25 @@ def _edition_phrase(difference: Erratum) -> str:
 
 
 def erratum_line(listed_erratum: Erratum, page: str) -> str:
-    """Return the status and title of an erratum, and the value used. The link leads to the full text.
+    """Return the status and title of an erratum, and the value used. The link leads to the full text on ``page``.
 
     A change by an overlay has its reason and source, because the user of a special model needs them.
     """
     name = listed_erratum.name
-    head = f"{status_badge(listed_erratum)} {link(text(listed_erratum.title), f'{page}#erratum-{name}')}"
+    title_link = f"{status_badge(listed_erratum)} {link(text(listed_erratum.title), f'{page}#erratum-{name}')}"
     if listed_erratum.overlay:
         reasons = map(STYLE.sentence, erratum_statement(listed_erratum).below)
-        return " ".join([f"{head} {STYLE.cited(listed_erratum.source)}:", *reasons])
-    return f"{head}: {text(_shortened(sentence(listed_erratum.used)))}"
+        return " ".join([f"{title_link} {STYLE.cited(listed_erratum.source)}:", *reasons])
+    return f"{title_link}: {text(_shortened(sentence(listed_erratum.used)))}"
 
 
 def _shortened(sentences: str) -> str:
-    """Return a long text up to the last full sentence, or else the last full word, that fits."""
+    """Return a long text up to the last full sentence that fits, or else the last full word, with an ellipsis."""
     if len(sentences) <= _LONGEST_TEXT:
         return sentences
-    start = sentences[:_LONGEST_TEXT]
-    separator = ". " if ". " in start else " "
-    return f"{start.rpartition(separator)[0]} …"
+    text_that_fits = sentences[:_LONGEST_TEXT]
+    separator = ". " if ". " in text_that_fits else " "
+    return f"{text_that_fits.rpartition(separator)[0]} …"
 
 
 def status_badge(erratum: Erratum) -> str:
@@ -219,22 +229,22 @@ def _erratum_section(erratum: Erratum) -> dict[str, Any]:
 
 
 def _summary(count: int, open_count: int) -> str:
-    """Return how many errata there are, and the meaning of their status."""
+    """Return sentences with the number of errata, and with the meaning of their status."""
     if not count:
         return "No errata are known."
-    parts = ["There is 1 known erratum." if count == 1 else f"There are {count} known errata."]
+    sentences = ["There is 1 known erratum." if count == 1 else f"There are {count} known errata."]
     if open_count:
         verb = "is" if open_count == 1 else "are"
-        parts.append(f"{open_count} {verb} open, which means that only hardware or the manufacturer can decide.")
+        sentences.append(f"{open_count} {verb} open, which means that only hardware or the manufacturer can decide.")
     settled_count = count - open_count
     if settled_count > 0:
         verb = "is" if settled_count == 1 else "are"
-        parts.append(f"{settled_count} {verb} settled by the manual's own evidence or by arithmetic.")
-    return " ".join(parts)
+        sentences.append(f"{settled_count} {verb} settled by the manual's own evidence or by arithmetic.")
+    return " ".join(sentences)
 
 
 def _links_by_status_and_impact(listed_errata: Sequence[Erratum]) -> Iterator[tuple[str, list[str]]]:
-    """Yield status and impact with links to such errata, open ones first and wrong bytes before wording."""
+    """Yield each status and impact with links to its errata, open ones first and wrong bytes before wording."""
     for status in ("open", "settled"):
         for severity in fact_tables.SEVERITIES:
             of_kind = [erratum for erratum in listed_errata if _is_of(erratum, status, severity)]
@@ -252,14 +262,17 @@ def all_values(devices: Sequence[Device]) -> AllErrataPage:
     titles = {"open": "Open: only hardware or the manufacturer can decide", "settled": "Settled"}
     sections = []
     for status, title in titles.items():
-        rows = list(_rows_of_all_families(devices, status))
-        if rows:
-            sections.append({"title": title, "anchor": status, "rows": rows})
+        erratum_rows = list(_rows_of_all_families(devices, status))
+        if erratum_rows:
+            sections.append({"title": title, "anchor": status, "rows": erratum_rows})
     return {"standings": sections}
 
 
 def _rows_of_all_families(devices: Sequence[Device], status: str) -> Iterator[tuple[str, ...]]:
-    """Yield rows of impact, family, title, printed text and value used. Wrong bytes come before wording."""
+    """Yield rows of impact, family, title, printed text and value used of the errata with this status.
+
+    Wrong bytes come before wording.
+    """
     for severity in fact_tables.SEVERITIES:
         for device in devices:
             for erratum in _errata_of_manual(device):

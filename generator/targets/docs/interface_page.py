@@ -174,7 +174,7 @@ def _group_section(device: Device, interface: Interface, group: FieldGroup) -> S
 
 
 def _data_id_row(data_id: DataId) -> tuple[str, ...]:
-    """Return a row for one data ID of the T-format."""
+    """Return a row of ID, name, control byte, purpose, meaning, source for one data ID of the T-format."""
     return (
         f"{data_id.id:X}",
         code(data_id.name),
@@ -186,16 +186,19 @@ def _data_id_row(data_id: DataId) -> tuple[str, ...]:
 
 
 def _exchange_rows(interface: Interface) -> Rows:
-    """Return rows of request, reply, length if requests differ in it, purpose, source."""
+    """Return rows of request, reply, length, purpose, source.
+
+    The rows have a length only if there are requests of bits with different lengths.
+    """
     frame_exchanges = exchanges(interface)
     lengths = {exchange.request.bits for exchange in frame_exchanges if not exchange.request.in_bytes}
-    rows: Rows = []
+    exchange_rows: Rows = []
     for exchange in frame_exchanges:
-        length = [f"{exchange.request.bits.render()} bits"] if len(lengths) > 1 else []
+        length_cells = [f"{exchange.request.bits.render()} bits"] if len(lengths) > 1 else []
         purpose = PURPOSES[exchange.exchange.purpose]
-        frames = [_layout_link(exchange.request), _layout_link(exchange.reply)]
-        rows.append((*frames, *length, purpose, cited(exchange.exchange.source)))
-    return rows
+        frame_links = [_layout_link(exchange.request), _layout_link(exchange.reply)]
+        exchange_rows.append((*frame_links, *length_cells, purpose, cited(exchange.exchange.source)))
+    return exchange_rows
 
 
 def _layout_link(layout: Layout | None) -> str:
@@ -203,7 +206,7 @@ def _layout_link(layout: Layout | None) -> str:
 
 
 def _memory_row(access: MemoryAccess) -> tuple[str, ...]:
-    """Return a row for one kind of access to memory."""
+    """Return a row of access, busy, address, data, meaning, source for one kind of access to memory."""
     return (
         text(access.access),
         f"{access.busy}",
@@ -220,7 +223,10 @@ def _group_title(group: FieldGroup) -> str:
 
 
 def _layout_section(device: Device, interface: Interface, layout: Layout) -> Section:
-    """Return a frame with the rows of its fields and its places by order code."""
+    """Return a frame with the rows of its fields and its places by order code.
+
+    ``delivered`` is true if registers can change the places or the code, so that those shown are factory defaults.
+    """
     return {
         "layout": layout,
         "head": say_layout.head(interface, layout, Code(layout.name), device.alternatives),
@@ -233,7 +239,10 @@ def _layout_section(device: Device, interface: Interface, layout: Layout) -> Sec
 
 
 def _register_section(device: Device, register: Register) -> Section:
-    """Return a register with its facts, fields and named values."""
+    """Return a register with its facts, fields and named values.
+
+    A single field with the name of the register has no row if the row says nothing that the register does not.
+    """
     fields = register.layout.fields
     rows = list(layout_tables.field_rows(device, register.layout))
     _, _, _, meaning_cell, source_cell = rows[0]
@@ -276,14 +285,14 @@ def _connector_section(connector: Connector) -> Section:
 
 
 def _register_row(register: Register) -> tuple[str, ...]:
-    """Return a row for one register in the overview."""
-    data = register.default_bytes()
+    """Return a row of bank, addresses, register, access, default, source for the overview of registers."""
+    default_bytes = register.default_bytes()
     return (
         "" if register.bank is None else f"{register.bank}",
         addresses(register),
         link(code(register.name), f"#register-{register.name}"),
         say_register.access(register),
-        f"`{data.hex(' ').upper()}`" if data is not None else "",
+        f"`{default_bytes.hex(' ').upper()}`" if default_bytes is not None else "",
         cited(register.source),
     )
 
@@ -330,7 +339,7 @@ _TITLES_AND_SUMMARIES = {
 
 
 def subjects(device: Device, kind: str) -> list[str]:
-    """Return the subjects of an interface that have pages of their own."""
+    """Return the subjects for which an interface has any content. Each has a page of its own."""
     interface_device = for_interface(device, kind)
     contents = {
         "registers": interface_device.registers,
@@ -338,7 +347,7 @@ def subjects(device: Device, kind: str) -> list[str]:
         "wiring": (*interface_device.connectors, *interface_device.leds),
         "examples": interface_device.examples,
     }
-    return [subject for subject, parts in contents.items() if parts]
+    return [subject for subject, content in contents.items() if content]
 
 
 def subject_values(subject: str, page: InterfacePage) -> SubjectPage:
@@ -355,7 +364,7 @@ def subject_values(subject: str, page: InterfacePage) -> SubjectPage:
 def interface_values(
     family: Device, device: Device, variants: Sequence[Variant], has_masters: bool, pictures: Pictures
 ) -> InterfaceValues:
-    """Return the values. ``device`` is the family, reduced to the interface."""
+    """Return the values of a page about one interface. ``device`` is ``family`` reduced to the interface."""
     (interface,) = device.interfaces
     layouts = family.interface(interface.name).layouts
     return {
@@ -372,7 +381,7 @@ def interface_values(
 def page_values(
     device: Device, kind: str, links: Mapping[str, str], has_masters: bool, pictures: Pictures
 ) -> InterfacePage:
-    """Return the values of the page. ``links`` contains a link to the page of each order code."""
+    """Return the values of the page of interface ``kind``. ``links`` has a link to the page of each order code."""
     interface_device = for_interface(device, kind)
     variants = device.variants_over(kind)
     codes = [variant.code for variant in variants]
@@ -388,12 +397,12 @@ def page_values(
 
 
 def _overview_rows(device: Device, interface: Interface, variants: Sequence[Variant]) -> Iterator[Row]:
-    """Yield the unit of the position, the supply, and the facts of the interface."""
+    """Yield rows of fact, value, source: the position with its unit, each supply, and the facts of the interface."""
     position_measurement = device.measurement_of(interface.name)
     if position_measurement is not None:
         yield "Position", STYLE.phrase(measurement(position_measurement)), cited(position_measurement.source)
-        for name, own_range in own_ranges(device, interface.name):
-            yield f"Position in {code(name)}", STYLE.phrase(position_range(own_range)), cited(own_range.source)
+        for layout_name, own_range in own_ranges(device, interface.name):
+            yield f"Position in {code(layout_name)}", STYLE.phrase(position_range(own_range)), cited(own_range.source)
     for supply, codes in _codes_by_supply(device, variants).items():
         with_codes = f" ({order_codes(device, codes)})" if len(codes) < len(variants) else ""
         yield f"Supply{with_codes}", f"{volts(supply.min_mv)} to {volts(supply.max_mv)}", cited(supply.source)
@@ -401,7 +410,7 @@ def _overview_rows(device: Device, interface: Interface, variants: Sequence[Vari
 
 
 def _codes_by_supply(device: Device, variants: Iterable[Variant]) -> dict[Supply, list[str]]:
-    """Return the order codes with each supply."""
+    """Return the order codes with each supply, without those whose supply is unknown."""
     codes_by_supply: dict[Supply, list[str]] = {}
     for variant in variants:
         supply = device.supply_of(variant)
@@ -411,21 +420,21 @@ def _codes_by_supply(device: Device, variants: Iterable[Variant]) -> dict[Supply
 
 
 def _name_rows(device: Device) -> Iterator[Row]:
-    """Yield name, printed name, language and name in that language of items that have other names."""
+    """Yield rows of name, printed name, language, name in that language if it differs from the printed one."""
     for named_part in _parts_with_names(device):
-        for language, name in named_part.names.items():
-            if name != title(named_part):
-                yield code(named_part.name), text(named_part.printed_name), text(language), text(name)
+        for language, name_in_language in named_part.names.items():
+            if name_in_language != title(named_part):
+                yield code(named_part.name), text(named_part.printed_name), text(language), text(name_in_language)
 
 
 def _parts_with_names(device: Device) -> Iterator[Named]:
-    """Yield the parts of an interface that may have other names. Fields and values of the same name are one part."""
+    """Yield the parts of an interface that may have other names. Of fields or values with one name, yield the last."""
     (interface,) = device.interfaces
     layouts = [*interface.layouts, *(register.layout for register in device.registers)]
-    fields = [field for layout in layouts for field in layout.fields]
-    values = [value for field in fields for value in field.values]
-    yield from {field.name: field for field in fields if field.names}.values()
-    yield from {value.name: value for value in values if value.names}.values()
+    all_fields = [field for layout in layouts for field in layout.fields]
+    named_values = [named_value for field in all_fields for named_value in field.values]
+    yield from {field.name: field for field in all_fields if field.names}.values()
+    yield from {named_value.name: named_value for named_value in named_values if named_value.names}.values()
     yield from device.registers
     yield from device.field_groups
     yield from device.alarms

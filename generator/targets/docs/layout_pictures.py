@@ -36,17 +36,21 @@ _CLASS_COLOURS = (
 
 
 def _style_element() -> str:
-    """Return the style sheet of a picture, with the colours for light and dark screens."""
+    """Return the style sheet of a picture, with the colours of its classes for light and dark screens."""
     colours = palette()
-    light = "".join(f".{name}{{{key}:{colours.light[colour]}}}" for name, key, colour in _CLASS_COLOURS)
-    dark = "".join(f".{name}{{{key}:{colours.on_dark(colour)}}}" for name, key, colour in _CLASS_COLOURS)
+    light = "".join(
+        f".{name}{{{css_property}:{colours.light[colour]}}}" for name, css_property, colour in _CLASS_COLOURS
+    )
+    dark = "".join(
+        f".{name}{{{css_property}:{colours.on_dark(colour)}}}" for name, css_property, colour in _CLASS_COLOURS
+    )
     always = f".line,.wave{{fill:none}}rect{{stroke:{colours.light['line']}}}"
     return f"<style>{always}{light}@media(prefers-color-scheme:dark){{{dark}}}</style>"
 
 
 def card(title: str, body: Sequence[str], width: float, height: float, description: str) -> str:
     """Return a picture of this size. ``description`` is its text alternative."""
-    head = (
+    svg_start = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{number(width)}" height="{number(height)}" '
         f'viewBox="0 0 {number(width)} {number(height)}" role="img" aria-label="{html.escape(plain(title))}" '
         'font-family="system-ui, -apple-system, Segoe UI, Helvetica, Arial, sans-serif">'
@@ -54,7 +58,7 @@ def card(title: str, body: Sequence[str], width: float, height: float, descripti
     size = f'width="{number(width - 1)}" height="{number(height - 1)}"'
     descriptions = [f"<title>{_escaped(title)}</title>", f"<desc>{_escaped(description)}</desc>"]
     background = f'<rect x="0.5" y="0.5" {size} rx="6" class="card"/>'
-    return "\n".join([head, *descriptions, _style_element(), background, *body, "</svg>", ""])
+    return "\n".join([svg_start, *descriptions, _style_element(), background, *body, "</svg>", ""])
 
 
 def _escaped(words: str) -> str:
@@ -84,7 +88,10 @@ def text(
     faint: bool = False,
     bold: bool = False,
 ) -> str:
-    """Return a line of text."""
+    """Return a line of text that starts, ends or has its middle at ``x``.
+
+    ``anchor`` is ``start``, ``end`` or ``middle``.
+    """
     weight = ' font-weight="600"' if bold else ""
     look = f'font-size="{size}" text-anchor="{anchor}" class="{"faint" if faint else "ink"}"{weight}'
     return f'<text x="{number(x)}" y="{number(y)}" {look}>{_escaped(words)}</text>'
@@ -161,7 +168,7 @@ class _BitRun:
         return self.low < byte_low + 8 and self.high >= byte_low
 
     def box(self, byte_low: int, place: str) -> Box:
-        """Return the part within the byte that begins at ``byte_low``."""
+        """Return the part within the byte that begins at ``byte_low``, with bit numbers in this byte."""
         return Box(
             high=min(self.high, byte_low + 7) - byte_low,
             low=max(self.low, byte_low) - byte_low,
@@ -179,13 +186,14 @@ class _BitRun:
 def bit_stack(caption: str, placed_layout: PlacedLayout) -> Stack:
     """Return a frame that is one number, with one byte of the number per row, highest bits first."""
     runs = runs_of(placed_layout)
+    # Lowest bit of each byte of the number. The first byte may have fewer than eight bits.
     lows = range((placed_layout.bits - 1) // 8 * 8, -1, -8)
     labels = [bit_range(min(low + 7, placed_layout.bits - 1), low) for low in lows]
     return Stack(caption, _rows(runs, lows, labels), f"{placed_layout.bits} bits: {_runs_text(runs)}")
 
 
 def register_stack(caption: str, placed_layout: PlacedLayout, address: int, low_byte_first: bool) -> Stack:
-    """Return a register in order of address. Bit numbers refer to the whole register."""
+    """Return a register, one byte per row in order of address. Bit numbers refer to the whole register."""
     runs = runs_of(placed_layout)
     lows = _lowest_bits(placed_layout.bits, low_byte_first)
     labels = [f"{address + index:02X}h" for index in range(len(lows))]
@@ -202,17 +210,21 @@ def byte_stack(caption: str, placed_layout: PlacedLayout) -> Stack:
     """
     runs = _runs_with_groups_merged(placed_layout)
     is_low_byte_first = placed_layout.layout.byte_order == "low_byte_first"
-    rows, descriptions = [], []
+    byte_rows, descriptions = [], []
     for index, byte_low in enumerate(_lowest_bits(placed_layout.bits, is_low_byte_first)):
         boxes = tuple(_box_in_byte(run, byte_low) for run in runs if run.is_in_byte(byte_low))
-        rows.append(ByteRow(f"byte {index}", boxes))
+        byte_rows.append(ByteRow(f"byte {index}", boxes))
         box_texts = [_box_text(box.name, box.place, box.active_low) for box in boxes]
         descriptions.append(f"byte {index}: {', '.join(box_texts)}")
-    return Stack(caption, tuple(rows), "; ".join(descriptions))
+    return Stack(caption, tuple(byte_rows), "; ".join(descriptions))
 
 
 def _box_in_byte(run: _BitRun, byte_low: int) -> Box:
-    """Return the box of a run in one byte of a frame. It has no bit numbers if the run is this byte."""
+    """Return the box of a run in one byte of a frame.
+
+    Its bit numbers are those in the byte or, if the run spans several bytes, those in the run. It has none if the run
+    is this byte.
+    """
     is_within = run.high < byte_low + 8 and run.low >= byte_low
     if is_within and run.high - run.low == 7:
         return run.box(byte_low, "")
@@ -222,12 +234,14 @@ def _box_in_byte(run: _BitRun, byte_low: int) -> Box:
 def group_stack(caption: str, fields: Sequence[tuple[Field, int, int]], bits: int) -> Stack:
     """Return a group of fields, each given with its highest and lowest bit within the group."""
     runs = [_run_of_field(field, high, low) for field, high, low in fields]
+    # Lowest bit of each byte, highest first.
     lows = range((bits - 1) // 8 * 8, -1, -8)
     return Stack(caption, _rows(runs, lows, [""] * len(lows)), _runs_text(runs))
 
 
 def text_alternative(stacks: Sequence[Stack]) -> str:
     """Return the text alternative for a picture of these stacks. It describes the first ones."""
+    # To mention a single further stack would be no shorter than to describe it.
     if len(stacks) <= _MOST_DESCRIBED + 1:
         return "; ".join(map(_stack_text, stacks))
     further_stacks = f"and {len(stacks) - _MOST_DESCRIBED} more, in the tables"
@@ -253,12 +267,12 @@ def _lowest_bits(bits: int, low_byte_first: bool) -> range:
 
 
 def _rows(runs: Sequence[_BitRun], lows: Sequence[int], labels: Sequence[str]) -> tuple[ByteRow, ...]:
-    """Return rows whose boxes have bit numbers in the whole layout."""
-    rows = []
+    """Return a row for each lowest bit of a byte. Boxes have bit numbers in the whole layout."""
+    byte_rows = []
     for low, row_label in zip(lows, labels, strict=True):
         boxes = tuple(run.box(low, run.bits_in_byte(low)) for run in runs if run.is_in_byte(low))
-        rows.append(ByteRow(row_label, boxes))
-    return tuple(rows)
+        byte_rows.append(ByteRow(row_label, boxes))
+    return tuple(byte_rows)
 
 
 def _runs_text(runs: Sequence[_BitRun]) -> str:
@@ -266,6 +280,7 @@ def _runs_text(runs: Sequence[_BitRun]) -> str:
 
 
 def _box_text(name: str, place: str, active_low: bool) -> str:
+    """Return the bits of a box in words, such as ``error 7 (0 = active)``. Constant bits are ``always 0``."""
     spoken_name = f"always {name}" if name.isdecimal() else name
     return " ".join(filter(None, (spoken_name, place, "(0 = active)" if active_low else "")))
 
@@ -279,7 +294,7 @@ def runs_of(placed_layout: PlacedLayout) -> list[_BitRun]:
 
 
 def _runs_with_groups_merged(placed_layout: PlacedLayout) -> list[_BitRun]:
-    """Return the runs, with a group of fields, or a field with its padding, as one run."""
+    """Return the runs, highest first, with a group of fields, or a field with its padding, as one run."""
     field_names = {placed_field.name for placed_field in placed_layout.fields}
     group_names = {placed_field.field.group for placed_field in placed_layout.fields} - {""}
     fields_by_group_or_field: dict[str, list[PlacedField]] = {}
@@ -313,6 +328,7 @@ def _run_of_field(field: Field, high: int, low: int) -> _BitRun:
 def _gaps(placed_layout: PlacedLayout) -> list[tuple[int, int]]:
     """Return the highest and lowest bit of each run of bits that belong to no field, highest run first."""
     gaps: list[tuple[int, int]] = []
+    # All bits from here on upwards are fields or listed gaps.
     top = placed_layout.bits
     for placed_field in sorted(placed_layout.fields, key=lambda field: -field.high):
         if placed_field.high + 1 < top:
@@ -327,21 +343,21 @@ def _gaps(placed_layout: PlacedLayout) -> list[tuple[int, int]]:
 
 
 def stacks_picture(title: str, stacks: Sequence[Stack]) -> str:
-    """Return a picture of the stacks, one below the other."""
+    """Return a picture of the stacks, one below the other. Names that do not fit a box are below its row."""
     body: list[str] = []
     top = _MARGIN
     for stack in stacks:
-        for line in wrapped(stack.caption, WIDE - 2 * _MARGIN, _BIG * _WIDE_LETTERS):
-            body.append(text(_MARGIN, top + 13, line, _BIG, "start", bold=True))
+        for text_line in wrapped(stack.caption, WIDE - 2 * _MARGIN, _BIG * _WIDE_LETTERS):
+            body.append(text(_MARGIN, top + 13, text_line, _BIG, "start", bold=True))
             top += _LINE + 4
         for row in stack.rows:
             body += _row_elements(row, top)
             top += _BOX
             lines_below = _lines_below(row)
-            for fill, line in lines_below:
+            for fill, text_line in lines_below:
                 if fill:
                     body.append(rect(_MARGIN, top + 5, 10, 10, fill))
-                body.append(text(_MARGIN + _INDENT, top + 14, line, _SMALL, "start"))
+                body.append(text(_MARGIN + _INDENT, top + 14, text_line, _SMALL, "start"))
                 top += _LINE
             top += 6 if lines_below else 0
         top += _GAP
@@ -353,14 +369,16 @@ def _row_elements(row: ByteRow, top: float) -> Iterator[str]:
     if row.label:
         yield text(_MARGIN, top + _BOX / 2 + 4, row.label, _SMALL, "start", faint=True)
     for box in row.boxes:
+        # Bit 7 is at the left.
         left, box_width = _MARGIN + _LABELS + (7 - box.high) * _BIT, _width(box)
         yield rect(left, top, box_width, _BOX, box.fill)
         name_lines = _lines_inside(box)
         number_of_lines = len(name_lines) + bool(box.place)
         center = left + box_width / 2
+        # The lines are 14 pixels apart, and centred in the box.
         baseline = top + _BOX / 2 + 4.5 - 7 * (number_of_lines - 1)
-        for line in name_lines:
-            yield text(center, baseline, line, _SMALL, "middle")
+        for name_line in name_lines:
+            yield text(center, baseline, name_line, _SMALL, "middle")
             baseline += 14
         if box.place:
             yield text(center, baseline, box.place, _SMALL, "middle", faint=True)
@@ -371,28 +389,35 @@ def _width(box: Box) -> float:
 
 
 def _lines_inside(box: Box) -> list[str]:
-    """Return the lines of the name inside its box, or none if the name is below the row."""
+    """Return the lines of the name inside its box, or none if the name is below the row.
+
+    The name must fit on one line, or on two without a place and without breaking a word. Active-low flags are always
+    below.
+    """
     if box.active_low:
         return []
-    lines = wrapped(box.name, _width(box) - 4, _SMALL)
-    fits = len(lines) == 1 or (len(lines) == 2 and not box.place and " ".join(lines) == box.name)
-    return lines if fits else []
+    name_lines = wrapped(box.name, _width(box) - 4, _SMALL)
+    fits = len(name_lines) == 1 or (len(name_lines) == 2 and not box.place and " ".join(name_lines) == box.name)
+    return name_lines if fits else []
 
 
 def _lines_below(row: ByteRow) -> list[tuple[str, str]]:
-    """Return the lines below a row. The first line of each name has its colour class."""
-    lines = []
+    """Return the colour class and text of each line below a row, for names that do not fit their box.
+
+    Further lines of a name have no colour class.
+    """
+    colours_and_lines = []
     for box in row.boxes:
         if not _lines_inside(box):
             name_lines = wrapped(_name_below(box), WIDE - 2 * _MARGIN - _INDENT, _SMALL)
-            lines.append((box.fill, name_lines[0]))
-            lines += [("", line) for line in name_lines[1:]]
-    return lines
+            colours_and_lines.append((box.fill, name_lines[0]))
+            colours_and_lines += [("", further_line) for further_line in name_lines[1:]]
+    return colours_and_lines
 
 
 def _name_below(box: Box) -> str:
     """Return the name with its bit numbers, and the level of an active-low flag."""
-    bits = f"bit{'s' * (':' in box.place)} {box.place}" if box.place else ""
+    bits_text = f"bit{'s' * (':' in box.place)} {box.place}" if box.place else ""
     level = "0 = active" if box.active_low else ""
-    about = ", ".join(filter(None, (bits, level)))
-    return f"{box.name} ({about})" if about else box.name
+    place_and_level = ", ".join(filter(None, (bits_text, level)))
+    return f"{box.name} ({place_and_level})" if place_and_level else box.name

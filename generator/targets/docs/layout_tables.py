@@ -52,7 +52,8 @@ def placements(
 ) -> tuple[Placement, ...]:
     """Return the different shapes that the layout has for the order codes of an interface, shortest first.
 
-    ``parameters`` are those set by answers to alternatives, if those are not the first answers.
+    A shape is the names, lowest bits and widths of the fields. ``parameters`` are those set by answers to alternatives,
+    if those are not the first answers.
     """
     codes_by_shape: dict[_Shape, list[str]] = {}
     layouts_by_shape: dict[_Shape, PlacedLayout] = {}
@@ -78,17 +79,20 @@ def name_cell(named_part: Named) -> str:
 
 def field_cell(device: Device, field: Field, in_register: bool = False) -> str:
     """Return all statements about a field in one cell. Many values of a register are in a separate table."""
-    parts = [
+    statements = [
         *spec_text(field.meaning),
         *_value_statements(field, in_register),
         *rules(device, field),
         *spec_text(field.note),
     ]
-    return joined(map(STYLE.sentence, parts))
+    return joined(map(STYLE.sentence, statements))
 
 
 def _value_statements(field: Field, in_register: bool) -> Iterator[Statement]:
-    """Yield a statement for each named value, or one statement if there are many."""
+    """Yield a statement for each named value or, if there are many, a single one.
+
+    In a register, it refers to the table of values. In a frame, it lists the values without their meanings.
+    """
     if not has_value_table(field):
         for named_value in field.values:
             yield value(replace(named_value, source=()), field.widest)
@@ -108,6 +112,7 @@ def has_value_table(field: Field) -> bool:
 def value_rows(field: Field) -> Iterator[tuple[str, ...]]:
     """Yield rows of value, name, meaning, source."""
     for named_value in field.values:
+        # A hexadecimal digit is four bits.
         number = hexadecimal(named_value.value, (field.widest + 3) // 4)
         yield number, name_cell(named_value), text(named_value.meaning), cited(named_value.source)
 
@@ -122,10 +127,11 @@ def field_rows(device: Device, layout: Layout) -> Iterator[tuple[str, ...]]:
 
 
 def _group_row(device: Device, layout: Layout, group: FieldGroup) -> tuple[str, ...]:
-    name = joined([link(code(group.name), f"#group-{group.name}"), text(group.printed_name)])
+    """Return a row of group, its place, its number of bits, the names of its fields, and no source."""
+    group_cell = joined([link(code(group.name), f"#group-{group.name}"), text(group.printed_name)])
     field_names = [Code(field.name) for field in layout.fields if field.group == group.name]
     fields_sentence = STYLE.sentence(statement(*listed(field_names), label="Fields"))
-    return name, group_place(device, layout, group), f"{group.bits}", fields_sentence, ""
+    return group_cell, group_place(device, layout, group), f"{group.bits}", fields_sentence, ""
 
 
 def _field_row(device: Device, layout: Layout, field: Field) -> tuple[str, ...]:
@@ -153,7 +159,7 @@ def fields_and_groups(device: Device, layout: Layout) -> Iterator[Field | FieldG
 
 
 def group_place(device: Device, layout: Layout, group: FieldGroup) -> str:
-    """Return the bytes of a frame that hold a group of fields."""
+    """Return the bytes of the longest frame that hold a group of fields, with the first answers to questions."""
     low = _first_bit((field for field in layout.fields if field.group == group.name), _first_answers(device))
     return frame_bytes(layout, layout.widest, low + group.bits - 1, low)
 
@@ -171,7 +177,11 @@ def _first_bit(fields: Iterable[Field], parameters: Mapping[str, int]) -> int:
 
 
 def group_shapes(device: Device, name: str) -> list[tuple[tuple[Answer, ...], GroupFields]]:
-    """Return the fields of a group, once for each choice that moves them."""
+    """Return the fields of a group, once for each choice that moves them, from the first layout with it.
+
+    Each result is the answers and the fields with their highest and lowest bit, counted from the lowest bit of the
+    group.
+    """
     layouts = (layout for _, layout in device.layouts() if _has_group(layout, name))
     layout = first_of(layouts, f"frame with the field group '{name}'")
     fields = [field for field in layout.fields if field.group == name]
@@ -212,7 +222,10 @@ def _answers_in_words(answers: Sequence[Answer]) -> str:
 def group_places(
     device: Device, name: str, answers_text: Callable[[Sequence[Answer]], str]
 ) -> Iterator[tuple[Field, str]]:
-    """Yield the fields of a group, each with its place, or with the place for each of the answers that move it."""
+    """Yield the fields of a group, each with its place, or with the place for each of the answers that move it.
+
+    An example is ``bit 3 (normal)<br>bit 4 (swapped)``. If several answers lead to a place, the first one is named.
+    """
     shapes = group_shapes(device, name)
     _, fields_of_first_shape = shapes[0]
     for field, _, _ in fields_of_first_shape:
@@ -235,14 +248,14 @@ def links_to_frames_with(interface: Interface, group: str) -> list[str]:
 
 def used_groups(interface: Interface) -> list[str]:
     """Return the names of the field groups in the frames, in the order of their first use."""
-    names: dict[str, None] = {}
+    group_names: dict[str, None] = {}
     for layout in interface.layouts:
-        names |= dict.fromkeys(field.group for field in layout.fields if field.group)
-    return list(names)
+        group_names |= dict.fromkeys(field.group for field in layout.fields if field.group)
+    return list(group_names)
 
 
 def placement_table(device: Device, layout: Layout, interface_name: str) -> str:
-    """Return a table of field positions by order code and choice, or an empty string if they are the same for all.
+    """Return a table of field positions by order code and choice, or "" if they are the same for all.
 
     Only choices that change the length are included. The row of a field shows its places for all other choices.
     """
@@ -253,25 +266,25 @@ def placement_table(device: Device, layout: Layout, interface_name: str) -> str:
             answers_and_placements.append((answers, placement))
     if len(answers_and_placements) < 2:
         return ""
-    fields = _fields_moved_by_order_code(device, layout)
-    containers = _containers(layout, fields)
-    rows = []
+    moved_fields = _fields_moved_by_order_code(device, layout)
+    containers = _containers(layout, moved_fields)
+    table_rows = []
     for answers, placement in answers_and_placements:
         placed_layout = placement.placed_layout
         length_cell = "" if layout.bits.is_constant else f"{placed_layout.bits}"
         bits_cells = []
-        for field in fields:
+        for field in moved_fields:
             placed_field = placed_layout.find_field(field.name)
             bits_cells.append(_bits_cell(placed_field, from_own_low=field.name in containers))
         answer_cells = [code(answer.name) for answer in answers]
-        rows.append([order_codes(device, placement.codes), *answer_cells, length_cell, *bits_cells])
+        table_rows.append([order_codes(device, placement.codes), *answer_cells, length_cell, *bits_cells])
     question_heads = [link(code(question.name), f"#alternative-{question.name}") for question in questions]
-    field_heads = [_field_head(field, containers) for field in fields]
-    return table(["Order codes", *question_heads, "Bits", *field_heads], rows)
+    field_heads = [_field_head(field, containers) for field in moved_fields]
+    return table(["Order codes", *question_heads, "Bits", *field_heads], table_rows)
 
 
 def _fields_moved_by_order_code(device: Device, layout: Layout) -> list[Field]:
-    """Return the fields, except padding, whose place or width depends on the order code."""
+    """Return the fields, except padding, whose place or width depends on more than answers to questions."""
     set_by_answers: set[str] = set()
     for alternative in device.alternatives:
         set_by_answers.update(alternative.answers[0].sets)
@@ -280,7 +293,10 @@ def _fields_moved_by_order_code(device: Device, layout: Layout) -> list[Field]:
 
 
 def _containers(layout: Layout, fields: Sequence[Field]) -> dict[str, str]:
-    """Return the places of the containers that fields of a frame fill partly, by the name of the field."""
+    """Return, by the name of the field, the place of each container that a field of a frame fills partly.
+
+    Registers have none.
+    """
     if not layout.sender:
         return {}
     return {field.name: field_place_cell(layout, field) for field in fields if field.container}
@@ -313,7 +329,10 @@ def _depends_on_order_code(field: Field, set_by_answers: Container[str]) -> bool
 
 
 def layout_stacks(device: Device, interface: Interface, layout: Layout) -> list[Stack]:
-    """Return the bytes of each shape of a layout, once for each choice that moves a field in the picture."""
+    """Return the bytes of each shape of a layout, once for each choice that changes the picture.
+
+    A frame of bytes with a single picture has no caption.
+    """
     stacks_by_rows: dict[tuple[ByteRow, ...], Stack] = {}
     for answers, parameters in choices(device.alternatives_of(layout)):
         for stack in _stacks_of_shapes(layout, placements(device, layout, interface.name, parameters)):
@@ -324,7 +343,10 @@ def layout_stacks(device: Device, interface: Interface, layout: Layout) -> list[
 
 
 def _stacks_of_shapes(layout: Layout, shapes: Sequence[Placement]) -> Iterator[Stack]:
-    """Yield the stack of each shape. For a frame of bytes, the longest shape stands for all."""
+    """Yield the stack of each shape. For a frame of bytes, yield only that of the longest shape.
+
+    There, the boxes of fields include their padding, so that shapes hardly differ.
+    """
     if layout.in_bytes:
         yield byte_stack("", shapes[-1].placed_layout)
         return
@@ -352,7 +374,7 @@ def _caption_with_answers(answers: Sequence[Answer], caption: str) -> str:
 
 
 def _codes_caption(placement: Placement) -> str:
-    """Return the first two order codes, and the number of further ones."""
+    """Return the first two order codes, and the number of further ones: ``X-12, X-13 and 4 more``."""
     further_codes = f" and {len(placement.codes) - 2} more" if len(placement.codes) > 2 else ""
     return f"{', '.join(placement.codes[:2])}{further_codes}"
 

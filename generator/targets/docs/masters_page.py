@@ -52,7 +52,7 @@ class MastersPage(TypedDict):
 
 
 def page_values(device: Device, masters: Sequence[Master]) -> MastersPage:
-    """Return the values of the page with the settings of all masters for a family."""
+    """Return the values of the page with the settings of all masters for a family that has any."""
     interface_sheets = sheets_of(device, masters)
     sheets: list[Sheet] = []
     for group_sheets in interface_sheets:
@@ -67,7 +67,10 @@ def page_values(device: Device, masters: Sequence[Master]) -> MastersPage:
 
 
 def _interface_section(device: Device, group_sheets: GroupSheets) -> dict[str, Any]:
-    """Return the facts that masters need over an interface, and the settings of each master."""
+    """Return the facts that masters need over an interface, and the settings of each master.
+
+    ``tables`` has the facts that differ between order codes. ``silent`` lists the masters without this interface.
+    """
     interface, groups = group_sheets.interface, group_sheets.groups
     common_rows, tables = _common_rows_and_tables([(group, _fact_rows(group)) for group in groups])
     order_code_rows = [] if tables else [("Order codes", _codes_label(groups))]
@@ -101,25 +104,25 @@ def _fact_rows(group: Group) -> dict[Any, Row]:
 
 
 def _common_rows_and_tables(columns: Columns) -> tuple[list[Row], list[Table]]:
-    """Return the rows common to all groups, and tables of the other rows, with a separate table for the supply.
+    """Return the rows common to all groups, and tables of the others: one for rows that depend only on the supply.
 
     Each column is a group with its rows by key. The first cell of a row is its name, the second its value.
     """
-    keys: dict[Any, None] = {}
-    for _, rows in columns:
-        keys |= dict.fromkeys(rows)
+    setting_keys: dict[Any, None] = {}
+    for _, rows_of_group in columns:
+        setting_keys |= dict.fromkeys(rows_of_group)
     common_rows: list[Row] = []
     differing_keys: list[Any] = []
     supply_keys: list[Any] = []
-    for key in keys:
-        first_row, *other_rows = [rows.get(key) for _, rows in columns]
+    for setting_key in setting_keys:
+        first_row, *other_rows = [rows_of_group.get(setting_key) for _, rows_of_group in columns]
         is_common = all(row == first_row for row in other_rows)
         if first_row is not None and is_common:
             common_rows.append(first_row)
-        elif _follows_supply(key, columns):
-            supply_keys.append(key)
+        elif _follows_supply(setting_key, columns):
+            supply_keys.append(setting_key)
         else:
-            differing_keys.append(key)
+            differing_keys.append(setting_key)
     tables = [_table_of_differences(table_keys, columns) for table_keys in (differing_keys, supply_keys) if table_keys]
     return common_rows, tables
 
@@ -134,7 +137,10 @@ def _follows_supply(key: Any, columns: Columns) -> bool:
 
 
 def _table_of_differences(keys: Sequence[Any], columns: Columns) -> Table:
-    """Return the column heads, and one row for all groups that have the same values."""
+    """Return the column heads, and one row for all groups that have the same values.
+
+    A group without a value has a dash.
+    """
     heads = [_row_name(key, columns) for key in keys]
     groups_by_cells: dict[Row, list[Group]] = {}
     for group, rows in columns:
@@ -155,26 +161,32 @@ def _value_cell(key: Any, rows: Mapping[Any, Row]) -> str:
 
 
 def _codes_label(groups: Sequence[Group]) -> str:
-    """Return the order codes of all groups, with the answers unless every choice is included."""
+    """Return the order codes of all groups, with the answers: ``X-24 with `order=swapped` ``.
+
+    Answers are left out if the groups have the same order codes for every combination of answers.
+    """
     device = groups[0].device
     codes_by_answers: dict[tuple[tuple[str, str], ...], list[str]] = {}
     for group in groups:
         codes_by_answers.setdefault(tuple(group.record.answers.items()), []).extend(group.codes)
     record_answers = groups[0].record.answers
     alternatives = [alternative for alternative in device.alternatives if alternative.name in record_answers]
-    choice_count = prod(len(alternative.answers) for alternative in alternatives)
+    number_of_combinations = prod(len(alternative.answers) for alternative in alternatives)
     different_codes = {frozenset(codes) for codes in codes_by_answers.values()}
-    if len(codes_by_answers) == choice_count and len(different_codes) == 1:
+    if len(codes_by_answers) == number_of_combinations and len(different_codes) == 1:
         return order_codes(device, next(iter(codes_by_answers.values())))
     labels = []
     for answers, codes in codes_by_answers.items():
-        with_answers = [f"with {code(f'{name}={answer}')}" for name, answer in answers]
+        with_answers = [f"with {code(f'{question_name}={answer}')}" for question_name, answer in answers]
         labels.append(" ".join([order_codes(device, codes), *with_answers]))
     return joined(labels)
 
 
 def _master_section(master: Master, sheets: GroupSettings) -> dict[str, Any]:
-    """Return the settings of one master for all groups of order codes."""
+    """Return the settings of one master for all groups of order codes.
+
+    It lists the documents whose keys are in the texts.
+    """
     accepted_sheets = [(group, sheet) for group, sheet in sheets if not sheet.refusals]
     refused = list(_refusal_lines(sheets))
     notes = [*_setting_notes(accepted_sheets), *_further_notes(accepted_sheets)]
@@ -206,7 +218,7 @@ def _setting_notes(group_sheets: GroupSettings) -> Iterator[str]:
 
 
 def _setting_note(setting: Setting, sheet: Sheet) -> str:
-    """Return the note on a setting with its conditions and its source, or an empty text if there is no note."""
+    """Return the note on a setting with its conditions and its source, or "" without a note and conditions."""
     note = " ".join(filter(None, [setting.note, *condition_texts(setting, sheet)]))
     return f"{text(setting.name)}: {text(note)} \\[{text(cited(setting.source))}\\]" if note else ""
 
@@ -229,7 +241,10 @@ def _spaced_mark(rule: Setting | Refusal) -> str:
 
 
 def _further_notes(group_sheets: GroupSettings) -> Iterator[str]:
-    """Yield further notes, with the order codes unless a note applies to all of them."""
+    """Yield the notes that belong to no single setting, with the order codes unless one applies to all.
+
+    They are about gaps in the description of the master, about conditions for several settings, or of the sheet.
+    """
     groups_by_note: dict[str, list[Group]] = {}
     for group, sheet in group_sheets:
         gaps = (refusal_text(gap) for gap in sheet.gaps)
@@ -239,7 +254,7 @@ def _further_notes(group_sheets: GroupSettings) -> Iterator[str]:
 
 
 def _refusal_lines(sheets: GroupSettings) -> Iterator[str]:
-    """Yield the order codes that the master cannot use, with the reasons."""
+    """Yield the order codes that the master cannot use, with the reasons. Codes with the same ones share a line."""
     groups_by_reasons: dict[str, list[Group]] = {}
     for group, sheet in sheets:
         if sheet.refusals:

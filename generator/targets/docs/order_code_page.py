@@ -1,4 +1,4 @@
-"""Widths in texts about all order codes of a family, such as 17 to 39 bits, on the page of one order code."""
+"""Page of an order code. Texts of the family have its widths in place of ranges such as 17 to 39 bits."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ from .wiring_tables import no_leds, no_supply
 
 
 def range_of_widths(family: Device, parameter: Parameter) -> str:
-    """Return the widths that the order codes of a family set, as in ``17 to 39``, or nothing if there is only one."""
+    """Return the range of a width over the order codes of a family: ``17 to 39``. Empty if all have the same."""
     if parameter.unit != "bits":
         return ""
     variants = [variant for variant in family.variants if parameter.name in variant.parameters]
@@ -58,7 +58,7 @@ def meaning_without_range(family: Device, parameter: Parameter) -> str:
 
 
 def with_widths_of_order_code(family: Device, device: Device, variant: Variant) -> Device:
-    """Return the device with the width of the order code in the notes of its frames, in place of the range."""
+    """Return the device whose notes on frames have the width of the order code in place of the range."""
     parameters = [parameter for parameter in family.parameters if parameter.name in variant.parameters]
     ranges = [range_of_widths(family, parameter) for parameter in parameters]
     widths: dict[str, str] = {}
@@ -78,6 +78,7 @@ def _interface_with_widths(interface: Interface, widths: Mapping[str, str]) -> I
 def _layout_with_widths(layout: Layout, widths: Mapping[str, str]) -> Layout:
     """Return the layout with each range of widths in its note replaced by the width of the order code."""
     note = layout.note
+    # A shorter number must not match within a longer one, so the text around it is compared too.
     for family_range, width in widths.items():
         note = note.replace(f" {family_range} bits", f" {width} bits").replace(f", {family_range},", f", {width},")
     return replace(layout, note=note)
@@ -195,9 +196,10 @@ class OrderCodes:
             quantities = tuple(sorted(variant.parameters.items()))
             variants_by_quantities.setdefault((variant.interface, quantities), []).append(variant)
         groups = variants_by_quantities.values()
-        names = names_of_codes((variants[0].code for variants in groups), RESERVED_NAMES)
+        page_names = names_of_codes((variants[0].code for variants in groups), RESERVED_NAMES)
         return tuple(
-            CodeGroup(self.device, tuple(variants), name) for variants, name in zip(groups, names, strict=True)
+            CodeGroup(self.device, tuple(variants), page_name)
+            for variants, page_name in zip(groups, page_names, strict=True)
         )
 
     @cached_property
@@ -225,6 +227,7 @@ class OrderCodes:
         return links
 
     def _links(self, folder: str) -> dict[str, str]:
+        """Return the link to the page of each order code, from pages that reach it through ``folder``."""
         links: dict[str, str] = {}
         for group in self.groups:
             links |= {order_code: link(code(order_code), f"{folder}{group.name}.md") for order_code in group.codes}
@@ -290,8 +293,8 @@ def page_values(group: CodeGroup, has_masters: bool, pictures: Pictures) -> Code
 def _register_section(device: Device, section: Section) -> Section:
     """Return the values of a register with tables of two columns."""
     register: Register = section["register"]
-    rows = list(fact_tables.field_rows(device, register.layout)) if section["rows"] else []
-    return {**section, "rows": rows, "value_tables": fact_tables.value_tables(register)}
+    field_rows = list(fact_tables.field_rows(device, register.layout)) if section["rows"] else []
+    return {**section, "rows": field_rows, "value_tables": fact_tables.value_tables(register)}
 
 
 def _procedure_section(device: Device, section: Section) -> Section:
@@ -304,16 +307,16 @@ def _examples_of_order_codes(device: Device) -> list[Example]:
 
 
 def lead_sentences(note: str) -> str:
-    """Return the first sentences of a text, up to the length that is shown at the top of a page."""
+    """Return the first sentences of a text, as many as fit at the top of a page but at least one."""
     if not note:
         return ""
     first, *further_sentences = note.split(". ")
     sentences = first
     for further_sentence in further_sentences:
-        longer = f"{sentences}. {further_sentence}"
-        if len(longer) > _LONGEST_LEAD:
+        longer_text = f"{sentences}. {further_sentence}"
+        if len(longer_text) > _LONGEST_LEAD:
             break
-        sentences = longer
+        sentences = longer_text
     return sentence(sentences)
 
 
@@ -330,6 +333,7 @@ def _frame_section(group: CodeGroup, layout: Layout, pictures: Pictures) -> Sect
         "size": STYLE.phrase(statement(*size(layout, group.device.alternatives))),
         "wide": pictures[f"wide-{layout.name}"],
         "narrow": pictures[f"layout-{layout.name}"],
+        # Widest screen that shows the narrow picture.
         "narrower": wide_pictures.SCREEN - 1,
         "questions": list(order_code_tables.open_questions(group.device, layout)),
         "facts": list(order_code_tables.frame_facts(group.family, layout, group.variants[0], choices)),
@@ -364,7 +368,11 @@ def _registers_summary(device: Device) -> str:
 
 
 def _quantity_rows(group: CodeGroup) -> Iterator[Row]:
-    """Yield the quantities set by the order code, and the factory defaults of those that registers hold."""
+    """Yield rows of value, meaning of the quantities set by the order code or by registers.
+
+    The values of those that registers set are their factory defaults. Quantities that are 0 are left out, and so are
+    those that answers set.
+    """
     run_time_parameters = run_time_names(group.family)
     for parameter in parameters_of(group.family, group.interface.name):
         if not parameter.alternative and group.variants[0].parameters[parameter.name] != 0:
@@ -376,14 +384,14 @@ def _quantity_row(group: CodeGroup, parameter: Parameter, is_set_by_registers: b
     quantity = parameter_value(parameter, group.variants[0].parameters[parameter.name])
     meaning = text(sentence(meaning_without_range(group.family, parameter)))
     origin = _origin_of_quantity(group.family, parameter, is_set_by_registers)
-    about = f"{meaning}{origin} <small>{code(parameter.name)}</small> <small>{cited(parameter.source)}</small>"
-    return with_unit(quantity, text(parameter.unit)), about
+    about_quantity = f"{meaning}{origin} <small>{code(parameter.name)}</small> <small>{cited(parameter.source)}</small>"
+    return with_unit(quantity, text(parameter.unit)), about_quantity
 
 
 def _origin_of_quantity(family: Device, parameter: Parameter, is_set_by_registers: bool) -> str:
     """Return a sentence on the registers that hold or set a quantity, or an empty string."""
     if parameter.read_from:
         has_default = family.register(parameter.register).default is not None
-        kind = "Factory default" if has_default else "Value of the order code"
-        return f" {kind}, held in {text(field_at(family, parameter.read_from))}."
+        value_kind = "Factory default" if has_default else "Value of the order code"
+        return f" {value_kind}, held in {text(field_at(family, parameter.read_from))}."
     return " Factory default, set by registers." if is_set_by_registers else ""

@@ -40,19 +40,19 @@ from .verdict_table import EFFECTS, applicable_causes, judgement_of
 
 
 def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
-    """Yield rows of part, meaning, value, meaning of the value, source."""
+    """Yield rows of part, meaning, value, meaning of the value, source, then of other values that a part accepts."""
     parameters = {parameter.name: parameter for parameter in device.parameters}
     for part in device.order_code.parts:
         name_cell, meaning_cell = code(part.name), text(part.meaning)
         for value in part.values:
             assignments = [_assignment(parameters[name], number) for name, number in value.sets.items()]
-            about_value = joined([text(value.meaning), ", ".join(assignments), _only_with(value.only_with)])
-            yield name_cell, meaning_cell, code(value.text), about_value, cited(value.source or part.source)
+            value_meaning_cell = joined([text(value.meaning), ", ".join(assignments), _only_with(value.only_with)])
+            yield name_cell, meaning_cell, code(value.text), value_meaning_cell, cited(value.source or part.source)
             # Only the first row of a part names it.
             name_cell, meaning_cell = "", ""
         for open_value in open_values(part):
-            meaning = joined([STYLE.sentence(open_value), _only_with(part.open_only_with)])
-            yield "", "", "", meaning, cited(part.source)
+            other_values_cell = joined([STYLE.sentence(open_value), _only_with(part.open_only_with)])
+            yield "", "", "", other_values_cell, cited(part.source)
 
 
 def _assignment(parameter: Parameter, number: int) -> str:
@@ -61,15 +61,15 @@ def _assignment(parameter: Parameter, number: int) -> str:
 
 
 def spelling_rows(device: Device) -> Iterator[tuple[str, ...]]:
-    """Yield rows of pattern on the label, where it is used, its texts for the listed values, source."""
+    """Yield rows of pattern, its use, texts that differ from the order code, source, for each other notation."""
     for spelling in device.order_code.also_written:
         differing_values = [value for value in spelling.values if value.text != value.value]
         texts_of_values = "; ".join(f"{code(value.text)} is {code(value.value)}" for value in differing_values)
-        about_ending = f"{code(spelling.then)} may follow and has no meaning here" if spelling.then else ""
+        ignored_ending = f"{code(spelling.then)} may follow and has no meaning here" if spelling.then else ""
         yield (
             code(spelling.pattern),
             text(spelling.where),
-            joined([texts_of_values, about_ending]),
+            joined([texts_of_values, ignored_ending]),
             cited(spelling.source),
         )
 
@@ -77,8 +77,8 @@ def spelling_rows(device: Device) -> Iterator[tuple[str, ...]]:
 def _only_with(texts_by_part: Mapping[str, Sequence[str]]) -> str:
     """Return the parts of an order code with which a value can be combined."""
     conditions = []
-    for name, texts in texts_by_part.items():
-        conditions.append(f"only with {code(name)} {', '.join(map(code, texts))}")
+    for part_name, texts in texts_by_part.items():
+        conditions.append(f"only with {code(part_name)} {', '.join(map(code, texts))}")
     return "; ".join(conditions)
 
 
@@ -95,20 +95,20 @@ def parameter_rows(device: Device, interface_name: str) -> Iterator[tuple[str, .
 
 
 def _parameters_of_order_codes(device: Device, interface_name: str) -> list[Parameter]:
-    """Return the parameters of an interface that order codes set, not registers or answers."""
-    names_in_registers = run_time_names(device)
+    """Return the parameters of an interface, except those that answers or registers determine."""
+    names_at_run_time = run_time_names(device)
     parameters = [parameter for parameter in parameters_of(device, interface_name) if not parameter.alternative]
-    return [parameter for parameter in parameters if parameter.name not in names_in_registers]
+    return [parameter for parameter in parameters if parameter.name not in names_at_run_time]
 
 
 def run_time_rows(device: Device, interface_name: str) -> Iterator[tuple[str, ...]]:
-    """Yield the name, meaning, origin, factory default and source of the quantities that registers hold.
+    """Yield name, meaning, origin, factory default, source of the quantities that registers determine.
 
-    The registers may belong to another interface.
+    They are those that a register holds, possibly of another interface, and those calculated from them.
     """
-    names = run_time_names(device)
+    names_at_run_time = run_time_names(device)
     for parameter in parameters_of(device, interface_name):
-        if parameter.name in names:
+        if parameter.name in names_at_run_time:
             unit = f"unit: {text(parameter.unit)}" if parameter.unit else ""
             yield (
                 code(parameter.name),
@@ -120,26 +120,30 @@ def run_time_rows(device: Device, interface_name: str) -> Iterator[tuple[str, ..
 
 
 def _factory_default(device: Device, parameter: Parameter) -> str:
-    """Return the factory default of a parameter that registers hold, or that it depends on the order code."""
+    """Return the factory default of a parameter that registers determine, such as ``4,096``, or "" if unknown.
+
+    It is the value for the first order code over an interface with the parameter. ``by order code`` means that its
+    register has no fixed default.
+    """
     if parameter.read_from and device.register(parameter.register).default is None:
         return "by order code"
     interface_names = [interface.name for interface in device.interfaces]
-    names_with_parameter = {name for name in interface_names if parameter in parameters_of(device, name)}
+    interfaces_with_parameter = {name for name in interface_names if parameter in parameters_of(device, name)}
     for variant in device.variants:
-        if variant.interface in names_with_parameter:
+        if variant.interface in interfaces_with_parameter:
             return parameter_value(parameter, variant.parameters[parameter.name])
     return ""
 
 
 def code_table(device: Device, interface: Interface, links: Mapping[str, str]) -> dict[str, Any]:
-    """Return the order codes of an interface as links to their pages, with the quantities that they set."""
+    """Return the order codes of an interface as the links in ``links``, with the quantities that they set."""
     parameters = _parameters_of_order_codes(device, interface.name)
-    rows = []
+    code_rows = []
     for variant in device.variants_over(interface.name):
         quantities = [parameter_value(parameter, variant.parameters[parameter.name]) for parameter in parameters]
-        rows.append((links[variant.code], *quantities))
+        code_rows.append((links[variant.code], *quantities))
     parameter_names = [code(parameter.name) for parameter in parameters]
-    return {"head": ["Order code", *parameter_names], "rows": rows}
+    return {"head": ["Order code", *parameter_names], "rows": code_rows}
 
 
 def alternative_sections(device: Device) -> list[dict[str, Any]]:
@@ -148,16 +152,19 @@ def alternative_sections(device: Device) -> list[dict[str, Any]]:
 
 
 def _alternative_section(device: Device, alternative: Alternative) -> dict[str, Any]:
-    """Return a question that the manual leaves open, with its answers and the frames that need one."""
-    frames = []
+    """Return a question that the manual leaves open, with the parameters (``members``) that each answer sets.
+
+    ``frames`` are links to the frames whose layout or verdict depends on the answer.
+    """
+    frame_links = []
     for _, layout in device.layouts():
         if alternative in (*device.alternatives_of(layout), *device.verdict_alternatives(layout)):
-            frames.append(link(code(layout.name), f"#layout-{layout.name}"))
+            frame_links.append(link(code(layout.name), f"#layout-{layout.name}"))
     return {
         "alternative": alternative,
         "title": heading(alternative.name),
         "rows": [_answer_row(device, alternative, answer) for answer in alternative.answers],
-        "frames": frames,
+        "frames": frame_links,
         "members": list(map(code, alternative.answers[0].sets)),
     }
 
@@ -174,7 +181,7 @@ def _answer_row(device: Device, alternative: Alternative, answer: Answer) -> tup
 
 
 def measurement_rows(device: Device) -> Iterator[tuple[str, ...]]:
-    """Yield the unit of the position, for all interfaces or for one."""
+    """Yield the unit of the position, for all interfaces or for one, and its range in frames with another range."""
     if device.measurement is not None:
         yield _measurement_row(device.measurement)
     for interface in device.interfaces:
@@ -183,9 +190,9 @@ def measurement_rows(device: Device) -> Iterator[tuple[str, ...]]:
     for interface in device.interfaces:
         interface_measurement = device.measurement_of(interface.name)
         if interface_measurement is not None:
-            for name, frame_range in own_ranges(device, interface.name):
-                position = f"{code(interface_measurement.of)} in {code(name)}"
-                yield position, STYLE.phrase(position_range(frame_range)), cited(frame_range.source)
+            for layout_name, frame_range in own_ranges(device, interface.name):
+                position_in_frame = f"{code(interface_measurement.of)} in {code(layout_name)}"
+                yield position_in_frame, STYLE.phrase(position_range(frame_range)), cited(frame_range.source)
 
 
 def _measurement_row(position: Measurement, over_interface: str = "") -> tuple[str, ...]:
@@ -201,7 +208,7 @@ PartTexts = tuple[str, ...]
 
 
 def order_codes(device: Device, codes: Sequence[str]) -> str:
-    """Return the order codes one by one, or as patterns if there are many."""
+    """Return fewer than ``_FEWEST_FOR_PATTERNS`` order codes one by one, and more of them as patterns."""
     return ", ".join(map(code, codes)) if len(codes) < _FEWEST_FOR_PATTERNS else joined(patterns(device, codes))
 
 
@@ -219,20 +226,21 @@ def _texts_of_parts(variant: Variant, part_names: Sequence[str]) -> PartTexts:
 
 
 def _pattern(order_code: OrderCode, part_names: Sequence[str], texts_of_parts: Sequence[Sequence[str]]) -> str:
-    """Return the order code with a letter for each part that has several texts, and the texts of these letters."""
+    """Return the codes with these texts for each part, in order, such as ```` `A-x/B` with x = 1 or 2````."""
+    # A letter that the pattern or a text contains would be ambiguous.
     fixed_letters = set(re.sub(r"\{\w+\}", "", order_code.pattern)).union(*map("".join, texts_of_parts))
     letters = _letters_without(fixed_letters)
-    texts_by_part: dict[str, str] = {}
-    letter_texts: list[str] = []
-    for name, texts in zip(part_names, texts_of_parts, strict=True):
+    text_or_letter_by_part: dict[str, str] = {}
+    letter_meanings: list[str] = []
+    for part_name, texts in zip(part_names, texts_of_parts, strict=True):
         if len(texts) == 1:
-            texts_by_part[name] = texts[0]
+            text_or_letter_by_part[part_name] = texts[0]
             continue
-        texts_by_part[name] = next(letters)
+        text_or_letter_by_part[part_name] = next(letters)
         choice = f"{', '.join(texts[:-1])} or {texts[-1]}"
-        letter_texts.append(f"{texts_by_part[name]} = {choice}")
-    pattern = code(filled(order_code.pattern, texts_by_part))
-    return f"{pattern} with {', '.join(letter_texts)}" if letter_texts else pattern
+        letter_meanings.append(f"{text_or_letter_by_part[part_name]} = {choice}")
+    pattern = code(filled(order_code.pattern, text_or_letter_by_part))
+    return f"{pattern} with {', '.join(letter_meanings)}" if letter_meanings else pattern
 
 
 def _letters_without(fixed_letters: Collection[str]) -> Iterator[str]:
@@ -242,9 +250,10 @@ def _letters_without(fixed_letters: Collection[str]) -> Iterator[str]:
 
 
 def _products(combinations: Sequence[PartTexts]) -> Iterator[list[list[str]]]:
-    """Yield the combinations of texts as products, such as the texts ``["A"], ["1", "2"]`` for A-1 and A-2.
+    """Yield the combinations as products: a list of texts for each part, ``[["A"], ["1", "2"]]`` for A-1 and A-2.
 
-    They are split if a part combines with only some others.
+    If the texts of a part combine with different other parts, the combinations are first split by such a part, namely
+    by one that gives the fewest groups.
     """
     number_of_parts = len(combinations[0])
     groups_by_part = [_divided_by_part(combinations, index) for index in range(number_of_parts)]
@@ -258,14 +267,14 @@ def _products(combinations: Sequence[PartTexts]) -> Iterator[list[list[str]]]:
 
 
 def _divided_by_part(combinations: Sequence[PartTexts], index: int) -> list[list[PartTexts]]:
-    """Group the combinations by one part, and merge texts of it that combine with the same other parts."""
+    """Group the combinations by a part: texts of it share a group if they combine with the same other parts."""
     other_parts_by_text: dict[str, set[PartTexts]] = {}
-    for texts in combinations:
-        other_parts = texts[:index] + texts[index + 1 :]
-        other_parts_by_text.setdefault(texts[index], set()).add(other_parts)
+    for part_texts in combinations:
+        other_parts = part_texts[:index] + part_texts[index + 1 :]
+        other_parts_by_text.setdefault(part_texts[index], set()).add(other_parts)
     groups: dict[frozenset[PartTexts], list[PartTexts]] = {}
-    for texts in combinations:
-        groups.setdefault(frozenset(other_parts_by_text[texts[index]]), []).append(texts)
+    for part_texts in combinations:
+        groups.setdefault(frozenset(other_parts_by_text[part_texts[index]]), []).append(part_texts)
     return list(groups.values())
 
 
@@ -274,7 +283,7 @@ _EXPONENT = re.compile(r"\^([0-9]*)")
 
 
 def position_frame(family: Device, interface: Interface) -> Layout | None:
-    """Return the frame that says most about the position: its parts, then its flags. With a tie, the shortest."""
+    """Return the frame with the most parts of the position. With a tie, it has the most flags, then is shortest."""
     family_layouts = family.interface(interface.name).layouts
     position_frames = {layout.name for layout in family_layouts if family.tells_position(interface.name, layout)}
     candidates = [layout for layout in interface.layouts if layout.name in position_frames]
@@ -289,7 +298,7 @@ def position_frame(family: Device, interface: Interface) -> Layout | None:
 
 
 def open_questions(device: Device, layout: Layout) -> Iterator[str]:
-    """Yield a sentence for each question about a frame that the manual leaves open, with a link to it."""
+    """Yield a sentence for each open question whose answer is needed to read a frame, with a link to it."""
     for alternative in device.alternatives_of(layout):
         question = link("open question", f"#alternative-{alternative.name}")
         answers = " and ".join(code(answer.name) for answer in alternative.answers)
@@ -299,13 +308,13 @@ def open_questions(device: Device, layout: Layout) -> Iterator[str]:
 def frame_facts(
     family: Device, layout: Layout, variant: Variant, choices: Sequence[str] = ()
 ) -> Iterator[tuple[str, str]]:
-    """Yield the CRC, the polarity of the flags and the verdict on the position, each in one line.
+    """Yield facts as label and text: the CRC, the flags, the ranges of signed fields, and the verdict.
 
     ``choices`` are the names of the alternatives on the page, to which the verdicts link.
     """
     crc = family.crc_of(layout.place(variant.parameters))
     yield "CRC", "none" if crc is None else crc_line(family, crc)
-    # The layout of a page has other notes, and the range of a position is known for that of the family.
+    # The layout of a page is a copy with other notes. The family finds ranges only for its own layout objects.
     family_layout = member_named(family.interface(variant.interface).layouts, layout.name, "layout")
     placed_layout = family_layout.place(variant.parameters)
     yield from _flag_facts(placed_layout)
@@ -316,16 +325,21 @@ def frame_facts(
 
 
 def _flag_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
-    """Yield the flags by the level at which they are active, and those that the encoder does not use."""
+    """Yield the flags by active level, such as ``("Active at 1", "`error` (bit 3)")``, and the unused bits.
+
+    Of the unused bits, only single ones that the manual names are listed, and none for a frame in bytes.
+    """
     layout = placed_layout.layout
     flags_by_label: dict[str, list[tuple[str, str]]] = {}
     for placed_field in placed_layout.fields:
-        byte = frame_bytes(layout, placed_layout.bits, placed_field.high, placed_field.low) if layout.in_bytes else ""
-        flag = (code(placed_field.name), byte or bits(placed_field.high, placed_field.low))
+        byte_place = (
+            frame_bytes(layout, placed_layout.bits, placed_field.high, placed_field.low) if layout.in_bytes else ""
+        )
+        flag = (code(placed_field.name), byte_place or bits(placed_field.high, placed_field.low))
         level = deciding(placed_field.field)
         if isinstance(meaning_of(placed_field.field), Active):
             flags_by_label.setdefault(f"Active at {level}", []).append(flag)
-        elif not byte and placed_field.field.printed_name and level in {"0", "1"}:
+        elif not byte_place and placed_field.field.printed_name and level in {"0", "1"}:
             flags_by_label.setdefault("Not used by this encoder", []).append(flag)
     yield from ((label, ", ".join(_with_places(flags))) for label, flags in flags_by_label.items())
 
@@ -333,13 +347,14 @@ def _flag_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
 def _verdict_facts(
     family: Device, layout: Layout, variant: Variant, choices: Sequence[str], has_crc: bool
 ) -> Iterator[tuple[str, str]]:
-    """Yield the verdict on the position, and the verdicts that other answers than the defaults change."""
+    """Yield the verdict on the position, if there is one, and verdicts to which other answers add causes."""
     judgement = judgement_of(family, layout)
     if judgement is None:
         return
     yield "Position", verdict_line(judgement, variant, has_crc)
     alternatives = [alternative for alternative in family.verdict_alternatives(layout) if alternative.name in choices]
     for alternative in alternatives:
+        # The first answer is the default.
         for answer in alternative.answers[1:]:
             variant_with_answer = with_answers(family, variant, {alternative.name: answer.name})
             changed_verdicts = _changed_verdicts(judgement, variant, variant_with_answer)
@@ -349,24 +364,24 @@ def _verdict_facts(
 
 
 def _range_of_signed_number(family: Device, placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
-    """Return the notation and range of a signed number."""
+    """Return a signed field with its range, such as ``position, in two's complement, -512 to 511``."""
     lowest, highest = family.signed_range(placed_field, placed_layout)
     return f"{code(placed_field.name)}, in two's complement, {number(lowest)} to {number(highest)}"
 
 
 def _with_places(flags: Sequence[tuple[str, str]]) -> Iterator[str]:
-    """Yield flags with their places. A byte is named only where it changes."""
+    """Yield flags with their places: ``error (byte 1, bit 0)``, then ``warning (bit 1)`` in the same byte."""
     previous_byte = ""
-    for name, place in flags:
+    for flag_name, place in flags:
         byte, _, bit = place.rpartition(", ")
-        yield f"{name} ({bit if byte == previous_byte else place})"
+        yield f"{flag_name} ({bit if byte == previous_byte else place})"
         previous_byte = byte
 
 
 def crc_line(family: Device, crc: Crc) -> str:
     """Return the parameters of a CRC in one line, with the polynomial including its top bit."""
     polynomial = _EXPONENT.sub(_in_superscript, crc.polynomial)
-    parts = [
+    crc_properties = [
         f"poly `0x{crc.poly_with_top_bit:X}` ({text(polynomial)})",
         f"init {crc.init:#x}" if crc.init else "init 0",
         crc_reflected(family, crc),
@@ -375,7 +390,7 @@ def crc_line(family: Device, crc: Crc) -> str:
         "over everything before it",
         "which is the XOR of these bytes" if crc.is_xor else "",
     ]
-    return ", ".join(filter(None, parts))
+    return ", ".join(filter(None, crc_properties))
 
 
 def _in_superscript(exponent: re.Match[str]) -> str:
@@ -383,23 +398,23 @@ def _in_superscript(exponent: re.Match[str]) -> str:
 
 
 def verdict_line(judgement: Judgement, variant: Variant, has_crc: bool) -> str:
-    """Return the rule for the verdict on the position of an order code."""
+    """Return the verdicts on the position of an order code with their conditions, the worst first."""
     judgement = judgement.for_parameters(variant.parameters)
     causes_by_verdict = applicable_causes(judgement, variant)
-    parts = [_verdict_if(verdict, causes) for verdict, causes in causes_by_verdict.items()]
-    if not parts:
+    conditional_verdicts = [_verdict_if(verdict, causes) for verdict, causes in causes_by_verdict.items()]
+    if not conditional_verdicts:
         return STYLE.phrase(statement(WORTH[judgement.otherwise]))
     correct = ", if the CRC is correct," if has_crc else ""
-    return "; ".join([*parts, f"otherwise{correct} {EFFECTS[judgement.otherwise]}"])
+    return "; ".join([*conditional_verdicts, f"otherwise{correct} {EFFECTS[judgement.otherwise]}"])
 
 
 def _changed_verdicts(judgement: Judgement, variant: Variant, variant_with_answer: Variant) -> list[str]:
-    """Return the verdicts to which an answer adds causes that ``variant``, with the defaults, lacks."""
+    """Return verdicts with the causes that an answer adds, which ``variant`` with the defaults lacks."""
     default_causes = applicable_causes(judgement, variant)
     changed_verdicts = []
     for verdict, causes in applicable_causes(judgement, variant_with_answer).items():
-        default_fields = [cause.by for cause in default_causes.get(verdict, ())]
-        added_causes = [cause for cause in causes if cause.by not in default_fields]
+        default_conditions = [cause.by for cause in default_causes.get(verdict, ())]
+        added_causes = [cause for cause in causes if cause.by not in default_conditions]
         if added_causes:
             changed_verdicts.append(_verdict_if(verdict, added_causes))
     return changed_verdicts
@@ -410,10 +425,11 @@ def _verdict_if(verdict: Verdict, causes: Sequence[VerdictCause]) -> str:
 
 
 def _cause_texts(causes: Sequence[VerdictCause]) -> Iterator[str]:
-    """Yield the conditions of a verdict. Flags with the same active level are one condition."""
+    """Yield the conditions of a verdict. Flags with the same active level are one: ``error or fault is 1``."""
     names_by_level: dict[str, list[str]] = {}
     for cause in causes:
         if not isinstance(cause.by, Match):
+            # deciding() gives the level at which the flag is active, such as "1".
             names_by_level.setdefault(deciding(cause.by.field), []).append(_cause_text(cause))
     yield from (f"{' or '.join(names)} is {level}" for level, names in names_by_level.items())
     for cause in causes:
@@ -423,8 +439,8 @@ def _cause_texts(causes: Sequence[VerdictCause]) -> Iterator[str]:
 
 def _cause_text(cause: VerdictCause) -> str:
     """Return a flag, with the flags that must be inactive if it combines them."""
-    name = code(cause.by.field.name)
+    flag_name = code(cause.by.field.name)
     if not cause.unless:
-        return name
+        return flag_name
     flags = " and ".join(code(part.field.name) for part in cause.unless)
-    return f"{name} (while {flags} {'is' if len(cause.unless) == 1 else 'are'} inactive)"
+    return f"{flag_name} (while {flags} {'is' if len(cause.unless) == 1 else 'are'} inactive)"

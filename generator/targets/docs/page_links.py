@@ -47,7 +47,11 @@ def path_to_anchor(device: Device, interface_name: str, anchor: str) -> str:
 
 
 def with_other_subjects_linked(interface_name: str, page_text: str) -> str:
-    """Return a page about an interface with links to the places that are on its other pages."""
+    """Return a page about an interface with links to the places that are on its other pages.
+
+    A link to an anchor that this page lacks gets the page of the anchor: ``#register-preset`` becomes
+    ``biss-registers.md#register-preset``.
+    """
     own_anchors = set(re.findall(r'<a id="([^"]+)">', page_text))
 
     def with_page(mark_and_anchor: re.Match[str]) -> str:
@@ -55,6 +59,7 @@ def with_other_subjects_linked(interface_name: str, page_text: str) -> str:
         page = "" if anchor in own_anchors else page_in_folder(interface_name, subject_of(anchor))
         return f"{mark}{page}#{anchor}"
 
+    # A link in Markdown or HTML that begins with its anchor.
     return re.sub(r'(\]\(|href=")#([\w.-]+)', with_page, page_text)
 
 
@@ -63,6 +68,7 @@ def link_to_register(device: Device, register: Register, label: str) -> str:
 
 
 def link_to_layout(device: Device, layout: Layout, label: str) -> str:
+    """Return a link to a frame on the page of its interface."""
     interface = next(interface for interface, device_layout in device.layouts() if device_layout.name == layout.name)
     return link(label, path_to_anchor(device, interface.name, f"layout-{layout.name}"))
 
@@ -86,25 +92,27 @@ def with_errata_linked(device: Device, page: str, page_text: str) -> str:
         return page_text
     folder = "" if page.startswith(f"{device.name}/") else f"{device.name}/"
     titles = {erratum.name: erratum.title for erratum in device.errata}
+    # Otherwise a name that another one begins with would match first.
     longest_first = sorted(titles, key=len, reverse=True)
-    name = f"(?:{'|'.join(longest_first)})\\b"
+    name_expression = f"(?:{'|'.join(longest_first)})\\b"
 
     def name_link(erratum_name: re.Match[str]) -> str:
         return link(text(titles[erratum_name[0]]), f"{folder}{ERRATA}#erratum-{erratum_name[0]}")
 
     def with_names_linked(mention: re.Match[str]) -> str:
-        return re.sub(name, name_link, mention[0])
+        return re.sub(name_expression, name_link, mention[0])
 
-    return re.sub(rf"\berrat(?:um|a)\s(?:{name}(?:, (?={name}))?)+", with_names_linked, page_text)
+    # "erratum" or "errata" with one or more names, separated by commas.
+    return re.sub(rf"\berrat(?:um|a)\s(?:{name_expression}(?:, (?={name_expression}))?)+", with_names_linked, page_text)
 
 
 def links_to_steps(folder: str, names: Iterable[str]) -> list[str]:
-    """Return links to manual steps. ``folder`` is the path to the folder of the family."""
+    """Return links to the steps by hand with these names. ``folder`` is the path to the folder of the family."""
     return [link(text(f"Steps: {heading(name)}"), f"{folder}hardware.md#by-hand-{name}") for name in names]
 
 
 def style_in_folder(device: Device) -> Style:
-    """Return the style for a page in the folder of the family, where registers are on their interface page."""
+    """Return the style for a page in the folder of the family, with links to registers on their interface page."""
 
     def reference_text(ref: Ref) -> str:
         for register in device.registers:

@@ -35,19 +35,19 @@ def _contact_text(contact: Contact) -> str:
 
 
 def connector_picture(connector: Connector) -> str:
-    """Return the picture of a connector or cable."""
+    """Return the picture of a connector or cable: a row for each contact, with its signal."""
     body: list[str] = []
     top = _MARGIN
-    text_start = _SIGNAL_AFTER_PINS if all(map(_is_pin, connector.contacts)) else _SIGNAL_AFTER_WIRES
+    signal_left = _SIGNAL_AFTER_PINS if all(map(_is_pin, connector.contacts)) else _SIGNAL_AFTER_WIRES
     for contact in connector.contacts:
-        lines = list(_signal_lines(contact, WIDE - _MARGIN - text_start))
+        signal_lines = list(_signal_lines(contact, WIDE - _MARGIN - signal_left))
         body += _contact_elements(contact, top)
-        for index, (line, faint) in enumerate(lines):
-            body.append(text(text_start, top + 18 + _LINE * index, line, _SIZE, "start", faint=faint))
-        top += max(_ROW, _LINE * len(lines) + 8)
+        for index, (text_line, faint) in enumerate(signal_lines):
+            body.append(text(signal_left, top + 18 + _LINE * index, text_line, _SIZE, "start", faint=faint))
+        top += max(_ROW, _LINE * len(signal_lines) + 8)
     if any(map(_is_pin, connector.contacts)):
-        for line in wrapped(FACE_UNKNOWN, WIDE - 2 * _MARGIN, _SIZE):
-            body.append(text(_MARGIN, top + 16, line, _SIZE, "start", faint=True))
+        for text_line in wrapped(FACE_UNKNOWN, WIDE - 2 * _MARGIN, _SIZE):
+            body.append(text(_MARGIN, top + 16, text_line, _SIZE, "start", faint=True))
             top += _LINE
     return card(connector.title, body, WIDE, top + _MARGIN, connector_text(connector))
 
@@ -60,6 +60,7 @@ def _signal_lines(contact: Contact, room: float) -> Iterator[tuple[str, bool]]:
 
 
 def _is_pin(contact: Contact) -> bool:
+    """Return whether a contact is a number, short enough for its box. Other contacts are wires or names."""
     return contact.contact.isdecimal() and len(contact.contact) <= 3
 
 
@@ -69,14 +70,15 @@ def _contact_elements(contact: Contact, top: float) -> Iterator[str]:
         yield rect(_MARGIN, top + 3, 28, 22, "data")
         yield text(_MARGIN + 14, top + 18, contact.contact, _SIZE, "middle", bold=True)
         return
-    words = _BETWEEN_COLOURS.split(contact.contact.lower())
+    colour_words = _BETWEEN_COLOURS.split(contact.contact.lower())
     wire_colours = palette().wires
-    if all(word in wire_colours for word in words):
-        colour_width = 28.0 / len(words)
-        for index, word in enumerate(words):
+    if all(word in wire_colours for word in colour_words):
+        colour_width = 28.0 / len(colour_words)
+        for index, word in enumerate(colour_words):
             yield swatch(_MARGIN + colour_width * index, top + 5, colour_width, 18, wire_colours[word])
-    for line in wrapped(contact.contact, _SIGNAL_AFTER_WIRES - _NAME - 6, _SIZE)[:1]:
-        yield text(_NAME, top + 18, line, _SIZE, "start")
+    # Only the first line of a long name fits.
+    for name_line in wrapped(contact.contact, _SIGNAL_AFTER_WIRES - _NAME - 6, _SIZE)[:1]:
+        yield text(_NAME, top + 18, name_line, _SIZE, "start")
 
 
 @dataclass(frozen=True)
@@ -123,6 +125,7 @@ def pictures_of_order_codes(family: Device, narrowed_family: Device, page: str, 
     for interface, layout in narrowed_family.layouts():
         if layout.name == frame_name:
             stacks = _uncaptioned(layout_tables.layout_stacks(narrowed_family, interface, layout))
+            # A frame of bits has captions in the picture of the family, so that its picture differs.
             if not layout.in_bytes or stacks != layout_tables.layout_stacks(family, interface, layout):
                 pictures[_layout_key(layout)] = _picture(f"{page}-{layout.name}.svg", layout, stacks)
             shapes = layout_tables.captioned_shapes(narrowed_family, interface, layout)
@@ -152,5 +155,5 @@ def _picture(name: str, titled: Titled, stacks: Sequence[Stack]) -> Picture:
 
 
 def _uncaptioned(stacks: Sequence[Stack]) -> list[Stack]:
-    """Return the stacks without a caption if there is only one."""
+    """Return the stacks, a single one without its caption."""
     return [replace(stacks[0], caption="")] if len(stacks) == 1 else list(stacks)

@@ -96,7 +96,7 @@ def _ssi_diagram(interface: Ssi) -> TimingDiagram:
     """Return a word with its clocks. After the word, the data line stays low for some time and then goes high."""
     up, down = Trace.UP, Trace.DOWN
     first_bits = "the most significant bit" if interface.alignment.end == "msb_left" else "leading zeros"
-    clock = (
+    clock_line = (
         Part(up, 40),
         Part(Trace.CLOCK, 3 * _PERIOD),
         Part(Trace.GAP, 40),
@@ -105,7 +105,7 @@ def _ssi_diagram(interface: Ssi) -> TimingDiagram:
         Part(Trace.CLOCK, 2 * _PERIOD),
     )
     # Data is sent from the first rising edge to the last.
-    data = (
+    data_line = (
         Part(up, 52),
         Part(Trace.EITHER, 64, "first bit", "data"),
         Part(Trace.EITHER, 32, "…", "data"),
@@ -113,10 +113,11 @@ def _ssi_diagram(interface: Ssi) -> TimingDiagram:
         Part(down, 60),
         Part(up, 150),
     )
+    # The word ends at 212 pixels, data is low until 272, and the next word begins at 374.
     monoflop, pause = _symbol_with_times(interface, "Tm"), _symbol_with_times(interface, "Tp")
     return TimingDiagram(
         title="SSI: a word",
-        lines=(("Clock", clock), ("Data", data)),
+        lines=(("Clock", clock_line), ("Data", data_line)),
         spans=(Span(212, 272, monoflop), Span(212, 374, pause)),
         text="Clock and data are high between words. Each rising edge of the clock shifts out one bit, starting with "
         f"{first_bits}. After the last bit the data line is low ({monoflop}) and then high again. "
@@ -128,6 +129,7 @@ def _spi_diagram(interface: Spi) -> TimingDiagram:
     """Return two words, with the request and the reply of each."""
     up, down = Trace.UP, Trace.DOWN
     has_requests = bool(interface.exchanges)
+    # In each word is the reply to its own request, or to that of the word before.
     replies = ("reply 1", "reply 2")
     if has_requests and interface.reply == "next_word":
         replies = ("reply to the request before", "reply to request 1")
@@ -167,9 +169,9 @@ def _spi_words(first: str, second: str) -> tuple[Part, ...]:
 
 def _biss_diagram(device: Device, interface: Biss) -> TimingDiagram:
     """Return a frame: acknowledge, start bit, CDS, the fields of the single cycle data, time-out."""
-    fields = list(_data_boxes(codec_of(device, interface.layouts[0]), device.position_names(interface.name)))
-    boxes = [Part(Trace.EITHER, max(34.0, text_width(name, 11) + 10), name, fill) for name, fill in fields]
-    data = (
+    names_and_fills = list(_data_boxes(codec_of(device, interface.layouts[0]), device.position_names(interface.name)))
+    boxes = [Part(Trace.EITHER, max(34.0, text_width(name, 11) + 10), name, fill) for name, fill in names_and_fills]
+    data_line = (
         Part(Trace.UP, 76),  # up to the second rising edge of MA
         Part(Trace.DOWN, 60, "Ack"),
         Part(Trace.UP, 36, "Start"),
@@ -178,26 +180,28 @@ def _biss_diagram(device: Device, interface: Biss) -> TimingDiagram:
         Part(Trace.DOWN, 90, "stop"),
         Part(Trace.UP, 46),
     )
-    timeout_start = sum(part.width for part in data) - 136
-    clocks = (timeout_start - 176) // _PERIOD * _PERIOD
-    clock = (
+    # The last two parts, the time-out and the idle level, are 136 pixels wide.
+    timeout_start = sum(part.width for part in data_line) - 136
+    # Whole pulses, after 136 pixels with the first ones and a gap of at least 40.
+    clocks_width = (timeout_start - 176) // _PERIOD * _PERIOD
+    clock_line = (
         Part(Trace.UP, 40),
         Part(Trace.CLOCK, 4 * _PERIOD),
-        Part(Trace.GAP, timeout_start - 136 - clocks),
-        Part(Trace.CLOCK, clocks),
+        Part(Trace.GAP, timeout_start - 136 - clocks_width),
+        Part(Trace.CLOCK, clocks_width),
         Part(Trace.EITHER, 90, "not CDM", "choice"),
         Part(Trace.UP, 46),
     )
     timeout = (
         timeout_words(interface.timeout) if interface.timeout is not None else _words_without_timeout(device, interface)
     )
-    names = ", ".join(name for name, _ in fields)
+    labels = ", ".join(name for name, _ in names_and_fills)
     return TimingDiagram(
         title="BiSS C-mode: a frame",
-        lines=(("MA", clock), ("SLO", data)),
+        lines=(("MA", clock_line), ("SLO", data_line)),
         spans=(Span(timeout_start, timeout_start + 90, f"time-out: {timeout}"),),
         text="MA and SLO are high between frames. SLO is low (acknowledge) from the second rising edge of MA until the "
-        f"start bit, which is high. The CDS bit, {names} and a low stop bit follow, until the time-out ({timeout}). "
+        f"start bit, which is high. The CDS bit, {labels} and a low stop bit follow, until the time-out ({timeout}). "
         "During the time-out, MA is the inverse of the CDM bit.",
         further_source="the public protocol description of BiSS C-mode",
     )
@@ -209,7 +213,10 @@ def _words_without_timeout(device: Device, interface: Biss) -> str:
 
 
 def _data_boxes(codec: Codec, position_names: Container[str]) -> Iterator[tuple[str, str]]:
-    """Yield the name and colour class of each field of the single cycle data, with the position as one field."""
+    """Yield the name and colour class of each field of the single cycle data, with the position as one field.
+
+    Constants are left out.
+    """
     has_position = False
     for field in codec.layout.fields:
         if field in codec.layout.crc_fields:
@@ -226,11 +233,11 @@ def _data_boxes(codec: Codec, position_names: Container[str]) -> Iterator[tuple[
 
 def _rs485_diagram(device: Device, interface: Rs485) -> TimingDiagram:
     """Return a request with its reply, and a repetition of the request."""
-    requests, replies = _byte_counts(interface, "master"), _byte_counts(interface, "encoder")
-    request_size = f"{'at least ' if len(requests) > 1 else ''}{counted(requests[0], 'byte')}"
-    reply_size = f"{'up to ' if len(replies) > 1 else ''}{counted(replies[-1], 'byte')}"
-    label = f"request, {request_size}"
-    master = [Part(Trace.UP, 40), Part(Trace.EITHER, text_width(label, 11) + 12, label, "choice")]
+    request_lengths, reply_lengths = _byte_counts(interface, "master"), _byte_counts(interface, "encoder")
+    request_size = f"{'at least ' if len(request_lengths) > 1 else ''}{counted(request_lengths[0], 'byte')}"
+    reply_size = f"{'up to ' if len(reply_lengths) > 1 else ''}{counted(reply_lengths[-1], 'byte')}"
+    request_label = f"request, {request_size}"
+    master = [Part(Trace.UP, 40), Part(Trace.EITHER, text_width(request_label, 11) + 12, request_label, "choice")]
     request_end = sum(part.width for part in master)
     reply = Part(Trace.EITHER, 170, f"reply, {reply_size}", "data")
     encoder = [Part(Trace.UP, request_end + 40), reply, Part(Trace.UP, 40)]
@@ -238,13 +245,14 @@ def _rs485_diagram(device: Device, interface: Rs485) -> TimingDiagram:
     spans: tuple[Span, ...] = ()
     pause_us = _pause_between_requests(device, interface)
     if pause_us:
-        box = 60.0
-        first_repetition_end = request_end + 270 + box
+        repetition_width = 60.0
+        first_repetition_end = request_end + 270 + repetition_width
         pause = f"between repeated requests: at least {microseconds(pause_us)}"
-        first, second = (Part(Trace.EITHER, box, name, "choice") for name in ("1st", "2nd"))
-        master += [Part(Trace.UP, 270), first, Part(Trace.UP, box), second, Part(Trace.GAP, 40)]
+        first, second = (Part(Trace.EITHER, repetition_width, name, "choice") for name in ("1st", "2nd"))
+        # Both lines end 490 pixels after the request.
+        master += [Part(Trace.UP, 270), first, Part(Trace.UP, repetition_width), second, Part(Trace.GAP, 40)]
         encoder.append(Part(Trace.UP, 240))
-        spans = (Span(first_repetition_end, first_repetition_end + box, pause),)
+        spans = (Span(first_repetition_end, first_repetition_end + repetition_width, pause),)
         description += f" {pause.capitalize()}."
     return TimingDiagram(
         title="RS-485: requests and replies",
@@ -255,32 +263,35 @@ def _rs485_diagram(device: Device, interface: Rs485) -> TimingDiagram:
 
 
 def _pause_between_requests(device: Device, interface: Interface) -> int:
-    """Return the microseconds between the repeated requests of a procedure, or 0 if no procedure repeats a request."""
+    """Return the longest time in µs between repeated requests of a procedure, or 0 if none repeats any."""
     procedures = [procedure for procedure in device.procedures if procedure.interface == interface.name]
     steps = [step for procedure in procedures for step in procedure.steps]
     return max((step.microseconds for step in steps if isinstance(step, SendStep)), default=0)
 
 
 def _byte_counts(interface: Interface, sender: str) -> list[int]:
-    """Return the different lengths in bytes of the frames sent by one side, shortest first."""
+    """Return the different lengths in bytes of the frames sent by one side, shortest first.
+
+    Without such frames, it is one byte.
+    """
     return sorted({layout.widest // 8 for layout in interface.layouts if layout.sender == sender}) or [1]
 
 
 def diagram_picture(diagram: TimingDiagram) -> str:
     """Return the picture of a timing diagram."""
-    body: list[str] = []
+    elements: list[str] = []
     left = _MARGIN + _NAME
     right_end = 0.0
-    for row, (name, parts) in enumerate(diagram.lines):
-        top = _MARGIN + 14 + row * _ROW
-        body.append(text(_MARGIN, top + _HIGH - 7, name, 12, "start", bold=True))
-        body += _line_elements(parts, left, top)
+    for row_index, (line_name, parts) in enumerate(diagram.lines):
+        top = _MARGIN + 14 + row_index * _ROW
+        elements.append(text(_MARGIN, top + _HIGH - 7, line_name, 12, "start", bold=True))
+        elements += _line_elements(parts, left, top)
         right_end = max(right_end, left + sum(part.width for part in parts))
     spans_top = _MARGIN + 14 + len(diagram.lines) * _ROW - 18
-    for row, span in enumerate(diagram.spans):
-        body += _span_elements(span, left, spans_top + 10 + row * 22, right_end)
+    for row_index, span in enumerate(diagram.spans):
+        elements += _span_elements(span, left, spans_top + 10 + row_index * 22, right_end)
     height = spans_top + 10 + 22 * len(diagram.spans) + 4
-    return card(diagram.title, body, right_end + _MARGIN, height, diagram.text)
+    return card(diagram.title, elements, right_end + _MARGIN, height, diagram.text)
 
 
 def _span_elements(span: Span, left: float, middle: float, right_end: float) -> Iterator[str]:
@@ -293,7 +304,7 @@ def _span_elements(span: Span, left: float, middle: float, right_end: float) -> 
 
 
 def _line_elements(parts: Sequence[Part], left: float, top: float) -> Iterator[str]:
-    """Yield the boxes and labels of a line, then its path."""
+    """Yield the boxes and labels of a line, then its path. The path is interrupted by boxes and gaps."""
     path: list[str] = []
     part_start = left
     for part in parts:

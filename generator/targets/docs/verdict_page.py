@@ -49,15 +49,19 @@ def _with_family(device: Device, rows: Iterable[Row], anchor_name: str = "") -> 
 
 
 def _deciding_rows(device: Device, reporting_frames: Sequence[Reporting]) -> Iterator[Row]:
-    """Yield rows of interface, frames, deciding field, its active value, verdict, source, errata."""
+    """Yield rows of interface, frames, deciding field, its active value, verdict, source, errata.
+
+    Frames of an interface with the same rows share them. Only the first of these rows names the interface and the
+    frames.
+    """
     layouts_by_rows: dict[tuple[str, tuple[Row, ...]], list[Layout]] = {}
     for reporting in reporting_frames:
         if reporting.judgement is not None:
             layout, judgement = reporting.codec.layout, reporting.judgement
-            rows = tuple(_rows_of_frame(device, reporting.interface, layout, judgement))
-            layouts_by_rows.setdefault((reporting.interface.title, rows), []).append(layout)
-    for (interface_title, rows), layouts in layouts_by_rows.items():
-        first_row, *further_rows = rows
+            rows_of_frame = tuple(_rows_of_frame(device, reporting.interface, layout, judgement))
+            layouts_by_rows.setdefault((reporting.interface.title, rows_of_frame), []).append(layout)
+    for (interface_title, rows_of_frame), layouts in layouts_by_rows.items():
+        first_row, *further_rows = rows_of_frame
         yield interface_title, _layout_links(device, layouts), *first_row
         for row in further_rows:
             yield "", "", *row
@@ -67,16 +71,19 @@ def _deciding_rows(device: Device, reporting_frames: Sequence[Reporting]) -> Ite
 
 
 def _rows_of_frame(device: Device, interface: Interface, layout: Layout, judgement: Judgement) -> Iterator[Row]:
-    """Yield a row for each field that decides the verdict on a frame, then one for all other cases."""
+    """Yield a row for each field that decides the verdict on a frame, then one for all other cases.
+
+    A last row is for order codes without the bits that judge the position, if there are any.
+    """
     signs = {sign.flag.name: sign for sign in layout.signs}
     deciders = _deciders(layout, judgement)
     for decider in deciders:
         yield _decider_row(device, interface, layout, decider, signs.get(decider.field.name))
-    last_name = "none of these" if deciders else "no field decides"
-    yield last_name, "", code(judgement.otherwise.value), "", ""
+    name_of_other_cases = "none of these" if deciders else "no field decides"
+    yield name_of_other_cases, "", code(judgement.otherwise.value), "", ""
     if judgement.may_be_unknown:
-        names = [Code(field.name) for field in layout.judging_fields]
-        missing_names = STYLE.phrase(statement(*listed(names)))
+        judging_names = [Code(field.name) for field in layout.judging_fields]
+        missing_names = STYLE.phrase(statement(*listed(judging_names)))
         yield f"order codes that lack {missing_names}", "", code(Verdict.UNKNOWN.value), "", ""
 
 
@@ -90,8 +97,12 @@ class _Decider:
 
 
 def _deciders(layout: Layout, judgement: Judgement) -> list[_Decider]:
-    """Return the fields that decide the verdict on a frame, worst verdict first."""
-    fields = (*layout.fields, *(sign.flag for sign in layout.signs))
+    """Return the fields that decide the verdict on a frame, worst verdict first, then in order of the frame.
+
+    With ``otherwise`` UNKNOWN, fields with a warning or UNKNOWN also lead to UNKNOWN. Fields for which the position is
+    usable are last.
+    """
+    fields_and_signs = (*layout.fields, *(sign.flag for sign in layout.signs))
     deciders: list[_Decider] = []
     for verdict, causes in judgement.worst_first:
         deciders += [_Decider(verdict, cause.by.field, cause.conditions) for cause in causes]
@@ -101,35 +112,35 @@ def _deciders(layout: Layout, judgement: Judgement) -> list[_Decider]:
         warning_fields = [field for field in layout.fields if verdict_of(field) in not_better]
         deciders += [_Decider(judgement.otherwise, field) for field in warning_fields]
     worst_first = list(Verdict)
-    field_names = [field.name for field in fields]
+    field_names = [field.name for field in fields_and_signs]
 
     def verdict_and_place(decider: _Decider) -> tuple[int, int]:
         return worst_first.index(decider.verdict), field_names.index(decider.field.name)
 
     deciders.sort(key=verdict_and_place)
-    usable_fields = [field for field in fields if verdict_of(field) is Verdict.USABLE]
+    usable_fields = [field for field in fields_and_signs if verdict_of(field) is Verdict.USABLE]
     return [*deciders, *(_Decider(Verdict.USABLE, field) for field in usable_fields)]
 
 
 def _decider_row(device: Device, interface: Interface, layout: Layout, decider: _Decider, sign: Sign | None) -> Row:
-    """Return a row of deciding field, its active value, verdict, source, errata. ``sign`` is the sign of the field."""
+    """Return a row of deciding field, its active value, verdict, source, errata. ``sign`` is that of the field."""
     field = decider.field
     if sign is None:
-        value = _active_value(device, field, decider.conditions) + _condition_on_lower_flags(field, layout)
+        active_value = _active_value(device, field, decider.conditions) + _condition_on_lower_flags(field, layout)
     else:
-        value = _values_of_sign(layout, sign)
+        active_value = _values_of_sign(layout, sign)
     errata_links = _errata_links(device, interface, layout, field, sign)
-    return _name_cell(field), value, code(decider.verdict.value), _source_cell(device, field), errata_links
+    return _name_cell(field), active_value, code(decider.verdict.value), _source_cell(device, field), errata_links
 
 
 def _active_value(device: Device, field: Field, conditions_on_codes: Sequence[Only]) -> str:
-    """Return the value of a field that decides the verdict, with the order codes and the answer that it needs."""
+    """Return the value of a field that decides the verdict, such as ``1 with X-24``, or with the answer it needs."""
     texts_of_conditions = [_condition_text(device, only) for only in conditions_on_codes]
     return " ".join([deciding(field), *texts_of_conditions])
 
 
 def _condition_text(device: Device, only: Only) -> str:
-    """Return the order codes, or the answer to a question with a link to it."""
+    """Return the order codes, such as ``with X-24``, or the answer to a question with a link to it."""
     for alternative in device.optional_alternatives:
         if alternative.parameter == only.parameter:
             return _answer_text(device, alternative, only)
@@ -137,15 +148,18 @@ def _condition_text(device: Device, only: Only) -> str:
 
 
 def _answer_text(device: Device, question: Alternative, only: Only) -> str:
-    """Return the answers to a question for which a condition holds."""
+    """Return the answers to a question for which a condition holds, with a link to the question.
+
+    The link leads to the page of the first interface with a frame whose verdict depends on it.
+    """
     answers = [answer for answer in question.answers if bool(answer.sets[only.parameter]) == only.holds]
-    names = " or ".join(code(answer.name) for answer in answers)
+    answer_names = " or ".join(code(answer.name) for answer in answers)
     frames = device.layouts()
     interfaces = (interface for interface, layout in frames if question in device.verdict_alternatives(layout))
     interface = first_of(interfaces, f"frame whose verdict '{question.name}' decides")
     page = f"{device.name}/{interface.name}.md#alternative-{question.name}"
     default = "" if only.holds else ", the default"
-    return f"and {link('your choice', page)} is {names}{default}"
+    return f"and {link('your choice', page)} is {answer_names}{default}"
 
 
 def _values_of_sign(layout: Layout, sign: Sign) -> str:
@@ -163,37 +177,40 @@ def _condition_on_lower_flags(field: Field, layout: Layout) -> str:
 
 
 def _frame_rows(device: Device, reporting_frames: Sequence[Reporting]) -> Iterator[Row]:
-    """Yield rows of interface, frames, possible reports."""
+    """Yield rows of interface, frames, possible reports, which are ``nothing`` if there are none.
+
+    Frames of an interface with the same reports share a row.
+    """
     reports_by_frame = {reporting.codec.layout.name: reporting.causes for reporting in reporting_frames}
     layouts_by_reports: dict[tuple[str, tuple[str, ...]], list[Layout]] = {}
     for interface, layout in device.layouts():
         if layout.sender == "encoder":
-            names = tuple(reported.report.name for reported in reports_by_frame.get(layout.name, ()))
-            layouts_by_reports.setdefault((interface.title, names), []).append(layout)
-    for (title, names), layouts in layouts_by_reports.items():
-        yield title, _layout_links(device, layouts), ", ".join(map(code, names)) or "nothing"
+            report_names = tuple(reported.report.name for reported in reports_by_frame.get(layout.name, ()))
+            layouts_by_reports.setdefault((interface.title, report_names), []).append(layout)
+    for (interface_title, report_names), layouts in layouts_by_reports.items():
+        yield interface_title, _layout_links(device, layouts), ", ".join(map(code, report_names)) or "nothing"
 
 
 def _report_rows(device: Device) -> Iterator[Row]:
     """Yield rows of report, meaning, remedy, source."""
     for report in reports_of(device):
         alarm = alarm_of(device, report.field)
-        name = joined([code(report.name), text(own_names(report.field))])
+        name_cell = joined([code(report.name), text(own_names(report.field))])
         steps = links_to_steps(f"{device.name}/", by_hand(report.field, alarm))
         remedy_and_steps = joined([text(remedy_text(report.field, alarm)), *steps])
         remedy = remedy_and_steps or _clearing_procedures(device, alarm) or f"The {document(device)} gives no remedy"
-        yield name, text(meaning(report.field, alarm)), remedy, cited(source(report.field, alarm))
+        yield name_cell, text(meaning(report.field, alarm)), remedy, cited(source(report.field, alarm))
 
 
 def _clearing_procedures(device: Device, alarm: Alarm | None) -> str:
-    """Return links to the procedures that clear an alarm, or an empty string."""
+    """Return links to the procedures that clear an alarm, or an empty string if the spec names none."""
     if alarm is None or not alarm.cleared_by:
         return ""
-    links = []
+    procedure_links = []
     for procedure in map(device.procedure, alarm.cleared_by):
         path = path_to_anchor(device, procedure.interface, f"procedure-{procedure.name}")
-        links.append(link(text(procedure.title), path))
-    return f"Cleared by: {', '.join(links)}"
+        procedure_links.append(link(text(procedure.title), path))
+    return f"Cleared by: {', '.join(procedure_links)}"
 
 
 def _name_cell(field: Field) -> str:
@@ -211,14 +228,14 @@ def _layout_links(device: Device, layouts: Sequence[Layout]) -> str:
 def _errata_links(device: Device, interface: Interface, layout: Layout, field: Field, sign: Sign | None) -> str:
     """Return links to the errata about a field and, for a flag, about its group. A sign has those of all its fields."""
     frame = f"interfaces.{interface.name}.{layout.name}"
-    paths = {f"{frame}.{field.name}"}
+    spec_paths = {f"{frame}.{field.name}"}
     deciding_fields = [field]
     if sign is not None:
         deciding_fields = [layout.field(name) for name, _ in sign.conditions]
     for deciding_field in deciding_fields:
-        paths |= {f"{frame}.{deciding_field.name}", f"field_groups.{deciding_field.group}.{deciding_field.name}"}
+        spec_paths |= {f"{frame}.{deciding_field.name}", f"field_groups.{deciding_field.group}.{deciding_field.name}"}
         if deciding_field.group and isinstance(meaning_of(deciding_field), Active):
-            paths.add(f"field_groups.{deciding_field.group}")
+            spec_paths.add(f"field_groups.{deciding_field.group}")
     errata = [erratum for erratum in device.errata if not erratum.edition and erratum.severity != "wording"]
-    affecting_errata = [erratum for erratum in errata if not paths.isdisjoint(erratum.affects)]
+    affecting_errata = [erratum for erratum in errata if not spec_paths.isdisjoint(erratum.affects)]
     return link_list(link_to_erratum(device, erratum) for erratum in affecting_errata)

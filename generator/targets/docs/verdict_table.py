@@ -33,7 +33,8 @@ def judgement_of(family: Device, layout: Layout) -> Judgement | None:
 def verdict_table(family: Device, device: Device, layout: Layout, variant: Variant) -> tuple[Row, list[Row]]:
     """Return the head and the rows of the table. Columns without any content are left out.
 
-    ``device`` is the family with the order codes of the page, and has the alarms and remedies for these only.
+    The rows are the causes of each verdict, then all other flags, then the verdict without any cause. ``device`` is the
+    family with the order codes of the page, and has the alarms and remedies for these only.
     """
     judgement = judgement_of(family, layout)
     causes_by_verdict: dict[Verdict, list[VerdictCause]] = {}
@@ -51,6 +52,7 @@ def verdict_table(family: Device, device: Device, layout: Layout, variant: Varia
 
 
 def _columns(row: Row, indexes: Iterable[int]) -> Row:
+    """Return the cells with these indexes."""
     return tuple(row[index] for index in indexes)
 
 
@@ -64,8 +66,8 @@ def _cause_rows(
                 yield _row_of_match(placed, cause.by, EFFECTS[verdict])
             else:
                 field = cause.by.field
-                level = deciding(field) + _while_inactive(cause)
-                yield _row(device, placed, field, level, EFFECTS[verdict])
+                active_level = deciding(field) + _while_inactive(cause)
+                yield _row(device, placed, field, active_level, EFFECTS[verdict])
 
 
 def _indices_with_content(rows: Iterable[Row]) -> list[int]:
@@ -82,7 +84,10 @@ def _rows_of_other_flags(
     causes_by_verdict: dict[Verdict, list[VerdictCause]],
     judgement: Judgement | None,
 ) -> Iterator[Row]:
-    """Yield a row for each flag that leads to no verdict for this order code."""
+    """Yield a row for each flag that leads to no verdict for this order code.
+
+    If the frame has a verdict, the position is ``unchanged``.
+    """
     names_of_causes: set[str] = set()
     for causes in causes_by_verdict.values():
         names_of_causes.update(cause.by.field.name for cause in causes)
@@ -99,7 +104,7 @@ def _row(device: Device, placed: PlacedLayout, field: Field, level: str, effect:
 
 
 def _remedy_cell(device: Device, field: Field) -> str:
-    """Return the remedy of a flag, with links to the steps that a person carries out by hand."""
+    """Return the remedy of a flag, with links to those steps by hand that the page of the hardware describes."""
     alarm = alarm_of(device, field)
     remedy = remedy_text(field, alarm)
     sentences = [text(sentence(remedy) if remedy else "")]
@@ -112,13 +117,13 @@ def _remedy_cell(device: Device, field: Field) -> str:
 
 
 def _name(field: Field) -> str:
-    """Return the name of a field in words, and as it is printed and used in programs."""
+    """Return the name of a field in words, its printed name if that differs, and its name in programs."""
     if is_reserved(field):
         return f"Reserved <small>{code(field.name)}</small>"
     words = heading(field.name)
-    is_same = field.printed_name.lower() in {"", words.lower()}
-    printed = "" if is_same else f"{text(field.printed_name)} "
-    return f"{text(words)} <small>{printed}{code(field.name)}</small>"
+    is_printed_alike = field.printed_name.lower() in {"", words.lower()}
+    printed_name = "" if is_printed_alike else f"{text(field.printed_name)} "
+    return f"{text(words)} <small>{printed_name}{code(field.name)}</small>"
 
 
 def _row_of_match(placed: PlacedLayout, match: Match, effect: str) -> Row:
@@ -137,7 +142,7 @@ def _place(placed: PlacedLayout, name: str) -> str:
 
 
 def _while_inactive(cause: VerdictCause) -> str:
-    """Return the flags that must be inactive if a flag that combines them is to lead to the verdict."""
+    """Return the flags that must be inactive: ``, while `error` is inactive``. Empty if the cause combines none."""
     if not cause.unless:
         return ""
     flags = " and ".join(code(part.field.name) for part in cause.unless)

@@ -30,7 +30,11 @@ class _Cell:
 
     @property
     def lines(self) -> list[str]:
-        """Return the lines inside the box, or none if the name does not fit."""
+        """Return the lines inside the box: the name, then the place if there is one.
+
+        There are none if a word is wider than the box, or if the name needs more than two lines.
+        """
+        # The text keeps 2 pixels from each side.
         letters = int((self.right - self.left - 4) / (_SIZE * _LETTER_WIDTH))
         longest_word = max(len(word) for word in (*self.name.split(" "), self.place))
         if longest_word > letters:
@@ -65,26 +69,27 @@ def _frame_elements(placed_layout: PlacedLayout, stack: Stack, top: float) -> tu
         cells, marks = list(_byte_cells(stack)), list(_byte_marks(stack))
     else:
         cells, marks = list(_bit_cells(placed_layout)), list(_bit_marks(placed_layout))
-    body = [text(x, top + 12, words, _SIZE, anchor, faint=True) for x, words, anchor in marks]
+    elements = [text(x, top + 12, mark_text, _SIZE, anchor, faint=True) for x, mark_text, anchor in marks]
     for cell in cells:
-        body += _cell_elements(cell, box_top)
+        elements += _cell_elements(cell, box_top)
     if not placed_layout.layout.in_bytes:
-        body.append(f'<path d="{_ticks(placed_layout.bits, box_top)}" class="line"/>')
+        elements.append(f'<path d="{_ticks(placed_layout.bits, box_top)}" class="line"/>')
     bottom = box_top + _BOX
     for line_bottom, element in _names_below(cells, bottom + 4):
-        body.append(element)
+        elements.append(element)
         bottom = max(bottom, line_bottom)
-    return body, bottom + _MARGIN
+    return elements, bottom + _MARGIN
 
 
 def _cell_elements(cell: _Cell, top: float) -> Iterator[str]:
     """Yield the box of a cell, and the lines inside it, of which the last one is the place."""
     yield rect(cell.left, top, cell.right - cell.left, _BOX, cell.fill)
+    # The lines are 14 pixels apart, and centred in the box.
     first_baseline = top + _BOX / 2 + 4.5 - 7 * (len(cell.lines) - 1)
-    for index, line in enumerate(cell.lines):
+    for index, box_text in enumerate(cell.lines):
         is_place = bool(cell.place) and index == len(cell.lines) - 1
         baseline = first_baseline + 14 * index
-        yield text((cell.left + cell.right) / 2, baseline, line, _SIZE, "middle", faint=is_place)
+        yield text((cell.left + cell.right) / 2, baseline, box_text, _SIZE, "middle", faint=is_place)
 
 
 def _bit_cells(placed_layout: PlacedLayout) -> Iterator[_Cell]:
@@ -92,6 +97,7 @@ def _bit_cells(placed_layout: PlacedLayout) -> Iterator[_Cell]:
     bit_width = _bit_width(placed_layout.bits)
     for run in runs_of(placed_layout):
         left = _MARGIN + (placed_layout.bits - 1 - run.high) * bit_width
+        # The ruler above the box shows its bits, which are only named below the line.
         place = f"bit{'s' * (run.high > run.low)} {bit_range(run.high, run.low)}"
         level = ", 0 = active" if run.active_low else ""
         yield _Cell(
@@ -105,18 +111,21 @@ def _bit_cells(placed_layout: PlacedLayout) -> Iterator[_Cell]:
 
 
 def _byte_cells(stack: Stack) -> Iterator[_Cell]:
-    """Yield the boxes of each byte. The parts of a byte have its highest bit on the left."""
+    """Yield the boxes of each byte. The parts of a byte have its highest bit on the left.
+
+    ``box.high`` and ``box.low`` are bit numbers in the byte.
+    """
     byte_width = _byte_width(stack)
     for index, row in enumerate(stack.rows):
         for box in row.boxes:
             left = _MARGIN + byte_width * (index + (7 - box.high) / 8)
-            bits = f" {box.place}" if box.place else ""
+            spaced_place = f" {box.place}" if box.place else ""
             yield _Cell(
                 left=left,
                 right=left + byte_width * (box.high - box.low + 1) / 8,
                 name=box.name,
                 place=box.place,
-                about=f"{box.name}{bits} ({row.label})",
+                about=f"{box.name}{spaced_place} ({row.label})",
                 fill=box.fill,
             )
 
@@ -150,7 +159,7 @@ def _byte_marks(stack: Stack) -> Iterator[tuple[float, str, str]]:
 
 
 def _ticks(bits: int, top: float) -> str:
-    """Return the ticks of the ruler, longer at every eighth bit."""
+    """Return the ticks of the ruler, longer at every eighth bit, counted from the lowest one."""
     ticks = []
     for index in range(bits + 1):
         x = _MARGIN + index * _bit_width(bits)
@@ -164,6 +173,7 @@ def _names_below(cells: Sequence[_Cell], top: float) -> Iterator[tuple[float, st
     left = _MARGIN
     for cell in cells:
         if not cell.lines:
+            # A colour box is 16 pixels with its gap, and 16 more follow the text.
             width_with_box = 16 + width(cell.about, _SIZE) + 16
             is_line_full = left + width_with_box > WIDE - _MARGIN
             if is_line_full and left > _MARGIN:

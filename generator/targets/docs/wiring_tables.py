@@ -48,25 +48,31 @@ class Wiring:
 
 
 def wiring(device: Device, order_codes: Sequence[str]) -> Wiring:
-    """Return one table with the contacts of every connector and cable for each signal."""
+    """Return one table with a row for each signal, and a column for each connector or group of similar ones.
+
+    Connectors whose contacts are mostly the same share a column.
+    """
     columns = _columns(device.connectors, order_codes)
     heads = _heads(columns)
     contacts = [contact for connector in device.connectors for contact in connector.contacts]
     signals = dict.fromkeys(_signal_cell(contact, order_codes) for contact in contacts)
-    about = []
+    about_columns = []
     for head, column in zip(heads, columns, strict=True):
-        about.append(f"{head}: {', or '.join(map(_anchored_title, column))}")
+        about_columns.append(f"{head}: {', or '.join(map(_anchored_title, column))}")
     return Wiring(
         head=(*heads, "Signal"),
         rows=tuple(_row(columns, signal, order_codes) for signal in signals),
-        about=tuple(about),
+        about=tuple(about_columns),
         notes=tuple(_common_sentences(device.connectors)),
         errata=tuple(f"connectors.{connector.name}" for connector in device.connectors),
     )
 
 
 def _heads(columns: Sequence[Sequence[Connector]]) -> list[str]:
-    """Return Pin or Wire for each column, or the short name of its connector if there are several of this kind."""
+    """Return the head of each column: ``Pin`` or ``Wire``, if no other column has this head.
+
+    Columns with the same head have the short name of their first connector instead.
+    """
     words = [_word_for_contact(column[0]) for column in columns]
     heads = _short_names([column[0].title for column in columns])
     for index, word in enumerate(words):
@@ -84,7 +90,7 @@ def _row(columns: Sequence[Sequence[Connector]], signal: str, order_codes: Seque
 
 
 def _common_sentences(connectors: Sequence[Connector]) -> list[str]:
-    """Return the sentences that the notes of all connectors have."""
+    """Return the sentences of the first note that the notes of all connectors have."""
     notes_in_sentences = [connector.note.rstrip(".").split(". ") for connector in connectors]
     if not notes_in_sentences:
         return []
@@ -98,7 +104,10 @@ def _common_sentences(connectors: Sequence[Connector]) -> list[str]:
 
 
 def _columns(connectors: Sequence[Connector], order_codes: Sequence[str]) -> list[list[Connector]]:
-    """Group connectors of one kind that have the same contacts for most signals of the one with fewer."""
+    """Group connectors for the columns of the table.
+
+    A connector joins the first column whose first connector has similar contacts, as in ``_have_similar_contacts``.
+    """
     columns: list[list[Connector]] = []
     for connector in connectors:
         for column in columns:
@@ -111,7 +120,7 @@ def _columns(connectors: Sequence[Connector], order_codes: Sequence[str]) -> lis
 
 
 def _have_similar_contacts(connector: Connector, other: Connector, order_codes: Sequence[str]) -> bool:
-    """Return whether connectors of one kind have the same contacts for most signals of the one with fewer."""
+    """Return whether connectors of one kind agree on more than half the signals of the one with fewer."""
     contacts = _contacts_by_signal(connector, order_codes)
     other_contacts = _contacts_by_signal(other, order_codes)
     equal_signals = [signal for signal in other_contacts if contacts.get(signal) == other_contacts[signal]]
@@ -120,6 +129,7 @@ def _have_similar_contacts(connector: Connector, other: Connector, order_codes: 
 
 
 def _contacts_by_signal(connector: Connector, order_codes: Sequence[str]) -> dict[str, list[str]]:
+    """Return the contacts of a connector that have each signal, by the Markdown cell of the signal."""
     contacts_by_signal: dict[str, list[str]] = {}
     for contact in connector.contacts:
         contacts_by_signal.setdefault(_signal_cell(contact, order_codes), []).append(contact.contact)
@@ -127,10 +137,14 @@ def _contacts_by_signal(connector: Connector, order_codes: Sequence[str]) -> dic
 
 
 def _signal_cell(contact: Contact, order_codes: Sequence[str]) -> str:
-    """Return the signal of a contact in Markdown, and which of these order codes have it unless all do."""
+    """Return the signal of a contact in Markdown.
+
+    If only some order codes have it, add the patterns of these that fit one of ``order_codes``.
+    """
     if not contact.only:
         return text(contact.signal)
     patterns = []
+    # ``only`` is a list of patterns of order codes, such as "X-*-24, X-*-25".
     for pattern in contact.only.split(", "):
         if any(fits(pattern, order_code) for order_code in order_codes):
             patterns.append(pattern)
@@ -138,7 +152,10 @@ def _signal_cell(contact: Contact, order_codes: Sequence[str]) -> str:
 
 
 def _contacts_cell(column: Sequence[Connector], signal: str, order_codes: Sequence[str]) -> str:
-    """Return the contacts of a signal, marked with the name of their connector if they differ."""
+    """Return the contacts of a signal for the connectors of a column.
+
+    If they differ, each list has the name of its connector: ``3 (M12), 7 (M23)``.
+    """
     contact_lists = []
     for connector in column:
         contacts = _contacts_by_signal(connector, order_codes).get(signal, [])
@@ -154,17 +171,20 @@ def _contacts_cell(column: Sequence[Connector], signal: str, order_codes: Sequen
 
 
 def _short_names(titles: Sequence[str]) -> list[str]:
-    """Return the first words by which titles differ, such as M12 and M23, or 8 pins and 12 pins."""
+    """Return the first words by which titles differ, such as M12 and M23, or 8 pins and 12 pins.
+
+    A name must be more than a number. If there are no such words, the names are ``connector 1`` and so on.
+    """
     titles_in_phrases = [title.split(", ") for title in titles]
     # First compare the first phrases of all titles, then the second ones.
     for phrases in zip(*titles_in_phrases, strict=False):
         phrases_in_words = [phrase.split() for phrase in phrases]
         longest = max(map(len, phrases_in_words))
         for number_of_words in range(1, longest + 1):
-            names = [" ".join(phrase_words[:number_of_words]) for phrase_words in phrases_in_words]
-            are_unique = len(set(names)) == len(names)
-            if are_unique and not any(name.isdecimal() for name in names):
-                return names
+            short_names = [" ".join(phrase_words[:number_of_words]) for phrase_words in phrases_in_words]
+            are_unique = len(set(short_names)) == len(short_names)
+            if are_unique and not any(name.isdecimal() for name in short_names):
+                return short_names
     return [f"connector {index}" for index, _ in enumerate(titles, 1)]
 
 
@@ -181,7 +201,10 @@ def _anchored_title(connector: Connector) -> str:
 
 
 def supply_lines(device: Device, variants: Sequence[Variant]) -> list[str]:
-    """Return the supply of each order code, or of all if it is the same, with its source."""
+    """Return each supply with its source and its order codes, or a single one without codes.
+
+    Order codes whose supply is unknown are not considered.
+    """
     codes_by_supply: dict[str, list[str]] = {}
     for variant in variants:
         variant_supply = device.supply_of(variant)
@@ -199,7 +222,8 @@ def _supply_text(supply: Supply) -> str:
 def unstated_facts(family: Device, interface: Interface, subjects: Mapping[str, Subject]) -> Iterator[str]:
     """Yield the facts that the manual does not state, and links for those that a text may have, in one line.
 
-    ``family`` has the texts about all order codes, because a text about others may be valid for this one too.
+    ``subjects`` are the facts by label. ``family`` has the texts about all order codes, because a text about others may
+    be valid for this one too.
     """
     unmentioned = [label for label, subject in subjects.items() if not mentions(family, interface, subject)]
     sentences = [f"{_capitalized(unmentioned)}: the {document(family)} does not say."] if unmentioned else []
@@ -214,7 +238,11 @@ def unstated_facts(family: Device, interface: Interface, subjects: Mapping[str, 
 
 
 def no_leds(family: Device, device: Device, interface: Interface) -> str:
-    """Return why a page shows no LEDs, or an empty string if the manual may have some in its texts."""
+    """Return that the manual describes no LEDs, for a page without any.
+
+    Return an empty string if the page has LEDs, if the manual may have some in its texts, or if the spec is not
+    transcribed from all of a manual.
+    """
     if device.leds or document(family) != "manual":
         return ""
     if family.leds:
@@ -266,7 +294,11 @@ def speed_section(family: Device, device: Device, interface: Interface, layout: 
 
 
 def _clock_section(family: Device, device: Device, interface: Ssi | Biss, layout: Layout | None) -> SpeedSection:
-    """Return the limits of the clock, the duration of a frame, and the clock for each cable length."""
+    """Return the limits of the clock, the duration of a frame, and the clock for each cable length.
+
+    The table has no cables whose clock is below the lowest one of the encoder. Faster clocks than its fastest one are
+    replaced by that.
+    """
     clock = interface.clock
     facts = [f"Clock: {clock_words(clock)} ({cited(clock.source)})."]
     lengths = _frame_lengths(device, layout) if layout is not None else []
@@ -278,36 +310,39 @@ def _clock_section(family: Device, device: Device, interface: Ssi | Biss, layout
         with_start_bits = ", with the start bit and the CDS bit" if start_bits else ""
         facts.append(f"{_joined_by_or(map(str, lengths))} bits at {hertz(example_hz)}: {durations}{with_start_bits}.")
     facts += _pauses(family, interface)
-    table = cable_table(device, interface)
-    rows: list[Row] = []
-    for cable in table.rows:
+    cable_clocks = cable_table(device, interface)
+    cable_rows: list[Row] = []
+    for cable in cable_clocks.rows:
         if clock.fastest_hz is not None and cable.hz >= (clock.min_hz or 0):
             clock_hz = min(cable.hz, clock.fastest_hz)
-            rows.append((f"{cable.metres} m", hertz(clock_hz), _durations(clocked_lengths, clock_hz)))
-    if rows:
-        facts.append(f"Clock for each cable length: from {text(table.origin)}{_limit_of_used_clocks(clock)}.")
-    if any(cable.is_below for cable in table.rows):
+            cable_rows.append((f"{cable.metres} m", hertz(clock_hz), _durations(clocked_lengths, clock_hz)))
+    if cable_rows:
+        facts.append(f"Clock for each cable length: from {text(cable_clocks.origin)}{_limit_of_used_clocks(clock)}.")
+    if any(cable.is_below for cable in cable_clocks.rows):
         head = ("Cable below", "Clock below", "Frame above")
     else:
         head = ("Cable up to", "Clock up to", "Frame")
-    return SpeedSection(title="Clock and cable", facts=tuple(facts), head=head, rows=tuple(rows))
+    return SpeedSection(title="Clock and cable", facts=tuple(facts), head=head, rows=tuple(cable_rows))
 
 
 def _example_clock(clock: Clock) -> int:
-    """Return a common clock in Hz, or the one next to it that the encoder supports."""
+    """Return 1 MHz, or the clock in Hz nearest to it that the encoder supports."""
     at_least_lowest = max(_COMMON_HZ, clock.min_hz or 0)
     return min(at_least_lowest, clock.fastest_hz or _COMMON_HZ)
 
 
 def _limit_of_used_clocks(clock: Clock) -> str:
-    """Return why the table ends at a clock, if that is not the highest clock of the encoder."""
+    """Return that the table ends at the fastest clock in use, if the highest clock is unknown.
+
+    Return an empty string if it is known, or if no clock is.
+    """
     if clock.max_hz is not None or clock.fastest_hz is None:
         return ""
     return f", up to {hertz(clock.fastest_hz)}, the fastest clock in use"
 
 
 def _pauses(family: Device, interface: Ssi | Biss) -> Iterator[str]:
-    """Yield the time between frames, and the time until the encoder answers."""
+    """Yield the pause between two frames over SSI, or the time-out and the reply time over BiSS."""
     match interface:
         case Ssi():
             pauses = [timing for timing in interface.timings if timing.symbol == "Tp"]
@@ -329,6 +364,7 @@ def _baud_section(family: Device, device: Device, interface: Rs485) -> SpeedSect
     durations = []
     for size in (1, *reply_sizes):
         durations.append(f"{counted(size, 'byte')} {_duration(size * bits_per_byte, port.baud)}")
+    # The first setting of a serial interface is its baud rate.
     baud_rate = STYLE.phrase(next(iter(settings(device, interface))))
     facts = (
         f"{baud_rate} ({cited(port.source)}).",
@@ -352,6 +388,6 @@ def _durations(lengths: Iterable[int], hz: int) -> str:
 
 
 def _duration(bits: int, hz: int) -> str:
-    """Return the duration of some bits, in microseconds with one decimal if it is long."""
+    """Return the duration of some bits, rounded to 0.1 µs unless it is a multiple of 100 ns."""
     exact_ns = bits * 1_000_000_000 / hz
     return nanoseconds(round(exact_ns)) if exact_ns % 100 == 0 else f"{exact_ns / 1000:.1f} µs"

@@ -23,7 +23,10 @@ class Maker:
         self.scope, self.codec, self.names = scope, codec, names
 
     def _bits(self, field: Field) -> Expr:
-        """Return the bits of a field, with a check of its value like that of ``encode``."""
+        """Return the bits of a field, with a check of its value like that of ``encode``.
+
+        An example is ``check_width("turns", self.turns, 12)``.
+        """
         attribute = Atom(f"self.{self.names.attribute(field.name)}")
         quoted_name, width = f'"{field.name}"', str(self.scope.of(field.width))
         match meaning_of(field):
@@ -47,28 +50,35 @@ class Maker:
                 assert_never(meaning)
 
     def digits(self, field: Field) -> Expr:
-        """Return the number that runs of decimal digits form."""
+        """Return the number that the runs of decimal digits of a field form, each times its divisor."""
         return joined("+", (times(self._index(run.name), run.divisor) for run in field.runs))
 
     def checked_bits(self, whole: Whole) -> list[tuple[str, Expr]]:
-        """Return the attributes of a joined number, most significant first, with expressions for their bits."""
+        """Return each attribute of a joined number, most significant first, with a checked expression for its bits."""
         return [(self.names.attribute(field.name), self._bits(field)) for field in whole.fields]
 
     def whole_of_numbers(self, whole: Whole, scope: Scope, expression_of: Callable[[str], str]) -> Expr:
-        """Return the same expression of unsigned numbers, without a check of their types."""
-        terms = []
+        """Return a joined number of attributes that are unsigned numbers, without checks of their values.
+
+        ``expression_of`` returns the expression for an attribute. An example is ``turns << 12 | angle``.
+        """
+        shifted_attributes = []
         for field, low in whole.from_low:
             attribute = Atom(expression_of(self.names.attribute(field.name)))
-            terms.append(moved(attribute, "<<", scope.of(low)))
-        return joined("|", reversed(terms))
+            shifted_attributes.append(moved(attribute, "<<", scope.of(low)))
+        return joined("|", reversed(shifted_attributes))
 
     def parts(self, whole: Whole) -> list[tuple[Field, Expr]]:
-        """Return the fields of a joined number, most significant first, with expressions for their bits."""
+        """Return the fields of a joined number, most significant first, with expressions for their bits.
+
+        An example of such an expression is ``position >> 4 & 0xFFF``.
+        """
         joined_number = Atom(self.names.attribute(whole.join.name))
         highest_field = whole.fields[0]
         fields_and_bits: list[tuple[Field, Expr]] = []
         for field, low in whole.from_low:
             bits = moved(joined_number, ">>", self.scope.of(low))
+            # No bits are above the highest field, so it needs no mask.
             if field is not highest_field:
                 bits = Operation(bits, "&", self.scope.ones(field.width))
             fields_and_bits.insert(0, (field, bits))
@@ -76,7 +86,7 @@ class Maker:
 
     @staticmethod
     def parameters_of_whole(whole: Whole) -> frozenset[str]:
-        """Return the parameters on which the expression of a joined number depends."""
+        """Return the parameters in the shifts and width checks of the expression of a joined number."""
         parameters: set[str] = set()
         for field, low in whole.from_low:
             parameters.update(low.parameters)
@@ -119,24 +129,33 @@ class Reader:
         if not self.codec.by_word:
             return self.of_bytes(bits.pieces)
         shifted = moved(Atom(self.source), ">>", self.scope.of(bits.low))
-        on_top = bits.low + bits.width == self.codec.layout.bits
-        return shifted if on_top else Operation(shifted, "&", self.scope.ones(bits.width))
+        # Bits at the top of the word need no mask.
+        is_at_top = bits.low + bits.width == self.codec.layout.bits
+        return shifted if is_at_top else Operation(shifted, "&", self.scope.ones(bits.width))
 
     def place(self, bits: Bits) -> str:
-        """Return the position of these bits, for a comment. Empty if it depends on the order code."""
+        """Return the position of these bits, for a comment, such as ``bits 7:4``.
+
+        Empty if it depends on the order code, or if the bits fill a byte.
+        """
         if not self.codec.by_word:
             return place_in_bytes(bits.pieces)
         return bit_numbers(bits.low.constant, bits.width.constant) if bits.are_fixed else ""
 
     def exclusive_or(self, parts: Sequence[Bits], counted: int) -> Expr:
-        """Return the XOR of these fields. Its parity is that of all their bits, or of those in the mask ``counted``."""
+        """Return an expression with the parity of all bits of these fields, or of those in the mask ``counted``.
+
+        Without a mask, fixed bits of a word are the word with all other bits cleared. In other cases it is the XOR of
+        the fields, and ``counted`` is a mask of it.
+        """
         if not counted and self.codec.by_word and all(bits.are_fixed for bits in parts):
-            # The parity of the XOR of several fields is that of all their bits.
+            # The fields need no XOR, since their bits are apart in the word.
             return Operation(Atom(self.source), "&", mask(sum(mask_in_place(bits) for bits in parts)))
-        difference = joined("^", [self.bits(bits) for bits in parts])
-        return Operation(difference, "&", mask(counted)) if counted else difference
+        xor_of_fields = joined("^", [self.bits(bits) for bits in parts])
+        return Operation(xor_of_fields, "&", mask(counted)) if counted else xor_of_fields
 
     def of_bytes(self, pieces: Sequence[Piece]) -> Expr:
+        """Return the number that pieces of the bytes form."""
         return from_pieces(pieces, self.codec.length, self._byte)
 
     def bit(self, bits: Bits, word: str = "") -> Expr:
@@ -144,6 +163,7 @@ class Reader:
         if self.codec.by_word:
             source, low = Atom(word or self.source), bits.low
         else:
+            # A single bit has one piece. Bit numbers are now those in its byte.
             piece = bits.pieces[0]
             source, low = self._byte_variable(piece.byte), Expression(piece.right)
         if low.is_constant:
@@ -195,7 +215,11 @@ class Reader:
         return moved(differing_bits, "<<", number(reserved.place))
 
     def characters(self, bits: Bits) -> str:
-        """Return the slice of ``data`` that contains the bytes of a string. Empty if they are not adjacent."""
+        """Return the slice of ``data`` that contains the bytes of a string, such as ``data[2:6]``.
+
+        Empty if they are not adjacent whole bytes in the order of the characters.
+        """
+        # Pieces begin with the lowest bits, strings with the highest.
         whole_bytes = [piece.byte for piece in reversed(bits.pieces) if _is_whole_byte(piece)]
         if self.codec.by_word or len(whole_bytes) < len(bits.pieces) or not _are_ascending(whole_bytes):
             return ""
@@ -208,7 +232,10 @@ def mask_in_place(bits: Bits) -> int:
 
 
 def place_in_bytes(pieces: Sequence[Piece]) -> str:
-    """Return the order of the bytes of a field, or its position in a single byte. Empty if it fills the byte."""
+    """Return the order of the bytes of a field, or its bits in a single byte, such as ``bits 7:4``.
+
+    Empty if it fills the byte. ``pieces`` begin with the lowest bits.
+    """
     if not pieces:
         return ""
     first = pieces[0]
@@ -218,19 +245,25 @@ def place_in_bytes(pieces: Sequence[Piece]) -> str:
 
 
 def purpose(field: Field, place: str) -> str:
-    """Return the place of a constant with the first sentence of its meaning, for a short comment."""
-    meaning = " ".join(plain(field.meaning).split()).partition(". ")[0].rstrip(".")
-    comment = ": ".join(filter(None, [place, meaning]))
+    """Return the place of a constant with the first sentence of its meaning, such as ``bits 1:0: always set``.
+
+    Return only the place if both are too long for a comment at the end of a line.
+    """
+    first_sentence = " ".join(plain(field.meaning).split()).partition(". ")[0].rstrip(".")
+    comment = ": ".join(filter(None, [place, first_sentence]))
     return comment if len(comment) < 60 else place
 
 
 def bit_numbers(low: int, width: int) -> str:
-    """Return the highest and the lowest bit of a field, for a comment."""
+    """Return the highest and the lowest bit of a field, for a comment, such as ``bits 7:4``."""
     return f"bit {low}" if width == 1 else f"bits {low + width - 1}:{low}"
 
 
 def others(scope: Scope, codec: Codec) -> Expr:
-    """Return a mask of the bits without a field, such as ``0xF0 & ~(variant.mask << 4)``."""
+    """Return a mask of the bits without a field, such as ``0xF0 & ~(variant.mask << 4)``.
+
+    Fields whose place is fixed are cleared in the first mask, and the others are masked at run time.
+    """
     bits_without_fixed_field = (1 << codec.layout.bits.constant) - 1
     masks_of_moving_fields: list[Expr] = []
     for field in codec.layout.fields:
@@ -245,6 +278,7 @@ def others(scope: Scope, codec: Codec) -> Expr:
 
 
 def _is_whole_byte(piece: Piece) -> bool:
+    """Return whether a piece is all eight bits of its byte."""
     return not piece.right and piece.mask == 0xFF
 
 
@@ -254,17 +288,19 @@ def _are_ascending(byte_indices: Sequence[int]) -> bool:
 
 
 def from_pieces(pieces: Sequence[Piece], length: int = 0, byte: str = "data[{}]") -> Expr:
-    """Return the number that the pieces form, or 0 if there are none.
+    """Return the number that the pieces form, or 0 if there are none. They begin with the lowest bits.
 
     ``length`` is the number of bytes, if it is known. ``byte`` is the pattern for the name of a byte.
     """
     if not pieces:
         return number(0)
+    # A single piece also counts as low byte first, which makes no difference.
     low_byte_first = pieces[0].byte <= pieces[-1].byte
     ascending = pieces if low_byte_first else pieces[::-1]
+    # From four bytes on, int.from_bytes is shorter than shifts.
     if len(pieces) > 3 and _are_adjacent_whole_bytes(ascending):
-        start, end = ascending[0].byte, ascending[-1].byte + 1
-        slice_of_data = "data" if (start, end) == (0, length) else f"data[{start}:{end}]"
+        first, stop = ascending[0].byte, ascending[-1].byte + 1
+        slice_of_data = "data" if (first, stop) == (0, length) else f"data[{first}:{stop}]"
         return call("int.from_bytes", slice_of_data, '"little"' if low_byte_first else '"big"')
     return joined("|", (_from_piece(piece, byte) for piece in ascending))
 

@@ -72,7 +72,7 @@ class Coder:
 
     @cached_property
     def takes_variant(self) -> bool:
-        """True if anything depends on the order code."""
+        """True if decoding, limits, reports or values in the manual depend on the order code."""
         if self.plan.depends:
             return True
         if self.limits is not None and limits_depend(self.limits):
@@ -80,7 +80,7 @@ class Coder:
         if self.reports is not None and self.reports.depends:
             return True
         stated_values = [field.equals for field in self.expected if isinstance(field.equals, Expression)]
-        return not all(self.answered.issuperset(value.parameters) for value in stated_values)
+        return not all(self.answered.issuperset(stated_value.parameters) for stated_value in stated_values)
 
     @cached_property
     def questions(self) -> list[OpenQuestion]:
@@ -104,7 +104,7 @@ class Coder:
 
     @property
     def about_encoder_and_answers(self) -> list[tuple[str, str]]:
-        """The arguments in ``given``, each with its description."""
+        """The arguments in ``encoder_and_answers``, each with its description."""
         names_and_descriptions = [("variant", "The encoder.")] if self.takes_variant else []
         for question in self.questions:
             answer = f"Answer to a question that the manual leaves open, as a member of ``{question.kind}``."
@@ -118,13 +118,13 @@ class Coder:
 
     @property
     def finds_ranges(self) -> bool:
-        """True if ``decode`` can raise RangeError."""
-        named = any(is_named(part.meaning) for part in self.plan.parts)
-        return named or Fault.RANGE in self.plan.faults()
+        """True if ``decode`` can raise RangeError: a check can, or a field has named values."""
+        has_named_values = any(is_named(part.meaning) for part in self.plan.parts)
+        return has_named_values or Fault.RANGE in self.plan.faults()
 
     @property
     def chosen(self) -> list[Part]:
-        """Named values, which ``decode`` looks up after all checks."""
+        """Parts with named values, except the selector. ``decode`` looks up their members after all checks."""
         parts = self.plan.parts
         return [part for part in parts if is_named(part.meaning) and not self.selects(part.field)]
 
@@ -143,10 +143,10 @@ class Coder:
             bases.append("InBytes" if self.plan.in_bytes else "InBits")
             return ", ".join(bases)
         if self.register is not None:
-            kind = "LimitedRegister" if self.keeps_bytes else "Register"
+            kind_of_base = "LimitedRegister" if self.keeps_bytes else "Register"
         else:
-            kind = "Bytes" if self.plan.in_bytes else "Bits"
-        bases.append(f'{kind}Of["{self.encoder}"]' if self.takes_variant else f"Fixed{kind}")
+            kind_of_base = "Bytes" if self.plan.in_bytes else "Bits"
+        bases.append(f'{kind_of_base}Of["{self.encoder}"]' if self.takes_variant else f"Fixed{kind_of_base}")
         return ", ".join(bases)
 
     # -- attributes
@@ -175,7 +175,7 @@ class Coder:
         return _with_defaults(attributes + self._unused)
 
     def _field_attributes(self, field: Field) -> Iterator[Attribute]:
-        """Yield the attribute of a field, or one for each run of digits."""
+        """Yield the attribute of a field, or one for each run of digits. The value in the manual is its default."""
         match meaning_of(field):
             case Raw():
                 stated = self._stated_number(field)
@@ -195,7 +195,7 @@ class Coder:
                 assert_never(meaning)
 
     def _stated_number(self, field: Field) -> int | None:
-        """Return the value that the manual gives for a number in a frame, or None."""
+        """Return the value that the manual gives for a number in a frame, or None. The selector has none."""
         if self.register is not None or self.selects(field):
             return None
         return field.equals if isinstance(field.equals, int) else None
@@ -211,12 +211,9 @@ class Coder:
     def _attribute(self, field: Field, type_: str, default: str = "") -> Attribute:
         """Return the attribute of a field, whose description says if some order codes lack it."""
         variants = () if field.width.is_constant else self.context.device.variants
-        may_be_missing = any(field.width.value(variant.parameters) == 0 for variant in variants)
+        may_be_absent = any(field.width.value(variant.parameters) == 0 for variant in variants)
         return Attribute(
-            name=self.names.attribute(field.name),
-            type=type_,
-            meaning=self.about(field, may_be_missing),
-            default=default,
+            name=self.names.attribute(field.name), type=type_, meaning=self.about(field, may_be_absent), default=default
         )
 
     def _of_run(self, field: Field, run: Digits) -> str:
@@ -225,8 +222,6 @@ class Coder:
 
     def about(self, field: Field, may_be_missing: bool = False) -> str:
         return docstrings.of_field(self.context.device, field, may_be_missing)
-
-    # -- names
 
     def enum(self, field: Field) -> str:
         return self.context.enum(field)
@@ -256,7 +251,7 @@ class Coder:
         return self.make.whole_of_numbers(whole, self.make.scope, str)
 
     def whole_takes_variant(self, whole: Whole) -> bool:
-        """Return whether the expression of a joined number depends on the order code."""
+        """Return whether the expression of a joined number depends on the order code, not only on answers."""
         return not self.answered.issuperset(self.make.parameters_of_whole(whole))
 
     def whole_questions(self, whole: Whole) -> list[OpenQuestion]:
@@ -309,14 +304,14 @@ class Coder:
     def measured(self) -> str:
         """Attribute that is the position. Empty if the frame has no position, or only a part of it."""
         measurement = self.context.device.measurement_of(self.layout_interface)
-        name = measurement.of if measurement is not None else "position"
-        numbers = {part.field.name for part in self.plan.parts if is_number(part.meaning)}
-        numbers.update(join.name for join in self.layout.joins)
-        return self.names.attribute(name) if name in numbers else ""
+        position_name = measurement.of if measurement is not None else "position"
+        number_names = {part.field.name for part in self.plan.parts if is_number(part.meaning)}
+        number_names.update(join.name for join in self.layout.joins)
+        return self.names.attribute(position_name) if position_name in number_names else ""
 
     @property
     def usable(self) -> str:
-        """Expression for the position of a frame, without the checks of its property if they are not needed."""
+        """Expression for the position: its attribute or, for a join of raw numbers, the join without checks."""
         scope = self._scope_of_attributes(self.by_index)
         for whole in self.plan.wholes:
             is_position = self.names.attribute(whole.join.name) == self.measured
@@ -325,7 +320,7 @@ class Coder:
         return self.by_index(self.measured)
 
     def _scope_of_attributes(self, read: Callable[[str], str]) -> Scope:
-        """Return the scope in which ``read`` is the expression for the encoder or an answer of a frame."""
+        """Return the scope in which ``read`` returns the expression for ``variant`` or for an answer by its name."""
         code_of_parameter = dict(self.context.scope_of(read("variant")).names)
         for question in self.questions:
             for parameter, member in question.members:
@@ -405,8 +400,6 @@ class Coder:
                     high=high,
                     takes_variant=limits_depend(limits),
                 )
-
-    # -- docstrings
 
     @property
     def doc(self) -> str:

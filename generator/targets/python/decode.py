@@ -25,7 +25,7 @@ _MAX_BYTE_VARIABLES = 16
 class Decoder:
     """Expressions in the decoder of a frame or register. ``enum`` returns the name of a field's IntEnum.
 
-    A frame has one decoder for each encoder, in which the values of a Once are computed only once.
+    A frame has one decoder for each encoder, which computes the values in a NamedValues scope only once.
     """
 
     def __init__(self, scope: Scope, codec: Codec, names: ClassNames, enum: Callable[[Field], str]) -> None:
@@ -92,7 +92,7 @@ class Decoder:
     def xor_before(self, frame_crc: FrameCrc) -> str:
         """Return the XOR of all bytes before a CRC that is this XOR, such as ``b0 ^ b1 ^ 0xFF``.
 
-        Empty for any other CRC.
+        Empty for any other CRC, and if there are more than ``_MAX_BYTE_VARIABLES`` such bytes.
         """
         if not frame_crc.crc.is_xor:
             return ""
@@ -106,9 +106,10 @@ class Decoder:
 
     @property
     def crc_covers(self) -> Expr | None:
-        """Number of bits before the CRC of a word, for its tables. None if an answer or the order code decides it.
+        """Number of bits before the CRC of a word, for its tables.
 
-        With the start value 0, zeros before the word do not change the CRC, so the longest word has tables for all.
+        None for a frame of bytes, if order codes differ in the CRC, or if an answer decides the number. With the start
+        value 0, zeros before the word do not change the CRC, so the longest word has tables for all.
         """
         frame_crc = self.codec.only_crc
         if frame_crc is None or self.codec.in_bytes:
@@ -122,20 +123,22 @@ class Decoder:
 
     @property
     def tables(self) -> int:
-        """Number of tables for the CRC of a word. 0 if it has none."""
+        """Number of tables for the CRC of a word, one for every ``TABLE_BITS`` bits. 0 if it has none."""
         return -(-self.codec.layout.widest // TABLE_BITS) if self.crc_covers is not None else 0
 
     @property
     def lookups(self) -> str:
         """XOR of the tables, such as ``table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]``.
 
-        The word is halved first, because operations on short numbers are faster.
+        ``low`` has the lowest 16 bits of the word, ``high`` all others. The word is halved first, because operations on
+        short numbers are faster.
         """
         lookups = ["table_0[low]"]
         top_table = self.tables - 1
         for table in range(1, self.tables):
             shift = TABLE_BITS * (table - 1)
             index = f"high >> {shift}" if shift else "high"
+            # No bits are above those of the top table, so it needs no mask.
             if table < top_table:
                 index += f" & {mask((1 << TABLE_BITS) - 1)}"
             lookups.append(f"table_{table}[{index}]")
@@ -152,7 +155,11 @@ class Decoder:
         return any(isinstance(check, ZerosAbove) and check.field is field for check in self.codec.checks)
 
     def covered_field(self, check: ParityIs) -> Field | None:
-        """Return the only field that a parity bit covers, if its bits are those that it is read from."""
+        """Return the field whose variable gives a parity, or None if the parity is read from other bits.
+
+        It is the only field that the parity bit covers, with all of its bits. It must be read anyway, have no padding,
+        and be as sent.
+        """
         if len(check.of) != 1 or check.mask or self.codec.parity_covers_gray:
             return None
         (covered,) = check.of
@@ -175,7 +182,10 @@ class Decoder:
 
     @property
     def disagreement(self) -> list[str]:
-        """Conditions under which a check fails, if the first byte decides most of them. Empty if it does not."""
+        """Conditions under which a check fails, if the first byte has a selector and each byte has a variable.
+
+        Otherwise it is empty, and also if other bytes need checks other than those of constant bits.
+        """
         if not self.is_unpacked or not self._first_byte.selectors_by_byte:
             return []
         other_checks = self._first_byte.other_checks
@@ -184,7 +194,10 @@ class Decoder:
         return [*map(self._failing_condition, other_checks), self._first_byte.is_invalid]
 
     def _failing_condition(self, check: Check) -> str:
-        """Return the condition that constant bits differ, such as ``status >> 4`` or ``b1 & 0x0F != 0x03``."""
+        """Return the condition that constant bits differ, such as ``b1 & 0x0F != 0x03``.
+
+        Bits that must be 0 are a condition themselves, such as ``status >> 4``.
+        """
         if isinstance(check, ZerosAbove):
             return f"{self.local(check.field)} >> {self.number(check.bits.width).operand}"
         bits = self.read.bits(check.bits)
@@ -195,12 +208,15 @@ class Decoder:
     # -- values
 
     def bits(self, part: Part) -> Expr:
-        """Return the bits of a field after all checks."""
+        """Return the bits of a field after all checks: its variable, if it has one, or else the expression."""
         has_variable = part.field.name in self.assigned
         return Atom(self.local(part.field)) if has_variable else self.read.bits(part.bits)
 
     def values(self, part: Part) -> list[Expr]:
-        """Return the values of a field: one, or one per run of digits."""
+        """Return the values of a field: one, or one per run of digits.
+
+        ``valid_first_bytes`` maps the first byte to the selector. A variable holds the member of a named value.
+        """
         field, bits = part.field, self.bits(part)
         if self.selects(field) and self.disagreement:
             return [Atom("valid_first_bytes[b0]")]
@@ -232,21 +248,28 @@ class Decoder:
         return _text_of_number(part.field, self.bits(part))
 
     def _is_active(self, part: Part, *, low_is_active: bool) -> Expr:
-        """Return the condition that a flag is active. A flag that the order code does not have is inactive."""
+        """Return the condition that a flag is active. A flag that the order code does not have is inactive.
+
+        Such a flag has a width of 0 or 1, and its bits are 0 without it.
+        """
         width = part.field.width
         if not width.is_constant:
+            # The inactive bits of an active-low flag equal its width: 1, or 0 without the flag.
             inactive = self.number(width) if low_is_active else number(0)
             return Atom(f"{self.bits(part).operand} != {inactive.operand}")
         return _is_flag_active(self.read.bit(part.bits, self._shorter_number(part)), low_is_active=low_is_active)
 
     def _shorter_number(self, part: Part) -> str:
-        """Return the variable with the lowest bits of a word, if a CRC table needs it and it has the flag."""
+        """Return ``low``, the lowest bits of a word, if a CRC table needs it and it has the flag. Otherwise ""."""
         low_bit = part.bits.low
         is_in_low_table = low_bit.is_constant and low_bit.constant < TABLE_BITS
         return "low" if self.tables and not self.codec.gray and is_in_low_table else ""
 
     def result(self, encoder_and_answers: Sequence[tuple[str, str]]) -> DecodedValues:
-        """Return the values of all attributes, in order, beginning with the encoder and the answers."""
+        """Return the values of all attributes, in order, beginning with the encoder and the answers.
+
+        The last one is for the unused bits, if the class has an attribute for them.
+        """
         decoded = DecodedValues(values=[(name, "") for name, _ in encoder_and_answers])
         for part in self.codec.parts:
             self._add_values(part, decoded)
@@ -257,7 +280,10 @@ class Decoder:
         return decoded
 
     def _add_values(self, part: Part, decoded: DecodedValues) -> None:
-        """Add the values of a field, and the statement for the number that several values are parts of."""
+        """Add the values of a field, and the statement for the number that several values are parts of.
+
+        Each value has a comment, unless it is the variable with the name of the attribute.
+        """
         runs = part.field.runs
         if len(runs) > 1 and part.field.name not in self.assigned:
             decoded.statements.append(self.assign(part.field, self.read.bits(part.bits)))
@@ -324,12 +350,13 @@ def assigned(scope: Scope, names: ClassNames, enum: str, field: Field, bits: Exp
 def digits(number_of_runs: Expr, runs: Sequence[Digits]) -> Iterator[tuple[Digits, Expr]]:
     """Yield the runs of decimal digits in a number, each with its value, such as ``number // 100 % 10``."""
     for run in runs:
-        value = number_of_runs
+        run_value = number_of_runs
         if run.divisor != 1:
-            value = Operation(value, "//", number(run.divisor))
+            run_value = Operation(run_value, "//", number(run.divisor))
+        # No digits are before the first run.
         if run is not runs[0]:
-            value = Operation(value, "%", number(run.modulus))
-        yield run, value
+            run_value = Operation(run_value, "%", number(run.modulus))
+        yield run, run_value
 
 
 def _or_if_zero(bits: Expr, stands_for: int) -> Expr:

@@ -55,21 +55,23 @@ def docstring(summary: str, *blocks: Block, indent: int = 0) -> str:
     An entry without a name, such as that of ``Returns``, is plain text.
     """
     pad = " " * indent
+    # Without blocks, the closing quotes are on the line of the summary.
     summary_width = WIDTH if any(blocks) else WIDTH - len('"""')
-    lines = [wrapped(_in_docstring(summary), summary_width, pad, f'{pad}"""')]
+    docstring_lines = [wrapped(_in_docstring(summary), summary_width, pad, f'{pad}"""')]
     for block in blocks:
         block_lines = _block_lines(block, pad)
         if block_lines:
-            lines += ["", *block_lines]
-    text = "\n".join(lines)
-    if "\n" in text:
-        return f'{text}\n{pad}"""'
-    open_quote = _OPEN_QUOTE.search(text)
-    return (f'{text[:-1]}\\"' if open_quote else text) + '"""'
+            docstring_lines += ["", *block_lines]
+    unfinished_docstring = "\n".join(docstring_lines)
+    if "\n" in unfinished_docstring:
+        return f'{unfinished_docstring}\n{pad}"""'
+    # A quotation mark at the end must be apart from the closing ones.
+    open_quote = _OPEN_QUOTE.search(unfinished_docstring)
+    return (f'{unfinished_docstring[:-1]}\\"' if open_quote else unfinished_docstring) + '"""'
 
 
 def _block_lines(block: Block, pad: str) -> list[str]:
-    """Return the lines of a block, none if it is empty."""
+    """Return the lines of a block, or none if it has no text or no entries."""
     if isinstance(block, str):
         return [wrapped(_in_docstring(block), WIDTH, pad)] if block else []
     if isinstance(block, Lines):
@@ -87,7 +89,7 @@ def _entry(name: str, text: str, pad: str) -> str:
 
 
 def _in_docstring_line(line: str) -> str:
-    """Return a line with its indentation."""
+    """Return a line as it is written in a docstring, with its indentation."""
     return line[: len(line) - len(line.lstrip())] + _in_docstring(line)
 
 
@@ -128,10 +130,11 @@ def of_errata(device: Device, *paths: str) -> list[Block]:
 
 def paragraphs(statements: Iterable[Statement]) -> list[Block]:
     """Return a paragraph for each statement, and one list of the errata among them."""
-    listed = [*statements]
-    errata_in_short = [_short_erratum(statement) for statement in listed if statement.below]
+    all_statements = [*statements]
+    # Of these statements, only errata have others below them.
+    errata_in_short = [_short_erratum(statement) for statement in all_statements if statement.below]
     return [
-        *(S.sentence(statement) for statement in listed if not statement.below),
+        *(S.sentence(statement) for statement in all_statements if not statement.below),
         ("Errata (full text in ERRATA)", errata_in_short),
     ]
 
@@ -147,20 +150,25 @@ def _labelled(statement: Statement) -> tuple[str, str]:
 
 
 def _short_erratum(statement: Statement) -> tuple[str, str]:
-    """Return the title of an erratum and the first sentence of its correction, or all of it if a user must choose."""
+    """Return the title of an erratum, and the value that is used instead.
+
+    A change by an overlay or another edition has no such value. Instead, return the first sentence of its first
+    statement, with the label.
+    """
     title_of_erratum = statement.label.removeprefix("Erratum: ")
     phrases_by_label = {part.label: S.phrase(part) for part in statement.below}
     first_part = statement.below[0]
     correction = phrases_by_label.get("Used") or f"{first_part.label}: {S.phrase(first_part)}"
-    is_users_choice = bool(statement.brief) and "Used" in phrases_by_label
-    if is_users_choice:
+    # Changes by overlays and other editions have no short form.
+    is_erratum_of_manual = bool(statement.brief) and "Used" in phrases_by_label
+    if is_erratum_of_manual:
         return title_of_erratum, sentence(correction)
     first_sentence = _END_OF_SENTENCE.split(correction)[0]
     return title_of_erratum, sentence(first_sentence)
 
 
 def notes(device: Device, interface: Interface) -> list[list[str]]:
-    """Return the errata of an interface that do not belong to a single layout, each as lines."""
+    """Return the errata of an interface that do not belong to a single layout, each as a list of lines."""
     path = f"interfaces.{interface.name}"
     interface_errata = errata(device, path, without=[f"{path}.{frame.name}" for frame in interface.layouts])
     return [S.lines(erratum(listed_erratum)) for listed_erratum in interface_errata]
@@ -192,26 +200,29 @@ def of_variant(device: Device, names: dict[str, str]) -> str:
 
 
 def _about_quantity(device: Device, quantity: Parameter) -> str:
-    """Return the description of a parameter, with its interface and with where its value comes from."""
+    """Return the description of a parameter.
+
+    It includes the interface, if others lack the parameter, and the value before a register is read.
+    """
     about = of_parameter(device, quantity)
     if quantity.interface and len(device.interfaces) > 1:
         about += f" Applies only to {device.interface(quantity.interface).title}."
     if quantity.read_from:
         has_factory_default = device.register(quantity.register).default is not None
-        value = "the factory default" if has_factory_default else "that of the order code"
-        about += f" The value is {value} unless set by with_registers()."
+        initial_value = "the factory default" if has_factory_default else "that of the order code"
+        about += f" The value is {initial_value} unless set by with_registers()."
     return about
 
 
 def of_alternative(device: Device, alternative: Alternative) -> str:
     """Return the docstring of a question that the manual leaves open."""
-    head = S.sentence(statement(alternative.meaning, source=alternative.source))
-    decide = "The manual leaves this open, or other evidence contradicts it."
+    question = S.sentence(statement(alternative.meaning, source=alternative.source))
+    decision = "The manual leaves this open, or other evidence contradicts it."
     if alternative.default:
-        decide += f" The default is {alternative.default.upper()}. Variant.with_answers() chooses another answer."
+        decision += f" The default is {alternative.default.upper()}. Variant.with_answers() chooses another answer."
     else:
-        decide += " There is no default."
-    return docstring(head, decide, *of_errata(device, f"alternatives.{alternative.name}"), indent=4)
+        decision += " There is no default."
+    return docstring(question, decision, *of_errata(device, f"alternatives.{alternative.name}"), indent=4)
 
 
 def of_answer(answer: Answer) -> str:
@@ -227,18 +238,24 @@ def of_parameter(device: Device, quantity: Parameter) -> str:
 
 
 def of_layout(device: Device, interface: Interface, frame: Layout) -> tuple[str, list[Block]]:
-    """Return the summary of a frame, and the paragraphs below it."""
+    """Return the summary of a frame, and the paragraphs below it.
+
+    The last one lists the titles of errata about its groups of fields that are not also about the frame.
+    """
     summary = S.sentence(layout.head(interface, frame, heading(frame.name), device.alternatives))
     names_of_groups = dict.fromkeys(member.group for member in frame.fields if member.group)
-    groups = [f"field_groups.{name}" for name in names_of_groups]
+    group_paths = [f"field_groups.{name}" for name in names_of_groups]
     frame_errata = errata(device, f"interfaces.{interface.name}.{frame.name}")
-    shared = "; ".join(erratum.title for erratum in errata(device, *groups) if erratum not in frame_errata)
-    more = f"See also in ERRATA: {shared}." if shared else ""
-    return summary, [*paragraphs(layout.layout(device, interface, frame)), more]
+    group_errata = "; ".join(erratum.title for erratum in errata(device, *group_paths) if erratum not in frame_errata)
+    further_errata = f"See also in ERRATA: {group_errata}." if group_errata else ""
+    return summary, [*paragraphs(layout.layout(device, interface, frame)), further_errata]
 
 
 def of_register(device: Device, device_register: Register) -> tuple[str, list[Block]]:
-    """Return the docstring of a register, with the rules for its use in one paragraph."""
+    """Return the summary of a register and the paragraphs below it, the rules for its use in one of them.
+
+    A register that is a single choice has the rules of its field.
+    """
     facts = [*register.facts(device, device_register)]
     if is_one_choice(device_register):
         facts += field.rules(device, device_register.layout.fields[0])
@@ -255,7 +272,10 @@ def of_register(device: Device, device_register: Register) -> tuple[str, list[Bl
 def of_class(
     about: tuple[str, list[Block]], of_variant: str, attributes: Iterable[tuple[str, str]], *further_blocks: Block
 ) -> str:
-    """Return the docstring of a class. ``of_variant`` is ``frame`` or ``register`` if it depends on the encoder."""
+    """Return the docstring of a class. ``about`` is its summary and the paragraphs after the attributes.
+
+    ``of_variant`` is ``frame`` or ``register`` if the class depends on the encoder, otherwise empty.
+    """
     variant = [("variant", f"Encoder to which the {of_variant} belongs.")] if of_variant else []
     summary, blocks = about
     return docstring(summary, ("Attributes", [*variant, *attributes]), *blocks, *further_blocks, indent=4)
@@ -287,13 +307,13 @@ def of_argument(device: Device, argument: Argument) -> str:
 def of_field(device: Device, data_field: Field, may_be_missing: bool) -> str:
     """Return the description of an attribute: meaning, rules and note, or else the name of the field."""
     missing = [statement("0 if the encoder does not have this field")] if may_be_missing else []
-    about = [
+    statements = [
         *field.meaning(data_field, data_field.meaning),
         *missing,
         *field.rules(device, data_field),
         *spec_text(data_field.note),
     ]
-    return S.paragraph(about) or sentence(title(data_field))
+    return S.paragraph(statements) or sentence(title(data_field))
 
 
 #: Description of the member for unused bits.

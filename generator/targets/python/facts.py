@@ -83,11 +83,11 @@ def family(device: Device) -> Call:
 
 def order_code(code: OrderCode) -> Call:
     """Return the record ``OrderCode`` with the parts and their values."""
-    parts = []
+    part_records = []
     for part in code.parts:
         combinations = _allowed_combinations(part.open_only_with)
-        parts.append(record_of("Part", part, open_only_with=combinations))
-    return record_of("OrderCode", code, parts=tuple(parts))
+        part_records.append(record_of("Part", part, open_only_with=combinations))
+    return record_of("OrderCode", code, parts=tuple(part_records))
 
 
 def _allowed_combinations(allowed: Mapping[str, tuple[str, ...]]) -> Call | None:
@@ -97,15 +97,15 @@ def _allowed_combinations(allowed: Mapping[str, tuple[str, ...]]) -> Call | None
     """
     if not allowed:
         return None
-    items = []
+    dict_items = []
     for part_name, values in allowed.items():
         quoted_values = ", ".join(map(quoted, values))
-        items.append(f"{quoted(part_name)}: ({quoted_values},)")
-    return Call("ReadOnly", (("", Code(f"{{{', '.join(items)}}}")),))
+        dict_items.append(f"{quoted(part_name)}: ({quoted_values},)")
+    return Call("ReadOnly", (("", Code(f"{{{', '.join(dict_items)}}}")),))
 
 
 def tables(device: Device) -> list[Table]:
-    """Return the tables at the end of a module."""
+    """Return the tables at the end of a module: those with rows, and those that every module has."""
     filled_tables = [_with_rows(table, device) for table in _TABLES]
     return [table for table in filled_tables if table.rows or table.name in _ALWAYS]
 
@@ -120,7 +120,7 @@ def reports(device: Device) -> list[Call]:
 
 
 def _report(name: str, field: Field, alarm: Alarm | None) -> Call:
-    """Return the record ``Report``, with the meaning and the remedy of its alarm if it has one."""
+    """Return the record ``Report``, with the meaning and the remedy of its alarm if the field has one."""
     verdict = verdict_of(field)
     return record(
         "Report",
@@ -164,7 +164,10 @@ def interface(interface: Interface) -> Call:
 
 
 def _field(codec: Codec, field: Field) -> Call:
-    """Return the record ``FieldFacts`` of a field."""
+    """Return the record ``FieldFacts`` of a field.
+
+    ``constant`` and ``unused`` are the values that the manual gives for a constant or for unused bits.
+    """
     when_active, when_inactive = states(field)
     unused_values = {reserved.field.name: reserved.value for reserved in codec.reserved}
     return record_of(
@@ -185,7 +188,7 @@ def _fields(codec: Codec) -> tuple[Call, ...]:
 
 
 def _is_one_number(layout: Layout) -> bool:
-    """Return whether a register is a single number of the same name."""
+    """Return whether a register is only a field with its name, whose value is a number."""
     if len(layout.fields) != 1:
         return False
     (only_field,) = layout.fields

@@ -147,8 +147,8 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     for maker, devices in makers:
         folder = folders[maker.name]
         files |= licence_in(folder)
-        for path, text in _package(maker, devices, library, folders).items():
-            files[f"{folder}/{path}"] = text
+        for path, file_text in _package(maker, devices, library, folders).items():
+            files[f"{folder}/{path}"] = file_text
     return files
 
 
@@ -181,6 +181,7 @@ def _package(
         files[f"{package}/{name}.py"] = TEMPLATES.render(f"{name}.py.jinja", values, user_templates)
     files["setup.py"] = (_PROJECT / "setup.py").read_text(encoding="utf-8")
     files |= copied(_PROJECT / "package", package)
+    # The copied folder has the module for BiSS.
     if not biss:
         del files[f"{package}/{BISS}.py"]
     for device in devices:
@@ -194,7 +195,7 @@ def _package_values(
     """Return the values of the templates of a package."""
     folder = folders[maker.name]
     # pip would take a path without a dot for the name of a package.
-    prefix = "./" if folder == "python" else ""
+    path_prefix = "./" if folder == "python" else ""
     other_folders = (other_folder for name, other_folder in folders.items() if name != maker.name)
     modules = [Module(device) for device in devices]
     shown_example = start([module.readme for module in modules])
@@ -226,7 +227,7 @@ def _package_values(
         "has_spi": has_spi,
         "runtime": runtime_version(),
         "shared": relpath(_RUNTIME, folder),
-        "neighbours": [f"{prefix}{relpath(other_folder, folder)}" for other_folder in other_folders],
+        "neighbours": [f"{path_prefix}{relpath(other_folder, folder)}" for other_folder in other_folders],
         "public": sorted([*(module.name for module in modules), *biss]),
         "identified": [module.name for module in modules if module.identities and not module.device.base],
     }
@@ -243,7 +244,7 @@ def _has_order_code(module: Module, order_code: str) -> bool:
 
 
 def _open_questions(modules: Iterable[Module]) -> list[tuple[Module, OpenQuestion]]:
-    """Return the questions that the manuals leave open, each with its family."""
+    """Return the questions that the manuals leave open, each after the module of its family."""
     modules_and_questions: list[tuple[Module, OpenQuestion]] = []
     for module in modules:
         modules_and_questions += [(module, question) for question, _ in module.alternatives]
@@ -251,17 +252,17 @@ def _open_questions(modules: Iterable[Module]) -> list[tuple[Module, OpenQuestio
 
 
 def _special_models(modules: Iterable[Module]) -> list[tuple[str, str]]:
-    """Return the descriptions of special models, each with the name of its module."""
-    names_and_descriptions: list[tuple[str, str]] = []
+    """Return the module of each special model, with the suffixes of its order codes."""
+    modules_and_suffixes: list[tuple[str, str]] = []
     for module in modules:
         for overlay in module.device.overlays:
             if overlay.special:
-                names_and_descriptions.append((module.name, overlay.special))
-    return names_and_descriptions
+                modules_and_suffixes.append((module.name, overlay.special))
+    return modules_and_suffixes
 
 
 def _spi_example(modules: Iterable[Module]) -> ReadmeExample | None:
-    """Return the first example of a position over SPI."""
+    """Return the first example of a position over SPI, or None without any."""
     for module in modules:
         if module.spi_example is not None:
             return module.spi_example
@@ -269,7 +270,7 @@ def _spi_example(modules: Iterable[Module]) -> ReadmeExample | None:
 
 
 def _biss_procedure(modules: Iterable[Module]) -> ReadmeExample | None:
-    """Return the first example of a procedure over BiSS."""
+    """Return the first example of a procedure over BiSS, or None without any."""
     for module in modules:
         for example in module.readme.procedures:
             if example.interface == "biss":
@@ -278,7 +279,7 @@ def _biss_procedure(modules: Iterable[Module]) -> ReadmeExample | None:
 
 
 def _family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
-    """Yield the path of each module of a family, and a function for its text: its frames, its facts, and its shapes."""
+    """Yield the path of each module of a family, and a function for its text: its device, facts and shapes module."""
     package, module = device.manufacturer.python_package, Module(device)
     for folder, template in (("", "device"), ("facts/", "facts"), ("_shapes/", "shapes")):
         text = partial(_module_text, module, package, template, library.own_templates)

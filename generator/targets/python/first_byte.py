@@ -33,7 +33,10 @@ class FirstByte:
 
     @cached_property
     def selectors_by_byte(self) -> dict[int, int]:
-        """Selector for each valid first byte. Empty if the first byte has no selector."""
+        """Selector for each first byte that passes all checks of this byte, such as ``{0x1A: 3}``.
+
+        Empty if the first byte has no selector.
+        """
         checks = self.checks
         for check in checks:
             if isinstance(check, IsOneOf) and self._is_selector(check.field):
@@ -53,7 +56,10 @@ class FirstByte:
         return {}
 
     def _members(self, selector: Field) -> dict[int, str]:
-        """Return the code of each value of the selector, by first byte."""
+        """Return the code of each value of the selector, by first byte.
+
+        A value without a name is a number.
+        """
         match meaning_of(selector):
             case Named(choices):
                 members = {choice.value: f"{self.enum(selector)}.{choice.name.upper()}" for choice in choices}
@@ -79,7 +85,7 @@ class FirstByte:
 
 
 def _needs_only_first_byte(check: Check) -> bool:
-    """Return whether all bits that a check needs are in the first byte."""
+    """Return whether a check compares constants, parity or listed values, all of them in the first byte."""
     if not isinstance(check, (AlwaysIs, ParityIs, IsOneOf)):
         return False
     pieces = list(check.bits.pieces)
@@ -103,6 +109,7 @@ def _passes(check: Check, first_byte: int) -> bool:
             return checked_bits == _expected_parity(check, first_byte)
         case IsOneOf(values=values):
             return checked_bits in values
+        # Other checks need more than the first byte.
         case _:
             return True
 
@@ -112,9 +119,11 @@ def _expected_parity(check: ParityIs, first_byte: int) -> int:
     number_of_ones = 0
     for covered_bits in check.of_bits:
         ones = _bits_in_byte(covered_bits.pieces, first_byte)
+        # Bit 0 of the mask is the lowest bit of the field.
         if check.mask:
             ones &= check.mask
         number_of_ones += ones.bit_count()
+    # The lowest bit of the count is 1 for an odd number, and & binds more tightly than ^.
     return number_of_ones & 1 ^ check.odd
 
 

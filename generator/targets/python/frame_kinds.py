@@ -11,7 +11,11 @@ from .names import OpenQuestion, decoder_maker
 
 
 def _column_names(coder: Coder) -> list[str]:
-    """Return the names of the columns of a table of frames, as type checkers know them."""
+    """Return the names of the columns of a table of frames, as type checkers know them.
+
+    They are the attributes of fields, runs of digits and joins, quantities such as ``position (µm)``, and ``unused``,
+    ``verdict`` and ``fault``.
+    """
     description = describe(coder.plan)
     fields_with_data = {part.field.name for part in coder.plan.parts}
     columns = [column for column in description.columns if column.name in fields_with_data]

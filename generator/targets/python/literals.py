@@ -32,10 +32,14 @@ class Expr:
         return str(self) if self.level == _ATOM else f"({self})"
 
     def as_operand_of(self, operator: str, after: bool = False) -> str:
-        """Return the text as an operand of ``operator``."""
-        outer = _LEVELS[operator]
-        looser = self.level <= outer if after else self.level < outer
-        return self.operand if looser or outer < _ARITHMETIC <= self.level else str(self)
+        """Return the text as an operand of ``operator``, in parentheses if they are needed.
+
+        They are also written around arithmetic next to a bit operator. ``after`` is true for the right operand, which
+        needs them at an equal level.
+        """
+        operator_level = _LEVELS[operator]
+        binds_looser = self.level <= operator_level if after else self.level < operator_level
+        return self.operand if binds_looser or operator_level < _ARITHMETIC <= self.level else str(self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,8 +152,8 @@ class Scope:
             first_term_sign, _ = signs_and_products[0]
             is_first = value.constant > 0 and first_term_sign < 0
             signs_and_products.insert(0 if is_first else len(signs_and_products), sign_and_constant)
-        (first_sign, first), *following = signs_and_products
-        total: Expr = first if first_sign > 0 else Negative(first)
+        (first_sign, first_product), *following = signs_and_products
+        total: Expr = first_product if first_sign > 0 else Negative(first_product)
         for sign, product in following:
             total = Operation(total, "+" if sign > 0 else "-", product)
         return total
@@ -182,7 +186,9 @@ def _collected(value: Expression) -> list[Term]:
 
 WIDTH = 120
 
+# A quoted text, a bracket or a comma, or any text up to the next of these.
 _TOKEN = re.compile(r'"(?:\\.|[^"\\])*"|[][(){},]|[^][(){},"]+')
+# A line with only a quoted text and a comma, perhaps after its argument name or key.
 _TEXT = re.compile(r'(\s*)(\w+=|"(?:\\.|[^"\\])*": )?("(?:\\.|[^"\\])*"),')
 
 
@@ -192,7 +198,10 @@ def broken(text: str) -> str:
 
 
 def _broken_lines(line: str) -> Iterator[str]:
-    """Yield a line, or one line for each item in its first brackets if it is too long."""
+    """Yield a line, or one line for each item in its first brackets if it is too long.
+
+    A long text is split into several literals. Items are broken again. A line without brackets stays long.
+    """
     if len(line) <= WIDTH:
         yield line
         return
@@ -201,17 +210,17 @@ def _broken_lines(line: str) -> Iterator[str]:
         indent, name, quoted_text = text_item[1], text_item[2] or "", text_item[3]
         yield f"{indent}{name}{_split_literal(quoted_text, len(indent))},"
         return
-    start, items, end = _items(line)
+    line_start, items, line_end = _items(line)
     if not items:
         yield line
         return
     indent = line[: len(line) - len(line.lstrip())]
-    yield start
+    yield line_start
     # A comma would make a tuple of one unpacked value in parentheses.
-    comma = "" if start.endswith("*(") and len(items) == 1 else ","
+    comma = "" if line_start.endswith("*(") and len(items) == 1 else ","
     for element in items:
         yield from _broken_lines(f"{indent}    {element}{comma}")
-    yield indent + end
+    yield indent + line_end
 
 
 def _items(line: str) -> tuple[str, list[str], str]:
@@ -219,9 +228,10 @@ def _items(line: str) -> tuple[str, list[str], str]:
 
     The line ``call(a, [b, c]),`` gives ``call(``, the items ``a`` and ``[b, c]``, and ``),``.
     """
+    # Empty before the first bracket.
     start = ""
     items = [""]
-    end, depth = 0, 0
+    position, depth = 0, 0
     for token in _TOKEN.findall(line):
         if token in "([{":
             depth += 1
@@ -230,14 +240,15 @@ def _items(line: str) -> tuple[str, list[str], str]:
         is_closing_first_bracket = bool(start) and depth == 0
         if is_closing_first_bracket:
             break
-        end += len(token)
+        # Position after the token.
+        position += len(token)
         if not start:
-            start = line[:end] if depth else ""
+            start = line[:position] if depth else ""
         elif token == "," and depth == 1:
             items.append("")
         else:
             items[-1] += token
-    return start, [element.strip() for element in items if element.strip()], line[end:]
+    return start, [element.strip() for element in items if element.strip()], line[position:]
 
 
 def _split_literal(quoted_text: str, indent: int) -> str:
@@ -246,15 +257,16 @@ def _split_literal(quoted_text: str, indent: int) -> str:
     pieces = [""]
     for word in quoted_text[1:-1].split(" "):
         line_with_word = f'{margin}"{pieces[-1]}{word}"'
+        # The space after the word is not counted yet.
         if pieces[-1] and len(line_with_word) > WIDTH - 2:
             pieces.append("")
         pieces[-1] += f"{word} "
     pieces[-1] = pieces[-1].removesuffix(" ")
-    lines = [f'{margin}"{piece}"' for piece in pieces if piece]
-    is_one_word_too_long = len(lines) == 1 and len(lines[0]) > WIDTH
+    literal_lines = [f'{margin}"{piece}"' for piece in pieces if piece]
+    is_one_word_too_long = len(literal_lines) == 1 and len(literal_lines[0]) > WIDTH
     if is_one_word_too_long:
         return quoted_text
-    return "\n".join(["(", *lines, f"{' ' * indent})"])
+    return "\n".join(["(", *literal_lines, f"{' ' * indent})"])
 
 
 def quoted(text: str | bytes) -> str:
@@ -264,6 +276,7 @@ def quoted(text: str | bytes) -> str:
     if text.isprintable() and '"' not in text and "\\" not in text:
         return f'"{text}"'
     escaped = repr(text)
+    # repr() chose double quotes, because the text has single ones.
     if escaped.startswith('"'):
         return escaped
     in_double_quotes = escaped[1:-1].replace("\\'", "'").replace('"', '\\"')
@@ -363,8 +376,8 @@ def table(name: str, kind: str, rows: Sequence[Call]) -> str:
     start = f"{name}: Final[tuple[{kind}, ...]] = "
     if not rows:
         return f"{start}()"
-    lines = [broken(f"    {row.flat},") for row in rows]
-    return "\n".join([f"{start}(", *lines, ")"])
+    row_lines = [broken(f"    {row.flat},") for row in rows]
+    return "\n".join([f"{start}(", *row_lines, ")"])
 
 
 def literal(value: Literal) -> str:
@@ -405,7 +418,7 @@ def _code(value: Code | Hex | Member | Call | ConditionalItem) -> str:
 
 
 def of_number(meaning: Meaning) -> dict[str, Literal]:
-    """Return the members of a record for an unsigned number."""
+    """Return the member that a record has for the meaning of an unsigned number: ``zero_means``, or none."""
     match meaning:
         case ZeroMeans(number):
             return {"zero_means": number}

@@ -195,7 +195,7 @@ class Module:
 
     @property
     def fact_names(self) -> list[str]:
-        """Names of the tables of facts, in order."""
+        """Names of the tables of facts, in alphabetical order, without those that are empty."""
         names = ["MANUAL", "ORDER_CODE", *(table.name for table in self.tables)]
         names += [section.interface.name.upper() for section in self.sections]
         fact_tables = {
@@ -207,18 +207,18 @@ class Module:
         return sorted([*names, *(name for name, facts_of_kind in fact_tables.items() if facts_of_kind)])
 
     def _example(self) -> Iterable[Block]:
-        """Yield the lines of an example that decodes a frame and checks its verdict."""
+        """Yield the first example of the README, which decodes a frame and checks its verdict, if there is one."""
         for frame in self.readme.frames[:1]:
             # The package's lookup() finds the family from which this one is derived.
-            name, call = (self.name, f"{self.name}.lookup") if self.device.base else ("lookup", "lookup")
-            names = ", ".join(filter(None, ("Verdict" if frame.has_verdict else "", frame.module, name)))
-            start = (
+            lookup_name, call = (self.name, f"{self.name}.lookup") if self.device.base else ("lookup", "lookup")
+            names = ", ".join(filter(None, ("Verdict" if frame.has_verdict else "", frame.module, lookup_name)))
+            lookup_lines = (
                 f"from {self.device.manufacturer.python_package} import {names}",
                 f'encoder = {call}("{frame.code}")',
             )
             if frame.has_verdict:
                 yield "A valid frame does not imply a usable position. Check the verdict before you use the position:"
-            yield Lines((*start, f"frame = encoder.decode({frame.text}{frame.answers})", *frame.lines))
+            yield Lines((*lookup_lines, f"frame = encoder.decode({frame.text}{frame.answers})", *frame.lines))
 
     @property
     def alternatives(self) -> list[tuple[OpenQuestion, str]]:
@@ -228,7 +228,11 @@ class Module:
 
     @property
     def spi_example(self) -> ReadmeExample | None:
-        """Example of a position over SPI, whose ``kind`` is the class of the request, if it has no arguments."""
+        """Example of a position over SPI, whose ``kind`` is the class of the request.
+
+        None if the first such frame depends on an open question, or if no request of a position can be built without
+        the encoder and without values.
+        """
         frames = [frame for frame in self.readme.frames if frame.interface == "spi" and frame.position]
         interface = self.device.find_interface(Spi)
         if not frames or frames[0].answers or interface is None:
@@ -259,7 +263,7 @@ class Module:
 
     @property
     def shapes_by_sender(self) -> dict[tuple[str, str], list[Shape]]:
-        """The same descriptions by interface and sender."""
+        """The same descriptions by interface and sender, such as ``("rs485", "encoder")``."""
         shapes_by_sender: dict[tuple[str, str], list[Shape]] = {}
         for shape in self.shapes:
             key = (shape.coder.layout_interface, shape.coder.layout.sender)
@@ -290,9 +294,10 @@ class Module:
 
     def _dispatcher(self, interface: Interface, plan: Dispatch, coders: Sequence[Coder]) -> Dispatcher:
         """Return the function that decodes all frames of a sender, such as ``decode_reply``."""
-        interfaces_with_selector = {owner.name for owner, layout in self.device.layouts() if layout.selector}
+        # With several such interfaces, the name of the function begins with that of its interface.
+        interfaces_with_dispatcher = {owner.name for owner, layout in self.device.layouts() if layout.selector}
         kind = "reply" if plan.sender == "encoder" else "request"
-        if len(interfaces_with_selector) > 1:
+        if len(interfaces_with_dispatcher) > 1:
             kind = f"{interface.name}_{kind}"
         coders_by_frame = {coder.layout.name: coder for coder in coders}
         dispatcher = Dispatcher(
@@ -304,6 +309,7 @@ class Module:
             coders=tuple(coders_by_frame[branch.layout.name] for branch in plan.branches),
             fallback=coders_by_frame[plan.fallback.name] if plan.fallback is not None else None,
         )
+        # Each decoder accepts the answers for all frames among which it is chosen.
         for coder in dispatcher.members:
             coder.passed = dispatcher.questions
         return dispatcher
@@ -318,18 +324,21 @@ class Module:
         return Enumeration(name, doc=doc, values=register.values, register=register)
 
     def _frame_kinds(self) -> Iterator[FrameKind]:
-        """Yield the frames that the encoder sends over each interface."""
+        """Yield the frames that the encoder sends over each interface, if it sends any."""
         for section in self.sections:
             replies = [coder for coder in section.coders if coder.layout.sender == "encoder"]
             if replies:
                 yield self._frame_kind(section, replies)
 
     def _frame_kind(self, section: Section, replies: Sequence[Coder]) -> FrameKind:
-        """Return the frames over an interface, with the function that decodes any of them if they are distinguished."""
+        """Return the frames over an interface, with the function that decodes any of them if they are distinguished.
+
+        ``coder`` is that of the first frame with the position or, without one, of the first frame.
+        """
         interface = section.interface.name
         # A word does not show which frame it is. Without a request, it is taken as the position.
-        positions = [coder for coder in replies if self.device.tells_position(interface, coder.layout)]
-        coder = positions[0] if positions else replies[0]
+        position_coders = [coder for coder in replies if self.device.tells_position(interface, coder.layout)]
+        coder = position_coders[0] if position_coders else replies[0]
         for dispatcher in section.dispatchers:
             if dispatcher.plan.sender == "encoder":
                 return FrameKind(

@@ -34,7 +34,11 @@ class NamedValues(Scope):
         return self._use_name("ones", width, mask_of_parameters)
 
     def _use_name(self, kind: str, value: Expression, expression: Expr) -> Expr:
-        """Return the name of a value that depends on the order code, and otherwise ``expression``."""
+        """Return the name of a value that depends on the order code, and otherwise ``expression``.
+
+        A value with the code of an earlier one has its name. A new one has its preferred name, or one such as
+        ``size_3``. Values that depend on an answer have no name.
+        """
         depends_on_answer = not self.answered.isdisjoint(value.parameters)
         if value.is_constant or depends_on_answer:
             return expression
@@ -88,7 +92,7 @@ class _LocalNames:
             self._used_names.update(names.local(run.name) for run in field.runs)
 
     def unused_name(self, wanted: str) -> str:
-        """Return ``wanted``, with underscores at its end if another variable has this name."""
+        """Return ``wanted``, with underscores at its end if another variable has this name, and reserve it."""
         name = self._names.local(wanted)
         while name in self._used_names:
             name += "_"

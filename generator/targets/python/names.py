@@ -21,9 +21,12 @@ Imports = list[list[tuple[str, list[str]]]]
 
 
 def imports_of(text: str, *groups: Sources) -> Imports:
-    """Return the modules from which the code of a module has to import, with the names, in groups."""
-    used = {node.id for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Name)}
-    used_groups = (list(_used_imports(sources, used)) for sources in groups)
+    """Return the imports that the code of a module needs, in groups: ``[[("enum", ["Enum", "IntEnum"])], …]``.
+
+    Groups without imports are left out.
+    """
+    used_names = {node.id for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Name)}
+    used_groups = (list(_used_imports(sources, used_names)) for sources in groups)
     return [imports for imports in used_groups if imports]
 
 
@@ -212,6 +215,7 @@ class Names:
         unnumbered_name = wanted if is_free else f"{wanted}{suffix}"
         name = unnumbered_name
         number = 2
+        # An alternative name can also be in use.
         while name in self._used_names:
             name = f"{unnumbered_name}{number}"
             number += 1
@@ -234,7 +238,7 @@ def byte_order(owner: Layout | Register) -> str:
 
 
 def names_of(field: Field, values: Sequence[int]) -> str:
-    """Return these values of a field with their names, for a comment. Empty unless all of them have a name."""
+    """Return these values of a field with their names, such as ``1 is READ``. Empty unless all have a name."""
     names = {value.value: value.name.upper() for value in field.values}
     return ", ".join(f"{coded(value)} is {names[value]}" for value in values) if names.keys() >= set(values) else ""
 
@@ -302,7 +306,10 @@ class Context:
         return Scope({name: f"{owner}.{member}" for name, member in self.parameters.items()})
 
     def _open_question(self, alternative: Alternative, names: Names) -> OpenQuestion:
-        """Return a question as an argument whose name no field of its frames has."""
+        """Return a question as an argument, whose name no attribute of a frame that depends on it has.
+
+        All answers set the same parameters.
+        """
         names_in_frames: set[str] = set()
         for layout in self.coded_layouts():
             if alternative in self.device.alternatives_of(layout):
@@ -321,7 +328,7 @@ class Context:
 
     @cached_property
     def choices(self) -> dict[_NamedValues, Field]:
-        """Fields with named values. Those with the same name and values share an IntEnum."""
+        """First field with each name and set of named values. Fields that agree in both share an IntEnum."""
         fields_by_values: dict[_NamedValues, Field] = {}
         for layout in self.coded_layouts():
             for field in layout.fields:
@@ -348,6 +355,7 @@ class Context:
         return {self.crc_name(function.crc, function.carrier): function for function in crc_functions(self.device)}
 
     def crc_name(self, crc: Crc, carrier: Carrier) -> str:
+        """Return the function for a CRC. That for bits ends in ``_of_bits`` if there is one for bytes, too."""
         has_function_for_bytes = crc in self._crcs_of_both
         return self.crcs[crc.name] + ("_of_bits" if carrier is Carrier.BITS and has_function_for_bytes else "")
 

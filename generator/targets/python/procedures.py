@@ -59,12 +59,15 @@ class Steps:
 
     @cached_property
     def takes_variant(self) -> bool:
-        """True if the steps depend on the order code. Otherwise the encoder is only checked."""
-        for parameter in self.arguments:
-            register_class = self.coders.get(parameter.argument.of)
+        """True if the steps, or the checks of their arguments, depend on the order code.
+
+        Otherwise the encoder is only checked.
+        """
+        for checked_argument in self.arguments:
+            register_class = self.coders.get(checked_argument.argument.of)
             if register_class is not None and register_class.takes_variant:
                 return True
-            if any(self._depends_on_order_code(refusal) for refusal in parameter.refusals):
+            if any(self._depends_on_order_code(refusal) for refusal in checked_argument.refusals):
                 return True
         for step in self.steps:
             if isinstance(step, (Writes, Polls)) and step.field is not None and not step.field.is_fixed:
@@ -72,7 +75,7 @@ class Steps:
         return any(segment.taught for segment in self.segments)
 
     def _depends_on_order_code(self, refusal: ArgumentRefusal) -> bool:
-        """Return whether an argument that is refused for one order code can be valid for another."""
+        """Return whether the check that refuses an argument needs the order code."""
         match refusal:
             case OutsideArgumentLimits():
                 return self._limits_differ(refusal)
@@ -83,13 +86,20 @@ class Steps:
 
     @property
     def segments(self) -> Iterator[Segment]:
-        """Steps, split after each step that changes limits."""
-        ends = [index + 1 for index, step in enumerate(self.steps) if isinstance(step, Writes) and step.teaches]
-        for start, end in pairwise((0, *ends, len(self.steps))):
+        """Steps, split after each step whose register determines the limits of later steps.
+
+        An argument belongs to the segment with the first step that writes it.
+        """
+        segment_ends = [index + 1 for index, step in enumerate(self.steps) if isinstance(step, Writes) and step.teaches]
+        for start, end in pairwise((0, *segment_ends, len(self.steps))):
             last_step = self.steps[end - 1]
             changes_limits = isinstance(last_step, Writes) and last_step.teaches
             yield Segment(
-                arguments=[parameter for parameter in self.arguments if start <= self._first_write(parameter) < end],
+                arguments=[
+                    checked_argument
+                    for checked_argument in self.arguments
+                    if start <= self._first_write(checked_argument) < end
+                ],
                 steps=self.steps[start:end],
                 taught=last_step if isinstance(last_step, Writes) and changes_limits else None,
             )
@@ -111,8 +121,8 @@ class Steps:
         """Names of the arguments with their descriptions."""
         listed_arguments = []
         for parameter in self.arguments:
-            about = docstrings.of_argument(self.context.device, parameter.argument)
-            listed_arguments.append((self.argument(parameter.argument), about))
+            description = docstrings.of_argument(self.context.device, parameter.argument)
+            listed_arguments.append((self.argument(parameter.argument), description))
         return listed_arguments
 
     @property
@@ -138,17 +148,21 @@ class Steps:
     # -- numbers
 
     def mask(self, field: Field) -> Expr:
+        """Return the mask of a field at its position in the register."""
         if field.is_fixed:
             return Atom(f"0x{field.mask_in_place:02X}")
         return moved(self.scope.ones(field.width), "<<", self.scope.of(field.low))
 
     def verified(self, op: Verifies) -> Expr:
-        """Return the mask of the register bits that are read back."""
+        """Return the mask of the register bits that are read back.
+
+        It is that of a field, or has two digits for each byte of the register.
+        """
         if op.field is not None:
             return self.mask(op.field)
-        mask = sum(piece.mask << piece.left for piece in op.pieces)
+        mask_of_pieces = sum(piece.mask << piece.left for piece in op.pieces)
         number_of_digits = 2 * op.register.length
-        return Atom(f"0x{mask:0{number_of_digits}X}")
+        return Atom(f"0x{mask_of_pieces:0{number_of_digits}X}")
 
     def in_place(self, value: int | str, field: Field) -> Expr:
         """Return a number or an argument, shifted to the position of the field."""
@@ -157,12 +171,16 @@ class Steps:
         return moved(Atom(str(value)), "<<", self.scope.of(field.low))
 
     def members(self, value: AsMember, register: Register) -> list[tuple[str, Expr]]:
-        """Return attributes and values of the register for an argument that sets one of them."""
+        """Return attributes and values of the register for an argument that sets a field or join of it.
+
+        Only runs of decimal digits are several attributes.
+        """
         attribute_of = self.coders[register.name].names.attribute
         argument = Atom(self.argument(value.argument))
-        fields = [field for field in register.layout.fields if field.name == value.member]
+        # Empty if the argument sets a join.
+        fields_of_member = [field for field in register.layout.fields if field.name == value.member]
         # A join of several fields is a number.
-        match meaning_of(fields[0]) if fields else Raw():
+        match meaning_of(fields_of_member[0]) if fields_of_member else Raw():
             case DigitRuns(runs):
                 return [(attribute_of(run.name), value_of_run) for run, value_of_run in digits(argument, runs)]
             case Raw() | TwosComplement() | ZeroMeans() | Active() | Named() | Characters():
@@ -174,7 +192,10 @@ class Steps:
         return any(join.name == value.member for join in register.layout.joins)
 
     def limits(self, refusal: OutsideArgumentLimits) -> str:
-        """Return the limits of an argument: a call to the register's class if it has one, otherwise a tuple."""
+        """Return the limits of an argument: a call such as ``Preset.limits(variant)``, or a tuple.
+
+        It is a tuple if the register has no class.
+        """
         if refusal.register.name not in self.coders:
             lowest, highest = limit_expressions(self.scope, refusal.limits)
             return f"({lowest}, {highest})"

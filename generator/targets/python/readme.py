@@ -91,7 +91,10 @@ class ReadmeExample:
 
 
 def start(readmes: Sequence[Readme]) -> ReadmeExample:
-    """Return the first example, preferably one with a frame of bits that can report an error."""
+    """Return the first example, or one with only an order code if no module has a frame.
+
+    An example without open questions is preferred, then one that can report an error, then a frame of bits.
+    """
     frames: list[ReadmeExample] = []
     for readme in readmes:
         frames += readme.frames
@@ -109,15 +112,15 @@ def virtual_examples(readmes: Sequence[Readme]) -> dict[str, ReadmeExample]:
 
     Examples with questions that the manual leaves open are left out, so that programs need no answers.
     """
-    examples: dict[str, ReadmeExample] = {}
+    example_by_interface: dict[str, ReadmeExample] = {}
     for readme in readmes:
-        for frame in readme.frames:
-            if not frame.position or frame.answers:
+        for example in readme.frames:
+            if not example.position or example.answers:
                 continue
-            example = examples.setdefault(frame.interface, frame)
-            if frame.flag and not example.flag:
-                examples[frame.interface] = frame
-    return examples
+            chosen_example = example_by_interface.setdefault(example.interface, example)
+            if example.flag and not chosen_example.flag:
+                example_by_interface[example.interface] = example
+    return example_by_interface
 
 
 class Readme:
@@ -135,7 +138,10 @@ class Readme:
 
     @cached_property
     def frames(self) -> list[ReadmeExample]:
-        """One frame for each interface, with invented values and with bits computed by the model."""
+        """An example of each kind of frame for which the model has a sample, with invented values.
+
+        ``kind`` is set for kinds that a dispatching decoder tells apart.
+        """
         examples: list[ReadmeExample] = []
         for kind in self._kinds:
             example = self._frame(kind.coder)
@@ -145,7 +151,7 @@ class Readme:
         return sorted(examples, key=lambda example: not example.spoilt)
 
     def _frame(self, coder: Coder) -> ReadmeExample | None:
-        """Return an example of a frame, or None if the spec gives no values for one."""
+        """Return an example of a frame, or None without a sample of it for a listed order code."""
         sample = self.device.sample_of(coder.layout)
         if sample is None:
             return None
@@ -156,7 +162,10 @@ class Readme:
         return None
 
     def _valid_frame(self, coder: Coder, variant: Variant, sample: Sample) -> ReadmeExample:
-        """Return the call that decodes the sample frame, and its numbers."""
+        """Return the call that decodes the sample frame, and its numbers.
+
+        ``digits`` are the ones and zeros of a frame of bits.
+        """
         layout = coder.layout
         placed_layout = layout.place(variant.parameters)
         numbers = _numbers_of(coder, sample)
@@ -176,71 +185,86 @@ class Readme:
         )
 
     def _with_error(self, example: ReadmeExample, coder: Coder, variant: Variant, sample: Sample) -> ReadmeExample:
-        """Return the example with the same frame in which a flag makes the position unusable, if there is a flag."""
+        """Return the example with the same frame in which a flag makes the position unusable, if there is one.
+
+        ``tried`` is filled only for a frame of bits with a CRC and with the whole position.
+        """
         if coder.reports is None or sample.spoilt is None:
             return example
         placed_layout = coder.layout.place(variant.parameters)
-        flag = placed_layout.spoiling_flags[0]
+        spoiling_flag = placed_layout.spoiling_flags[0]
         example = replace(
             example,
             spoilt=_frame_literal(placed_layout, sample.spoilt),
-            reported=coder.reports.name_of(flag),
-            flag=flag.name,
-            flag_attribute=coder.names.attribute(flag.name),
+            reported=coder.reports.name_of(spoiling_flag),
+            flag=spoiling_flag.name,
+            flag_attribute=coder.names.attribute(spoiling_flag.name),
         )
         crc_field, numbers = placed_layout.crc_field, _numbers_of(coder, sample)
         if crc_field is None or coder.layout.in_bytes or coder.measured not in numbers:
             return example
         position = str(numbers[coder.measured])
-        flag_meaning = meaning(flag, alarm_of(self.device, flag))
+        flag_meaning = meaning(spoiling_flag, alarm_of(self.device, spoiling_flag))
         invalid_frame = f"invalid frame of {variant.code}: {_damaged_crc(crc_field, sample.frame)}"
         return replace(example, tried=(position, flag_meaning, invalid_frame))
 
     def _is_position_only(self, coder: Coder, interface: str) -> bool:
-        """Return whether the fields of a frame are flags and those of its position."""
+        """Return whether all attributes of a frame, except Booleans, are its position or parts of it."""
         position_names = map(coder.names.attribute, self.device.position_names(interface))
-        values = {attribute.name for attribute in coder.attributes if attribute.type != "bool"}
-        return values.issubset(position_names)
+        attributes_with_value = {attribute.name for attribute in coder.attributes if attribute.type != "bool"}
+        return attributes_with_value.issubset(position_names)
 
     def _first_answer(self, question: OpenQuestion) -> str:
-        """Return the argument that passes the first answer to a question."""
+        """Return the argument that passes the first answer to a question: ``, order=x24.Order.NORMAL``."""
         first_answer = question.alternative.answers[0]
         return f", {question.name}={self.device.name}.{question.kind}.{first_answer.name.upper()}"
 
     def _example_variant(self, kind: str) -> Variant | None:
-        """Return an order code with this interface: that of an example in the manual, or the one with the most bits."""
-        codes = [example.order_code for example in self.device.examples if not isinstance(example, CrcExample)]
-        names = [parameter.name for parameter in self.device.set_parameters]
+        """Return an order code with this interface, or None if none is listed.
+
+        It is one of an example in the manual if possible, then the one with the highest sum of its parameters.
+        """
+        example_codes = [example.order_code for example in self.device.examples if not isinstance(example, CrcExample)]
+        parameter_names = [parameter.name for parameter in self.device.set_parameters]
 
         def preference(variant: Variant) -> tuple[bool, int]:
-            return variant.code in codes, sum(variant.parameters[name] for name in names)
+            return variant.code in example_codes, sum(variant.parameters[name] for name in parameter_names)
 
         return max(self.device.variants_over(kind), key=preference, default=None)
 
     @property
     def registers(self) -> list[ReadmeExample]:
-        """Worked examples of the first registers that have one."""
-        examples: dict[str, ReadmeExample] = {}
+        """One worked example with values of each register class, for the first ``_REGISTERS`` of them."""
+        example_by_class: dict[str, ReadmeExample] = {}
         for example in self.device.examples:
             if isinstance(example, RegisterExample) and example.values and example.register in self._coders:
                 coder = self._coders[example.register]
-                examples.setdefault(coder.name, _register(example, coder))
-        return list(examples.values())[:_REGISTERS]
+                example_by_class.setdefault(coder.name, _register(example, coder))
+        return list(example_by_class.values())[:_REGISTERS]
 
     @property
     def procedures(self) -> list[ReadmeExample]:
-        """Worked examples of the first procedures that only write bytes."""
-        worked = [example for example in self.device.examples if isinstance(example, ProcedureExample)]
-        only_writing = [example for example in worked if self._only_writes_bytes(self._procedures[example.procedure])]
+        """The first ``_PROCEDURES`` worked examples of procedures that only write bytes."""
+        procedure_examples = [example for example in self.device.examples if isinstance(example, ProcedureExample)]
+        only_writing = [
+            example for example in procedure_examples if self._only_writes_bytes(self._procedures[example.procedure])
+        ]
         return [self._procedure(example) for example in only_writing[:_PROCEDURES]]
 
     def _only_writes_bytes(self, steps: Steps) -> bool:
+        """Return whether a procedure writes single bytes.
+
+        It must neither modify nor poll a register, and use only registers with an address for each byte.
+        """
         if any(isinstance(step, (ModifyStep, PollStep)) for step in steps.procedure.steps):
             return False
         return not any(self.device.register(name).is_accessed_whole for name in steps.procedure.registers)
 
     def _procedure(self, example: ProcedureExample) -> ReadmeExample:
-        """Return the call of a procedure, and the bytes that it writes."""
+        """Return the call of a procedure, and the bytes that it writes.
+
+        The encoder is the first argument if the procedure needs it or has no others, and otherwise a keyword.
+        """
         steps = self._procedures[example.procedure]
         encoder = f'lookup("{example.order_code}")'
         arguments = [grouped(argument) for argument in example.arguments.values()]
@@ -261,7 +285,10 @@ class Readme:
 
     @property
     def live(self) -> ReadmeExample | None:
-        """Order code with RS-485, with the name of a procedure that clears most alarms, if there is one."""
+        """Order code with RS-485, or None if none is listed.
+
+        ``shown`` is the name of the procedure that clears most alarms, or empty.
+        """
         variant = self._example_variant("rs485")
         if variant is None:
             return None
@@ -275,7 +302,7 @@ class Readme:
         )
 
     def _best_reset(self, variant: Variant) -> str:
-        """Return the procedure without arguments that clears most alarms of an encoder, or an empty text."""
+        """Return the function without arguments that clears most alarms of an encoder, or an empty text."""
         alarms_by_procedure: Counter[str] = Counter()
         for alarm in facts_for_code(self.device.alarms, variant.code):
             alarms_by_procedure.update(alarm.cleared_by)
@@ -290,7 +317,11 @@ class Readme:
 
     @property
     def run_time(self) -> list[ReadmeExample]:
-        """Example of a register that changes the form of frames."""
+        """Example of a register that changes the form of frames, in a list, or none.
+
+        The register is one byte that holds the parameter itself, not a code for it. ``text`` is its address and
+        content, such as ``0x5A: 0x0C``.
+        """
         for parameter in self.device.run_time_parameters:
             register = self.device.register(parameter.register)
             field = register.layout.field(parameter.field)
@@ -298,25 +329,30 @@ class Readme:
             if variant is None or parameter.by_code or register.length > 1 or field.low.constant or field.widest != 8:
                 continue
             name = self.context.parameters[parameter.name]
-            value = max(variant.parameters[parameter.name] - 4, parameter.min or 0)
+            # Another value than that of the order code shows that the register determines it.
+            changed_value = max(variant.parameters[parameter.name] - 4, parameter.min or 0)
             example = ReadmeExample(
                 code=variant.code,
-                text=f"0x{register.address:02X}: 0x{value:02X}",
+                text=f"0x{register.address:02X}: 0x{changed_value:02X}",
                 shown=f"encoder.{name}",
-                result=str(value),
+                result=str(changed_value),
             )
             return [example]
         return []
 
     @property
     def positions(self) -> list[ReadmeExample]:
-        """Conversion of a position, and its count after a wrap-around."""
+        """Calls (``text``) that convert and unwrap a position, with their results, for the first order code.
+
+        Empty if the number of counts until the wrap-around is unknown or too small for the example.
+        """
         variant = self.device.variants[0]
         measurement = self.device.measurement_of(variant.interface)
         if measurement is None:
             return []
         factors = [factor.value(variant.parameters) for factor in counts(measurement)]
         modulus = prod(factors) if factors else 0
+        # The example unwraps from modulus - 2 to 3. In a small range, the way back would be shorter.
         if modulus < 8:
             return []
         calls_and_results: list[tuple[str, str]] = []
@@ -334,7 +370,10 @@ class Readme:
 
     @property
     def identified(self) -> list[ReadmeExample]:
-        """Worked examples of registers that identify an encoder."""
+        """Worked examples of identifying registers, as items of a dict: ``"model": bytes.fromhex("1B")``.
+
+        They are those of the order code in the first such example. Empty if it is not a listed one.
+        """
         identity_registers = {register.name for register, _ in self.device.identity}
         register_examples: dict[str, RegisterExample] = {}
         for example in self.device.examples:
@@ -351,7 +390,7 @@ class Readme:
 
 
 def _is_number_of(coder: Coder, name: str) -> bool:
-    """Return whether a name is that of a number of the frame, other than the selector."""
+    """Return whether a name is that of a join or of a number in the frame, other than its selector."""
     layout = coder.layout
     if any(join.name == name for join in layout.joins):
         return True
@@ -360,7 +399,7 @@ def _is_number_of(coder: Coder, name: str) -> bool:
 
 
 def _damaged_crc(crc_field: PlacedField, number: int) -> str:
-    """Return the message for a frame whose last bit is inverted."""
+    """Return the message for a frame whose last bit, which belongs to the CRC, is inverted."""
     received = (number ^ 1) & crc_field.mask
     return f"expected CRC {received ^ 1:#04x}, got {received:#04x}"
 
@@ -382,23 +421,26 @@ def _bytes(data: bytes) -> str:
 
 
 def _register(example: RegisterExample, coder: Coder) -> ReadmeExample:
-    """Return the call that decodes a register, and its attributes with their values as printed."""
+    """Return the call that decodes a register, and its attributes with their values as printed.
+
+    A text as the value of an attribute of another type is the name of an Enum member, in lowercase.
+    """
     variant_argument = f', lookup("{example.order_code}")' if coder.takes_variant else ""
     types = {attribute.name: attribute.type for attribute in coder.attributes}
-    expressions, values = [], []
+    expressions, printed_values = [], []
     for name, value in example.values.items():
         attribute = coder.names.attribute(name)
         if isinstance(value, str) and types.get(attribute) != "str":
             expressions.append(f"register.{attribute}.name")
-            values.append(repr(value.upper()))
+            printed_values.append(repr(value.upper()))
         else:
             expressions.append(f"register.{attribute}")
-            values.append(repr(value))
+            printed_values.append(repr(value))
     return ReadmeExample(
         code=f"{coder.name}.decode({_bytes(example.bytes)}{variant_argument})",
         text="",
         shown=_tuple(expressions),
-        result=_tuple(values),
+        result=_tuple(printed_values),
         looked_up=coder.takes_variant,
     )
 

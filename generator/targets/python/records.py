@@ -89,7 +89,9 @@ def _members(class_def: ast.ClassDef) -> Iterator[RecordMember]:
 
 
 def record_of(class_name: str, model_part: object, **overrides: Literal) -> Call:
-    """Return the record of a part of the model: all required members, and those that differ from their default.
+    """Return the record of a part of the model.
+
+    It has all required members, and the others unless they are empty or equal to their default.
 
     Args:
         class_name: Name of the record.
@@ -113,6 +115,7 @@ def records_of(class_name: str, model_parts: Sequence[object]) -> tuple[Call, ..
 
 
 def _in_printed_order(class_name: str) -> list[RecordMember]:
+    """Return the members of a record in the order of its class, those in ``_PRINTED_LAST`` at the end."""
     members = runtime_records().members[class_name]
     names_at_end = _PRINTED_LAST.get(class_name, ())
     first = [member for member in members if member.name not in names_at_end]
@@ -120,7 +123,10 @@ def _in_printed_order(class_name: str) -> list[RecordMember]:
 
 
 def _value(model_part: object, member: RecordMember) -> Literal:
-    """Return a member of a part of the model as a literal, according to the type of the member in the record."""
+    """Return a member of a part of the model as a literal, according to the type of the member in the record.
+
+    A record or an enumeration in the type is used for the value, or for each value of a tuple. Sources are one text.
+    """
     value = getattr(model_part, member.name)
     if member.name == "source":
         return cite(value)

@@ -42,7 +42,7 @@ class FrameReports:
 
     @property
     def depends(self) -> bool:
-        """True if any condition depends on the order code."""
+        """True if a condition, or the existence of bits that judge the position, depends on the order code."""
         if self._judgement is not None and self._judgement.may_be_unknown:
             return True
         causes: list[ReportCause | VerdictCause] = list(self._report_causes)
@@ -67,7 +67,7 @@ class FrameReports:
 
     @property
     def reasons(self) -> dict[str, list[str]]:
-        """Meaning of each flag or other cause that leads to a verdict, by the name of the verdict."""
+        """Meanings of the causes of each verdict, such as ``{"NOT_USABLE": ["error: data is invalid."]}``."""
         reasons_by_verdict: dict[str, list[str]] = {}
         for verdict, causes in self._causes_by_verdict:
             meanings = [_meaning_while_active(cause) for cause in causes]
@@ -76,7 +76,7 @@ class FrameReports:
 
     @property
     def not_usable(self) -> list[str]:
-        """Conditions under which the position is not usable."""
+        """Conditions, each of which makes the position not usable."""
         for verdict, causes in self._causes_by_verdict:
             if verdict is Verdict.NOT_USABLE:
                 return self._conditions(causes)
@@ -116,7 +116,10 @@ class FrameReports:
         return conditions
 
     def _condition(self, cause: VerdictCause, flag_or_match: Part | Match) -> str:
-        """Return the condition for a cause. It is ignored while certain flags are active, and for other order codes."""
+        """Return the condition for a cause, such as ``(self.error and not self.warning)``.
+
+        A cause is ignored while one of the flags that it combines is active, and for other order codes.
+        """
         # The flag comes first, because it is rarely active. The other conditions are then skipped.
         if isinstance(flag_or_match, Match):
             conditions = self._has_values(flag_or_match)
@@ -131,7 +134,7 @@ class FrameReports:
         return str(conditions[0]) if len(conditions) == 1 else f"({joined('and', conditions)})"
 
     def _has_values(self, match: Match) -> list[Expr]:
-        """Return a condition for each value of a match."""
+        """Return a condition for each value of a match. The value of a flag is 1 while it is active."""
         conditions: list[Expr] = []
         for part, value in match.conditions:
             attribute = self._read_attribute(part)
@@ -144,11 +147,14 @@ class FrameReports:
         return conditions
 
     def _differs_in(self, reserved: Sequence[Reserved]) -> Expr:
-        """Return the condition that any of these unused bits differs from the manual."""
+        """Return the condition that any of these unused bits differs from the manual.
+
+        The attribute ``unused`` is masked unless these are all of its bits.
+        """
         unused = Atom(self._attribute_of("unused"))
-        all_bits = sum(bits.mask for bits in self._reserved)
-        bits_of_verdict = sum(bits.mask for bits in reserved)
-        return unused if bits_of_verdict == all_bits else Operation(unused, "&", mask(bits_of_verdict))
+        mask_of_all = sum(bits.mask for bits in self._reserved)
+        mask_of_verdict = sum(bits.mask for bits in reserved)
+        return unused if mask_of_verdict == mask_of_all else Operation(unused, "&", mask(mask_of_verdict))
 
     def _read_attribute(self, part: Part) -> Expr:
         return Atom(self._attribute_of(self._names.attribute(part.field.name)))

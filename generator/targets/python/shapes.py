@@ -77,11 +77,11 @@ class Shape:
 
     def _columns(self) -> tuple[Call, ...]:
         """Return a column for each field with a value."""
-        names = {part.field.name for part in self.plan.parts}
-        return tuple(self._column(column) for column in self._description.columns if column.name in names)
+        names_with_value = {part.field.name for part in self.plan.parts}
+        return tuple(self._column(column) for column in self._description.columns if column.name in names_with_value)
 
     def _other_rows(self) -> Iterator[tuple[str, Literal]]:
-        """Yield the members with several items, except the columns."""
+        """Yield the members with several items, except the columns, with their names in the runtime."""
         for name in _PLANNED_ROWS:
             # The class of a register checks its values.
             is_checked_by_class = name == "checks" and self.coder.register is not None
@@ -89,7 +89,11 @@ class Shape:
                 yield _RUNTIME_NAMES.get(name, name), self._literal_of(getattr(self._description, name))
 
     def _gray(self) -> Iterator[tuple[str, Literal]]:
-        """Yield the place of the bits in Gray code, such as ``(8, 22) if variant.gray else None``, and the excess."""
+        """Yield ``gray`` and ``excess``, if the encoder can send Gray code.
+
+        ``gray`` is the lowest bit and the width of the bits in this code, such as ``(8, 22) if variant.gray else
+        None``.
+        """
         gray = self._description.gray
         if gray is None:
             return
@@ -119,7 +123,10 @@ class Shape:
         return Code(f"{literal(verdict)} if {judging_bits} else {literal(unknown)}")
 
     def _frame_with_special_range(self) -> str:
-        """Return the name of the frame, if its positions have another range than those of other frames."""
+        """Return the name of a frame with a position if frames of its interface differ in range.
+
+        This is also so if the position never wraps around. Otherwise, return an empty string.
+        """
         coder = self.coder
         if coder.register is not None or not coder.measured:
             return ""
@@ -129,20 +136,27 @@ class Shape:
         return coder.layout.name if is_special else ""
 
     def _column(self, column: Column) -> Call:
-        """Return a column with its name in messages, if that differs, and the only values of its field."""
+        """Return a column, with the name of the field in messages and the values that are valid.
+
+        The name is given only if the attribute has another one. ``values`` are those of a selector, or the Enum of a
+        named value.
+        """
         coder = self.coder
         field = coder.layout.field(column.name)
         name_in_messages = column.name if column.name != coder.names.attribute(column.name) else ""
-        allowed: Literal = None
+        valid_values: Literal = None
         if coder.selects(field):
-            allowed = allowed_values(coder.layout, field)
+            valid_values = allowed_values(coder.layout, field)
         elif is_named(meaning_of(field)):
-            allowed = Code(coder.enum(field))
+            valid_values = Code(coder.enum(field))
         arguments = dict(self._call_of(column).arguments)
-        return record("Column", arguments, field=name_in_messages, values=allowed)
+        return record("Column", arguments, field=name_in_messages, values=valid_values)
 
     def _crc_of_encoder(self, crcs: Sequence[FrameCrc]) -> Literal:
-        """Return the CRC of an encoder, among several the one that its order code has. None without any."""
+        """Return the CRC of an encoder, or None without any.
+
+        If it depends on the order code, it is the first CRC whose width is not 0, found when the module runs.
+        """
         if not crcs:
             return None
         if not crcs[0].is_optional:
@@ -155,14 +169,14 @@ class Shape:
         crc, coder = frame_crc.crc, self.coder
         members: dict[str, Literal] = {"low": self._literal_of(frame_crc.bits.low), "width": crc.width}
         if coder.layout.crc_covers_bytes:
-            place = f'length={self.plan.length}, width={crc.width // 8}, order="{byte_order(coder.layout)}"'
-            members["differs"] = Code(f"compare_bytes({coder.crc_name(frame_crc)}, {place})")
+            place_arguments = f'length={self.plan.length}, width={crc.width // 8}, order="{byte_order(coder.layout)}"'
+            members["differs"] = Code(f"compare_bytes({coder.crc_name(frame_crc)}, {place_arguments})")
             if crc.is_xor:
                 members |= {"xorout": crc.xorout, "is_xor": True}
         else:
             gap = f", gap={frame_crc.gap}" if frame_crc.gap else ""
-            place = f"covered={coder.number(frame_crc.covered)}, width={crc.width}{gap}"
-            members["differs"] = Code(f"compare_bits({coder.crc_name(frame_crc)}, {place})")
+            place_arguments = f"covered={coder.number(frame_crc.covered)}, width={crc.width}{gap}"
+            members["differs"] = Code(f"compare_bits({coder.crc_name(frame_crc)}, {place_arguments})")
             if frame_crc.steps:
                 members |= {"xorout": crc.xorout, "steps": _folds(frame_crc)}
         return Call("CrcOf", tuple(members.items()))
@@ -170,7 +184,7 @@ class Shape:
     # -- any value of the description
 
     def _literal_of(self, value: Any) -> Literal:
-        """Return any value of the description as a literal."""
+        """Return any value of the description as a literal. A value of no other kind is a part with members."""
         match value:
             case Expression():
                 return Code(str(self.coder.number(value)))
@@ -191,7 +205,10 @@ class Shape:
         return self._record_of(value)
 
     def _record_of(self, description_part: Any) -> Literal:
-        """Return a part of the description as a record, which only some encoders have if it has conditions."""
+        """Return a part of the description as a record.
+
+        A part that applies only to some encoders is an item with its conditions, joined by ``and``.
+        """
         conditions = []
         for name in _CONDITIONS:
             only: Only | None = getattr(description_part, name, None)
@@ -204,7 +221,10 @@ class Shape:
         return f"variant.{self.coder.context.parameters[parameter]}"
 
     def _call_of(self, description_part: Any) -> Call:
-        """Return the call of the class in the runtime. A cause other than a flag has no name."""
+        """Return the call of the class in the runtime, with the members that differ from their defaults.
+
+        Conditions are left out. A cause that is a mask or a combination of values has no ``flag``.
+        """
         planned_class_name = type(description_part).__name__
         class_name = _RUNTIME_NAMES.get(planned_class_name, planned_class_name)
         omitted = set(_CONDITIONS)

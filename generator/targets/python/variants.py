@@ -70,7 +70,7 @@ class Variants:
 
     @property
     def names(self) -> list[str]:
-        """Parameters whose values depend on the encoder."""
+        """Names of the independent parameters, which are the arguments of an order code after its parts."""
         return [self.context.parameters[parameter.name] for parameter in self.device.set_parameters]
 
     @property
@@ -80,11 +80,14 @@ class Variants:
         return [interface.name for interface in spi_interfaces if interface.exchanges]
 
     def exchanged(self, interface: Interface) -> tuple[Exchanged, ...]:
-        """Return the requests over an interface with their replies, unless they form a pipeline of words."""
+        """Return the requests over an interface with their replies.
+
+        There are none if requests and replies form a pipeline of words, which ``with_requests`` lists.
+        """
         return () if interface.name in self.with_requests else exchanges(interface)
 
     def defaults(self, exchange: Exchanged) -> list[tuple[str, int]]:
-        """Return the factory defaults in a request, with the names of its attributes."""
+        """Return attribute and factory default of each field in a request that has one: ``[("address", 1)]``."""
         names = ClassNames(exchange.request, None, ())
         return [(names.attribute(name), value) for name, value in exchange.defaults.items()]
 
@@ -94,13 +97,13 @@ class Variants:
 
     @cached_property
     def listed_by_interface(self) -> list[ListedCodes]:
-        """Listed order codes of each interface, for type checkers."""
+        """Listed order codes of each interface that has any, for type checkers."""
         listed_codes = []
         for interface in self.device.interfaces:
             codes = tuple(variant.code for variant in self.device.variants_over(interface.name))
-            literal = f"{camel(self.context.module)}{interface.name.capitalize()}"
+            type_name = f"{camel(self.context.module)}{interface.name.capitalize()}"
             if codes:
-                listed_codes.append(ListedCodes(literal, encoder_name(interface.name), codes))
+                listed_codes.append(ListedCodes(type_name, encoder_name(interface.name), codes))
         return listed_codes
 
     @property
@@ -109,10 +112,13 @@ class Variants:
 
     @property
     def derived(self) -> list[tuple[str, str, Expr]]:
-        """Name, meaning and value of the parameters that are derived from others, except those for measurements."""
-        derived, measured = [], parameters_in_measurement(self.device)
+        """Name, meaning and value of each parameter that is derived from others.
+
+        Those that always equal a quantity of the measurement are left out, since the class has that quantity.
+        """
+        derived, names_in_measurement = [], parameters_in_measurement(self.device)
         for parameter in self.device.parameters:
-            if parameter.equals is not None and parameter.name not in measured:
+            if parameter.equals is not None and parameter.name not in names_in_measurement:
                 meaning = docstrings.of_parameter(self.device, parameter)
                 derived.append((self.context.parameters[parameter.name], meaning, self._scope.of(parameter.equals)))
         return derived
@@ -121,7 +127,7 @@ class Variants:
 
     @cached_property
     def measured(self) -> str:
-        """Name of the position attribute that is converted to turns or lengths."""
+        """Name of the position attribute that is converted to turns or lengths, or "" without a measurement."""
         for interface in self.device.interfaces:
             measurement = self._measurement(interface)
             if measurement is not None:
@@ -136,7 +142,10 @@ class Variants:
         return self._scope.of(value) if value is not None else None
 
     def _cases(self, quantity_of: Callable[[Measurement], Expr | None]) -> Cases[Expr]:
-        """Return a quantity of the measurement by interface."""
+        """Return a quantity of the measurement by interface.
+
+        ``quantity_of`` returns it for a measurement, or None if the measurement has none.
+        """
 
         def quantity_over(interface: Interface) -> Expr | None:
             measurement = self._measurement(interface)
@@ -158,7 +167,7 @@ class Variants:
 
     @cached_property
     def per_counts(self) -> Cases[Expr]:
-        """Number of counts to which ``step_nm`` applies, if it is not one everywhere."""
+        """Number of counts to which ``step_nm`` applies. There are no cases if it is 1 everywhere."""
 
         def counts_of(measurement: Measurement) -> Expr | None:
             if measurement.step_nm is None:
@@ -166,7 +175,7 @@ class Variants:
             return self._code_of(measurement.per_counts or Expression(1))
 
         cases = self._cases(counts_of)
-        is_one_everywhere = all(value == number(1) for value, _ in cases.cases)
+        is_one_everywhere = all(number_of_counts == number(1) for number_of_counts, _ in cases.cases)
         return replace(cases, cases=()) if is_one_everywhere else cases
 
     @cached_property
@@ -179,25 +188,30 @@ class Variants:
         return joined("*", factors) if factors else None
 
     def _only_range(self, interface: Interface) -> PositionRange | None:
-        """Return the range of the position, unless it depends on the frame or there is no measurement."""
+        """Return the range of the position that applies to all frames of an interface.
+
+        Return None if frames have different ranges, if the position never wraps around, or without a measurement.
+        """
         ranges = position_ranges(self.device, interface)
         return ranges[0] if len(ranges) == 1 and not ranges[0].never_wraps else None
 
     @cached_property
     def by_frame(self) -> list[str]:
         """Names of the interfaces over which frames have different ranges, or positions that never wrap around."""
-        names: list[str] = []
+        interface_names: list[str] = []
         for interface in self.device.interfaces:
+            # Without a measurement there are no ranges at all.
             if self._only_range(interface) is None and position_ranges(self.device, interface):
-                names.append(interface.name)
-        return names
+                interface_names.append(interface.name)
+        return interface_names
 
     @property
     def no_range(self) -> str:
-        """Reason why an interface has no range that applies to all of its frames."""
+        """Reasons why an interface has no modulus that applies to all of its frames, or "" if all have one."""
         interfaces = self.device.interfaces
         without_modulus = {interface.name for interface in interfaces if self.modulus_of(interface) is None}
         reasons: list[str] = []
+        # Over these interfaces, the frames do not differ.
         if without_modulus.difference(self.by_frame):
             reasons.append("the manual does not give it")
         if self.by_frame:
@@ -205,12 +219,18 @@ class Variants:
         return ", or ".join(reasons)
 
     def modulus_of(self, interface: Interface) -> Expr | None:
-        """Return the number of counts after which all positions over an interface wrap around, if it is known."""
+        """Return the number of counts after which all positions over an interface wrap around.
+
+        Return None if the spec does not give it or if it depends on the frame.
+        """
         only_range = self._only_range(interface)
         return self._modulus(only_range.measurement) if only_range is not None else None
 
     def ranges_over(self, interface: Interface) -> list[tuple[str, Sequence[Expr | None]]]:
-        """Return each frame with its lowest and highest position and modulus, if the frames differ."""
+        """Return each frame with its lowest and highest position and modulus, if the frames differ.
+
+        Frames in which the distance between two positions is unknown are left out.
+        """
         if interface.name not in self.by_frame:
             return []
         ranges: list[tuple[str, Sequence[Expr | None]]] = []
@@ -221,15 +241,20 @@ class Variants:
         return ranges
 
     def _range_values(self, position_range: PositionRange, layout: Layout) -> tuple[Expr | None, ...]:
-        """Return the lowest and the highest position in a frame, and the modulus."""
+        """Return the lowest and the highest position in a frame, and the modulus, or None if it has none.
+
+        An unsigned position without a highest value in the spec ends at ``modulus - 1``, or without a modulus at the
+        highest number that its fields can hold. A signed one with a highest value in the spec spans ``modulus`` counts.
+        Without one, it can be any number that fits in its field.
+        """
         measurement = position_range.measurement
         modulus = self._modulus(measurement)
         if position_range.signed_field is None:
             highest = self._code_of(measurement.highest)
             if highest is None:
-                fields = [layout.field(name) for name in layout.names_in(measurement.of)]
-                all_values = self._power(sum((field.width for field in fields), Expression(0)))
-                highest = Operation(modulus if modulus is not None else all_values, "-", number(1))
+                position_fields = [layout.field(name) for name in layout.names_in(measurement.of)]
+                number_of_values = self._power(sum((field.width for field in position_fields), Expression(0)))
+                highest = Operation(modulus if modulus is not None else number_of_values, "-", number(1))
             return number(0), highest, modulus
         highest = self._highest_signed(position_range)
         if measurement.highest is not None and modulus is not None:
@@ -238,15 +263,17 @@ class Variants:
         width = position_range.signed_field.width
         if width.is_constant:
             return number(-1 << width.constant - 1), highest, modulus
+        # The lowest number in two's complement is -highest - 1.
         return Operation(number(-1), "-", highest), highest, modulus
 
     def _power(self, exponent: Expression) -> Expr:
+        """Return two to the power of ``exponent``."""
         if exponent.is_constant:
             return number(1 << exponent.constant)
         return Operation(number(1), "<<", self._scope.of(exponent))
 
     def _highest_signed(self, position_range: PositionRange) -> Expr:
-        """Return the highest signed position. Without one in the spec, every number that fits in the field is valid."""
+        """Return the highest signed position: that of the spec, or else the highest that fits in the field."""
         field, stated_highest = position_range.signed_field, position_range.measurement.highest
         assert field is not None
         if stated_highest is not None:
@@ -257,7 +284,7 @@ class Variants:
 
     @cached_property
     def lowest(self) -> Cases[Expr] | None:
-        """Lowest position, if positions are signed."""
+        """Lowest position by interface, or None if it is 0 everywhere."""
 
         def lowest_of(position_range: PositionRange) -> Expr | None:
             if position_range.signed_field is None:
@@ -271,7 +298,7 @@ class Variants:
 
     @cached_property
     def highest(self) -> Cases[Expr] | None:
-        """Highest position, if positions are signed or an offset can shift them above ``modulus``."""
+        """Highest position by interface, or None if it is ``modulus - 1`` everywhere."""
 
         def highest_of(position_range: PositionRange) -> Expr | None:
             if position_range.signed_field is not None:
@@ -282,7 +309,10 @@ class Variants:
 
     @property
     def is_shifted(self) -> bool:
-        """True if an offset can shift the positions of an interface above ``modulus``."""
+        """True if an offset can shift the positions of an interface above ``modulus``.
+
+        This is so for an unsigned position whose highest value is in the spec.
+        """
         for interface in self.device.interfaces:
             only_range = self._only_range(interface)
             is_unsigned = only_range is not None and only_range.signed_field is None
@@ -291,7 +321,11 @@ class Variants:
         return False
 
     def _ends(self, end_of: Callable[[PositionRange], Expr | None], usual: Expr) -> Cases[Expr] | None:
-        """Return the lowest or the highest position by interface, or None if it is ``usual`` everywhere."""
+        """Return the lowest or the highest position by interface.
+
+        ``end_of`` returns it for a range, or None where it is ``usual``. The result is None if it is ``usual`` over all
+        interfaces and the frames of none differ.
+        """
 
         def end_over(interface: Interface) -> Expr | None:
             only_range = self._only_range(interface)
@@ -300,23 +334,23 @@ class Variants:
             return end_of(only_range) or usual
 
         ends = by_interface(self.device, end_over)
-        is_usual = not self.by_frame and all(end == usual for end, _ in ends.cases)
+        is_usual = not self.by_frame and all(position == usual for position, _ in ends.cases)
         return None if is_usual else ends
 
     @property
     def bases(self) -> list[str]:
-        """Classes of the runtime that convert and unwrap its positions, or that of any encoder."""
-        measured = {
+        """Classes of the runtime that convert and unwrap positions, or only ``Encoder`` if none applies."""
+        applies_by_class = {
             "Rotary": bool(self.counts_per_turn.cases),
             "Linear": bool(self.step_um.cases),
             "FineLinear": bool(self.step_nm.cases),
             "Wrapping": bool(self.modulus.cases or self.by_frame),
         }
-        return [name for name, applies in measured.items() if applies] or ["Encoder"]
+        return [name for name, applies in applies_by_class.items() if applies] or ["Encoder"]
 
     @cached_property
     def frame_bits(self) -> Cases[Expr]:
-        """Number of bits in the encoder's frame, if it is a string of bits."""
+        """Number of bits in the encoder's frame by interface, if it is a string of bits of known length."""
         bits_by_interface: dict[str, Expression] = {}
         for kind in self.frame_kinds:
             if not kind.in_bytes and not kind.has_open_length:
@@ -327,13 +361,16 @@ class Variants:
 
     @property
     def answers(self) -> list[OpenQuestion]:
-        """Questions whose default applies unless the user chooses another answer."""
+        """Questions whose default answer applies unless the user chooses another one."""
         optional = self.device.optional_alternatives
         return [self.context.questions[alternative.name] for alternative in optional]
 
     @property
     def some_code(self) -> str:
-        """Last order code with a frame whose verdict such an answer decides."""
+        """Last order code over an interface with a frame whose verdict depends on an answer of ``answers``.
+
+        Raises an error if there is none.
+        """
         interface_names: set[str] = set()
         for interface, layout in self.device.layouts():
             if self.device.verdict_alternatives(layout):
@@ -342,14 +379,14 @@ class Variants:
         return first_of(variants, "order code with a frame whose verdict an answer decides").code
 
     def answered(self, question: OpenQuestion) -> list[tuple[str, str]]:
-        """Return the parameters that an answer sets, with the names of their values in its Enum."""
+        """Return the parameters that an answer sets, each with its attribute in the Enum of the answers."""
         return [(self.context.parameters[name], member) for name, member in question.members]
 
     # -- parameters in registers
 
     @cached_property
     def held_records(self) -> list[tuple[str, Call]]:
-        """Parameters that registers hold at run time: name and record."""
+        """Parameters that registers hold at run time: the attribute of the variant, and its record."""
         records: list[tuple[str, Call]] = []
         for group in held_parameters(self.device):
             for held_parameter in group.parameters:
@@ -359,19 +396,22 @@ class Variants:
 
     @property
     def initial(self) -> str:
-        """Kind of the values that they have until they are read."""
+        """Kind of the values that these parameters have until they are read, such as ``factory defaults``."""
         return initial(self.device)
 
     @property
     def holding(self) -> str:
-        """Registers that hold them."""
+        """Registers that hold these parameters, such as ``resolution at 5Ah, mode at 5Bh``."""
         registers = (group.register for group in held_parameters(self.device))
         return ", ".join(f"{register.name} at {register.address:02X}h" for register in registers)
 
     def _held_record(self, register: Register, held_parameter: HeldParameter) -> Call:
-        """Return the record of a parameter in a register: its place, its limits and its codes."""
+        """Return the record of a parameter in a register: its place, its default, its limits or its codes.
+
+        A register without a default has zeros, and ``by_order_code`` marks it.
+        """
         parameter = held_parameter.parameter
-        members: dict[str, Literal] = {
+        record_members: dict[str, Literal] = {
             "parameter": self.context.parameters[parameter.name],
             "interface": Code(f"Interface.{register.interface.upper()}"),
             "address": Code(f"Address.{register.name.upper()}"),
@@ -383,9 +423,9 @@ class Variants:
             "max": parameter.max if parameter.max is not None else held_parameter.highest_value,
         }
         if parameter.by_code:
-            members["codes"] = tuple((by_code.code, by_code.value) for by_code in parameter.by_code)
+            record_members["codes"] = tuple((by_code.code, by_code.value) for by_code in parameter.by_code)
         if register.default is None:
-            members["by_order_code"] = True
+            record_members["by_order_code"] = True
         if not parameter.by_code:
-            members |= of_number(meaning_of(held_parameter.field))
-        return record("RegisterParameter", members)
+            record_members |= of_number(meaning_of(held_parameter.field))
+        return record("RegisterParameter", record_members)
