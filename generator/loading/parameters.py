@@ -27,7 +27,8 @@ _PROSE = frozenset(("meaning", "note", "source", "title", "printed_name", "print
 def check_named_widths(raw: Raw, device: Device, report: DocumentReport) -> None:
     """Report a parameter such as ``position_bits`` that differs from the width of ``position`` in a frame.
 
-    Other facts would show a mistake in a formula that they use, so this checks only parameters without a use.
+    Only a parameter with ``equals`` that the spec uses nowhere is checked. If another fact uses it, that fact would
+    show a mistake in its formula.
     """
     if is_second(report.document.file):
         return
@@ -48,6 +49,7 @@ def check_named_widths(raw: Raw, device: Device, report: DocumentReport) -> None
 def _used_words(raw: Raw) -> Iterator[str]:
     """Yield every word of a spec that may refer to a parameter: in an expression, a condition or a key."""
     for path, value in leaves(raw):
+        # The definition of a parameter, below ``parameters.NAME``, is not a use of its name.
         keys = path[2:] if path[0] == "parameters" else path
         yield from (step for step in keys if isinstance(step, str))
         if isinstance(value, str) and path[-1] not in _PROSE:
@@ -55,31 +57,42 @@ def _used_words(raw: Raw) -> Iterator[str]:
 
 
 def _difference(device: Device, parameter: Parameter, interface: Interface, layout: Layout) -> str:
-    """Return how the parameter differs from the width of the number in a frame, or an empty text."""
+    """Return how a parameter differs from the width of the number of its name in a frame, or an empty text.
+
+    It is empty if the encoder does not send a number of this name with this layout.
+    """
     name = parameter.name.removesuffix(_ENDING)
     if layout.sender != "encoder" or not {field.name for field in layout.fields}.issuperset(layout.names_in(name)):
         return ""
     for variant in device.variants_over(interface.name):
         placed = layout.place(variant.parameters)
-        fields = placed.find_fields(layout.names_in(name))
-        width, value = sum(field.width for field in fields), variant.parameters.get(parameter.name)
-        if fields and value not in (None, width):
+        placed_fields = placed.find_fields(layout.names_in(name))
+        width, value = sum(field.width for field in placed_fields), variant.parameters.get(parameter.name)
+        if placed_fields and value not in (None, width):
             return f"'{parameter.name}' is {value} for {variant.code}, but '{name}' in '{layout.name}' has {width} bits"
     return ""
 
 
 def check_reach(raw: Raw, context: Context, variants: Sequence[Variant]) -> bool:
-    """Report expressions without a value for an order code of their interface, and parameters that never have one."""
+    """Return True if every expression has a value. Report the others.
+
+    An expression needs a value for each order code of the interface that uses it. A parameter with ``equals`` needs one
+    for at least one order code.
+    """
     problems_before = len(context.report)
     spec = WrittenSpec(dict(raw))
-    for path, interface, text in uses(spec):
-        names = list(all_parameters(text, spec.parameters))
-        formulas = [raw["parameters"][name]["equals"] for name in names if "equals" in raw["parameters"][name]]
-        sets = context.parameter_sets.get(interface, ())
+    for path, interface, expression_text in uses(spec):
+        names = list(all_parameters(expression_text, spec.parameters))
+        formulas_of_parameters = [
+            raw["parameters"][name]["equals"] for name in names if "equals" in raw["parameters"][name]
+        ]
+        sets_of_interface = context.parameter_sets.get(interface, ())
         # A number has the same value in each set.
-        needed_sets = sets if names else sets[:1]
-        pairs = product(needed_sets, (text, *formulas))
-        problem = next(filter(None, (_fault(expression, parameters) for parameters, expression in pairs)), "")
+        sets_to_check = sets_of_interface if names else sets_of_interface[:1]
+        sets_and_expressions = product(sets_to_check, (expression_text, *formulas_of_parameters))
+        problem = next(
+            filter(None, (_fault(expression, parameters) for parameters, expression in sets_and_expressions)), ""
+        )
         if problem:
             context.report.add("bad-expression", path, problem)
     for name, definition in raw["parameters"].items():
@@ -92,6 +105,10 @@ def check_reach(raw: Raw, context: Context, variants: Sequence[Variant]) -> bool
 
 
 def _fault(text: int | str, parameters: Mapping[str, int]) -> str:
+    """Return the reason why an expression has no value for these parameters, or an empty text.
+
+    It is empty for an expression with a syntax error or an unknown parameter, which other rules report.
+    """
     try:
         expression = Expression.parse(text)
     except ExpressionError:
@@ -105,9 +122,10 @@ def _fault(text: int | str, parameters: Mapping[str, int]) -> str:
 
 
 def held_in_registers(raw: Raw, report: DocumentReport) -> Mapping[str, int]:
-    """Return the parameters held in registers at run time, with their default values.
+    """Return the parameters held in registers at run time, with their default values, and check them.
 
-    Parameters whose values the order code sets are not in the result.
+    Parameters whose values the order code sets are not in the result. If the default cannot be found, the highest value
+    stands for it, so that the rest of the spec can be checked.
     """
     defaults: dict[str, int] = {}
     by_order_code = set_by_codes(raw)
@@ -151,10 +169,14 @@ def _register_and_field(raw: Raw, definition: Raw) -> tuple[Raw | None, Raw | No
 
 
 def _default(name: str, definition: Raw, number: int, zero_means: int, report: DocumentReport) -> int:
-    """Return the value of a parameter whose field has this number by default, and check it."""
-    codes = coded_values(definition)
-    if codes:
-        value = next((coded.value for coded in codes if coded.code == number), None)
+    """Return the value of a parameter whose field has this number by default, and check it.
+
+    A parameter with codes has the value of the code, or 0 if the number is not one of them. ``zero_means`` is the value
+    for which a stored zero stands, or 0.
+    """
+    codes_with_values = coded_values(definition)
+    if codes_with_values:
+        value = next((coded.value for coded in codes_with_values if coded.code == number), None)
         if value is None:
             message = f"the default of '{definition['read_from']}' is {number}"
             remedy = f"which is not a code of {quoted('by_code')}"
@@ -174,8 +196,12 @@ def coded_values(definition: Raw) -> tuple[CodedValue, ...]:
 
 
 def extreme_states(raw: Raw) -> Sequence[Sequence[State]]:
-    """Return the states of each register field that must fit: the limits of its parameter, or each of its codes."""
-    limits: list[list[State]] = []
+    """Return the states of each register field that must fit: the limits of its parameter, or each of its codes.
+
+    There is one list for each parameter with limits, such as ``[{"offset": 0}, {"offset": 15}]``, and one for each
+    field with codes, which can hold several parameters.
+    """
+    states_of_limits: list[list[State]] = []
     codes_by_field: dict[str, dict[str, Mapping[int, int]]] = {}
     for name, definition in raw["parameters"].items():
         field = definition.get("read_from")
@@ -183,12 +209,12 @@ def extreme_states(raw: Raw) -> Sequence[Sequence[State]]:
             values_by_code = {coded.code: coded.value for coded in coded_values(definition)}
             codes_by_field.setdefault(field, {})[name] = values_by_code
         elif field is not None:
-            limits.append([{name: definition[key]} for key in ("min", "max") if key in definition])
-    return [*limits, *map(coded_states, codes_by_field.values())]
+            states_of_limits.append([{name: definition[key]} for key in ("min", "max") if key in definition])
+    return [*states_of_limits, *map(coded_states, codes_by_field.values())]
 
 
 def set_by_codes(raw: Raw) -> frozenset[str]:
-    """Return the parameters that an order code sets."""
+    """Return the names of the parameters that values of the order code set."""
     names: set[str] = set()
     for part in raw["order_code"]["parts"]:
         for value in part["values"].values():
@@ -197,46 +223,58 @@ def set_by_codes(raw: Raw) -> frozenset[str]:
 
 
 def _check_set_values(name: str, raw: Raw, codes: Sequence[CodedValue], report: DocumentReport) -> None:
-    """Check that order codes set values that the register can hold."""
-    known_values = {coded.value for coded in codes}
+    """Check that order codes set values that the register can hold, which are those with a code.
+
+    Without codes, nothing is checked.
+    """
+    values_with_code = {coded.value for coded in codes}
     for index, part in enumerate(raw["order_code"]["parts"]):
-        for text, value in part["values"].items():
-            number = (value or {}).get("sets", {}).get(name)
-            if known_values and number is not None and number not in known_values:
-                path = ("order_code", "parts", index, "values", text, "sets", name)
+        for text_of_value, value in part["values"].items():
+            value_set = (value or {}).get("sets", {}).get(name)
+            if values_with_code and value_set is not None and value_set not in values_with_code:
+                path = ("order_code", "parts", index, "values", text_of_value, "sets", name)
                 report.add(
-                    "default-does-not-fit", path, f"{number} is not one of the values in 'by_code' of {quoted(name)}"
+                    "default-does-not-fit", path, f"{value_set} is not one of the values in 'by_code' of {quoted(name)}"
                 )
 
 
 def _check_codes(name: str, definition: Raw, width: int, report: DocumentReport) -> None:
-    """Check that each code fits into the field and is unique."""
-    texts: dict[int, str] = {}
-    for text in definition.get("by_code", {}):
-        code = int(text, 0)
-        path = ("parameters", name, "by_code", text)
+    """Check that each code fits into the field and is unique. The codes are texts such as ``0x10``."""
+    first_text_by_code: dict[int, str] = {}
+    for code_text in definition.get("by_code", {}):
+        code = int(code_text, 0)
+        path = ("parameters", name, "by_code", code_text)
         if code >> width:
-            message = f"the code {text} does not fit into the {width} bits of '{definition['read_from']}'"
+            message = f"the code {code_text} does not fit into the {width} bits of '{definition['read_from']}'"
             report.add("value-too-wide", path, message, at_key=True)
-        elif code in texts:
-            report.add("value-clash", path, f"{texts[code]} and {text} are the same code; keep one", at_key=True)
-        texts.setdefault(code, text)
+        elif code in first_text_by_code:
+            report.add(
+                "value-clash",
+                path,
+                f"{first_text_by_code[code]} and {code_text} are the same code; keep one",
+                at_key=True,
+            )
+        first_text_by_code.setdefault(code, code_text)
 
 
 def _field(register: Raw, name: str) -> Raw | None:
-    """Return the field of a register as in the spec.
+    """Return a field of a register as in the spec, or None if there is no such field.
 
-    A register without fields is one number. A field of a group is empty.
+    A register without fields is one number, whose field has the name of the register. If the register uses a group, any
+    other name may be a field of the group. The result is then empty.
     """
     if "fields" not in register:
         return {"name": name, "at": f"{8 * register['length'] - 1}:0"} if name == register["name"] else None
     own_fields = [field for field in register["fields"] if "use" not in field]
-    of_group: Raw | None = {} if len(own_fields) < len(register["fields"]) else None
-    return next((field for field in own_fields if field.get("name") == name), of_group)
+    field_of_group: Raw | None = {} if len(own_fields) < len(register["fields"]) else None
+    return next((field for field in own_fields if field.get("name") == name), field_of_group)
 
 
 def _place(field: Raw) -> tuple[int, int] | None:
-    """Return low bit and width of a field, or None if they are not plain numbers."""
+    """Return the lowest bit and the width of a field, such as ``(0, 8)`` for ``at: 7:0``.
+
+    Return None for a field without a valid ``at``, or with a width that is an expression.
+    """
     bounds = bit_range(field["at"]) if "at" in field else None
     if bounds is None:
         return None
@@ -264,11 +302,12 @@ def parameter_sets(
     sets_by_interface: dict[str, list[Mapping[str, int]]] = {kind: [] for kind in kinds}
     answers: list[Mapping[str, int]] = [{}]
     for alternative in alternatives:
+        # The first answer is the default, which the order codes already have.
         answers += [answer.sets for answer in alternative.answers[1:]]
-    fields = extreme_states(raw)
+    states_by_field = extreme_states(raw)
     # One by one first, so that messages name as few parameters as possible.
-    singles = (state for states in fields for state in states)
-    register_states: list[State] = [{}, *singles, *(corners(fields) if len(fields) > 1 else ())]
+    single_states = (state for states in states_by_field for state in states)
+    register_states: list[State] = [{}, *single_states, *(corners(states_by_field) if len(states_by_field) > 1 else ())]
     known_keys: set[tuple[str, tuple[int, ...]]] = set()
     bases = _without_definitions(definitions, variants)
     for (kind, base), state, answer in product(bases, register_states, answers):
@@ -277,6 +316,7 @@ def parameter_sets(
         if key not in known_keys:
             known_keys.add(key)
             sets_by_interface.setdefault(kind, []).append(resolve_parameters(parameters, definitions))
+        # too_much_work reports the spec.
         if len(known_keys) > MOST_SETS:
             break
     # An interface that no order code selects has been reported. Its layouts are checked with the parameters of the
@@ -288,7 +328,10 @@ def parameter_sets(
 def _without_definitions(
     definitions: Mapping[str, Expression], variants: Sequence[Variant]
 ) -> Iterator[tuple[str, Mapping[str, int]]]:
-    """Yield the interface and the parameters that order codes set, without those that follow from others, each once."""
+    """Yield the interface and the parameters of each order code, without parameters that follow from others.
+
+    Order codes with the same interface and values are one.
+    """
     base_by_values: dict[tuple[str, tuple[int, ...]], Mapping[str, int]] = {}
     for variant in variants:
         base = {name: value for name, value in variant.parameters.items() if name not in definitions}
@@ -297,15 +340,18 @@ def _without_definitions(
 
 
 def too_much_work(raw: Raw, context: Context) -> bool:
-    """Report a spec for which each field would be placed too often, as it is for each set of parameters."""
-    sets = sum(map(len, context.parameter_sets.values()))
+    """Report a spec for which each field would be placed too often, and return True. Otherwise, return False.
+
+    Each field is placed once for each set of parameters.
+    """
+    number_of_sets = sum(map(len, context.parameter_sets.values()))
     groups = by_name(raw, "field_groups")
-    fields = sum(1 for owner in field_lists(dict(raw)) for _ in expanded(owner, groups))
-    if sets <= MOST_SETS and sets * fields <= MOST_PLACES:
+    number_of_fields = sum(1 for owner in field_lists(dict(raw)) for _ in expanded(owner, groups))
+    if number_of_sets <= MOST_SETS and number_of_sets * number_of_fields <= MOST_PLACES:
         return False
-    number = f"more than {MOST_SETS}" if sets > MOST_SETS else str(sets)
-    message = f"order codes, registers and alternatives combine to {number} sets of parameters"
-    if sets <= MOST_SETS:
-        message += f", and there are {fields} fields; the product must be at most {MOST_PLACES}"
+    number_text = f"more than {MOST_SETS}" if number_of_sets > MOST_SETS else str(number_of_sets)
+    message = f"order codes, registers and alternatives combine to {number_text} sets of parameters"
+    if number_of_sets <= MOST_SETS:
+        message += f", and there are {number_of_fields} fields; the product must be at most {MOST_PLACES}"
     context.report.add("too-large", ("order_code", "parts"), f"{message}; split the family", at_key=True)
     return True
