@@ -362,7 +362,7 @@ def _is_text(value: Any) -> bool:
 def _filters(document: Document, report: Report) -> dict[str, FamilyFilter]:
     """Return the families to which targets are restricted, by the name of the target: the setting ``only``.
 
-    The result is empty if there is no such setting, or if it is no map, which is reported.
+    The result is empty if there is no such setting, or if it is not a map, which is reported.
     """
     if "only" not in document.data:
         return {}

@@ -103,7 +103,7 @@ def edition_of(family: Family, revision: str, build: Build, report: Report) -> F
         _report_in_edition(inner_report, revision, report)
     if device is None:
         return None
-    # All order codes, but without the parts and values of the order code that none of them needs.
+    # All order codes stay. What none of them uses goes, such as values and examples that this edition does not have.
     device = for_codes(device, {variant.code for variant in device.variants})
     date = next((edition.date for edition in family.device.editions if edition.revision == revision), "")
     device = replace(

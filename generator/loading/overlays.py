@@ -96,7 +96,7 @@ def apply_overlays(
         corrected_family = _with_overlays(family, corrections, "", build, report) if corrections else None
         if corrected_family is None:
             # There is no correction, or the corrected family could not be built. With the files of its corrections, a
-            # plain family counts as faulty if one of them has a problem, so that nobody takes it for a corrected one.
+            # plain family counts as faulty if one of them has a problem. So it is not mistaken for a corrected one.
             files_of_corrections = {overlay.file for overlay in overlays if _is_correction_of(name, overlay)}
             corrected_family = replace(family, files=family.files | files_of_corrections)
         resulting_families.append(corrected_family)

@@ -434,7 +434,7 @@ def _right_width(measurement: Measurement, fills_width: bool, bits: int) -> str:
 
 
 def _needed_bits(measurement: Measurement, variant: Variant) -> int | None:
-    """Return the bits that the positions of an order code fill, or None if their number is no power of two."""
+    """Return the bits that the positions of an order code fill, or None if that is not a whole number."""
     counts = _value(measurement.counts_per_turn, variant) * _value(measurement.turns, variant)
     return counts.bit_length() - 1 if counts > 0 and not counts & (counts - 1) else None
 

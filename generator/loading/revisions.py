@@ -159,7 +159,7 @@ def _commit(revision: str) -> str:
     """Return the hash of the commit that a revision names.
 
     Raises:
-        RevisionError: The text is no revision, or there is no such revision.
+        RevisionError: The text is not a revision, or there is no such revision.
     """
     revision_text = visible(revision)
     if not revision or revision.startswith("-") or "\0" in revision:

@@ -47,7 +47,11 @@ class ValidParts:
         return not any(kind in ("layouts", "data_ids") for kind, _ in self.items)
 
     def holds(self, example: Example) -> bool:
-        """Return True if an example and all parts that it depends on are valid."""
+        """Return True if an example and all parts that it depends on are valid.
+
+        A frame of bits depends on its layout, and one of bytes on all layouts, because any of them may have its bytes.
+        All examples except those of CRCs also depend on order codes and parameters.
+        """
         if not self.is_sound("examples", example.name):
             return False
         match example:
@@ -73,7 +77,12 @@ def valid_parts_so_far(report: DocumentReport) -> ValidParts:
 
 
 def valid_parts(data: Spec, faults: Iterable[Path]) -> ValidParts:
-    """Return the validity of the parts of a spec as read, given its faulty places."""
+    """Return the validity of the parts of a spec as read, given its faulty places.
+
+    A place is faulty if something in it is. An item is also faulty if it uses a faulty one, such as a layout with a
+    faulty field group.
+    """
+    # Each faulty place with its parents.
     places = frozenset(fault[:end] for fault in faults for end in range(1, len(fault) + 1))
     faulty: set[Item] = set()
     for kind in ("crcs", "examples"):
@@ -92,10 +101,12 @@ def valid_parts(data: Spec, faults: Iterable[Path]) -> ValidParts:
     return ValidParts(places, frozenset(faulty))
 
 
+#: Keys of fields that name another item, each with the key of the list of these items.
 _MADE_OF = (("use", "field_groups"), ("crc", "crcs"))
 
 
 def _rests_on(procedure: Spec, faulty: set[Item]) -> bool:
+    """Return True if a procedure uses a faulty register or data ID, in a step or for the limits of an argument."""
     references = [("registers", _text(step, "register")) for _, step in items(procedure, "steps")]
     references += [("data_ids", _text(step, "data_id")) for _, step in items(procedure, "steps")]
     references += [("registers", _text(argument, "of")) for _, argument in items(procedure, "arguments")]
