@@ -244,25 +244,25 @@ def _section(file: Path, report: Report, has_places: bool) -> Document | None:
         report.add_at(str(file), 1, 1, "unreadable", f"the file cannot be read: {error.strerror or error}")
         return None
     try:
-        text = content.decode("utf-8")
+        toml_text = content.decode("utf-8")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         message = f"byte 0x{content[error.start]:02X} is not UTF-8; save the file as UTF-8"
         report.add_at(str(file), line, 1, "not-text", message)
         return None
-    data = _parsed_toml(file, text, report)
-    tool_table = data.get("tool")
+    toml_data = _parsed_toml(file, toml_text, report)
+    tool_table = toml_data.get("tool")
     section = tool_table.get("codewheel") if isinstance(tool_table, dict) else None
     if section is None:
         return None
-    lines = tuple(text.split("\n"))
+    toml_lines = tuple(toml_text.split("\n"))
     if not isinstance(section, dict):
-        return Document(str(file), lines, {"codewheel": section}, Mark(1, 1, 1, 1))
-    marks = places_in(text) if has_places else Mark(1, 1, 1, 1)
+        return Document(str(file), toml_lines, {"codewheel": section}, Mark(1, 1, 1, 1))
+    marks = places_in(toml_text) if has_places else Mark(1, 1, 1, 1)
     # The marks of the section are below those of its two names.
     for name in ("tool", "codewheel"):
         marks = marks.children.get(name, Mark(1, 1, 1, 1))
-    return Document(str(file), lines, section, marks)
+    return Document(str(file), toml_lines, section, marks)
 
 
 def _parsed_toml(file: Path, text: str, report: Report) -> dict[str, Any]:
@@ -273,13 +273,13 @@ def _parsed_toml(file: Path, text: str, report: Report) -> dict[str, Any]:
         import tomli as tomllib
 
     try:
-        data: dict[str, Any] = tomllib.loads(text)
+        toml_data: dict[str, Any] = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         line, column, message = _place_of(str(error), text)
         error_line = "".join(text.splitlines()[line - 1 : line])
         report.add_at(str(file), line, column, "toml-syntax", f"not valid TOML: {message}", text=error_line)
         return {}
-    return data
+    return toml_data
 
 
 def _place_of(message: str, text: str) -> tuple[int, int, str]:
@@ -290,13 +290,13 @@ def _place_of(message: str, text: str) -> tuple[int, int, str]:
     lines = text.splitlines() or [""]
     # The end of the text.
     line, column = len(lines), max(len(lines[-1]), 1)
-    place = _WHERE.search(message)
-    if place is None:
+    place_in_message = _WHERE.search(message)
+    if place_in_message is None:
         return line, column, message
     # Otherwise the message gives the end of the document.
-    if place[1] is not None:
-        line, column = int(place[1]), int(place[2])
-    return line, column, message[: place.start()]
+    if place_in_message[1] is not None:
+        line, column = int(place_in_message[1]), int(place_in_message[2])
+    return line, column, message[: place_in_message.start()]
 
 
 def _configuration(file: Path, document: Document, report: Report) -> Configuration:
@@ -347,9 +347,9 @@ def _texts_at(document: Document, table: Mapping[Any, Any], place: Place, report
     key = str(place[-1])
     if key not in table:
         return ()
-    texts = table[key]
-    if isinstance(texts, list) and texts and all(map(_is_text, texts)):
-        return tuple(texts)
+    setting = table[key]
+    if isinstance(setting, list) and setting and all(map(_is_text, setting)):
+        return tuple(setting)
     _report_type(document, place, "a list of texts", _EXAMPLES[key], report)
     return ()
 

@@ -53,8 +53,8 @@ def check_crc(layout: Layout, field: Field, kind: CrcValue, site: Site) -> None:
     if crc is None:
         return
     _check_width(field, crc, site)
-    place = layout.fields.index(field)
-    if any(not isinstance(later_field.kind, CrcValue) for later_field in layout.fields[place:]):
+    place_of_crc = layout.fields.index(field)
+    if any(not isinstance(later_field.kind, CrcValue) for later_field in layout.fields[place_of_crc:]):
         problem = f"'{field.name}' covers everything sent before it, so it must be the last field of '{layout.name}'"
         if kind.of:
             problem = f"'{field.name}' must be the last field of '{layout.name}', even with 'crc_of'"
@@ -124,8 +124,8 @@ def _no_run(layout: Layout, kind: CrcValue, site: Site) -> Iterator[str]:
         place = f"over {interface.title}" if interface.carried_as == "bytes" else "with 'carried_as: bytes'"
         yield f"{place}, a CRC covers everything before it; leave 'crc_of' out"
         return
-    fields = {field.name: field for field in layout.fields}
-    covered_fields = [fields[name] for name in kind.of if name in fields]
+    fields_by_name = {field.name: field for field in layout.fields}
+    covered_fields = [fields_by_name[name] for name in kind.of if name in fields_by_name]
     for field in covered_fields:
         if not field.is_fixed:
             yield f"'{field.name}' differs in place or width between order codes, so 'crc_of' cannot list it"

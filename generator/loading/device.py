@@ -232,23 +232,23 @@ def _variants(
     if not order_code.parts:
         return ()
     variants = []
-    for code, parts, interface, set_values in combinations(order_code):
+    for code, values_by_part, interface, set_values in combinations(order_code):
         parameters = resolve_parameters({**default_values, **set_values}, definitions)
-        variants.append(Variant(code, MappingProxyType(dict(parts)), interface, parameters))
+        variants.append(Variant(code, MappingProxyType(dict(values_by_part)), interface, parameters))
     return tuple(variants)
 
 
 def _parameter(name: str, raw: Raw, context: Context) -> Parameter:
     """Return a parameter with its limits, from its codes if it has any, and its largest value over all order codes."""
-    codes_with_values = coded_values(raw)
-    if codes_with_values:
+    codes = coded_values(raw)
+    if codes:
         coded_numbers = raw["by_code"].values()
         raw = {**raw, "min": min(coded_numbers), "max": max(coded_numbers)}
-    values: list[int] = []
-    for sets in context.parameter_sets.values():
-        values += [parameters.get(name, 0) for parameters in sets]
+    all_values: list[int] = []
+    for sets_of_interface in context.parameter_sets.values():
+        all_values += [parameters.get(name, 0) for parameters in sets_of_interface]
     equals = context.definitions.get(name)
-    return record(Parameter, raw, name=name, equals=equals, largest=max(values, default=0), by_code=codes_with_values)
+    return record(Parameter, raw, name=name, equals=equals, largest=max(all_values, default=0), by_code=codes)
 
 
 def _registers(raw: Raw, context: Context) -> tuple[Register, ...]:
@@ -321,6 +321,7 @@ class _Limits(NamedTuple):
 
 
 def _limits(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> _Limits:
+    """Return the limits of a register for one order code. If the highest number is stored as 0, it is not ``high``."""
     bounded_field = placed.find_field(bounded(register))
     zero_means = bounded_field.field.number.zero_means if bounded_field is not None else 0
     low, high = bounds(register, placed, (register.min, register.max), parameters)
@@ -370,14 +371,14 @@ def _bounded_part(register: Register, placed: PlacedLayout, default: int) -> int
     bounded_name, width = bounded(register), bounded_width(register, placed)
     bounded_joins = [join for join in register.layout.joins if join.name == bounded_name]
     if bounded_joins:
-        value = join_value(placed, bounded_joins[0], default)
+        number_without_sign = join_value(placed, bounded_joins[0], default)
     else:
         bounded_field = placed.find_field(bounded_name)
         low_bit = bounded_field.low if bounded_field is not None else 0
-        value = (default >> low_bit) & ((1 << width) - 1)
+        number_without_sign = (default >> low_bit) & ((1 << width) - 1)
     _, highest = representable(register, placed)
-    is_negative = value > highest
-    return value - (1 << width) if is_negative else value
+    is_negative = number_without_sign > highest
+    return number_without_sign - (1 << width) if is_negative else number_without_sign
 
 
 def _check_control_bytes(device: Device, report: DocumentReport) -> None:
@@ -407,10 +408,10 @@ def _control_byte(device: Device, layout: Layout, data_id: DataId, variant: Vari
     placed = layout.place(variant.parameters)
     values = {field.name: 0 for field in layout.data_fields} | {layout.selector: data_id.id}
     try:
-        number = encode(device, placed, values)
+        frame = encode(device, placed, values)
     except EncodeError:
         return None  # Found by other rules.
-    return number_to_bytes(layout, number, placed.bits)[0]
+    return number_to_bytes(layout, frame, placed.bits)[0]
 
 
 def _check_requests(device: Device, report: DocumentReport) -> None:

@@ -62,13 +62,13 @@ def revision_for(device: Device, wanted: str) -> str:
     Raises:
         UnknownEdition: There is no such edition.
     """
-    names = [edition.revision for edition in device.editions] or [device.manual.revision]
-    if wanted in names:
+    revisions = [edition.revision for edition in device.editions] or [device.manual.revision]
+    if wanted in revisions:
         return wanted
     # A year does not determine which edition was the latest on a given day.
     dated_editions = [edition for edition in device.editions if _DATE.fullmatch(edition.date)]
     if not dated_editions or not _DATE.fullmatch(wanted):
-        message = f"the spec of {device.name} has no edition {quoted(wanted)}; use {listed(names, 'or')}"
+        message = f"the spec of {device.name} has no edition {quoted(wanted)}; use {listed(revisions, 'or')}"
         raise UnknownEdition(f"{message}, or a date such as 2020-03-31" if dated_editions else message)
     editions_so_far = [edition for edition in dated_editions if edition.date <= wanted]
     if not editions_so_far:
@@ -176,9 +176,9 @@ def _edition_erratum(raw: Raw, change: Raw, name: str, number: int, kind: str) -
         number: The place of the change in its list, from 1.
         kind: The kind of the change, such as ``set``.
     """
-    texts = change[kind] if isinstance(change[kind], list) else [change[kind]]
+    affected_texts = change[kind] if isinstance(change[kind], list) else [change[kind]]
     # The text of 'also' is a sentence. Those of other kinds are paths.
-    affected_paths = [] if kind == "also" else [_affected_path(raw, text) for text in texts]
+    affected_paths = [] if kind == "also" else [_affected_path(raw, path_text) for path_text in affected_texts]
     if kind == "remove":
         used = LEFT_OUT
     elif kind in ("unknown", "also"):
@@ -190,8 +190,8 @@ def _edition_erratum(raw: Raw, change: Raw, name: str, number: int, kind: str) -
         Erratum,
         {"severity": "wrong_data", **stated},
         name=f"edition_{re.sub('[^a-z0-9]+', '_', name.lower())}_{number}",
-        title=change_title(layer_in_words("", name), without_examples(texts)),
-        printed=shortened(without_examples([text.removeprefix("registers.") for text in texts])),
+        title=change_title(layer_in_words("", name), without_examples(affected_texts)),
+        printed=shortened(without_examples([path_text.removeprefix("registers.") for path_text in affected_texts])),
         used=used,
         status="open" if used == NOT_KNOWN else "settled",
         affects=tuple(dict.fromkeys(path for path in affected_paths if path)),

@@ -25,10 +25,10 @@ def read_counts(spec: Path, report: Report) -> TimesRead | None:
     file = coverage_path(spec)
     if not file.is_file():
         return None
-    names = [member.name for member in fields(TimesRead)]
+    expected_keys = [member.name for member in fields(TimesRead)]
     try:
         counts = json.loads(file.read_text(encoding="utf-8"))
-        if set(counts) == set(names) and all(type(counts[name]) is int for name in names):
+        if set(counts) == set(expected_keys) and all(type(counts[name]) is int for name in expected_keys):
             return TimesRead(**counts)
     except (OSError, ValueError, TypeError):
         pass

@@ -173,8 +173,8 @@ def _check_register(device: Device, example: RegisterExample) -> Iterator[Wrong]
         message = f"register '{register.name}' has {register.length} bytes, but the example has {len(example.bytes)}"
         yield ("bytes",), message
         return
-    number = number_from_bytes(register.layout, example.bytes)
-    decoded = decode(device, register.layout.place(variant.parameters), number)
+    register_number = number_from_bytes(register.layout, example.bytes)
+    decoded = decode(device, register.layout.place(variant.parameters), register_number)
     differences = list(_check_decoded(device, decoded, example))
     yield from differences or _check_identity(register, decoded, variant)
 
@@ -282,11 +282,11 @@ def decode_example(device: Device, example: FrameExample, variant: Variant) -> D
 
 def _selected_layouts(device: Device, sender: str) -> set[str]:
     """Return the layouts that the decoder can select by the bytes: all of a sender on interfaces with a selector."""
-    names: set[str] = set()
+    layout_names: set[str] = set()
     for interface in device.interfaces:
         if any(layout.selector for layout in interface.layouts):
-            names |= {layout.name for layout in interface.layouts if layout.sender == sender}
-    return names
+            layout_names |= {layout.name for layout in interface.layouts if layout.sender == sender}
+    return layout_names
 
 
 def _compare_values(decoded: Decoded, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
@@ -310,8 +310,8 @@ def _check_encoding(device: Device, decoded: Decoded, example: FrameExample | Re
         derived_names.update(run.name for run in field.runs)
         if not field.carries_data:
             derived_names.add(field.name)
-    values = {name: value for name, value in decoded.values.items() if name not in derived_names}
-    encoded = encode(device, decoded.layout, values)
+    values_to_encode = {name: value for name, value in decoded.values.items() if name not in derived_names}
+    encoded = encode(device, decoded.layout, values_to_encode)
     if layout.gaps == "unspecified":
         # An encoder may return anything in these bits, and a write keeps them.
         described_bits = 0

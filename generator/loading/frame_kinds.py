@@ -92,10 +92,10 @@ def _verdicts_of_affected_bits(device: Device, erratum: Erratum) -> Iterator[Ver
     """
     for interface in device.interfaces:
         for layout in interface.layouts:
-            place = f"interfaces.{interface.name}.{layout.name}"
+            layout_place = f"interfaces.{interface.name}.{layout.name}"
             verdicts: list[Verdict] = []
             for field in layout.fields:
-                if _is_affected(field, place, erratum):
+                if _is_affected(field, layout_place, erratum):
                     verdicts += _verdicts(field)
             if not verdicts:
                 continue
@@ -115,10 +115,13 @@ def _is_affected(field: Field, place: str, erratum: Erratum) -> bool:
 
     A field of a group is also affected through the group.
     """
-    owners = [place]
+    places_with_field = [place]
     if field.group:
-        owners.append(f"field_groups.{field.group}")
-    return any(owner in erratum.affects or f"{owner}.{field.name}" in erratum.affects for owner in owners)
+        places_with_field.append(f"field_groups.{field.group}")
+    return any(
+        affected_place in erratum.affects or f"{affected_place}.{field.name}" in erratum.affects
+        for affected_place in places_with_field
+    )
 
 
 def _verdicts(field: Field) -> Iterator[Verdict]:
@@ -170,8 +173,8 @@ def _check_numbers(device: Device, interface: Interface, report: DocumentReport)
         frames_with_constant = [frame for frame in frames_of_channel if _has_constant(frame, number_names)]
         clash = next(_ambiguous_numbers(device, interface, layout, frames_with_constant), None)
         if clash is not None:
-            field, other_layout, value = clash
-            message = f"'{field.name}' can be any number, but it is always {value:#x} in '{other_layout.name}'"
+            field, other_layout, constant = clash
+            message = f"'{field.name}' can be any number, but it is always {constant:#x} in '{other_layout.name}'"
             remedy = f"a frame '{other_layout.name}' would decode as '{layout.name}'; give this field its 'constant'"
             report.add("frame-kind", _field_path(interface, layout, field), f"{message}, so {remedy}")
 
@@ -233,25 +236,27 @@ def _check_replies(interface: Interface, positions: frozenset[str], report: Docu
         request_names = [exchange.request for exchange in interface.exchanges if exchange.reply == reply.name]
         requests = [layouts[name] for name in request_names if name in layouts]
         for field in reply.fields:
-            value = _common_constant(requests, field.name)
-            if isinstance(field.kind, Number) and value is not None and field.name not in positions:
-                message = f"'{field.name}' can be any number, but it is always {value:#x} in '{requests[0].name}'"
-                place = " in each layout, instead of in the group" if field.group else ""
-                remedy = f"the reply to another request would decode; give this field the same 'constant'{place}"
+            constant = _common_constant(requests, field.name)
+            if isinstance(field.kind, Number) and constant is not None and field.name not in positions:
+                message = f"'{field.name}' can be any number, but it is always {constant:#x} in '{requests[0].name}'"
+                where_to_give = " in each layout, instead of in the group" if field.group else ""
+                remedy = (
+                    f"the reply to another request would decode; give this field the same 'constant'{where_to_give}"
+                )
                 report.add("frame-kind", _field_path(interface, reply, field), f"{message}, so {remedy}")
 
 
 def _common_constant(requests: Sequence[Layout], name: str) -> int | None:
     """Return the constant that a field is in all requests that have it, or None if there is no such constant."""
-    values: set[int] = set()
+    constants: set[int] = set()
     for request in requests:
         for field in request.fields:
             if field.name != name:
                 continue
             if not isinstance(field.kind, Constant):
                 return None
-            values.add(field.kind.value)
-    return values.pop() if len(values) == 1 else None
+            constants.add(field.kind.value)
+    return constants.pop() if len(constants) == 1 else None
 
 
 def _has_constant(layout: Layout, names: set[str]) -> bool:

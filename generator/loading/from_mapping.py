@@ -192,10 +192,10 @@ def check_alarms(raw: Raw, report: DocumentReport) -> None:
     """Report an alarm with a different ``only`` than its flag in a register or group."""
     for index, alarm in enumerate(raw.get("alarms", ())):
         if "register" in alarm:
-            owner = by_name(raw, "registers").get(alarm["register"], {})
+            owner_of_flag = by_name(raw, "registers").get(alarm["register"], {})
         else:
-            owner = by_name(raw, "field_groups").get(alarm.get("group", ""), {})
-        flags = [field for field in owner.get("fields", ()) if field.get("name") == alarm.get("field", "")]
+            owner_of_flag = by_name(raw, "field_groups").get(alarm.get("group", ""), {})
+        flags = [field for field in owner_of_flag.get("fields", ()) if field.get("name") == alarm.get("field", "")]
         if not flags or alarm.get("only", "") == flags[0].get("only", ""):
             continue
         flag = flags[0]
@@ -229,6 +229,7 @@ def build_procedures(raw: Raw, device: Device) -> tuple[Procedure, ...]:
 
 
 def _procedure(raw: Raw, device: Device) -> Procedure:
+    """Return a procedure. Steps without a source have its source, and ``do`` selects the function for a step."""
     arguments = [record(Argument, argument, meant_as=argument.get("as", "")) for argument in raw.get("arguments", ())]
     steps = []
     for step in raw["steps"]:
@@ -245,15 +246,15 @@ def _write(raw: Raw, source: Sources, device: Device) -> Step:
     """
     register_name, field_name = raw.get("register", ""), raw.get("field", "")
     value_name, meaning = raw.get("value", ""), raw.get("meaning", "")
-    fields: list[Any] = []
+    candidate_fields: list[Any] = []
     for register in device.registers:
         if register.name == register_name:
-            fields += register.layout.fields
+            candidate_fields += register.layout.fields
     if field_name:
-        fields = [field for field in fields if field.name == field_name]
+        candidate_fields = [field for field in candidate_fields if field.name == field_name]
     number = None
-    if len(fields) == 1:
-        numbers_of_name = [value.value for value in fields[0].values if value.name == value_name]
+    if len(candidate_fields) == 1:
+        numbers_of_name = [value.value for value in candidate_fields[0].values if value.name == value_name]
         number = numbers_of_name[0] if numbers_of_name else None
     if field_name:
         return ModifyStep(register_name, field_name, value_name, number, meaning=meaning, source=source)

@@ -45,13 +45,13 @@ def content_of_gaps(raw: Raw, context: Context) -> str:
     It is that of the layout, or else of the first group in it that defines it. In a frame, only a group can have such
     bits.
     """
-    owners = [raw]
+    layout_and_groups = [raw]
     for field in raw.get("fields", ()):
         if field.get("use") in context.groups:
             group, _ = context.groups[field["use"]]
-            owners.append(group)
-    for owner in owners:
-        content = owner.get("other_bits")
+            layout_and_groups.append(group)
+    for layout_or_group in layout_and_groups:
+        content = layout_or_group.get("other_bits")
         if content:
             return str(content)
     return ""
@@ -99,9 +99,9 @@ def check_all_bits_covered(fields: Sequence[Field], bits: Expression, gaps: str,
         for end_below, start in zip(ends_below, starts, strict=True):
             first_uncovered, next_covered = end_below.value(parameters), start.value(parameters)
             if next_covered > first_uncovered:
-                place = bits_text(next_covered - 1, first_uncovered) + values_text(parameters, start, end_below)
+                gap_text = bits_text(next_covered - 1, first_uncovered) + values_text(parameters, start, end_below)
                 remedy = "add one, or write 'other_bits: zero' or 'other_bits: unspecified'"
-                site.report("bits-without-field", f"no field covers {place}; {remedy}")
+                site.report("bits-without-field", f"no field covers {gap_text}; {remedy}")
                 return False
     return True
 

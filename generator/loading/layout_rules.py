@@ -49,14 +49,14 @@ def _check_joins(layout: Layout, site: Site, low_first: bool) -> set[str]:
 
     With ``low_first``, that order is reversed. Return the names of the joins with a problem.
     """
-    fields = {field.name: field for field in layout.fields}
+    fields_by_name = {field.name: field for field in layout.fields}
     faulty: set[str] = set()
     for join in layout.joins:
         problems_before = len(site.context.report)
-        _check_parts_of_join(join, fields, site)
+        _check_parts_of_join(join, fields_by_name, site)
         # Bytes may come in any order, but the bits of a word are sent from the highest to the lowest.
         if not layout.in_bytes:
-            _check_order_of_join(join, fields, layout, site, low_first)
+            _check_order_of_join(join, fields_by_name, layout, site, low_first)
         if len(site.context.report) > problems_before:
             faulty.add(join.name)
     return faulty
@@ -120,13 +120,13 @@ def _check_parities(layout: Layout, site: Site) -> None:
 
     Fields without data are allowed too, except those that are computed: CRCs and parity bits.
     """
-    fields = {field.name: field for field in layout.fields}
+    fields_by_name = {field.name: field for field in layout.fields}
     for field in layout.fields:
         if not isinstance(field.kind, Parity):
             continue
         covered_names = field.kind.covers
         for index, name in enumerate(covered_names):
-            is_computed = name in fields and isinstance(fields[name].kind, (CrcValue, Parity))
+            is_computed = name in fields_by_name and isinstance(fields_by_name[name].kind, (CrcValue, Parity))
             if name in covered_names[:index]:
                 problem = f"'{field.name}' covers '{name}' twice; list it once"
                 site.report("parity-of", problem, "fields", field.name, "parity_of")
@@ -134,7 +134,7 @@ def _check_parities(layout: Layout, site: Site) -> None:
                 problem = f"the parity bit '{field.name}' cannot cover '{name}', which is computed itself; leave it out"
                 site.report("parity-of", problem, "fields", field.name, "parity_of")
         # Bits of a field count from 0, so only a field of two bits or more has a bit with an odd number.
-        covers_odd_bits = any(fields[name].widest > 1 for name in covered_names if name in fields)
+        covers_odd_bits = any(fields_by_name[name].widest > 1 for name in covered_names if name in fields_by_name)
         if field.kind.over == "odd_bits" and not covers_odd_bits:
             problem = f"'{field.name}' covers no bit, since no covered field has a bit 1; write 'over: even_bits'"
             site.report("parity-of", problem, "fields", field.name, "parity_of")
@@ -167,21 +167,21 @@ def _check_gray(layout: Layout, site: Site) -> None:
     Also check that the parameter that turns Gray code on is 0 or 1 for all order codes.
     """
     coded_names = layout.names_in(layout.gray_of)
-    fields = {field.name: field for field in layout.fields}
-    parts = [fields[name] for name in coded_names if name in fields]
-    parts_without_number = [part for part in parts if not isinstance(part.kind, (Number, Choice, Flag))]
+    fields_by_name = {field.name: field for field in layout.fields}
+    coded_fields = [fields_by_name[name] for name in coded_names if name in fields_by_name]
+    parts_without_number = [part for part in coded_fields if not isinstance(part.kind, (Number, Choice, Flag))]
     problem = ""
     if parts_without_number:
         problem = f"'{parts_without_number[0].name}' is not a number"
-    elif len(parts) == 1 and parts[0].widest == 1:
-        problem = f"'{parts[0].name}' has one bit"
+    elif len(coded_fields) == 1 and coded_fields[0].widest == 1:
+        problem = f"'{coded_fields[0].name}' has one bit"
     if problem:
         site.report("gray-of", f"{problem}; only a number of several bits can be in Gray code", "gray", "of")
-    switch_values = {values[layout.gray_when] for values in site.sets if layout.gray_when in values}
+    switch_values = {parameters[layout.gray_when] for parameters in site.sets if layout.gray_when in parameters}
     if not switch_values <= {0, 1}:
         message = f"'{layout.gray_when}' can be {max(switch_values)}; it must be 1 for Gray code, or 0 for binary"
         site.report("gray-of", message, "gray", "when")
-    for above, below in pairwise(parts):
+    for above, below in pairwise(coded_fields):
         if not _are_adjacent(above, below, site):
             message = (
                 f"'{above.name}' and '{below.name}' are not adjacent; a number in Gray code must be contiguous,"
@@ -358,7 +358,7 @@ def _check_absent(field: Field, reason: str, site: Site) -> None:
     """
     for parameters in site.sets:
         if field.width.value(parameters) == 0:
-            values = ", ".join(f"{name} = {parameters[name]}" for name in field.width.parameters)
-            message = f"'{field.name}' has no bits with {values} and reads as 0, but {reason}"
+            parameter_texts = ", ".join(f"{name} = {parameters[name]}" for name in field.width.parameters)
+            message = f"'{field.name}' has no bits with {parameter_texts} and reads as 0, but {reason}"
             site.report("value-too-wide", message)
             return

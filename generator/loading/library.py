@@ -130,11 +130,11 @@ def _documents(paths: Sequence[Path], report: Report) -> list[Document]:
 
 def _packaged_specs_for(overlays: Sequence[Document]) -> list[Path]:
     """Return the packaged specs that overlays change, or all of them if an overlay names no packaged family."""
-    specs = {spec.stem: spec for spec in spec_files(packaged_families())}
-    names = sorted({str(overlay.data.get("of")) for overlay in overlays})
-    if not set(names) <= specs.keys():
+    specs_by_family = {spec.stem: spec for spec in spec_files(packaged_families())}
+    overlaid_names = sorted({str(overlay.data.get("of")) for overlay in overlays})
+    if not set(overlaid_names) <= specs_by_family.keys():
         return packaged_families()
-    return [specs[name] for name in names]
+    return [specs_by_family[name] for name in overlaid_names]
 
 
 def _is_storable(family: Family) -> bool:

@@ -50,8 +50,8 @@ def _used_words(raw: Raw) -> Iterator[str]:
     """Yield every word of a spec that may refer to a parameter: in an expression, a condition or a key."""
     for path, value in leaves(raw):
         # The definition of a parameter, below ``parameters.NAME``, is not a use of its name.
-        keys = path[2:] if path[0] == "parameters" else path
-        yield from (step for step in keys if isinstance(step, str))
+        keys_of_use = path[2:] if path[0] == "parameters" else path
+        yield from (step for step in keys_of_use if isinstance(step, str))
         if isinstance(value, str) and path[-1] not in _PROSE:
             yield from _WORD.findall(value)
 
@@ -82,13 +82,13 @@ def check_reach(raw: Raw, context: Context, variants: Sequence[Variant]) -> bool
     problems_before = len(context.report)
     spec = WrittenSpec(dict(raw))
     for path, interface, expression_text in uses(spec):
-        names = list(all_parameters(expression_text, spec.parameters))
+        parameter_names = list(all_parameters(expression_text, spec.parameters))
         formulas_of_parameters = [
-            raw["parameters"][name]["equals"] for name in names if "equals" in raw["parameters"][name]
+            raw["parameters"][name]["equals"] for name in parameter_names if "equals" in raw["parameters"][name]
         ]
         sets_of_interface = context.parameter_sets.get(interface, ())
         # A number has the same value in each set.
-        sets_to_check = sets_of_interface if names else sets_of_interface[:1]
+        sets_to_check = sets_of_interface if parameter_names else sets_of_interface[:1]
         sets_and_expressions = product(sets_to_check, (expression_text, *formulas_of_parameters))
         problem = next(
             filter(None, (_fault(expression, parameters) for parameters, expression in sets_and_expressions)), ""
@@ -128,7 +128,7 @@ def held_in_registers(raw: Raw, report: DocumentReport) -> Mapping[str, int]:
     stands for it, so that the rest of the spec can be checked.
     """
     defaults: dict[str, int] = {}
-    by_order_code = set_by_codes(raw)
+    names_set_by_codes = set_by_codes(raw)
     for name, definition in raw["parameters"].items():
         if "read_from" not in definition:
             continue
@@ -136,15 +136,15 @@ def held_in_registers(raw: Raw, report: DocumentReport) -> Mapping[str, int]:
         if register is None or field is None:
             defaults[name] = definition.get("max", 0)  # reported by the rule on references
             continue
-        place = _place(field)
-        if place is None:
+        low_and_width = _place(field)
+        if low_and_width is None:
             message = f"'{definition['read_from']}' must be placed with 'at' and a constant width"
             report.add("undefined-reference", ("parameters", name, "read_from"), message)
             defaults[name] = definition.get("max", 0)
             continue
-        low, width = place
+        low_bit, width = low_and_width
         _check_codes(name, definition, width, report)
-        if name in by_order_code:
+        if name in names_set_by_codes:
             _check_set_values(name, raw, coded_values(definition), report)
         elif "default" not in register:
             message = f"the register of '{definition['read_from']}' has no default"
@@ -155,7 +155,7 @@ def held_in_registers(raw: Raw, report: DocumentReport) -> Mapping[str, int]:
             )
             defaults[name] = definition.get("max", 0)
         else:
-            number = register["default"] >> low & ((1 << width) - 1)
+            number = register["default"] >> low_bit & ((1 << width) - 1)
             defaults[name] = _default(name, definition, number, field.get("zero_means", 0), report)
     return MappingProxyType(defaults)
 
@@ -215,11 +215,11 @@ def extreme_states(raw: Raw) -> Sequence[Sequence[State]]:
 
 def set_by_codes(raw: Raw) -> frozenset[str]:
     """Return the names of the parameters that values of the order code set."""
-    names: set[str] = set()
+    parameter_names: set[str] = set()
     for part in raw["order_code"]["parts"]:
-        for value in part["values"].values():
-            names.update((value or {}).get("sets", ()))
-    return frozenset(names)
+        for code_value in part["values"].values():
+            parameter_names.update((code_value or {}).get("sets", ()))
+    return frozenset(parameter_names)
 
 
 def _check_set_values(name: str, raw: Raw, codes: Sequence[CodedValue], report: DocumentReport) -> None:
@@ -229,8 +229,8 @@ def _check_set_values(name: str, raw: Raw, codes: Sequence[CodedValue], report: 
     """
     values_with_code = {coded.value for coded in codes}
     for index, part in enumerate(raw["order_code"]["parts"]):
-        for text_of_value, value in part["values"].items():
-            value_set = (value or {}).get("sets", {}).get(name)
+        for text_of_value, code_value in part["values"].items():
+            value_set = (code_value or {}).get("sets", {}).get(name)
             if values_with_code and value_set is not None and value_set not in values_with_code:
                 path = ("order_code", "parts", index, "values", text_of_value, "sets", name)
                 report.add(
@@ -296,28 +296,29 @@ def parameter_sets(
     These are the sets of the order codes, the bounds of parameters held in registers, one by one and together, and each
     of these with each answer of an alternative.
     """
-    kinds = (*raw["interfaces"], *map(interface_of, raw.get("registers", ())))
+    interface_names = (*raw["interfaces"], *map(interface_of, raw.get("registers", ())))
     if not variants:  # Parameters are unknown. Parts that do not use them can still be checked.
-        return MappingProxyType({kind: ({},) for kind in kinds})
-    sets_by_interface: dict[str, list[Mapping[str, int]]] = {kind: [] for kind in kinds}
-    answers: list[Mapping[str, int]] = [{}]
+        return MappingProxyType({kind: ({},) for kind in interface_names})
+    sets_by_interface: dict[str, list[Mapping[str, int]]] = {kind: [] for kind in interface_names}
+    values_of_answers: list[Mapping[str, int]] = [{}]
     for alternative in alternatives:
         # The first answer is the default, which the order codes already have.
-        answers += [answer.sets for answer in alternative.answers[1:]]
+        values_of_answers += [values_of_answer.sets for values_of_answer in alternative.answers[1:]]
     states_by_field = extreme_states(raw)
     # One by one first, so that messages name as few parameters as possible.
     single_states = (state for states in states_by_field for state in states)
     register_states: list[State] = [{}, *single_states, *(corners(states_by_field) if len(states_by_field) > 1 else ())]
-    known_keys: set[tuple[str, tuple[int, ...]]] = set()
+    known_sets: set[tuple[str, tuple[int, ...]]] = set()
     bases = _without_definitions(definitions, variants)
-    for (kind, base), state, answer in product(bases, register_states, answers):
-        parameters = {**base, **state, **answer}
-        key = (kind, tuple(parameters.values()))
-        if key not in known_keys:
-            known_keys.add(key)
+    for (kind, base), state, values_of_answer in product(bases, register_states, values_of_answers):
+        parameters = {**base, **state, **values_of_answer}
+        # The parameters of an interface are always in the same order, so their values identify a set.
+        interface_and_values = (kind, tuple(parameters.values()))
+        if interface_and_values not in known_sets:
+            known_sets.add(interface_and_values)
             sets_by_interface.setdefault(kind, []).append(resolve_parameters(parameters, definitions))
         # too_much_work reports the spec.
-        if len(known_keys) > MOST_SETS:
+        if len(known_sets) > MOST_SETS:
             break
     # An interface that no order code selects has been reported. Its layouts are checked with the parameters of the
     # others.

@@ -208,9 +208,9 @@ def _cases(device: Device, interface: Interface, measurement: Measurement) -> It
 def _measurement_problem(device: Device, measurement: Measurement, case: _Case) -> tuple[str, str] | None:
     """Return the wrong key and the message of the first contradiction with the layout of a case, or None."""
     key = "counts_per_turn" if measurement.counts_per_turn is not None else "modulus"
-    numbers = {name: getattr(measurement, name) for name in ("counts_per_turn", "turns", *_STEPS, "modulus")}
-    numbers = {name: number for name, number in numbers.items() if number is not None}
-    values = {name: number.value(case.variant.parameters) for name, number in numbers.items()}
+    expressions = {name: getattr(measurement, name) for name in ("counts_per_turn", "turns", *_STEPS, "modulus")}
+    expressions = {name: number for name, number in expressions.items() if number is not None}
+    values = {name: number.value(case.variant.parameters) for name, number in expressions.items()}
     for name, value in values.items():
         if value < 1:
             return name, f"'{name}' is {value} for {case.variant.code}; it must be at least 1"
@@ -225,7 +225,7 @@ def _measurement_problem(device: Device, measurement: Measurement, case: _Case) 
     for name, value in values.items():
         # All bits 1, such as 4095: the highest position instead of the number of positions.
         is_highest = name not in _STEPS and value >= _SEVERAL and value & (value + 1) == 0
-        if is_highest and not _at_run_time(device, numbers[name]):
+        if is_highest and not _at_run_time(device, expressions[name]):
             message = f"'{name}' is {value} for {case.variant.code}, which is the highest count"
             return name, f"{message}; including 0 there are {value + 1}"
     return (
@@ -239,14 +239,14 @@ def _measurement_problem(device: Device, measurement: Measurement, case: _Case) 
 def _other_unit(case: _Case, values: Mapping[str, int]) -> tuple[str, str] | None:
     """Return the key and the message if the unit of a single position field contradicts the length of a count."""
     key = next((name for name in ("step_um", "step_nm") if name in values), "")
-    fields = [case.layout.field(name) for name, _ in case.fields]
-    if not key or len(fields) != 1 or fields[0].unit not in _NANOMETRES:
+    position_fields = [case.layout.field(name) for name, _ in case.fields]
+    if not key or len(position_fields) != 1 or position_fields[0].unit not in _NANOMETRES:
         return None
-    unit, per_counts = fields[0].unit, values.get("per_counts", 1)
+    unit, per_counts = position_fields[0].unit, values.get("per_counts", 1)
     # The step is the length of 'per_counts' counts, and the unit of the field that of one count.
     if values[key] * _NANOMETRES["um" if key == "step_um" else "nm"] == _NANOMETRES[unit] * per_counts:
         return None
-    message = f"'{key}' is {values[key]} for {case.variant.code}, but '{fields[0].name}' has 'unit: {unit}'"
+    message = f"'{key}' is {values[key]} for {case.variant.code}, but '{position_fields[0].name}' has 'unit: {unit}'"
     return key, f"{message}, so a count is 1 {unit}; correct one of the two, or write 'unit: counts'"
 
 

@@ -212,11 +212,11 @@ def _check_biss_id(device: Device, report: DocumentReport) -> None:
         id_bytes = {address: pair for address, pair in id_bytes.items() if address in _BISS_ID}
         if any((byte ^ biss_id >> _BISS_ID[address]) & byte_mask for address, (byte, byte_mask) in id_bytes.items()):
             bytes_text = ", ".join(f"{byte:02X}" for byte, _ in id_bytes.values())
-            text = (
+            message = (
                 f"'{register.name}' equals {bytes_text} at 7Eh and 7Fh, but 'biss_id' in the manufacturer file is"
                 f" {biss_id:#06x}; one of the two is wrong"
             )
-            report.add("biss-id-mismatch", ("registers", register.name), text)
+            report.add("biss-id-mismatch", ("registers", register.name), message)
     _check_read_biss_id(device, biss_id, report)
 
 
@@ -272,11 +272,11 @@ def _check_meanings(raw: Raw, device: Device, report: DocumentReport) -> None:
             if variants_of_value and all(
                 named_counts.isdisjoint(_quantities(device, variant)) for variant in variants_of_value
             ):
-                sets = ", ".join(f"{name} = {number}" for name, number in value["sets"].items())
+                settings = ", ".join(f"{name} = {number}" for name, number in value["sets"].items())
                 first_count = next(number for number in numbers if number >= _LEAST)
                 message = (
-                    f"the meaning of '{text_of_value}' contains {first_count:,}, but with {sets}, its order codes do"
-                    f" not have this number{MEANING_DIFFERS}"
+                    f"the meaning of '{text_of_value}' contains {first_count:,}, but with {settings}, its order codes"
+                    f" do not have this number{MEANING_DIFFERS}"
                 )
                 report.add(
                     "meaning-mismatch", ("order_code", "parts", index, "values", text_of_value, "meaning"), message
@@ -332,9 +332,9 @@ def _frame_and_position_widths(device: Device, variant: Variant) -> set[int]:
         return widths
     for layout in interface.layouts:
         placed = layout.place(variant.parameters)
-        fields = placed.find_fields(layout.names_in(measurement.of))
-        if layout.sender == "encoder" and fields:
-            widths |= {placed.bits, sum(field.width for field in fields)}
+        position_fields = placed.find_fields(layout.names_in(measurement.of))
+        if layout.sender == "encoder" and position_fields:
+            widths |= {placed.bits, sum(field.width for field in position_fields)}
     return widths
 
 

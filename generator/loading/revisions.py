@@ -167,8 +167,8 @@ def _commit(revision: str) -> str:
     try:
         commit = _git(["rev-parse", "--verify", "--quiet", f"{revision}^{{commit}}"])
     except _Refused:
-        names = _git(["for-each-ref", "--format=%(refname:short)"]).decode(errors="replace").split("\n")
-        hint = suggestion(revision, [name for name in names if name][:_MOST_FILES])
+        reference_names = _git(["for-each-ref", "--format=%(refname:short)"]).decode(errors="replace").split("\n")
+        hint = suggestion(revision, [name for name in reference_names if name][:_MOST_FILES])
         raise RevisionError(f"there is no revision '{revision_text}' in this repository{visible(hint)}") from None
     return commit.decode().strip()
 

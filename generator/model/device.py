@@ -325,6 +325,7 @@ class Device:
 
     @cached_property
     def _position_names(self) -> dict[str, frozenset[str]]:
+        """Names of the fields and joins of the position or a part of it, by interface."""
         position_names = {}
         for interface in self.interfaces:
             measurement = self.measurement_of(interface.name)

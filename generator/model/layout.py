@@ -146,14 +146,14 @@ class Layout:
 
         A flag or value counts if its verdict is not *usable*, and if it applies to all order codes that have it.
         """
-        names = {field.name for field in self.fields if _judges(field.kind)}
+        judging_names = {field.name for field in self.fields if _judges(field.kind)}
         for sign in self.signs:
             if _judges(sign.flag.kind):
                 # The fields of a combination are in the same frames, because their widths are the same for all order
                 # codes. So the first one is enough.
                 name, _ = sign.conditions[0]
-                names.add(name)
-        return tuple(field for field in self.fields if field.name in names)
+                judging_names.add(name)
+        return tuple(field for field in self.fields if field.name in judging_names)
 
     @cached_property
     def judging_bits(self) -> Expression:
@@ -331,9 +331,9 @@ class PlacedLayout:
 
         The field listed last in a join has its lowest bit.
         """
-        parts = self.find_fields(self.layout.names_in(name))
-        width = sum(part.width for part in parts)
-        return (parts[-1].low, width) if parts else (0, 0)
+        placed_fields = self.find_fields(self.layout.names_in(name))
+        width = sum(part.width for part in placed_fields)
+        return (placed_fields[-1].low, width) if placed_fields else (0, 0)
 
 
 def _judges(kind: Kind) -> bool:
