@@ -187,9 +187,10 @@ def _field_path(interface: Interface, layout: Layout, field: Field) -> Path:
 
 
 def _check_positions(device: Device, interface: Interface, report: DocumentReport) -> None:
-    """Report two frames with the position that nothing distinguishes, unless a note says how a master knows them.
+    """Report the first two frames with the position that nothing distinguishes, unless the second layout has a note.
 
-    No request selects a frame over SSI and BiSS, so decoders would take each frame as the first layout.
+    The note should say how a master knows the frames. No request selects a frame over SSI and BiSS, so decoders would
+    take each frame as the first layout.
     """
     frames = [layout for layout in interface.layouts if device.tells_position(interface.name, layout)]
     for first, second in combinations(frames if isinstance(interface, (Biss, Ssi)) else (), 2):

@@ -76,6 +76,7 @@ def build_layout(raw: Raw, site: Site, total: int | None = None) -> Layout | Non
         fields = [replace(field, pieces=pieces(field, site.widest(bits) // 8, low_first)) for field in fields]
     fields = _with_joins_covered(raw, fields, site)
     layout = _layout(raw, site, byte_order, bits, _in_order(fields, low_first and total is None), gaps)
+    # A layout that is carried as bits can also send the low byte first.
     if not check_layout(layout, site, raw.get("byte_order") == "low_byte_first"):
         return None
     return with_unknown_verdicts(layout, raw["fields"], site) if total is None else layout

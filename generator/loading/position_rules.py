@@ -36,7 +36,7 @@ class _Case:
 
 
 def check_measurements(device: Device, report: DocumentReport) -> None:
-    """Check measurements against the position of each order code, and report the first contradiction."""
+    """Check scales and Gray code of positions, and report the first contradiction of each measurement."""
     reported: set[Path] = set()
     _check_scales(device, report)
     _check_gray(device, report)
@@ -369,7 +369,8 @@ def _sources(device: Device, *expressions: Expression) -> frozenset[str]:
 def check_position_widths(device: Device, report: DocumentReport) -> None:
     """Report a position with too many bits for its counts, unless a note of the field explains it.
 
-    Whole bytes may begin with zeros, as manuals draw them. So may a position in fewer bits than any order code has.
+    Zeros above a position are accepted if no order code fills the field, and if the field is whole bytes, as manuals
+    draw them, or order codes need different widths.
     """
     if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
         return
@@ -394,11 +395,7 @@ def _position_field(layout: Layout, measurement: Measurement) -> Field | None:
 
 
 def _check_width(device: Device, interface: Interface, layout: Layout, field: Field, report: DocumentReport) -> None:
-    """Report a position field that is wider than the counts of an order code need.
-
-    Only if all counts are powers of two and fit. A wider field is accepted if no order code fills it, and it is made of
-    whole bytes or the order codes differ in their needs.
-    """
+    """Report a position field wider than the counts of an order code need, if all counts are powers of two and fit."""
     measurement = device.measurement_of(interface.name)
     assert measurement is not None
     width = field.width.constant

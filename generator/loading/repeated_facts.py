@@ -346,6 +346,7 @@ def _quantities(device: Device, variant: Variant) -> set[int]:
     )
     quantities = {expression.value(variant.parameters) for expression in expressions if expression is not None}
     quantities.update(variant.parameters.values())
+    # A parameter up to 64 can be a number of bits.
     return quantities | {1 << number for number in variant.parameters.values() if 0 <= number <= 64}
 
 

@@ -129,6 +129,7 @@ def as_data(device: model.Device) -> list[Any]:
     row_by_id: dict[int, int] = {}
 
     def put(value: Any) -> Any:
+        """Return a value as data, and add a row for each new object in it."""
         kind = type(value)
         if value is None or kind in (bool, int, float, str):
             return value

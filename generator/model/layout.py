@@ -157,9 +157,10 @@ class Layout:
 
     @cached_property
     def judging_bits(self) -> Expression:
-        """Number of bits of the judging fields. It is 0 for order codes without any.
+        """Expression that is 0 for order codes whose frames have no judging field, and positive for all others.
 
-        If all order codes have some of these fields, the number of bits does not matter, and this is 1.
+        It is 1 if a judging field has a constant width. Otherwise it is the sum of their widths, each width counted
+        once.
         """
         # Each width once. A dict keeps their order, which a set does not.
         widths = {field.width: None for field in self.judging_fields}
