@@ -377,6 +377,7 @@ def _bounded_part(register: Register, placed: PlacedLayout, default: int) -> int
         low_bit = bounded_field.low if bounded_field is not None else 0
         number_without_sign = (default >> low_bit) & ((1 << width) - 1)
     _, highest = representable(register, placed)
+    # Only a signed field holds bits that read as more than its highest number.
     is_negative = number_without_sign > highest
     return number_without_sign - (1 << width) if is_negative else number_without_sign
 

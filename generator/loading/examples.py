@@ -369,6 +369,7 @@ def _sample(device: Device, variant: Variant, layout: Layout) -> Sample:
     worked_example = _worked_example(device, variant)
     if measurement is not None and worked_example is not None and measurement.of in layout.member_names:
         position_fields = layout.names_in(measurement.of)
+        # The position is encoded as a whole, instead of its fields.
         other_values = {name: value for name, value in made_up_values.items() if name not in position_fields}
         values_with_position = {**other_values, measurement.of: worked_example.counts}
         with suppress(EncodeError):  # a position that does not fit
@@ -424,7 +425,7 @@ def _number(bits: int) -> int:
 def _encoded_sample(
     device: Device, placed: PlacedLayout, variant: Variant, values: Values, source: Sources = ()
 ) -> Sample:
-    """Return a frame with these values, and with an active flag that makes the position unusable, if it has one."""
+    """Return a frame with these values, and the same one with a flag that decoders must refuse, if there is one."""
     frame = encode(device, placed, values)
     plain_frame = from_gray(placed, frame)
     decoded_values = {field.name: values[field.name] for field in placed.fields if field.name in values}

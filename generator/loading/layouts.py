@@ -396,28 +396,30 @@ def _range_problem(field_item: Item, width: int, bits: range, total: int, condit
 
 def _fields(field_item: Item, site: Site) -> Iterable[Field]:
     """Yield the fields of an item: the field, also its padding if it has one, or all those of a group."""
-    for part in _flatten([field_item]):
-        raw, width = part.raw, part.width
+    for expanded_item in _flatten([field_item]):
+        raw, width = expanded_item.raw, expanded_item.width
         widest = site.widest(width)
         container = raw.get("padded_to", 0)
         if "scale" in raw and widest > WIDEST:
             message = f"'{raw['name']}' has {widest} bits; a number with 'scale' has at most {WIDEST}"
-            site.context.report.add("scale-of", (*part.path, "scale"), message, at_key=True)
+            site.context.report.add("scale-of", (*expanded_item.path, "scale"), message, at_key=True)
         yield record(
             Field,
             raw,
             kind=kind_of(raw, site.context, site.interface, width),
-            low=part.low,
+            low=expanded_item.low,
             width=width,
             widest=widest,
-            group=part.group,
+            group=expanded_item.group,
             container=container,
             equals=expected_value(raw, site.context),
         )
         if container:
-            padding_bits = part.span - width
+            padding_bits = expanded_item.span - width
             padding = Constant(padding_of=raw["name"])
-            yield zero_field(f"{raw['name']}_padding", padding, part.low + width, padding_bits, site, sources(raw))
+            yield zero_field(
+                f"{raw['name']}_padding", padding, expanded_item.low + width, padding_bits, site, sources(raw)
+            )
 
 
 def _in_order(fields: Sequence[Field], low_first: bool) -> Sequence[Field]:

@@ -294,7 +294,7 @@ def parameter_sets(
     """Return, by interface, every set of parameters that a layout must support.
 
     These are the sets of the order codes, the bounds of parameters held in registers, one by one and together, and each
-    of these with each answer of an alternative.
+    of these with the default answers, and with each other answer of one alternative.
     """
     interface_names = (*raw["interfaces"], *map(interface_of, raw.get("registers", ())))
     if not variants:  # Parameters are unknown. Parts that do not use them can still be checked.
@@ -303,15 +303,17 @@ def parameter_sets(
     values_of_answers: list[Mapping[str, int]] = [{}]
     for alternative in alternatives:
         # The first answer is the default, which the order codes already have.
-        values_of_answers += [values_of_answer.sets for values_of_answer in alternative.answers[1:]]
+        values_of_answers += [answer.sets for answer in alternative.answers[1:]]
     states_by_field = extreme_states(raw)
     # One by one first, so that messages name as few parameters as possible.
-    single_states = (state for states in states_by_field for state in states)
+    single_states = (register_state for states in states_by_field for register_state in states)
     register_states: list[State] = [{}, *single_states, *(corners(states_by_field) if len(states_by_field) > 1 else ())]
     known_sets: set[tuple[str, tuple[int, ...]]] = set()
-    bases = _without_definitions(definitions, variants)
-    for (kind, base), state, values_of_answer in product(bases, register_states, values_of_answers):
-        parameters = {**base, **state, **values_of_answer}
+    sets_by_codes = _without_definitions(definitions, variants)
+    for (kind, set_by_code), register_state, values_of_answer in product(
+        sets_by_codes, register_states, values_of_answers
+    ):
+        parameters = {**set_by_code, **register_state, **values_of_answer}
         # The parameters of an interface are always in the same order, so their values identify a set.
         interface_and_values = (kind, tuple(parameters.values()))
         if interface_and_values not in known_sets:

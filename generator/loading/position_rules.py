@@ -129,7 +129,10 @@ def _is_position_alone(layout: Layout, measurement: Measurement) -> bool:
 def _reason_against_excess(
     layout: Layout, measurement: Measurement | None, switched: Collection[str]
 ) -> tuple[str, str] | None:
-    """Return the key and the message if the layout has an ``excess`` that cannot be checked, otherwise None."""
+    """Return the key and the message if the layout has an ``excess`` that cannot be checked, otherwise None.
+
+    ``switched`` are the parameters that depend on a register.
+    """
     if layout.gray_excess is None:
         return None
     if measurement is None or not _codes_position(layout, measurement) or not _is_position_alone(layout, measurement):
@@ -207,6 +210,7 @@ def _cases(device: Device, interface: Interface, measurement: Measurement) -> It
 
 def _measurement_problem(device: Device, measurement: Measurement, case: _Case) -> tuple[str, str] | None:
     """Return the wrong key and the message of the first contradiction with the layout of a case, or None."""
+    # The key that gives the number of positions: per turn, or in all for a length.
     key = "counts_per_turn" if measurement.counts_per_turn is not None else "modulus"
     expressions = {name: getattr(measurement, name) for name in ("counts_per_turn", "turns", *_STEPS, "modulus")}
     expressions = {name: number for name, number in expressions.items() if number is not None}
@@ -216,8 +220,8 @@ def _measurement_problem(device: Device, measurement: Measurement, case: _Case) 
             return name, f"'{name}' is {value} for {case.variant.code}; it must be at least 1"
         if name in _STEPS and value > _MOST:
             return name, f"'{name}' is {value} for {case.variant.code}; it must be at most {_MOST}"
-    if (other_unit := _other_unit(case, values)) is not None:
-        return other_unit
+    if (unit_problem := _other_unit(case, values)) is not None:
+        return unit_problem
     position_range = case.layout.position_range
     never_wraps = position_range is not None and not position_range.wraps
     if key not in values or not case.width or never_wraps:
@@ -339,7 +343,7 @@ def _revolution_problem(case: _Case, key: str, values: Mapping[str, int]) -> tup
     """Return the key and the message if the fields below a number of revolutions do not fill one revolution."""
     for index, (name, width) in enumerate(case.fields[:-1]):
         bits_below = sum(width for _, width in case.fields[index + 1 :])
-        # The number of revolutions does not need a unit if both fields are as wide as revolutions and counts need.
+        # Without a unit, the upper of two fields counts turns if they fit into it, and the counts into the other.
         fits_turns = (
             len(case.fields) == 2 and values[key] < 1 << bits_below and 1 < values.get("turns", 1) <= 1 << width
         )

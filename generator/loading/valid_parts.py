@@ -84,21 +84,21 @@ def valid_parts(data: Spec, faults: Iterable[Path]) -> ValidParts:
     """
     # Each faulty place with its parents.
     places = frozenset(fault[:end] for fault in faults for end in range(1, len(fault) + 1))
-    faulty: set[Item] = set()
+    faulty_items: set[Item] = set()
     for kind in ("crcs", "examples"):
-        faulty |= {(kind, _name(owner)) for path, owner in items(data, kind) if path in places}
+        faulty_items |= {(kind, _name(owner)) for path, owner in items(data, kind) if path in places}
     for fields in field_lists(data):  # Groups come first, because the others may use them.
         references = ((kind, _text(field, key)) for _, field in fields for key, kind in _MADE_OF)
-        if fields.path in places or any(reference in faulty for reference in references):
-            faulty.add((fields.kind.value, _name(fields.owner)))
-    faulty |= {("registers", _name(register)) for path, register in items(data, "registers") if path in places}
+        if fields.path in places or any(reference in faulty_items for reference in references):
+            faulty_items.add((fields.kind.value, _name(fields.owner)))
+    faulty_items |= {("registers", _name(register)) for path, register in items(data, "registers") if path in places}
     for interface in mapping(data, "interfaces"):
         data_ids = items(data, "interfaces", interface, "data_ids")
-        faulty |= {("data_ids", _name(data_id)) for path, data_id in data_ids if path in places}
+        faulty_items |= {("data_ids", _name(data_id)) for path, data_id in data_ids if path in places}
     for path, procedure in items(data, "procedures"):
-        if path in places or _rests_on(procedure, faulty):
-            faulty.add(("procedures", _name(procedure)))
-    return ValidParts(places, frozenset(faulty))
+        if path in places or _rests_on(procedure, faulty_items):
+            faulty_items.add(("procedures", _name(procedure)))
+    return ValidParts(places, frozenset(faulty_items))
 
 
 #: Keys of fields that name another item, each with the key of the list of these items.
@@ -107,10 +107,10 @@ _MADE_OF = (("use", "field_groups"), ("crc", "crcs"))
 
 def _rests_on(procedure: Spec, faulty: set[Item]) -> bool:
     """Return True if a procedure uses a faulty register or data ID, in a step or for the limits of an argument."""
-    references = [("registers", _text(step, "register")) for _, step in items(procedure, "steps")]
-    references += [("data_ids", _text(step, "data_id")) for _, step in items(procedure, "steps")]
-    references += [("registers", _text(argument, "of")) for _, argument in items(procedure, "arguments")]
-    return any(reference in faulty for reference in references)
+    items_of_procedure = [("registers", _text(step, "register")) for _, step in items(procedure, "steps")]
+    items_of_procedure += [("data_ids", _text(step, "data_id")) for _, step in items(procedure, "steps")]
+    items_of_procedure += [("registers", _text(argument, "of")) for _, argument in items(procedure, "arguments")]
+    return any(reference in faulty for reference in items_of_procedure)
 
 
 def _name(definition: Spec) -> str:
