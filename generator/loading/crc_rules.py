@@ -121,8 +121,8 @@ def _no_run(layout: Layout, kind: CrcValue, site: Site) -> Iterator[str]:
     """Yield at most one problem: the reason why the fields in ``crc_of`` are not adjacent bits at a fixed place."""
     if kind.of and layout.in_bytes:
         interface = INTERFACES[site.interface]
-        place = f"over {interface.title}" if interface.carried_as == "bytes" else "with 'carried_as: bytes'"
-        yield f"{place}, a CRC covers everything before it; leave 'crc_of' out"
+        interface_text = f"over {interface.title}" if interface.carried_as == "bytes" else "with 'carried_as: bytes'"
+        yield f"{interface_text}, a CRC covers everything before it; leave 'crc_of' out"
         return
     fields_by_name = {field.name: field for field in layout.fields}
     covered_fields = [fields_by_name[name] for name in kind.of if name in fields_by_name]

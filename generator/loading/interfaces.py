@@ -98,13 +98,13 @@ def _check_word_bits(layout: Layout, words: Sequence[_Word], site: Site) -> None
     if not mismatches:
         return
     exchange, bits = mismatches[0]
-    owner, remedy = "", "correct 'word_bits' or the fields"
+    exchange_text, remedy = "", "correct 'word_bits' or the fields"
     if "word_bits" in exchange:
-        owner = f" of the exchange of '{exchange['request']}'"
+        exchange_text = f" of the exchange of '{exchange['request']}'"
     elif exchange:
         remedy += f", or give the exchange of '{exchange['request']}' its own 'word_bits'"
     bits_text = bits.render() if bits is not None else ""
-    message = f"'{layout.name}' has {layout.bits.render()} bits, but 'word_bits'{owner} is {bits_text}"
+    message = f"'{layout.name}' has {layout.bits.render()} bits, but 'word_bits'{exchange_text} is {bits_text}"
     site.report("width-mismatch", f"{message}; {remedy}", "layouts", layout.name)
 
 

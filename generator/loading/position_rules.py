@@ -404,10 +404,10 @@ def _check_width(device: Device, interface: Interface, layout: Layout, field: Fi
     assert measurement is not None
     width = field.width.constant
     needed_bits = {variant.code: _needed_bits(measurement, variant) for variant in device.variants_over(interface.name)}
-    bits_if_too_few = {code: bits for code, bits in needed_bits.items() if bits is not None and bits < width}
-    if not bits_if_too_few or any(bits is None or bits > width for bits in needed_bits.values()):
+    fewer_bits_by_code = {code: bits for code, bits in needed_bits.items() if bits is not None and bits < width}
+    if not fewer_bits_by_code or any(bits is None or bits > width for bits in needed_bits.values()):
         return
-    code, bits = next(iter(bits_if_too_few.items()))
+    code, bits = next(iter(fewer_bits_by_code.items()))
     fills_width = width in needed_bits.values()
     if not fills_width and (width % 8 == 0 or len(set(needed_bits.values())) > 1):
         return

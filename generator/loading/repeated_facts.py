@@ -38,6 +38,7 @@ def check_shared_facts(documents: Sequence[Document], report: Report) -> None:
         documents_of_maker = [device for device in device_documents if device.data.get("manufacturer") == name]
         # ``alike`` lists the names of registers and CRCs, such as ``{"registers": ["preset"]}``.
         for kind, names in alike_names.items():
+            # From here, ``name`` is that of a register or CRC.
             for name in names:
                 _compare(
                     kind,
