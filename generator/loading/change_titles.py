@@ -36,18 +36,23 @@ _SECTIONS = {
 
 
 def change_title(layer_words: str, changed_places: Sequence[str]) -> str:
-    """Return the overlay or edition of a change, and the changed part: ``Before edition 1.7: serial number``.
+    """Return the overlay or edition of a change, and the changed parts: ``Before edition 1.7: serial number``.
 
-    ``changed_places`` are paths, which a colon and the former value may follow, or sentences.
+    ``changed_places`` are paths, which a colon and the former value may follow, or sentences. Of more than three parts,
+    the title has two and "others".
     """
-    names = list(dict.fromkeys(map(_place_name, changed_places)))
-    if len(names) > _MOST_PLACES:
-        names = [*names[: _MOST_PLACES - 1], "others"]
-    return f"{layer_words}: {listed(names)}"
+    part_names = list(dict.fromkeys(map(_place_name, changed_places)))
+    if len(part_names) > _MOST_PLACES:
+        part_names = [*part_names[: _MOST_PLACES - 1], "others"]
+    return f"{layer_words}: {listed(part_names)}"
 
 
 def _place_name(place: str) -> str:
-    """Return the name of the part at a path, in words. A sentence is returned as it is."""
+    """Return the name of the part at a path, in words: ``preset max`` for ``registers.preset.max: 15``.
+
+    Steps that only lead to named items are left out, and so is the section if its items are known by their names. A
+    sentence is returned as it is.
+    """
     path = _PATH.fullmatch(place)
     if path is None:
         return place

@@ -25,6 +25,7 @@ _TOKEN = re.compile(
     """,
     re.VERBOSE | re.DOTALL,
 )
+#: Tokens after a number, date or Boolean value in TOML. A value in quotes is one token.
 _VALUE_ENDS = ("\n", ",", "]", "}")
 
 
@@ -45,7 +46,10 @@ class _PlaceFinder:
         self._line_starts = [0, *(match.end() for match in re.finditer("\n", text))]
 
     def document(self) -> Mark:
-        """Return the marks of all keys and values."""
+        """Return the mark of the whole text, whose children are the marks of all keys and values.
+
+        ``table`` is the mark of the table in the header above the current line.
+        """
         root = Mark(1, 1, 1, 1)
         table = root
         while self._token():
@@ -58,7 +62,7 @@ class _PlaceFinder:
         return root
 
     def _token(self) -> str:
-        """Return the text of the next token, or an empty string at the end."""
+        """Return the text of the next token without reading it, or an empty string at the end."""
         return self._tokens[self._index][0] if self._index < len(self._tokens) else ""
 
     def _place(self) -> tuple[int, int]:
@@ -72,7 +76,7 @@ class _PlaceFinder:
             self._index += 1
 
     def _header(self, root: Mark) -> Mark:
-        """Read the header of a table, and return the mark of the table."""
+        """Read the header of a table, such as ``[tool.codewheel]``, and return the mark of the table."""
         while self._token() == "[":
             self._index += 1
         table = self._key(root)
@@ -81,7 +85,11 @@ class _PlaceFinder:
         return table
 
     def _key(self, table: Mark) -> Mark:
-        """Read a key, which can be dotted, and return its mark below the mark of a table."""
+        """Read a key, which can be dotted such as ``tool.codewheel``, and return the mark of its last name.
+
+        Each name has a mark below that of the name before it, and the first one below ``table``. A mark that exists
+        keeps its place.
+        """
         mark = table
         while self._token() not in ("", "=", "]", "\n"):
             name = self._token()
@@ -93,7 +101,7 @@ class _PlaceFinder:
         return mark
 
     def _setting(self, table: Mark) -> None:
-        """Read a key and its value."""
+        """Read a key, the equals sign and the value. The mark of the key then has the place of the value."""
         mark = self._key(table)
         self._index += 1  # The equals sign.
         if self._token():
@@ -101,6 +109,7 @@ class _PlaceFinder:
             self._value(mark)
 
     def _value(self, mark: Mark) -> None:
+        """Read a value. ``mark`` is the mark of its key, and gets children for the members of an array or a table."""
         if self._token() == "[":
             self._array(mark)
         elif self._token() == "{":
@@ -110,6 +119,7 @@ class _PlaceFinder:
                 self._index += 1
 
     def _array(self, mark: Mark) -> None:
+        """Read an array. Each value in it has a mark below ``mark``, by its index."""
         self._index += 1
         self._skip_newlines()
         while self._token() not in ("", "]"):
@@ -120,6 +130,7 @@ class _PlaceFinder:
         self._index += 1
 
     def _inline_table(self, mark: Mark) -> None:
+        """Read a table such as ``{docs = "a"}``. Each key in it has a mark below ``mark``."""
         self._index += 1
         self._skip_newlines()
         while self._token() not in ("", "}"):
@@ -128,12 +139,14 @@ class _PlaceFinder:
         self._index += 1
 
     def _skip_separator(self) -> None:
+        """Skip a comma, and newlines before and after it."""
         self._skip_newlines()
         if self._token() == ",":
             self._index += 1
         self._skip_newlines()
 
 
+#: The place at the end of a message of the TOML parser.
 _WHERE = re.compile(r" \(at (?:line ([0-9]+), column ([0-9]+)|end of document)\)$")
 #: All settings, and those in the condition of a target.
 _KEYS = ("specs", "output", "targets", "only")
@@ -163,7 +176,8 @@ def read_configuration(file: Path) -> Configuration | None:
         Faulty: There are errors in the settings.
     """
     report = Report()
-    document = _read(file, report, has_places=False)  # With an error, errors_in reads the file again.
+    # If there is an error, errors_in reads the file again, with places.
+    document = _read(file, report, has_places=False)
     configuration = None if document is None else _configuration(file, document, report)
     if report:
         raise Faulty(file)
@@ -171,11 +185,15 @@ def read_configuration(file: Path) -> Configuration | None:
 
 
 def errors_in(files: tuple[Path, ...]) -> Report:
-    """Return a report with the errors in these files, which are next to each other."""
+    """Return a report with the errors in these files, which are next to each other.
+
+    If none of them has an error, two files are an error themselves, because only one may have the settings.
+    """
     report = Report()
     for file in files:
         document = _read(file, report)
         if document is not None:
+            # Called only for the errors that it reports.
             _configuration(file, document, report)
     if len(files) > 1 and not report:
         message = f"{PYPROJECT} next to it also has [tool.codewheel]; keep the settings in one of them"
@@ -184,7 +202,10 @@ def errors_in(files: tuple[Path, ...]) -> Report:
 
 
 def add_error(report: Report, file: Path, place: Place, rule: str, message: str, *, at_key: bool = False) -> None:
-    """Add an error in a setting that was found later, such as in the name of a target."""
+    """Add an error in a setting that was found later, such as in the name of a target.
+
+    The file is read again for the place of the setting. If that fails now, nothing is added.
+    """
     document = _read(file, Report())
     if document is not None:
         report.add(rule, document, place, message, at_key=at_key)
@@ -193,7 +214,7 @@ def add_error(report: Report, file: Path, place: Place, rule: str, message: str,
 def _read(file: Path, report: Report, *, has_places: bool = True) -> Document | None:
     """Return the settings in a file as a document, or None if there are none or they cannot be read.
 
-    Without places, a ``pyproject.toml`` is read in half the time.
+    Without ``has_places``, a ``pyproject.toml`` is read in half the time, and all its keys have the place 1:1.
     """
     return _yaml_document(file, report) if file.name == CONFIGURATION else _section(file, report, has_places)
 
@@ -202,41 +223,46 @@ def _yaml_document(file: Path, report: Report) -> Document | None:
     """Return a codewheel.yaml as a document. Its messages are about settings, unlike those for a spec."""
     from ..language.read import read_document  # PyYAML takes longer to import than a frame to decode.
 
-    reading = Report()
-    document = read_document(file, reading)
-    report.files += reading.files
-    for problem in reading.problems:
+    yaml_report = Report()
+    document = read_document(file, yaml_report)
+    report.files += yaml_report.files
+    for problem in yaml_report.problems:
         message = _MESSAGES.get(problem.rule, problem.message)
         report.add_at(problem.file, problem.line, problem.column, problem.rule, message, text=problem.text)
     return document
 
 
 def _section(file: Path, report: Report, has_places: bool) -> Document | None:
-    """Return the section of a pyproject.toml as a document, or None if there is none or it cannot be read."""
+    """Return the table ``[tool.codewheel]`` of a pyproject.toml as a document, or None if there is none.
+
+    Return None also if the file cannot be read, which is reported. If ``tool.codewheel`` is not a table, the document
+    has it under the key ``codewheel``, which is then reported as unknown.
+    """
     try:
         content = file.read_bytes()
     except OSError as error:
         report.add_at(str(file), 1, 1, "unreadable", f"the file cannot be read: {error.strerror or error}")
         return None
     try:
-        text = content.decode("utf-8")
+        toml_text = content.decode("utf-8")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         message = f"byte 0x{content[error.start]:02X} is not UTF-8; save the file as UTF-8"
         report.add_at(str(file), line, 1, "not-text", message)
         return None
-    data = _parsed_toml(file, text, report)
-    tools = data.get("tool")
-    section = tools.get("codewheel") if isinstance(tools, dict) else None
+    toml_data = _parsed_toml(file, toml_text, report)
+    tool_table = toml_data.get("tool")
+    section = tool_table.get("codewheel") if isinstance(tool_table, dict) else None
     if section is None:
         return None
-    lines = tuple(text.split("\n"))
+    toml_lines = tuple(toml_text.split("\n"))
     if not isinstance(section, dict):
-        return Document(str(file), lines, {"codewheel": section}, Mark(1, 1, 1, 1))
-    marks = places_in(text) if has_places else Mark(1, 1, 1, 1)
+        return Document(str(file), toml_lines, {"codewheel": section}, Mark(1, 1, 1, 1))
+    marks = places_in(toml_text) if has_places else Mark(1, 1, 1, 1)
+    # The marks of the section are below those of its two names.
     for name in ("tool", "codewheel"):
         marks = marks.children.get(name, Mark(1, 1, 1, 1))
-    return Document(str(file), lines, section, marks)
+    return Document(str(file), toml_lines, section, marks)
 
 
 def _parsed_toml(file: Path, text: str, report: Report) -> dict[str, Any]:
@@ -247,29 +273,37 @@ def _parsed_toml(file: Path, text: str, report: Report) -> dict[str, Any]:
         import tomli as tomllib
 
     try:
-        data: dict[str, Any] = tomllib.loads(text)
+        toml_data: dict[str, Any] = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         line, column, message = _place_of(str(error), text)
         error_line = "".join(text.splitlines()[line - 1 : line])
         report.add_at(str(file), line, column, "toml-syntax", f"not valid TOML: {message}", text=error_line)
         return {}
-    return data
+    return toml_data
 
 
 def _place_of(message: str, text: str) -> tuple[int, int, str]:
-    """Return line, column and the rest of a message of the TOML parser. Without a place, it is the end of the text."""
+    """Split a message of the TOML parser into line, column and the message without its place.
+
+    A message without a place, or one that gives the end of the document, is about the end of the text.
+    """
     lines = text.splitlines() or [""]
+    # The end of the text.
     line, column = len(lines), max(len(lines[-1]), 1)
-    place = _WHERE.search(message)
-    if place is None:
+    place_in_message = _WHERE.search(message)
+    if place_in_message is None:
         return line, column, message
-    if place[1] is not None:
-        line, column = int(place[1]), int(place[2])
-    return line, column, message[: place.start()]
+    # Otherwise the message gives the end of the document.
+    if place_in_message[1] is not None:
+        line, column = int(place_in_message[1]), int(place_in_message[2])
+    return line, column, message[: place_in_message.start()]
 
 
 def _configuration(file: Path, document: Document, report: Report) -> Configuration:
-    """Return the settings in a document. Settings with errors are reported and left out."""
+    """Return the settings in a document. Settings with errors are reported and left out.
+
+    Paths are relative to the folder of the file. Specs that do not exist are reported but stay in the result.
+    """
     settings = document.data
     _report_unknown_keys(document, (), settings, _KEYS, report)
     output = _text_at(document, "output", report)
@@ -290,6 +324,7 @@ def _configuration(file: Path, document: Document, report: Report) -> Configurat
 def _report_unknown_keys(
     document: Document, place: Place, keys: Iterable[Any], known_keys: Iterable[str], report: Report
 ) -> None:
+    """Report the keys that are not among the known ones. ``place`` is the path of the map with these keys."""
     for key in keys:
         if key not in known_keys:
             message = f"unknown key '{key}'{suggestion(str(key), known_keys, 'known keys')}"
@@ -297,7 +332,7 @@ def _report_unknown_keys(
 
 
 def _text_at(document: Document, key: str, report: Report) -> str:
-    """Return a setting that is a text, or an empty string if it is missing or has an error."""
+    """Return a text of the settings, or an empty string if it is missing. Report a value that is not a text."""
     value = document.data.get(key, "")
     if key in document.data and not _is_text(value):
         _report_type(document, (key,), "a text", _EXAMPLES[key], report)
@@ -305,26 +340,30 @@ def _text_at(document: Document, key: str, report: Report) -> str:
 
 
 def _texts_at(document: Document, table: Mapping[Any, Any], place: Place, report: Report) -> tuple[str, ...]:
-    """Return a setting that is a list of texts, or no texts if it is missing or has an error.
+    """Return a list of texts as a tuple. It is empty if the setting is missing, or has an error, which is reported.
 
-    ``table`` is the map with the last key of ``place``.
+    ``table`` is the map that contains the last key of ``place``.
     """
     key = str(place[-1])
     if key not in table:
         return ()
-    texts = table[key]
-    if isinstance(texts, list) and texts and all(map(_is_text, texts)):
-        return tuple(texts)
+    setting = table[key]
+    if isinstance(setting, list) and setting and all(map(_is_text, setting)):
+        return tuple(setting)
     _report_type(document, place, "a list of texts", _EXAMPLES[key], report)
     return ()
 
 
 def _is_text(value: Any) -> bool:
+    """Return True if a value is a text that is not empty."""
     return isinstance(value, str) and bool(value)
 
 
 def _filters(document: Document, report: Report) -> dict[str, FamilyFilter]:
-    """Return the conditions of all targets that have one."""
+    """Return the families to which targets are restricted, by the name of the target: the setting ``only``.
+
+    The result is empty if there is no such setting, or if it is not a map, which is reported.
+    """
     if "only" not in document.data:
         return {}
     filters = document.data["only"]
@@ -335,7 +374,10 @@ def _filters(document: Document, report: Report) -> dict[str, FamilyFilter]:
 
 
 def _filter(document: Document, target: str, conditions: Any, report: Report) -> FamilyFilter:
-    """Return the condition of a target. ``conditions`` is the value in the file."""
+    """Return the condition of a target: the families and the grades for which it is generated.
+
+    ``conditions`` is the value in the file. Without a map, or with errors, the condition lacks the values concerned.
+    """
     place = ("only", target)
     if not isinstance(conditions, dict) or not conditions:
         _report_type(document, place, "a map with 'families' or 'grades'", _EXAMPLE_OF_A_FILTER, report)
@@ -348,6 +390,7 @@ def _filter(document: Document, target: str, conditions: Any, report: Report) ->
 
 
 def _report_unknown_grades(document: Document, place: Place, grades: Iterable[str], report: Report) -> None:
+    """Report each grade that does not exist, with the one that it misspells, or else all grades."""
     from ..say.evidence import GRADES  # Settings without grades need no model.
 
     for index, grade in enumerate(grades):
@@ -362,10 +405,15 @@ def _report_unknown_grades(document: Document, place: Place, grades: Iterable[st
 
 
 def _report_type(document: Document, place: Place, kind: str, example: str, report: Report) -> None:
-    """Report a value that is not of a kind. ``example`` is a correct value in TOML."""
+    """Report a value of the wrong type, with an example in the language of the file.
+
+    ``kind`` is the correct type in words. ``example`` is a correct value in TOML, such as ``["specs"]``. In YAML it has
+    no quotes.
+    """
     if Path(document.file).name == PYPROJECT:
         setting = f"{place[-1]} = {example}"
     else:
+        # In YAML: without quotes, and with colons.
         setting = f"{place[-1]} = {example}".replace(" = ", ": ").replace('"', "")
     name = ".".join(map(str, place))
     report.add("wrong-type", document, place, f"'{name}' must be {kind}, such as {setting}")

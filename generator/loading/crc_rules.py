@@ -14,39 +14,47 @@ from .gaps import values_text
 
 
 def check_one_crc(layout: Layout, site: Site) -> None:
-    """Check that no order code has several CRCs."""
+    """Report a layout with several CRCs for the same order code. A CRC without bits is not sent."""
     for parameters in site.sets:
         sent_fields = [field for field in layout.crc_fields if field.width.value(parameters)]
         if len(sent_fields) > 1:
             first, second, *_ = sent_fields
-            values = values_text(parameters, first.width, second.width)
-            problem = f"'{layout.name}' ends with '{first.name}' and '{second.name}'{values}"
+            condition = values_text(parameters, first.width, second.width)
+            problem = f"'{layout.name}' ends with '{first.name}' and '{second.name}'{condition}"
             remedy = "give each of them a 'bits' that is 0 where the other is sent"
             site.report("several-crcs", f"{problem}; {remedy}", "fields", second.name)
             return
 
 
 def check_settings_of_crcs(device: Device, report: DocumentReport) -> None:
-    """Check that a register that decides on a CRC holds a code, because other widths between its limits are wrong."""
-    limited_names = {parameter.name for parameter in device.run_time_parameters if not parameter.by_code}
+    """Report a CRC whose width depends on a register without codes.
+
+    Such a register may hold any number between its limits, but a CRC has either its width or no bits.
+    """
+    names_without_codes = {parameter.name for parameter in device.run_time_parameters if not parameter.by_code}
     for interface, layout in device.layouts():
         for field in layout.crc_fields:
-            names = limited_names & device.needed_parameters(field.width.parameters)
-            if names:
-                problem = f"the CRC '{field.name}' depends on the register value '{min(names)}'"
+            limited_names_of_crc = names_without_codes & device.needed_parameters(field.width.parameters)
+            if limited_names_of_crc:
+                problem = f"the CRC '{field.name}' depends on the register value '{min(limited_names_of_crc)}'"
                 remedy = f"list its widths, 0 and {field.widest}, in 'by_code' of this parameter"
                 path = ("interfaces", interface.name, "layouts", layout.name, "fields", field.name)
                 report.add("width-mismatch", path, f"{problem}; {remedy}")
 
 
 def check_crc(layout: Layout, field: Field, kind: CrcValue, site: Site) -> None:
-    """Check the width of a CRC, that it ends the frame, and the fields that it covers."""
+    """Check the width of a CRC, that it ends the frame, and the fields that it covers.
+
+    Only other CRCs may follow it, because each order code has at most one. A frame of bits in bytes may have zeros
+    before it, and its CRC may not be whole bytes. It must then be one that these zeros do not change, with bits in
+    sending order.
+    """
     crc = site.context.crcs.get(kind.crc)
     if crc is None:
         return
     _check_width(field, crc, site)
-    place = layout.fields.index(field)
-    if any(not isinstance(later_field.kind, CrcValue) for later_field in layout.fields[place:]):
+    place_of_crc = layout.fields.index(field)
+    if any(not isinstance(later_field.kind, CrcValue) for later_field in layout.fields[place_of_crc:]):
         problem = f"'{field.name}' covers everything sent before it, so it must be the last field of '{layout.name}'"
         if kind.of:
             problem = f"'{field.name}' must be the last field of '{layout.name}', even with 'crc_of'"
@@ -54,8 +62,8 @@ def check_crc(layout: Layout, field: Field, kind: CrcValue, site: Site) -> None:
     problem = next(chain(_no_run(layout, kind, site), _left_out(layout, field, kind)), "")
     if problem:
         site.report("crc-of", problem, "crc_of")
-    on_line = INTERFACES[site.interface].carried_as == "bits" and layout.byte_order == "high_byte_first"
-    if layout.in_bytes and crc.width % 8 and not on_line:
+    is_sent_as_bits = INTERFACES[site.interface].carried_as == "bits" and layout.byte_order == "high_byte_first"
+    if layout.in_bytes and crc.width % 8 and not is_sent_as_bits:
         site.report("width-mismatch", f"a frame of whole bytes cannot end with a CRC of {crc.width} bits")
     elif layout.in_bytes and (not layout.crc_covers_bytes or layout.bits != layout.sent_bits) and not _is_plain(crc):
         problem = f"'{field.name}' or the bits before it are not whole bytes, so the CRC must start at 0"
@@ -63,7 +71,7 @@ def check_crc(layout: Layout, field: Field, kind: CrcValue, site: Site) -> None:
 
 
 def _check_width(field: Field, crc: Crc, site: Site) -> None:
-    """Check that a CRC has its width, or no bits for order codes without it."""
+    """Check that a CRC has its width, or no bits for order codes without it. In a register, it must always have it."""
     if field.width.is_constant:
         if field.width != Expression(crc.width):
             message = f"'{field.name}' has {field.widest} bits, but the CRC '{crc.name}' has {crc.width}"
@@ -92,27 +100,32 @@ def _is_plain(crc: Crc) -> bool:
 
 
 def _left_out(layout: Layout, crc: Field, kind: CrcValue) -> Iterator[str]:
-    """Yield the fields with data that a CRC with a list of fields leaves out, unless a note names them."""
+    """Yield at most one problem: fields that a CRC with ``crc_of`` does not list, unless a note names them.
+
+    Constants and unused bits need no mention. The note can be that of the layout or of the CRC.
+    """
     if not kind.of:
         return
     words_in_notes = re.findall(r"\w+", f"{layout.note} {crc.note}")
     mentioned_names = {crc.name, *kind.of, *words_in_notes}
     data_names = [field.name for field in layout.fields if not isinstance(field.kind, (Constant, Unused))]
-    left_out = listed(name for name in data_names if name not in mentioned_names)
-    if left_out:
-        remedy = f"add the fields that it covers to 'crc_of', or add a 'note' that the manual leaves out {left_out}"
-        yield f"'{crc.name}' leaves out {left_out}; {remedy}"
+    names_left_out = listed(name for name in data_names if name not in mentioned_names)
+    if names_left_out:
+        remedy = (
+            f"add the fields that it covers to 'crc_of', or add a 'note' that the manual leaves out {names_left_out}"
+        )
+        yield f"'{crc.name}' leaves out {names_left_out}; {remedy}"
 
 
 def _no_run(layout: Layout, kind: CrcValue, site: Site) -> Iterator[str]:
-    """Yield the reason why the fields of a CRC are not adjacent bits at a fixed place."""
+    """Yield at most one problem: the reason why the fields in ``crc_of`` are not adjacent bits at a fixed place."""
     if kind.of and layout.in_bytes:
         interface = INTERFACES[site.interface]
-        place = f"over {interface.title}" if interface.carried_as == "bytes" else "with 'carried_as: bytes'"
-        yield f"{place}, a CRC covers everything before it; leave 'crc_of' out"
+        interface_text = f"over {interface.title}" if interface.carried_as == "bytes" else "with 'carried_as: bytes'"
+        yield f"{interface_text}, a CRC covers everything before it; leave 'crc_of' out"
         return
-    fields = {field.name: field for field in layout.fields}
-    covered_fields = [fields[name] for name in kind.of if name in fields]
+    fields_by_name = {field.name: field for field in layout.fields}
+    covered_fields = [fields_by_name[name] for name in kind.of if name in fields_by_name]
     for field in covered_fields:
         if not field.is_fixed:
             yield f"'{field.name}' differs in place or width between order codes, so 'crc_of' cannot list it"

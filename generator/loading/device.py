@@ -80,8 +80,10 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
     definitions = _definitions(raw)
     order_code = code_grammar(raw["order_code"])
     alternatives = tuple(_alternative(raw_alternative) for raw_alternative in raw.get("alternatives", ()))
-    first_answers = {name: value for alternative in alternatives for name, value in alternative.answers[0].sets.items()}
-    variants = _variants(order_code, definitions, {**held_in_registers(raw, report), **first_answers})
+    default_answers = {
+        name: value for alternative in alternatives for name, value in alternative.answers[0].sets.items()
+    }
+    variants = _variants(order_code, definitions, {**held_in_registers(raw, report), **default_answers})
     context = _context(raw, report, definitions, variants, alternatives)
     if too_much_work(raw, context) or (variants and not check_reach(raw, context, variants)):
         return None
@@ -118,7 +120,7 @@ def _context(
     variants: Sequence[Variant],
     alternatives: Sequence[Alternative],
 ) -> Context:
-    """Return the definitions that layouts may refer to."""
+    """Return the definitions that layouts may refer to, such as groups with their paths in the spec."""
     groups = {}
     for index, group in enumerate(raw.get("field_groups", ())):
         groups[group["name"]] = (group, ("field_groups", index))
@@ -170,7 +172,7 @@ def _device(
 
 
 def _definitions(raw: Raw) -> Mapping[str, Expression]:
-    """Return the expressions of the parameters that follow from others."""
+    """Return the expressions of the parameters that follow from others, by name, without invalid ones."""
     definitions = {}
     for name, parameter in raw["parameters"].items():
         if "equals" not in parameter:
@@ -195,7 +197,7 @@ def _code_part(raw: Raw) -> CodePart:
 
 
 def _spelling(raw: Raw) -> Spelling:
-    """Return an alternative spelling, with the texts that represent values of a part."""
+    """Return an alternative spelling of order codes, with the texts that represent values of a part."""
     spelled_values: list[SpelledValue] = []
     for part, values_by_text in raw.get("values", {}).items():
         spelled_values += [SpelledValue(part, text, value) for text, value in values_by_text.items()]
@@ -230,26 +232,27 @@ def _variants(
     if not order_code.parts:
         return ()
     variants = []
-    for code, parts, interface, set_values in combinations(order_code):
+    for code, values_by_part, interface, set_values in combinations(order_code):
         parameters = resolve_parameters({**default_values, **set_values}, definitions)
-        variants.append(Variant(code, MappingProxyType(dict(parts)), interface, parameters))
+        variants.append(Variant(code, MappingProxyType(dict(values_by_part)), interface, parameters))
     return tuple(variants)
 
 
 def _parameter(name: str, raw: Raw, context: Context) -> Parameter:
-    """Return a parameter with its limits, and its largest value over all order codes."""
-    coded = coded_values(raw)
-    if coded:
+    """Return a parameter with its limits, from its codes if it has any, and its largest value over all order codes."""
+    codes = coded_values(raw)
+    if codes:
         coded_numbers = raw["by_code"].values()
         raw = {**raw, "min": min(coded_numbers), "max": max(coded_numbers)}
-    values: list[int] = []
-    for sets in context.parameter_sets.values():
-        values += [parameters.get(name, 0) for parameters in sets]
+    all_values: list[int] = []
+    for sets_of_interface in context.parameter_sets.values():
+        all_values += [parameters.get(name, 0) for parameters in sets_of_interface]
     equals = context.definitions.get(name)
-    return record(Parameter, raw, name=name, equals=equals, largest=max(values, default=0), by_code=coded)
+    return record(Parameter, raw, name=name, equals=equals, largest=max(all_values, default=0), by_code=codes)
 
 
 def _registers(raw: Raw, context: Context) -> tuple[Register, ...]:
+    """Return the registers whose layouts are valid."""
     definitions = enumerate(raw.get("registers", ()))
     registers = (_register(definition, ("registers", index), context) for index, definition in definitions)
     return tuple(register for register in registers if register is not None)
@@ -259,8 +262,8 @@ def _register(raw: Raw, path: Path, context: Context) -> Register | None:
     """Return a register, or None if its layout is not valid. A register without fields is one number."""
     interface = interface_of(raw)
     register_bits = 8 * raw["length"]
-    with_fields = raw if "fields" in raw else {**raw, "fields": [{"name": raw["name"], "bits": register_bits}]}
-    layout = build_layout(with_fields, Site(path, context, interface), register_bits)
+    raw_with_fields = raw if "fields" in raw else {**raw, "fields": [{"name": raw["name"], "bits": register_bits}]}
+    layout = build_layout(raw_with_fields, Site(path, context, interface), register_bits)
     if layout is None:
         return None
     opener = raw.get("opened_by", {})
@@ -295,6 +298,7 @@ def _check_limits(register: Register, path: Path, context: Context) -> None:
         expressions += [field.low, field.width]
     depends_on_order_code = any(expression is not None and not expression.is_constant for expression in expressions)
     sets = context.parameter_sets.get(register.interface, ())
+    # Without such a dependency, the first order code stands for all.
     for parameters in sets if depends_on_order_code else sets[:1]:
         placed = register.layout.place(parameters)
         problem = _wrong_limits(register, placed, parameters) or _wrong_default(register, placed, parameters)
@@ -317,6 +321,7 @@ class _Limits(NamedTuple):
 
 
 def _limits(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> _Limits:
+    """Return the limits of a register for one order code. If the highest number is stored as 0, it is not ``high``."""
     bounded_field = placed.find_field(bounded(register))
     zero_means = bounded_field.field.number.zero_means if bounded_field is not None else 0
     low, high = bounds(register, placed, (register.min, register.max), parameters)
@@ -326,6 +331,7 @@ def _limits(register: Register, placed: PlacedLayout, parameters: Mapping[str, i
 
 
 def _wrong_limits(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> _Wrong | None:
+    """Return the first problem of the limits for an order code, or None."""
     lowest, highest = representable(register, placed)
     limits = _limits(register, placed, parameters)
     width_text = f"the {bounded_width(register, placed)} bits of '{register.limits_of}'"
@@ -339,11 +345,13 @@ def _wrong_limits(register: Register, placed: PlacedLayout, parameters: Mapping[
 
 
 def _wrong_default(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> _Wrong | None:
+    """Return the first problem of the default for an order code, or None."""
     default = register.default
     if default is None:
         return None
     limits = _limits(register, placed, parameters)
     value = _bounded_part(register, placed, default)
+    # A stored zero can stand for another number.
     meant_value = value or limits.zero_means
     named_numbers = [named_value.value for named_value in register.values]
     register_bits = 8 * register.length
@@ -359,18 +367,19 @@ def _wrong_default(register: Register, placed: PlacedLayout, parameters: Mapping
 
 
 def _bounded_part(register: Register, placed: PlacedLayout, default: int) -> int:
-    """Return the part of the default that the limits apply to, with its sign."""
+    """Return the number in the default to which the limits apply, with its sign: a field, a join or the register."""
     bounded_name, width = bounded(register), bounded_width(register, placed)
     bounded_joins = [join for join in register.layout.joins if join.name == bounded_name]
     if bounded_joins:
-        value = join_value(placed, bounded_joins[0], default)
+        number_without_sign = join_value(placed, bounded_joins[0], default)
     else:
         bounded_field = placed.find_field(bounded_name)
         low_bit = bounded_field.low if bounded_field is not None else 0
-        value = (default >> low_bit) & ((1 << width) - 1)
+        number_without_sign = (default >> low_bit) & ((1 << width) - 1)
     _, highest = representable(register, placed)
-    is_negative = value > highest
-    return value - (1 << width) if is_negative else value
+    # Only a signed field holds bits that read as more than its highest number.
+    is_negative = number_without_sign > highest
+    return number_without_sign - (1 << width) if is_negative else number_without_sign
 
 
 def _check_control_bytes(device: Device, report: DocumentReport) -> None:
@@ -400,10 +409,10 @@ def _control_byte(device: Device, layout: Layout, data_id: DataId, variant: Vari
     placed = layout.place(variant.parameters)
     values = {field.name: 0 for field in layout.data_fields} | {layout.selector: data_id.id}
     try:
-        number = encode(device, placed, values)
+        frame = encode(device, placed, values)
     except EncodeError:
         return None  # Found by other rules.
-    return number_to_bytes(layout, number, placed.bits)[0]
+    return number_to_bytes(layout, frame, placed.bits)[0]
 
 
 def _check_requests(device: Device, report: DocumentReport) -> None:
@@ -414,9 +423,9 @@ def _check_requests(device: Device, report: DocumentReport) -> None:
     layouts = {layout.name: layout for layout in interface.layouts}
     requests = [layouts[exchange.request] for exchange in interface.exchanges if exchange.request in layouts]
     for index, request in enumerate(requests):
-        ambiguous = [earlier for earlier in requests[:index] if not _constants_differ(earlier, request)]
-        if ambiguous:
-            pair = f"'{request.name}' from '{ambiguous[0].name}'"
+        ambiguous_requests = [earlier for earlier in requests[:index] if not _constants_differ(earlier, request)]
+        if ambiguous_requests:
+            pair = f"'{request.name}' from '{ambiguous_requests[0].name}'"
             problem = f"no constant distinguishes {pair}; add the command as a 'constant' to both"
             report.add("rs485-exchange", ("interfaces", interface.name, "layouts", request.name), problem)
 

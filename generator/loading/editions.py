@@ -32,21 +32,27 @@ class UnknownEdition(ValueError):
 
 
 def editions(raw: Raw) -> tuple[ManualEdition, ...]:
-    """Return the editions that can be selected, oldest first, or none if the spec lists no changes."""
+    """Return the editions that can be selected, oldest first, or none if the spec lists no changes.
+
+    These are all revisions of the history, the revision that the spec transcribes, and those with changes.
+    """
     editions_by_revision = {edition["revision"]: edition for edition in raw.get("editions", ())}
     if not editions_by_revision:
         return ()
     manual = raw["manual"]
     # In the order of the history, then the transcribed revision, then the later ones.
-    dates = {release["revision"]: release.get("date", "") for release in manual.get("history", ())}
+    dates_by_revision = {release["revision"]: release.get("date", "") for release in manual.get("history", ())}
     own_revision = manual["revision"]
-    dates[own_revision] = manual.get("date", dates.get(own_revision, ""))
+    dates_by_revision[own_revision] = manual.get("date", dates_by_revision.get(own_revision, ""))
     for revision, edition in editions_by_revision.items():
-        dates.setdefault(revision, edition.get("date", ""))
-    return tuple(_edition(editions_by_revision.get(revision, {}), revision, date) for revision, date in dates.items())
+        dates_by_revision.setdefault(revision, edition.get("date", ""))
+    return tuple(
+        _edition(editions_by_revision.get(revision, {}), revision, date) for revision, date in dates_by_revision.items()
+    )
 
 
 def _edition(definition: Raw, revision: str, date: str) -> ManualEdition:
+    """Return an edition. ``definition`` is its entry in the spec, or empty if it has none."""
     return record(ManualEdition, definition, revision=revision, date=date)
 
 
@@ -56,18 +62,18 @@ def revision_for(device: Device, wanted: str) -> str:
     Raises:
         UnknownEdition: There is no such edition.
     """
-    names = [edition.revision for edition in device.editions] or [device.manual.revision]
-    if wanted in names:
+    revisions = [edition.revision for edition in device.editions] or [device.manual.revision]
+    if wanted in revisions:
         return wanted
     # A year does not determine which edition was the latest on a given day.
     dated_editions = [edition for edition in device.editions if _DATE.fullmatch(edition.date)]
     if not dated_editions or not _DATE.fullmatch(wanted):
-        message = f"the spec of {device.name} has no edition {quoted(wanted)}; use {listed(names, 'or')}"
+        message = f"the spec of {device.name} has no edition {quoted(wanted)}; use {listed(revisions, 'or')}"
         raise UnknownEdition(f"{message}, or a date such as 2020-03-31" if dated_editions else message)
     editions_so_far = [edition for edition in dated_editions if edition.date <= wanted]
     if not editions_so_far:
-        first = dated_editions[0]
-        message = f"the first edition, {first.revision}, is dated {first.date}, which is after {wanted}"
+        first_edition = dated_editions[0]
+        message = f"the first edition, {first_edition.revision}, is dated {first_edition.date}, which is after {wanted}"
         raise UnknownEdition(message)
     return editions_so_far[-1].revision
 
@@ -83,12 +89,13 @@ def edition_of(family: Family, revision: str, build: Build, report: Report) -> F
     """
     # A change that fails may already be reported for a later edition, which has it too.
     report_of_changes = Report()
-    laying = LayeredSpec(family.document, report_of_changes)
+    layered_spec = LayeredSpec(family.document, report_of_changes)
     for index, key, name in _change_lists(family, revision):
-        laying.apply([Layer(family.document, ("editions", index, key), LayerKind.EDITION, name)])
+        layered_spec.apply([Layer(family.document, ("editions", index, key), LayerKind.EDITION, name)])
     report.include(report_of_changes)
+    # Such as ``x_24_1_4`` for edition 1.4.
     name = f"{family.device.name}_{re.sub('[^a-z0-9]+', '_', revision.lower()).strip('_')}"
-    document = laying.document(name)
+    document = layered_spec.document(name)
     document = replace(document, data={key: value for key, value in document.data.items() if key != "editions"})
     inner_report = Report()
     device = build(document, inner_report)
@@ -96,13 +103,14 @@ def edition_of(family: Family, revision: str, build: Build, report: Report) -> F
         _report_in_edition(inner_report, revision, report)
     if device is None:
         return None
+    # All order codes stay. What none of them uses goes, such as values and examples that this edition does not have.
     device = for_codes(device, {variant.code for variant in device.variants})
     date = next((edition.date for edition in family.device.editions if edition.revision == revision), "")
     device = replace(
         device,
         title=f"{device.title}, edition {revision}",
         manual=replace(device.manual, revision=revision, date=date, editions=()),
-        errata=(*device.errata, *errata_of(laying.applied)),
+        errata=(*device.errata, *errata_of(layered_spec.applied)),
         overlays=family.device.overlays,
         editions=(),
         base=family.device.name,
@@ -113,7 +121,7 @@ def edition_of(family: Family, revision: str, build: Build, report: Report) -> F
 
 
 def _report_in_edition(inner_report: Report, revision: str, report: Report) -> None:
-    """Report the problems of an edition, except those that the spec has itself."""
+    """Report the problems of an edition at their places, except those that are in the report already."""
     reported = set(report.problems)
     for problem in inner_report.problems:
         if problem not in reported:
@@ -123,11 +131,16 @@ def _report_in_edition(inner_report: Report, revision: str, report: Report) -> N
 
 
 def _change_lists(family: Family, revision: str) -> Iterator[tuple[int, str, str]]:
-    """Yield the lists of changes that lead to a revision, each as index, key and name in outputs."""
+    """Yield the lists of changes that lead to a revision, in the order of application.
+
+    Each is the index of an edition in the spec, the key of the list, and the name for outputs: ``(2, "before", "before
+    1.4")`` on the way back to an older revision, or ``(3, "then", "1.6")`` to a newer one.
+    """
     revisions = [edition.revision for edition in family.device.editions]
     own_index, wanted_index = revisions.index(family.device.manual.revision), revisions.index(revision)
     if wanted_index < own_index:
         # Back from the transcribed revision: each step undoes what came with a revision.
+        # Newest first, without the wanted revision.
         key, passed_revisions = "before", revisions[own_index:wanted_index:-1]
     else:
         key, passed_revisions = "then", revisions[own_index + 1 : wanted_index + 1]
@@ -142,7 +155,7 @@ def _change_lists(family: Family, revision: str) -> Iterator[tuple[int, str, str
 
 
 def notes(raw: Raw) -> Iterator[Erratum]:
-    """Yield the differences of other editions, as errata of the family of the spec."""
+    """Yield the changes of all other editions, as errata of the family of the spec."""
     for edition in raw.get("editions", ()):
         revision = edition["revision"]
         for key, name in (("before", f"before {revision}"), ("then", revision)):
@@ -154,10 +167,18 @@ def notes(raw: Raw) -> Iterator[Erratum]:
 
 
 def _edition_erratum(raw: Raw, change: Raw, name: str, number: int, kind: str) -> Erratum:
-    """Return a change of an edition as an erratum. ``kind`` is the kind of the change, such as ``set``."""
-    texts = change[kind] if isinstance(change[kind], list) else [change[kind]]
+    """Return a change of an edition as an erratum.
+
+    Args:
+        raw: The spec.
+        change: The change, such as ``{"set": "registers.preset.max", "to": 15, "why": …}``.
+        name: The edition, such as ``before 1.4``.
+        number: The place of the change in its list, from 1.
+        kind: The kind of the change, such as ``set``.
+    """
+    affected_texts = change[kind] if isinstance(change[kind], list) else [change[kind]]
     # The text of 'also' is a sentence. Those of other kinds are paths.
-    affected_paths = [] if kind == "also" else [_affected_path(raw, text) for text in texts]
+    affected_paths = [] if kind == "also" else [_affected_path(raw, path_text) for path_text in affected_texts]
     if kind == "remove":
         used = LEFT_OUT
     elif kind in ("unknown", "also"):
@@ -169,8 +190,8 @@ def _edition_erratum(raw: Raw, change: Raw, name: str, number: int, kind: str) -
         Erratum,
         {"severity": "wrong_data", **stated},
         name=f"edition_{re.sub('[^a-z0-9]+', '_', name.lower())}_{number}",
-        title=change_title(layer_in_words("", name), without_examples(texts)),
-        printed=shortened(without_examples([text.removeprefix("registers.") for text in texts])),
+        title=change_title(layer_in_words("", name), without_examples(affected_texts)),
+        printed=shortened(without_examples([path_text.removeprefix("registers.") for path_text in affected_texts])),
         used=used,
         status="open" if used == NOT_KNOWN else "settled",
         affects=tuple(dict.fromkeys(path for path in affected_paths if path)),
@@ -179,7 +200,7 @@ def _edition_erratum(raw: Raw, change: Raw, name: str, number: int, kind: str) -
 
 
 def _text(value: object) -> str:
-    """Return a value of a spec in words."""
+    """Return a value of a spec in words, such as ``yes`` for true or ``width = 6, poly = 3`` for a map."""
     match value:
         case bool():
             return "yes" if value else "no"
@@ -192,6 +213,10 @@ def _text(value: object) -> str:
 
 
 def _affected_path(raw: Raw, text: str) -> str:
+    """Return the path of a change as an erratum gives it.
+
+    For an item that the change adds, it is the path of the part that exists and receives it.
+    """
     try:
         path = resolve(raw, text)
     except MissingPath as missing_path:  # What is added does not exist yet.
@@ -200,12 +225,12 @@ def _affected_path(raw: Raw, text: str) -> str:
 
 
 def check_editions(raw: Raw, device: Device, report: DocumentReport) -> None:
-    """Report too many editions, editions in the wrong place, and labels and registers that do not exist."""
+    """Report too many editions, editions in the wrong place, and labels, registers and runs that do not exist."""
     count, values = len(device.editions), len(leaves(raw))
     if count * values > MOST_VALUES:
         message = f"each of {count} editions is checked with {values} values; the product must be at most {MOST_VALUES}"
         report.add("too-large", ("editions",), f"{message}; leave out early editions", at_key=True)
-    patterns = {spelling.pattern for spelling in device.order_code.also_written}
+    known_labels = {spelling.pattern for spelling in device.order_code.also_written}
     for index, edition in enumerate(raw.get("editions", ())):
         path: Path = ("editions", index)
         if any(earlier["revision"] == edition["revision"] for earlier in raw["editions"][:index]):
@@ -213,7 +238,7 @@ def check_editions(raw: Raw, device: Device, report: DocumentReport) -> None:
             report.add("duplicate-name", (*path, "revision"), message)
         _check_order(raw, edition, path, report)
         for label_index, label in enumerate(edition.get("labels", ())):
-            if label not in patterns:
+            if label not in known_labels:
                 message = f"there is no spelling {quoted(label)} in 'also_written' of the order code"
                 report.add("undefined-reference", (*path, "labels", label_index), message)
         for test_index, test in enumerate(edition.get("tests", ())):
@@ -221,7 +246,11 @@ def check_editions(raw: Raw, device: Device, report: DocumentReport) -> None:
 
 
 def _check_order(raw: Raw, edition: Raw, path: Path, report: DocumentReport) -> None:
-    """Check that an edition has 'before' or 'then' according to its place in the history."""
+    """Check that an edition has 'before' or 'then' according to its place in the history.
+
+    ``before`` is for the revisions after the first, up to the one that the spec transcribes. ``then`` is for later
+    ones.
+    """
     history = [release["revision"] for release in raw["manual"].get("history", ())]
     own_revision = raw["manual"]["revision"]
     up_to_own = history[: history.index(own_revision) + 1] if own_revision in history else [own_revision]
@@ -240,6 +269,7 @@ def _check_order(raw: Raw, edition: Raw, path: Path, report: DocumentReport) -> 
 
 
 def _check_test(test: Raw, path: Path, device: Device, report: DocumentReport) -> None:
+    """Check that a test of an edition names a register and one of its runs, and has limits in order."""
     register = next((candidate for candidate in device.registers if candidate.name == test["register"]), None)
     if register is None:
         report.add("undefined-reference", (*path, "register"), f"there is no register {quoted(test['register'])}")
@@ -251,7 +281,7 @@ def _check_test(test: Raw, path: Path, device: Device, report: DocumentReport) -
 
 
 def runs_of(register: Any) -> list[str]:
-    """Return the names of a register's fields, and of the groups of digits in these fields."""
+    """Return the names of a register's fields, and of the runs of digits in these fields."""
     names = [field.name for field in register.layout.fields]
     for field in register.layout.fields:
         names += [run.name for run in getattr(field.kind, "runs", ())]

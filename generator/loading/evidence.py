@@ -18,14 +18,17 @@ RULE = "coverage-file"
 
 
 def read_counts(spec: Path, report: Report) -> TimesRead | None:
-    """Return the counts stored next to a spec, or None if there are none or the file was changed."""
+    """Return the counts stored next to a spec, or None if there are none.
+
+    A file with other content is reported as edited.
+    """
     file = coverage_path(spec)
     if not file.is_file():
         return None
-    names = [member.name for member in fields(TimesRead)]
+    expected_keys = [member.name for member in fields(TimesRead)]
     try:
         counts = json.loads(file.read_text(encoding="utf-8"))
-        if set(counts) == set(names) and all(type(counts[name]) is int for name in names):
+        if set(counts) == set(expected_keys) and all(type(counts[name]) is int for name in expected_keys):
             return TimesRead(**counts)
     except (OSError, ValueError, TypeError):
         pass
@@ -45,7 +48,10 @@ _MOST_NAMES = 3
 
 
 def with_placeholders(raw: Raw, device: Device, report: DocumentReport) -> Device:
-    """Return the device with the names of its placeholders in its evidence. Report a grade that is too high."""
+    """Return the device with the names of its placeholders in its evidence. Report a grade that is too high.
+
+    A placeholder is a text of the template that was not replaced. A spec with one can only have the lowest grade.
+    """
     if not raw.get("evidence"):
         return device
     names = placeholder_names(report.document.data)
@@ -70,7 +76,10 @@ def history_beside(spec: Path) -> Path:
 
 
 def read_history(spec: Path, report: Report) -> tuple[Release, ...]:
-    """Return the versions stored next to a spec, newest first, or none if the file is missing or was changed."""
+    """Return the versions stored next to a spec, newest first, or none if the file is missing.
+
+    A file with other content is reported as edited.
+    """
     file = history_beside(spec)
     if not file.is_file():
         return ()
@@ -86,6 +95,12 @@ def read_history(spec: Path, report: Report) -> tuple[Release, ...]:
 
 
 def _release(data: dict[str, object]) -> Release:
+    """Return a version from the data of the file.
+
+    Raises:
+        TypeError: The changes or names are not lists, or have other members than in the model.
+        KeyError: There are no changes.
+    """
     changes = data["changes"]
     if not isinstance(changes, list):
         raise TypeError

@@ -52,9 +52,8 @@ from ..reference.registers import register_writes
 from .from_mapping import Raw, record
 from .valid_parts import valid_parts_so_far
 
-#: Path in an example, and the error there.
+#: Key in an example that is wrong, such as ``("values", "position")``, and the message.
 Wrong = tuple[Path, str]
-
 
 _EXAMPLES: Mapping[str, Callable[..., Example]] = {kind.kind: kind for kind in get_args(Example)}
 
@@ -64,12 +63,13 @@ def build_examples(raw: Raw) -> tuple[Example, ...]:
 
 
 def _example(raw: Raw) -> Example:
+    """Return one example. Its sender is the encoder unless the spec has ``from``."""
     members = {"sender": raw.get("from", "encoder"), **raw, "bytes": bytes.fromhex(raw.get("bytes", ""))}
     return record(_EXAMPLES[raw["kind"]], members)
 
 
 def check_examples(device: Device, report: DocumentReport) -> None:
-    """Report every example that contradicts its layout, CRC or procedure, if these are valid themselves."""
+    """Report every example that contradicts its layout, CRC or procedure, if all parts that it needs are valid."""
     valid_parts = valid_parts_so_far(report)
     for example in device.examples:
         if not valid_parts.holds(example) or not _is_built(device, example):
@@ -80,16 +80,16 @@ def check_examples(device: Device, report: DocumentReport) -> None:
 
 
 def _is_built(device: Device, example: Example) -> bool:
-    """Return True if everything that the example refers to was built. Missing parts have been reported."""
-    registers = {register.name for register in device.registers}
+    """Return True if the parts that the example names, and all interfaces, were built. Others have been reported."""
+    register_names = {register.name for register in device.registers}
     match example:
         case FrameExample():
             is_complete = not example.layout or example.layout in {layout.name for _, layout in device.layouts()}
         case RegisterExample():
-            is_complete = example.register in registers
+            is_complete = example.register in register_names
         case ProcedureExample():
             procedures = [procedure for procedure in device.procedures if procedure.name == example.procedure]
-            is_complete = any(procedure.registers <= registers for procedure in procedures)
+            is_complete = any(procedure.registers <= register_names for procedure in procedures)
         case CrcExample() | MeasureExample():
             is_complete = True
         case _:
@@ -102,6 +102,7 @@ def _is_built(device: Device, example: Example) -> bool:
 
 
 def _faults(device: Device, example: Example) -> list[Wrong]:
+    """Return the errors of an example. An unknown order code or an impossible value is one error of its own."""
     try:
         return list(_check(device, example))
     except UnknownOrderCode as reason:
@@ -111,7 +112,10 @@ def _faults(device: Device, example: Example) -> list[Wrong]:
 
 
 def example_variant(device: Device, example: Example) -> Variant:
-    """Return the order code of the example, or the first one of the family if it gives none."""
+    """Return the order code of the example, or the first one of the family if it gives none.
+
+    A frame example that gives one can also choose answers of alternatives. They replace parameters of the order code.
+    """
     if isinstance(example, CrcExample) or not example.order_code:
         return device.variants[0]
     listed_variants = [variant for variant in device.variants if variant.code == example.order_code]
@@ -123,6 +127,7 @@ def example_variant(device: Device, example: Example) -> Variant:
 
 
 def _check(device: Device, example: Example) -> Iterator[Wrong]:
+    """Yield the errors of an example. Its kind determines what is computed and compared."""
     match example:
         case FrameExample():
             yield from _check_frame(device, example)
@@ -141,6 +146,7 @@ def _check(device: Device, example: Example) -> Iterator[Wrong]:
 
 
 def _check_procedure(device: Device, example: ProcedureExample) -> Iterator[Wrong]:
+    """Yield an error if the procedure, with the arguments of the example, does not lead to the printed writes."""
     procedure, variant = device.procedure(example.procedure), example_variant(device, example)
     computed_writes = register_writes(device, procedure, variant, example.arguments)
     if computed_writes != example.writes:
@@ -149,6 +155,7 @@ def _check_procedure(device: Device, example: ProcedureExample) -> Iterator[Wron
 
 
 def _check_measure(device: Device, example: MeasureExample) -> Iterator[Wrong]:
+    """Yield an error if the counts times the length of one count differ from the printed micrometres."""
     variant = example_variant(device, example)
     measurement = device.measurement_of(variant.interface)
     if measurement is None or measurement.step_um is None:
@@ -160,26 +167,29 @@ def _check_measure(device: Device, example: MeasureExample) -> Iterator[Wrong]:
 
 
 def _check_register(device: Device, example: RegisterExample) -> Iterator[Wrong]:
+    """Yield an error for a wrong length, otherwise those of the decoded values, otherwise those of the identity."""
     register, variant = device.register(example.register), example_variant(device, example)
     if len(example.bytes) != register.length:
         message = f"register '{register.name}' has {register.length} bytes, but the example has {len(example.bytes)}"
         yield ("bytes",), message
         return
-    number = number_from_bytes(register.layout, example.bytes)
-    decoded = decode(device, register.layout.place(variant.parameters), number)
+    register_number = number_from_bytes(register.layout, example.bytes)
+    decoded = decode(device, register.layout.place(variant.parameters), register_number)
     differences = list(_check_decoded(device, decoded, example))
     yield from differences or _check_identity(register, decoded, variant)
 
 
 def _check_identity(register: Register, decoded: Decoded, variant: Variant) -> Iterator[Wrong]:
-    """Yield the fields that do not have the value by which a master identifies the encoder."""
+    """Yield the fields that differ from their ``equals``, the value by which a master identifies the encoder."""
     for field in register.layout.fields:
         expected, value = field.documented(variant.parameters), decoded.values.get(field.name)
+        # Only like types compare: numbers with numbers, texts with texts. A field without 'equals' has None.
         if type(expected) is type(value) and value != expected:
             yield ("bytes",), f"'{field.name}' is {value}, but 'equals' is {expected} for {variant.code}"
 
 
 def _check_frame(device: Device, example: FrameExample) -> Iterator[Wrong]:
+    """Yield the first kind of error: the sender, the reason to refuse the frame, its layout, or its values."""
     sender = device.layout(example.layout).sender if example.layout else example.sender
     if sender != example.sender:
         yield ("from",), f"'{example.layout}' is sent by the {sender}; write 'from: {sender}'"
@@ -199,7 +209,7 @@ def _check_frame(device: Device, example: FrameExample) -> Iterator[Wrong]:
 
 
 def _check_decoded(device: Device, decoded: Decoded, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
-    """Yield bit errors, otherwise differences from the printed values, otherwise from the re-encoded values."""
+    """Yield errors of the decoder, otherwise differences from printed values, otherwise from the re-encoded ones."""
     problems = decoded.problems
     if problems and problems[0].fault in (Fault.LENGTH, Fault.CRC):
         problems = problems[:1]  # Further errors may only follow from it.
@@ -214,9 +224,10 @@ def _check_decoded(device: Device, decoded: Decoded, example: FrameExample | Reg
 
 
 def _better_start(device: Device, name: str) -> str:
-    """Return a hint if all examples of a CRC fit one other start value.
+    """Return the text about a better start value, such as ``; with 'init: 0xff' in the CRC 'crc', it matches``.
 
-    Every single example fits some start value. With one example, only the usual ones, all bits 0 or all 1, are named.
+    It is empty unless all examples of the CRC need the same start value, and the spec has another one. A single example
+    always fits some start value, so with one example only all bits 0 and all bits 1 are suggested.
     """
     crc = device.crc(name)
     start_values: list[int] = []
@@ -232,7 +243,7 @@ def _better_start(device: Device, name: str) -> str:
 
 
 def _start_values(device: Device, crc: Crc, example: Example) -> Iterator[int]:
-    """Yield the start value that the CRC needs for an example that contains it."""
+    """Yield the start value that the CRC needs for an example, or nothing if the decoded example has no such CRC."""
     if crc.poly & 1 == 0:  # Without the last bit of the polynomial, a CRC does not determine its start value.
         return
     if isinstance(example, CrcExample) and example.crc == crc.name:
@@ -250,7 +261,7 @@ def _start_values(device: Device, crc: Crc, example: Example) -> Iterator[int]:
 
 
 def _data_path(example: Example) -> Path:
-    """Return the key of an example with its data."""
+    """Return the path of the key that holds the data of an example."""
     if isinstance(example, ProcedureExample):
         return ("arguments",)
     if isinstance(example, FrameExample) and example.bits:
@@ -259,26 +270,27 @@ def _data_path(example: Example) -> Path:
 
 
 def decode_example(device: Device, example: FrameExample, variant: Variant) -> Decoded:
-    """Decode the frame of an example with the model."""
+    """Decode the frame of an example with the layout that its bytes select, or else with the one that it names."""
     if example.bits:
         placed = device.layout(example.layout).place(variant.parameters)
         return decode_bits(device, placed, int(example.bits, 2), len(example.bits))
-    # The decoder finds the layout by the bytes, if they tell it.
+    # A field in the bytes identifies the layout.
     if not example.layout or example.layout in _selected_layouts(device, example.sender):
         return decode_bytes(device, variant, example.sender, example.bytes)
     return decode_placed(device, device.layout(example.layout).place(variant.parameters), example.bytes)
 
 
 def _selected_layouts(device: Device, sender: str) -> set[str]:
-    """Return the names of the layouts of a sender that a field identifies, or that serve all other values."""
-    names: set[str] = set()
+    """Return the layouts that the decoder can select by the bytes: all of a sender on interfaces with a selector."""
+    layout_names: set[str] = set()
     for interface in device.interfaces:
         if any(layout.selector for layout in interface.layouts):
-            names |= {layout.name for layout in interface.layouts if layout.sender == sender}
-    return names
+            layout_names |= {layout.name for layout in interface.layouts if layout.sender == sender}
+    return layout_names
 
 
 def _compare_values(decoded: Decoded, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
+    """Yield each printed value that the decoded frame lacks or contradicts."""
     decoded_values = decoded.values
     for name, value in example.values.items():
         if name not in decoded_values:
@@ -288,18 +300,18 @@ def _compare_values(decoded: Decoded, example: FrameExample | RegisterExample) -
 
 
 def _check_encoding(device: Device, decoded: Decoded, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
-    """Yield an error if encoding the decoded values does not return the example."""
+    """Yield an error if encoding the decoded values again gives other bits. Unspecified bits may be any."""
     if decoded.layout is None:
         return
     layout = decoded.layout.layout
-    # These follow from the fields with data.
+    # Joins, runs of digits and fields without data follow from the other fields, so they are not encoded.
     derived_names = {join.name for join in layout.joins}
     for field in layout.fields:
         derived_names.update(run.name for run in field.runs)
         if not field.carries_data:
             derived_names.add(field.name)
-    values = {name: value for name, value in decoded.values.items() if name not in derived_names}
-    encoded = encode(device, decoded.layout, values)
+    values_to_encode = {name: value for name, value in decoded.values.items() if name not in derived_names}
+    encoded = encode(device, decoded.layout, values_to_encode)
     if layout.gaps == "unspecified":
         # An encoder may return anything in these bits, and a write keeps them.
         described_bits = 0
@@ -311,7 +323,7 @@ def _check_encoding(device: Device, decoded: Decoded, example: FrameExample | Re
 
 
 def samples(device: Device) -> tuple[Sample, ...]:
-    """Return the frames of every interface, for the order code that the manual shows most."""
+    """Return the sample frames of every interface, or none if an example has an unknown order code."""
     samples_of_all: list[Sample] = []
     try:
         for interface in device.interfaces:
@@ -322,7 +334,7 @@ def samples(device: Device) -> tuple[Sample, ...]:
 
 
 def _of_interface(device: Device, interface: Interface) -> Iterator[Sample]:
-    """Yield a frame for each layout of the encoder that can be encoded."""
+    """Yield a frame for each layout that the encoder sends and that can be encoded, for one order code."""
     variant = _most_shown(device, interface.name)
     if variant is None:
         return
@@ -333,7 +345,10 @@ def _of_interface(device: Device, interface: Interface) -> Iterator[Sample]:
 
 
 def _most_shown(device: Device, interface: str) -> Variant | None:
-    """Return the order code with the most examples that are used as printed, or the one with the finest resolution."""
+    """Return the order code that most examples use, without CRCs and corrected examples, or None if there is none.
+
+    Among several, the one with the largest sum of parameters is used, which usually has the finest resolution.
+    """
     example_counts: Counter[str] = Counter()
     for example in device.examples:
         if not isinstance(example, CrcExample) and not example.erratum:
@@ -346,23 +361,24 @@ def _most_shown(device: Device, interface: str) -> Variant | None:
 
 
 def _sample(device: Device, variant: Variant, layout: Layout) -> Sample:
-    """Return a frame with the position of a worked example if there is one, or else with made-up values only."""
+    """Return a frame with the position of a worked example, if it fits, and made-up values in all other fields."""
     placed = layout.place(variant.parameters)
     data_fields = [placed_field for placed_field in placed.fields if placed_field.field.carries_data]
-    values = {field.name: _value(field.field, field.width, layout) for field in data_fields}
+    made_up_values = {field.name: _value(field.field, field.width, layout) for field in data_fields}
     measurement = device.measurement_of(variant.interface)
     worked_example = _worked_example(device, variant)
     if measurement is not None and worked_example is not None and measurement.of in layout.member_names:
         position_fields = layout.names_in(measurement.of)
-        other_values = {name: value for name, value in values.items() if name not in position_fields}
-        values_of_example = {**other_values, measurement.of: worked_example.counts}
+        # The position is encoded as a whole, instead of its fields.
+        other_values = {name: value for name, value in made_up_values.items() if name not in position_fields}
+        values_with_position = {**other_values, measurement.of: worked_example.counts}
         with suppress(EncodeError):  # a position that does not fit
-            return _encoded_sample(device, placed, variant, values_of_example, worked_example.source)
-    return _encoded_sample(device, placed, variant, values)
+            return _encoded_sample(device, placed, variant, values_with_position, worked_example.source)
+    return _encoded_sample(device, placed, variant, made_up_values)
 
 
 def _worked_example(device: Device, variant: Variant) -> MeasureExample | None:
-    """Return the first example of a measurement with this order code."""
+    """Return the first example of a measurement with this order code, or None if there is none."""
     for example in device.examples:
         if isinstance(example, MeasureExample) and example_variant(device, example) == variant:
             return example
@@ -370,14 +386,21 @@ def _worked_example(device: Device, variant: Variant) -> MeasureExample | None:
 
 
 def _value(field: Field, width: int, layout: Layout) -> int | str | bool:
-    """Return an invented value for a field."""
+    """Return a made-up value for a field, or raise an ``EncodeError`` if the field carries no data.
+
+    The values are harmless: flags are inactive, and a named value leaves the position usable if the field has such a
+    value.
+    """
     if field.name == layout.selector:
         return layout.selects[0]
     match field.kind:
         case Number(power_of_two=True):
+            # The power of two in the middle of the range.
             return 1 << width // 2
         case Number(signed=is_signed, zero_means=zero_means):
+            # A signed field has one bit less for positive numbers.
             number = _number(width - 1 if is_signed else width)
+            # With 'zero_means', a field never has the value 0.
             return max(number, 1) if zero_means else number
         case Flag():
             return False
@@ -395,14 +418,14 @@ def _value(field: Field, width: int, layout: Layout) -> int | str | bool:
 
 
 def _number(bits: int) -> int:
-    """Return a number of this width."""
+    """Return a made-up number of at most ``bits`` bits: up to 42, or nine digits modulo a width above 16 bits."""
     return 123456789 % (1 << bits) if bits > 16 else min(42, (1 << bits) - 1)
 
 
 def _encoded_sample(
     device: Device, placed: PlacedLayout, variant: Variant, values: Values, source: Sources = ()
 ) -> Sample:
-    """Return the frame with these values, and one that decoders must refuse if the frame has a flag for that."""
+    """Return a frame with these values, and the same one with a flag that decoders must refuse, if there is one."""
     frame = encode(device, placed, values)
     plain_frame = from_gray(placed, frame)
     decoded_values = {field.name: values[field.name] for field in placed.fields if field.name in values}

@@ -37,8 +37,10 @@ from .from_mapping import Raw, record
 class Context:
     """Definitions that a layout may refer to.
 
-    ``parameter_sets`` has, by interface, the parameters of its order codes, each set once. ``only_while`` returns the
-    parameter that is 0 for all order codes except those of an ``only``.
+    ``groups`` has, by name, each group of fields and its path in the spec. ``definitions`` has the expressions of the
+    parameters that follow from others. ``parameter_sets`` has, by interface, the parameters of its order codes, each
+    set once. ``data_ids`` has those of each interface. ``only_while`` returns the parameter that is 0 for all order
+    codes except those of an ``only``.
     """
 
     report: DocumentReport
@@ -50,7 +52,7 @@ class Context:
     only_while: Callable[[str], str] = lambda only: ""
 
     def expression(self, text: int | str) -> Expression | None:
-        """Return an expression over parameters set by order codes, or None if it is not valid."""
+        """Return an expression over parameters set by order codes, or None if it is not valid or has an unknown one."""
         try:
             expression = Expression.parse(text).substitute(self.definitions)
         except ExpressionError:
@@ -71,10 +73,13 @@ class Context:
 
 
 def _makes_position(raw: Raw, interface: str) -> Verdict | None:
-    """Return the verdict on the position while a flag is active, from the spec, or from the interface if it is open."""
+    """Return the verdict on the position while a flag is active, or None if it has none.
+
+    It is the one in the spec, or otherwise the one that the interface defines for flags of this name.
+    """
     verdict_of_interface = INTERFACES[interface].flags.get(raw["name"], "")
-    verdict = raw.get("makes_position", "") or verdict_of_interface
-    return Verdict(verdict) if verdict else None
+    verdict_text = raw.get("makes_position", "") or verdict_of_interface
+    return Verdict(verdict_text) if verdict_text else None
 
 
 @dataclass(frozen=True)
@@ -91,6 +96,7 @@ class Site:
         return self.context.parameter_sets.get(self.interface, ())
 
     def widest(self, width: Expression) -> int:
+        """Return the highest width over all order codes, or without order codes the constant part of the expression."""
         return max((width.value(parameters) for parameters in self.sets), default=width.constant)
 
     def report(self, rule: str, message: str, *below: str | int) -> None:
@@ -101,6 +107,7 @@ class Site:
 def bit_range(text: int | str) -> tuple[int, int] | None:
     """Parse ``7:6`` as (7, 6) and ``5`` as (5, 5). Return None for any other text or a reversed range."""
     high, _, low = str(text).partition(":")
+    # Longer numbers are typos, and would make huge fields.
     if not high.isdecimal() or len(high) > 4 or (low and (not low.isdecimal() or len(low) > 4)):
         return None
     bounds = int(high), int(low or high)
@@ -108,7 +115,10 @@ def bit_range(text: int | str) -> tuple[int, int] | None:
 
 
 def expected_value(raw: Raw, context: Context) -> Expression | int | str | None:
-    """Return the expected value: text, a number, or an expression if it depends on the order code."""
+    """Return the value of ``equals``: a text, a number, or an expression, which may depend on the order code.
+
+    Return None if there is none, or an expression that is not valid.
+    """
     expected = raw.get("equals")
     if isinstance(expected, str) and "text" not in raw:
         return context.expression(expected)
@@ -116,6 +126,7 @@ def expected_value(raw: Raw, context: Context) -> Expression | int | str | None:
 
 
 def zero_field(name: str, kind: Constant, low: Expression, width: Expression, site: Site, source: Sources) -> Field:
+    """Return a field whose bits are always 0, such as padding or a gap. ``kind`` says which."""
     return Field(
         name=name,
         kind=kind,
@@ -142,8 +153,9 @@ def kind_of(raw: Raw, context: Context, interface: str, width: Expression) -> Ki
     if "crc" in raw:
         return CrcValue(raw["crc"], tuple(raw.get("crc_of", ())))
     if "parity_of" in raw:
-        covered = raw["parity_of"]
-        covered_names = (covered,) if isinstance(covered, str) else tuple(covered)
+        one_or_more_names = raw["parity_of"]
+        # One field is a text in the spec, several are a list.
+        covered_names = (one_or_more_names,) if isinstance(one_or_more_names, str) else tuple(one_or_more_names)
         return Parity(covered_names, raw.get("parity") == "odd", raw.get("over", ""))
     if "digits" in raw:
         return Decimal(_runs(raw["digits"]))
@@ -153,7 +165,7 @@ def kind_of(raw: Raw, context: Context, interface: str, width: Expression) -> Ki
 
 
 def _choices(raw: Raw, width: Expression) -> tuple[Value, ...]:
-    """Return the named values of a field, with names for all others if the spec says so."""
+    """Return the named values of a field. With ``others``, all other values have names too."""
     values = build_values(raw)
     if "others" in raw:
         values += _reserved(values, width.constant)
@@ -161,7 +173,11 @@ def _choices(raw: Raw, width: Expression) -> tuple[Value, ...]:
 
 
 def _flag(raw: Raw, context: Context, interface: str) -> Flag:
-    """Return a flag. ``makes_position_if`` has one entry, such as ``{encoder_follows_edition_2: not_usable}``."""
+    """Return a flag. ``makes_position_if`` has one entry, such as ``{encoder_follows_edition_2: not_usable}``.
+
+    Its key is the parameter that decides, and its value the verdict if this is 1. ``only`` becomes the parameter that
+    is 0 for other order codes.
+    """
     verdict_parameter, verdict_if_set = "", None
     for parameter, verdict in raw.get("makes_position_if", {}).items():
         verdict_parameter, verdict_if_set = parameter, Verdict(verdict)
@@ -183,6 +199,7 @@ def build_values(raw: Raw) -> tuple[Value, ...]:
 
 
 def _verdict(raw: Raw) -> Verdict | None:
+    """Return the verdict of a named value, or None if it has none."""
     return Verdict(raw["makes_position"]) if "makes_position" in raw else None
 
 
@@ -192,12 +209,13 @@ def build_combinations(raw: Raw) -> tuple[Combination, ...]:
 
 
 def _combination(raw: Raw) -> Combination:
+    """Return a combination. Its conditions are texts such as ``warning.active``, of a field and a value."""
     conditions = tuple(f"{name}.{value}" for name, value in raw["when"].items())
     return record(Combination, raw, when=conditions, makes_position=Verdict(raw["makes_position"]))
 
 
 def _reserved(values: Sequence[Value], width: int) -> tuple[Value, ...]:
-    """Name the values of a field that the spec does not list."""
+    """Return a named value, such as ``reserved_3``, for each number of ``width`` bits that is not in ``values``."""
     meaning = "Reserved: the manual does not say what it means"
     listed_numbers = {value.value for value in values}
     unlisted_numbers = [number for number in range(1 << width) if number not in listed_numbers]
@@ -205,6 +223,7 @@ def _reserved(values: Sequence[Value], width: int) -> tuple[Value, ...]:
 
 
 def _value_of(data_id: DataId) -> Value:
+    """Return a data ID as a named value of the field that holds it."""
     return Value(
         name=data_id.name,
         value=data_id.id,
@@ -216,7 +235,10 @@ def _value_of(data_id: DataId) -> Value:
 
 
 def _runs(digits: Sequence[Raw]) -> tuple[Digits, ...]:
-    """Return the runs of a decimal number, most significant first, each with the divisor that moves it to the ones."""
+    """Return the runs of a decimal number, most significant first, each with the divisor that moves it to the ones.
+
+    For two runs of three and two digits, the divisors are 100 and 1, and the moduli 1000 and 100.
+    """
     runs = []
     divisor = 1
     for run in reversed(digits):
@@ -227,17 +249,21 @@ def _runs(digits: Sequence[Raw]) -> tuple[Digits, ...]:
 
 
 def pieces(field: Field, length: int, low_first: bool) -> tuple[Piece, ...]:
-    """Return the parts of a field in each byte of a frame of ``length`` bytes, or none if the order code moves them."""
+    """Return the parts of a field in each byte of a frame of ``length`` bytes, or none if the order code moves them.
+
+    They begin with the lowest bits of the field. Each has the byte, the lowest bit in that byte, a mask of as many ones
+    as it has bits, and the lowest bit in the field.
+    """
     width = field.width.constant if field.width.is_constant else 0
-    bits = field.container or width  # A container has the field and its padding.
-    if not field.low.is_constant or not bits:
+    bits_with_padding = field.container or width
+    if not field.low.is_constant or not bits_with_padding:
         return ()
     pieces = []
     bits_done = 0
-    while bits_done < bits:
-        byte_above_lowest, right = divmod(field.low.constant + bits_done, 8)
-        bits_in_byte = min(8 - right, bits - bits_done)
+    while bits_done < bits_with_padding:
+        byte_above_lowest, low_bit_in_byte = divmod(field.low.constant + bits_done, 8)
+        bits_in_byte = min(8 - low_bit_in_byte, bits_with_padding - bits_done)
         byte = byte_above_lowest if low_first else length - 1 - byte_above_lowest
-        pieces.append(Piece(byte, right, (1 << bits_in_byte) - 1, bits_done))
+        pieces.append(Piece(byte, low_bit_in_byte, (1 << bits_in_byte) - 1, bits_done))
         bits_done += bits_in_byte
     return tuple(pieces)

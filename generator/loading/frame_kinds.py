@@ -28,7 +28,7 @@ from .fields import Site
 from .from_mapping import Raw
 from .valid_parts import valid_parts_so_far
 
-#: Verdicts as errata write them. A longer one comes before the one that it contains.
+#: Verdicts as errata write them, as regular expressions. A longer one comes before the one that it contains.
 _IN_WORDS = (
     (Verdict.NOT_USABLE, r"not usable|unusable|not_usable"),
     (Verdict.USABLE_WITH_WARNING, r"usable,? with a warning|usable_with_warning"),
@@ -58,7 +58,11 @@ def _report_stated_warnings(layout: Layout, raw_fields: Iterable[Raw], site: Sit
 
 
 def check_errata(device: Device, report: DocumentReport) -> None:
-    """Check that errata about flags state only verdicts that decoders give."""
+    """Check that errata about flags state only verdicts that decoders give.
+
+    The first wrong verdict in ``used`` is reported. An erratum that affects no flag or unused bit with a verdict is not
+    checked.
+    """
     if device.base:  # The family that this one is derived from has the same errata.
         return
     for erratum in device.errata:
@@ -66,14 +70,14 @@ def check_errata(device: Device, report: DocumentReport) -> None:
         wrong_verdicts = [verdict for verdict in _stated(erratum.used) if verdict not in decoder_verdicts]
         if not decoder_verdicts or not wrong_verdicts:
             continue
-        expected = listed((quoted(verdict.value) for verdict in Verdict if verdict in decoder_verdicts), "or")
+        possible_verdicts = listed((quoted(verdict.value) for verdict in Verdict if verdict in decoder_verdicts), "or")
         problem = f"'used' states the verdict {quoted(wrong_verdicts[0].value)}"
-        message = f"{problem}, but for the affected bits, decoders give {expected}; correct one of the two"
+        message = f"{problem}, but for the affected bits, decoders give {possible_verdicts}; correct one of the two"
         report.add("erratum-verdict", ("errata", erratum.name, "used"), message)
 
 
 def _stated(text: str) -> Iterator[Verdict]:
-    """Yield the verdicts that a text names."""
+    """Yield the verdicts that a text names. Each is removed, so that "usable" is not found in "not usable"."""
     remaining_text = " ".join(text.split())
     for verdict, pattern in _IN_WORDS:
         remaining_text, count = re.subn(pattern, "", remaining_text)
@@ -82,19 +86,23 @@ def _stated(text: str) -> Iterator[Verdict]:
 
 
 def _verdicts_of_affected_bits(device: Device, erratum: Erratum) -> Iterator[Verdict]:
-    """Yield the verdicts on frames with the bits that an erratum affects, each active and all inactive."""
+    """Yield the verdicts on frames with the bits that an erratum affects, each active and all inactive.
+
+    If a frame does not say whether the position is usable, its verdict is at best unknown.
+    """
     for interface in device.interfaces:
         for layout in interface.layouts:
-            place = f"interfaces.{interface.name}.{layout.name}"
+            layout_place = f"interfaces.{interface.name}.{layout.name}"
             verdicts: list[Verdict] = []
             for field in layout.fields:
-                if _is_affected(field, place, erratum):
+                if _is_affected(field, layout_place, erratum):
                     verdicts += _verdicts(field)
             if not verdicts:
                 continue
             if layout.tells_validity:
                 yield from verdicts
                 yield Verdict.USABLE
+                # Some order codes lack the bits that say so.
                 if not layout.judging_bits.is_constant:
                     yield Verdict.UNKNOWN
             else:
@@ -103,15 +111,25 @@ def _verdicts_of_affected_bits(device: Device, erratum: Erratum) -> Iterator[Ver
 
 
 def _is_affected(field: Field, place: str, erratum: Erratum) -> bool:
-    """Return True if an erratum affects a field of the layout at ``place``, or all its fields."""
-    owners = [place]
+    """Return True if an erratum affects a field of the layout at ``place``, or all its fields.
+
+    A field of a group is also affected through the group.
+    """
+    places_with_field = [place]
     if field.group:
-        owners.append(f"field_groups.{field.group}")
-    return any(owner in erratum.affects or f"{owner}.{field.name}" in erratum.affects for owner in owners)
+        places_with_field.append(f"field_groups.{field.group}")
+    return any(
+        affected_place in erratum.affects or f"{affected_place}.{field.name}" in erratum.affects
+        for affected_place in places_with_field
+    )
 
 
 def _verdicts(field: Field) -> Iterator[Verdict]:
-    """Yield the verdicts while a bit is active: by default, with another answer, and where it is not explained."""
+    """Yield the verdicts while a flag or unused bit is active.
+
+    A flag has its verdict, also that of another answer of an alternative, and that of other order codes if only some of
+    them explain it.
+    """
     kind = field.kind
     if isinstance(kind, (Flag, Unused)) and kind.makes_position is not None:
         yield kind.makes_position
@@ -125,13 +143,15 @@ def _verdicts(field: Field) -> Iterator[Verdict]:
 
 
 def _at_best_unknown(verdict: Verdict) -> Verdict:
+    """Return the verdict on a frame that does not say whether the position is usable."""
     return verdict if verdict is Verdict.NOT_USABLE else Verdict.UNKNOWN
 
 
 def check_frame_kinds(device: Device, report: DocumentReport) -> None:
-    """Report a number that is a constant in another frame, and so the kind of frame, or a constant in the request.
+    """Report numbers and positions by which frames of different layouts cannot be told apart.
 
-    Over RS-485, only the request tells the frames apart.
+    A number must not have the place of a constant of another frame or of the request. Over RS-485, only the request
+    tells the frames of the encoder apart.
     """
     if not valid_parts_so_far(report).has_frames:
         return
@@ -143,18 +163,18 @@ def check_frame_kinds(device: Device, report: DocumentReport) -> None:
 
 
 def _check_numbers(device: Device, interface: Interface, report: DocumentReport) -> None:
-    """Report a number in a frame with the position that is a constant in another frame."""
+    """Report the first number in each layout with the position that is a constant in another frame of the encoder."""
     frames = [layout for layout in interface.layouts if layout.sender == "encoder"]
     for layout in frames:
         if not device.tells_position(interface.name, layout):
             continue
-        numbers = {field.name for field in layout.fields if isinstance(field.kind, Number)}
-        same_channel = [frame for frame in frames if frame.channel == layout.channel]
-        candidates = [frame for frame in same_channel if _has_constant(frame, numbers)]
-        clash = next(_ambiguous_numbers(device, interface, layout, candidates), None)
+        number_names = {field.name for field in layout.fields if isinstance(field.kind, Number)}
+        frames_of_channel = [frame for frame in frames if frame.channel == layout.channel]
+        frames_with_constant = [frame for frame in frames_of_channel if _has_constant(frame, number_names)]
+        clash = next(_ambiguous_numbers(device, interface, layout, frames_with_constant), None)
         if clash is not None:
-            field, other_layout, value = clash
-            message = f"'{field.name}' can be any number, but it is always {value:#x} in '{other_layout.name}'"
+            field, other_layout, constant = clash
+            message = f"'{field.name}' can be any number, but it is always {constant:#x} in '{other_layout.name}'"
             remedy = f"a frame '{other_layout.name}' would decode as '{layout.name}'; give this field its 'constant'"
             report.add("frame-kind", _field_path(interface, layout, field), f"{message}, so {remedy}")
 
@@ -167,9 +187,10 @@ def _field_path(interface: Interface, layout: Layout, field: Field) -> Path:
 
 
 def _check_positions(device: Device, interface: Interface, report: DocumentReport) -> None:
-    """Report two frames with the position that nothing distinguishes, unless a note says how a master knows them.
+    """Report the first two frames with the position that nothing distinguishes, unless the second layout has a note.
 
-    No request selects a frame over SSI and BiSS, so decoders would take each frame as the first layout.
+    The note should say how a master knows the frames. No request selects a frame over SSI and BiSS, so decoders would
+    take each frame as the first layout.
     """
     frames = [layout for layout in interface.layouts if device.tells_position(interface.name, layout)]
     for first, second in combinations(frames if isinstance(interface, (Biss, Ssi)) else (), 2):
@@ -188,7 +209,10 @@ def _check_positions(device: Device, interface: Interface, report: DocumentRepor
 
 
 def _are_distinguished(layout: Layout, other_layout: Layout) -> bool:
-    """Return whether a selector or a constant of the same name distinguishes two frames."""
+    """Return True if a selector or a constant of the same name distinguishes two frames.
+
+    A selector of the first layout is enough: decoders use this layout only for its values.
+    """
     if layout.selector:
         return True
     constants, other_constants = _constants(layout), _constants(other_layout)
@@ -213,44 +237,54 @@ def _check_replies(interface: Interface, positions: frozenset[str], report: Docu
         request_names = [exchange.request for exchange in interface.exchanges if exchange.reply == reply.name]
         requests = [layouts[name] for name in request_names if name in layouts]
         for field in reply.fields:
-            value = _common_constant(requests, field.name)
-            if isinstance(field.kind, Number) and value is not None and field.name not in positions:
-                message = f"'{field.name}' can be any number, but it is always {value:#x} in '{requests[0].name}'"
-                place = " in each layout, instead of in the group" if field.group else ""
-                remedy = f"the reply to another request would decode; give this field the same 'constant'{place}"
+            constant = _common_constant(requests, field.name)
+            if isinstance(field.kind, Number) and constant is not None and field.name not in positions:
+                message = f"'{field.name}' can be any number, but it is always {constant:#x} in '{requests[0].name}'"
+                where_to_give = " in each layout, instead of in the group" if field.group else ""
+                remedy = (
+                    f"the reply to another request would decode; give this field the same 'constant'{where_to_give}"
+                )
                 report.add("frame-kind", _field_path(interface, reply, field), f"{message}, so {remedy}")
 
 
 def _common_constant(requests: Sequence[Layout], name: str) -> int | None:
-    """Return the value of a field that is the same constant in all requests with the field, or None."""
-    values: set[int] = set()
+    """Return the constant that a field is in all requests that have it, or None if there is no such constant."""
+    constants: set[int] = set()
     for request in requests:
         for field in request.fields:
             if field.name != name:
                 continue
             if not isinstance(field.kind, Constant):
                 return None
-            values.add(field.kind.value)
-    return values.pop() if len(values) == 1 else None
+            constants.add(field.kind.value)
+    return constants.pop() if len(constants) == 1 else None
 
 
 def _has_constant(layout: Layout, names: set[str]) -> bool:
+    """Return True if the layout has a constant with one of these names."""
     return any(isinstance(field.kind, Constant) and field.name in names for field in layout.fields)
 
 
 def _ambiguous_numbers(
     device: Device, interface: Interface, layout: Layout, other_layouts: list[Layout]
 ) -> Iterator[tuple[Field, Layout, int]]:
-    """Yield the numbers that are a constant at the same place of a frame with the same length."""
+    """Yield numbers that are a constant with the same name, place and width in a frame of the same length.
+
+    Each comes with the layout of that frame and the value of the constant.
+    """
     for variant in device.variants_over(interface.name):
         placed = layout.place(variant.parameters)
         for other_layout in other_layouts:
             other_placed = other_layout.place(variant.parameters)
             if placed.bits != other_placed.bits:
                 continue
-            for number in placed.fields:
-                constant = other_placed.find_field(number.name)
-                if constant is None or constant.low != number.low or constant.width != number.width:
+            for placed_field in placed.fields:
+                other_field = other_placed.find_field(placed_field.name)
+                if (
+                    other_field is None
+                    or other_field.low != placed_field.low
+                    or other_field.width != placed_field.width
+                ):
                     continue
-                if isinstance(number.field.kind, Number) and isinstance(constant.field.kind, Constant):
-                    yield number.field, other_layout, constant.field.kind.value
+                if isinstance(placed_field.field.kind, Number) and isinstance(other_field.field.kind, Constant):
+                    yield placed_field.field, other_layout, other_field.field.kind.value

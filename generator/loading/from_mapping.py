@@ -37,14 +37,18 @@ Raw = Mapping[str, Any]
 T = TypeVar("T")
 
 _SOURCE = re.compile(r"\s*(?:(?P<document>[a-z][a-z0-9_]*):\s*)?(?P<section>.*?)(?:\s*\bp\.(?P<page>[0-9]+))?\s*$")
+#: Empty values by type. None stands for any other type.
 _EMPTY: Mapping[Any, Any] = MappingProxyType({str: "", int: 0, bool: False, tuple: (), Mapping: MappingProxyType({})})
 
 
 def parse_sources(text: str) -> Sources:
-    """Parse sources such as ``6.4 p.35; it: 6.4 p.36``. A page range such as ``p.14-15`` belongs to the section."""
+    """Parse sources such as ``6.4 p.35; it: 6.4 p.36``: a section, a page, and before them the key of another document.
+
+    A page range such as ``p.14-15`` belongs to the section.
+    """
     parsed = []
-    for piece in text.split(";"):
-        match = _SOURCE.fullmatch(piece)
+    for source_text in text.split(";"):
+        match = _SOURCE.fullmatch(source_text)
         if match is not None:
             page = int(match["page"]) if match["page"] else None
             parsed.append(Source(match["document"] or "", match["section"], page))
@@ -52,6 +56,7 @@ def parse_sources(text: str) -> Sources:
 
 
 def sources(raw: Raw, key: str = "source") -> Sources:
+    """Return the sources under a key of a part of the spec, or none if it has no such key."""
     return parse_sources(raw[key]) if key in raw else ()
 
 
@@ -75,12 +80,13 @@ def record(kind: Callable[..., T], raw: Raw, /, **values: Any) -> T:
 
 
 def records(kind: Callable[..., T], raw: Raw, key: str) -> tuple[T, ...]:
-    """Return the items that ``raw`` lists under ``key``."""
+    """Return a ``kind`` for each definition that ``raw`` lists under ``key``."""
     return tuple(record(kind, definition) for definition in raw.get(key, ()))
 
 
 @cache
 def _members(kind: Any) -> list[tuple[str, Any, bool]]:
+    """Return the members of a class, each as its name, its type, and True if it has a default."""
     # Names are resolved in the module, so that a member called 'bytes' does not hide the type.
     hints = get_type_hints(kind, localns={})
     return [(member.name, hints[member.name], _has_default(member)) for member in fields(kind)]
@@ -91,7 +97,10 @@ def _has_default(member: Field[Any]) -> bool:
 
 
 def _value(hint: Any, value: Any) -> Any:
-    """Return a value of a spec as the type ``hint``, such as ``tuple[Value, ...]``, ``Clock`` or ``Clock | None``."""
+    """Return a value of a spec as the type ``hint``, such as ``tuple[Value, ...]``, ``Clock`` or ``Clock | None``.
+
+    A map becomes an object if the type, or the first type in it, is a class of the model. Other values stay.
+    """
     type_arguments = get_args(hint)
     inner_type = type_arguments[0] if type_arguments else hint
     if get_origin(hint) is tuple:
@@ -102,6 +111,7 @@ def _value(hint: Any, value: Any) -> Any:
 
 
 def _member(kind: Any, value: Any) -> Any:
+    """Return a map of the spec as an object of a class, and any other value as it is."""
     return record(kind, value) if isinstance(value, Mapping) else value
 
 
@@ -112,7 +122,10 @@ def build_manufacturer(raw: Raw) -> Manufacturer:
 
 
 def supply(raw: Raw, inherited: Sources = ()) -> Supply | None:
-    """Return the supply of a device or of a value of its order code. ``inherited`` is the source of its parent."""
+    """Return the supply of a device or of a value of its order code, or None if it has none.
+
+    Without a source of its own, it has that of ``raw``, or else ``inherited``, the source of the parent.
+    """
     if "supply" not in raw:
         return None
     definition = raw["supply"]
@@ -125,7 +138,10 @@ def table(raw: Raw) -> Table:
 
 
 def only_while(only: str, variants: Sequence[Variant], parameters: Collection[str]) -> str:
-    """Return the parameter that is 0 for all order codes except those of ``only``, or an empty string."""
+    """Return the first parameter that is 0 for all order codes except those of ``only``, and not 0 for these.
+
+    Return an empty string if there is none.
+    """
     for name in parameters:
         if _distinguishes(name, only, variants):
             return name
@@ -133,7 +149,7 @@ def only_while(only: str, variants: Sequence[Variant], parameters: Collection[st
 
 
 def _distinguishes(parameter: str, only: str, variants: Sequence[Variant]) -> bool:
-    """Return True if a parameter is 0 for all order codes except those of ``only``."""
+    """Return True if a parameter is not 0 for exactly the order codes of ``only``."""
     return all((variant.parameters.get(parameter, 0) != 0) == fits(only, variant.code) for variant in variants)
 
 
@@ -144,7 +160,10 @@ def set_parameters(raw: Raw) -> list[str]:
 
 
 def check_only(raw: Raw, variants: Sequence[Variant], report: DocumentReport) -> None:
-    """Report an ``only`` that no order code matches, and an ``only`` of a flag that no parameter distinguishes."""
+    """Report an ``only`` with a pattern that no order code matches, and one of a flag that no parameter distinguishes.
+
+    In another edition, an ``only`` is reported only if no order code matches any of its patterns.
+    """
     if not variants:
         return
     for path, owner in _mappings_with_only(raw, ()):
@@ -154,8 +173,8 @@ def check_only(raw: Raw, variants: Sequence[Variant], report: DocumentReport) ->
         if unmatched if not report.document.family else not any(fits(only, variant.code) for variant in variants):
             example_code = variants[0].code
             message = f"no order code of the family matches {quoted(unmatched[0])}"
-            example = quoted(f"{example_code[: len(example_code) // 2]}...")
-            remedy = f"'...' matches any text and 'x' matches one character, as in {example}"
+            example_pattern = quoted(f"{example_code[: len(example_code) // 2]}...")
+            remedy = f"'...' matches any text and 'x' matches one character, as in {example_pattern}"
             report.add("only-codes", (*path, "only"), f"{message}; {remedy}")
         elif "active" in owner and not only_while(only, variants, set_parameters(raw)):
             message = f"no parameter distinguishes the order codes {quoted(only)} from the others"
@@ -164,19 +183,19 @@ def check_only(raw: Raw, variants: Sequence[Variant], report: DocumentReport) ->
 
 
 def _unmatched_patterns(only: str, variants: Sequence[Variant]) -> list[str]:
-    """Return the patterns of a list that no order code matches."""
+    """Return the patterns of ``only``, which commas separate, that no order code matches."""
     patterns = [pattern.strip() for pattern in only.split(",")]
     return [pattern for pattern in patterns if not any(fits(pattern, variant.code) for variant in variants)]
 
 
 def check_alarms(raw: Raw, report: DocumentReport) -> None:
-    """Report an alarm with a different ``only`` than its flag."""
+    """Report an alarm with a different ``only`` than its flag in a register or group."""
     for index, alarm in enumerate(raw.get("alarms", ())):
         if "register" in alarm:
-            owner = by_name(raw, "registers").get(alarm["register"], {})
+            owner_of_flag = by_name(raw, "registers").get(alarm["register"], {})
         else:
-            owner = by_name(raw, "field_groups").get(alarm.get("group", ""), {})
-        flags = [field for field in owner.get("fields", ()) if field.get("name") == alarm.get("field", "")]
+            owner_of_flag = by_name(raw, "field_groups").get(alarm.get("group", ""), {})
+        flags = [field for field in owner_of_flag.get("fields", ()) if field.get("name") == alarm.get("field", "")]
         if not flags or alarm.get("only", "") == flags[0].get("only", ""):
             continue
         flag = flags[0]
@@ -188,11 +207,12 @@ def check_alarms(raw: Raw, report: DocumentReport) -> None:
 
 
 def _quoted(owner: Raw) -> str:
+    """Return the order codes of an alarm or flag in words."""
     return f"the order codes {quoted(owner['only'])}" if "only" in owner else "all order codes"
 
 
 def _mappings_with_only(value: Any, path: Path) -> Iterator[tuple[Path, Raw]]:
-    """Yield the mappings that have an ``only``."""
+    """Yield the mappings that have an ``only``, at any depth, each with its path."""
     if isinstance(value, Mapping):
         if isinstance(value.get("only"), str):
             yield path, value
@@ -209,6 +229,7 @@ def build_procedures(raw: Raw, device: Device) -> tuple[Procedure, ...]:
 
 
 def _procedure(raw: Raw, device: Device) -> Procedure:
+    """Return a procedure. Steps without a source have its source, and ``do`` selects the function for a step."""
     arguments = [record(Argument, argument, meant_as=argument.get("as", "")) for argument in raw.get("arguments", ())]
     steps = []
     for step in raw["steps"]:
@@ -218,19 +239,23 @@ def _procedure(raw: Raw, device: Device) -> Procedure:
 
 
 def _write(raw: Raw, source: Sources, device: Device) -> Step:
-    """Build a write step. A name not among the values of the field, or of a single-field register, is an argument."""
+    """Return a write step. It sets one field if it names one, otherwise a whole register.
+
+    The value is the name of a value of that field, or of the only field of the register. Any other name is an argument
+    of the procedure, and the step has no number.
+    """
     register_name, field_name = raw.get("register", ""), raw.get("field", "")
     value_name, meaning = raw.get("value", ""), raw.get("meaning", "")
-    fields: list[Any] = []
+    candidate_fields: list[Any] = []
     for register in device.registers:
         if register.name == register_name:
-            fields += register.layout.fields
+            candidate_fields += register.layout.fields
     if field_name:
-        fields = [field for field in fields if field.name == field_name]
+        candidate_fields = [field for field in candidate_fields if field.name == field_name]
     number = None
-    if len(fields) == 1:
-        numbers = [value.value for value in fields[0].values if value.name == value_name]
-        number = numbers[0] if numbers else None
+    if len(candidate_fields) == 1:
+        numbers_of_name = [value.value for value in candidate_fields[0].values if value.name == value_name]
+        number = numbers_of_name[0] if numbers_of_name else None
     if field_name:
         return ModifyStep(register_name, field_name, value_name, number, meaning=meaning, source=source)
     return WriteStep(register_name, value_name, number, meaning=meaning, source=source)
@@ -249,7 +274,7 @@ def _wait(raw: Raw, source: Sources, device: Device) -> Step:
 
 
 def _send(raw: Raw, source: Sources, device: Device) -> Step:
-    """Build a send step. The request is one byte, the control field of the data ID."""
+    """Return a send step. The request is one byte, the control field of the data ID, or empty without this data ID."""
     interface = device.find_interface(Rs485)
     data_ids = interface.data_ids if interface is not None else ()
     controls = [data_id.control for data_id in data_ids if data_id.name == raw.get("data_id")]

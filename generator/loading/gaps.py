@@ -25,7 +25,11 @@ def values_text(parameters: Mapping[str, int], *expressions: Expression) -> str:
 
 
 def with_places(fields: Sequence[Field], site: Site) -> list[Field]:
-    """Return the fields from the lowest up, over all order codes. A field without bits is placed at its neighbour."""
+    """Return the fields sorted by place, lowest first.
+
+    The place is the sum of the lowest bits over all order codes, because widths differ between them. Of fields at the
+    same place, those without bits come first.
+    """
 
     def place_over_all_codes(field: Field) -> tuple[int, int]:
         sum_of_lows = sum(field.low.value(parameters) for parameters in site.sets)
@@ -36,21 +40,28 @@ def with_places(fields: Sequence[Field], site: Site) -> list[Field]:
 
 
 def content_of_gaps(raw: Raw, context: Context) -> str:
-    """Return the content of bits without a field. In a frame, only a group can have such bits and define them."""
-    owners = [raw]
+    """Return the content of bits without a field: ``zero``, ``unspecified``, or an empty string if undefined.
+
+    It is that of the layout, or else of the first group in it that defines it. In a frame, only a group can have such
+    bits.
+    """
+    layout_and_groups = [raw]
     for field in raw.get("fields", ()):
         if field.get("use") in context.groups:
             group, _ = context.groups[field["use"]]
-            owners.append(group)
-    for owner in owners:
-        content = owner.get("other_bits")
+            layout_and_groups.append(group)
+    for layout_or_group in layout_and_groups:
+        content = layout_or_group.get("other_bits")
         if content:
             return str(content)
     return ""
 
 
 class _Gap(NamedTuple):
-    """Bits without a field, with the fields below and above."""
+    """Bits without a field, with the fields below and above.
+
+    ``below`` is None at the lowest bit of the layout, and ``above`` is None at the highest.
+    """
 
     below: Field | None
     above: Field | None
@@ -59,7 +70,11 @@ class _Gap(NamedTuple):
 
 
 def _gaps(fields: Sequence[Field], bits: Expression) -> Iterable[_Gap]:
-    """Yield each gap between fields, from the lowest up."""
+    """Yield each gap between fields, from the lowest up, and above them.
+
+    ``fields`` are sorted by place, and ``bits`` is the width of the layout. A gap may have no bits for some order
+    codes.
+    """
     end_of_last, last_field = ZERO, None
     for field in fields:
         width = field.low - end_of_last
@@ -72,7 +87,7 @@ def _gaps(fields: Sequence[Field], bits: Expression) -> Iterable[_Gap]:
 
 
 def check_all_bits_covered(fields: Sequence[Field], bits: Expression, gaps: str, site: Site) -> bool:
-    """Return True if every bit has a field, or the spec defines the others."""
+    """Return True if every bit has a field, or if ``gaps`` defines the others. Report the first gap otherwise."""
     if gaps:
         return True
     for parameters in site.sets:
@@ -80,21 +95,26 @@ def check_all_bits_covered(fields: Sequence[Field], bits: Expression, gaps: str,
         present_fields.sort(key=lambda field: field.low.value(parameters))
         starts = [*(field.low for field in present_fields), bits]
         ends_below = [ZERO, *(field.low + field.width for field in present_fields)]
+        # The first gap ends at the lowest field, and the last one at the end of the layout.
         for end_below, start in zip(ends_below, starts, strict=True):
             first_uncovered, next_covered = end_below.value(parameters), start.value(parameters)
             if next_covered > first_uncovered:
-                place = bits_text(next_covered - 1, first_uncovered) + values_text(parameters, start, end_below)
+                gap_text = bits_text(next_covered - 1, first_uncovered) + values_text(parameters, start, end_below)
                 remedy = "add one, or write 'other_bits: zero' or 'other_bits: unspecified'"
-                site.report("bits-without-field", f"no field covers {place}; {remedy}")
+                site.report("bits-without-field", f"no field covers {gap_text}; {remedy}")
                 return False
     return True
 
 
 def in_whole_bytes(fields: list[Field], bits: Expression) -> tuple[list[Field], Expression]:
-    """Return the fields of a frame of bits with zeros above them that fill the first byte, and the new width."""
+    """Return the fields of a frame of bits with zeros above them that fill the first byte, and the new width.
+
+    Fields without a constant width in total are returned as they are.
+    """
     missing_bits = -bits.constant % 8 if bits.is_constant else 0
     if not missing_bits or not fields:
         return fields, bits
+    # Fields begin with the lowest, and the highest is sent first.
     first_sent = fields[-1]
     width = Expression(missing_bits)
     zeros = Field(
@@ -110,7 +130,7 @@ def in_whole_bytes(fields: list[Field], bits: Expression) -> tuple[list[Field], 
 
 
 def _zero_name(below: Field | None, above: Field | None) -> str:
-    """Return the name of the zeros between two fields."""
+    """Return the name of the zeros between two fields, such as ``zero_below_position``."""
     if above is not None:
         return f"zero_below_{above.name}"
     return f"zero_above_{below.name}" if below is not None else "zero"
@@ -122,6 +142,7 @@ def with_zeros(fields: Sequence[Field], bits: Expression, site: Site) -> list[Fi
     zero_fields = []
     for gap in _gaps(fields, bits):
         for parameters in site.sets:
+            # A field begins below the end of the one before it.
             is_reversed = gap.width.value(parameters) < 0
             if is_reversed and gap.below is not None and gap.above is not None:
                 condition = values_text(parameters, gap.low, gap.width)

@@ -38,7 +38,7 @@ def build_interfaces(raw: Raw, context: Context) -> tuple[Interface, ...]:
 
 
 def _interface(name: str, raw: Raw, context: Context) -> Interface:
-    """Return an interface with its valid layouts."""
+    """Return an interface with its valid layouts. Others have been reported."""
     layouts: list[Layout] = []
     for index, definition in enumerate(raw["layouts"]):
         layout = build_layout(definition, Site(("interfaces", name, "layouts", index), context, name))
@@ -57,14 +57,21 @@ _WORD = (8, 64)
 
 
 class _Word(NamedTuple):
-    """An exchange as in the spec, and the bits of its words."""
+    """An exchange as in the spec, and the bits of its words, or None if they are not valid.
+
+    The exchange is empty for a layout that no exchange uses.
+    """
 
     exchange: Raw
     bits: Expression | None
 
 
 def _check_words(raw: Raw, layouts: Sequence[Layout], site: Site) -> None:
-    """Check that words have a possible number of bits for every order code, and that their layouts have as many."""
+    """Check that words have a possible number of bits for every order code, and that their layouts have as many.
+
+    ``word_bits`` of an exchange replaces that of the interface. If several layouts agree on another number than all
+    words, ``word_bits`` is reported once, instead of each layout.
+    """
     default_bits = _checked_word_bits(raw, site)
     words: list[_Word] = []
     for index, exchange in enumerate(raw.get("exchanges", ())):
@@ -91,26 +98,29 @@ def _check_word_bits(layout: Layout, words: Sequence[_Word], site: Site) -> None
     if not mismatches:
         return
     exchange, bits = mismatches[0]
-    owner, remedy = "", "correct 'word_bits' or the fields"
+    exchange_text, remedy = "", "correct 'word_bits' or the fields"
     if "word_bits" in exchange:
-        owner = f" of the exchange of '{exchange['request']}'"
+        exchange_text = f" of the exchange of '{exchange['request']}'"
     elif exchange:
         remedy += f", or give the exchange of '{exchange['request']}' its own 'word_bits'"
     bits_text = bits.render() if bits is not None else ""
-    message = f"'{layout.name}' has {layout.bits.render()} bits, but 'word_bits'{owner} is {bits_text}"
+    message = f"'{layout.name}' has {layout.bits.render()} bits, but 'word_bits'{exchange_text} is {bits_text}"
     site.report("width-mismatch", f"{message}; {remedy}", "layouts", layout.name)
 
 
 def _checked_word_bits(raw: Raw, site: Site, *below: str | int) -> Expression | None:
-    """Return ``word_bits`` of an interface or exchange, and check its range for every order code."""
+    """Return ``word_bits`` of an interface or exchange, and check its range for every order code.
+
+    Return None for an invalid expression. ``below`` is the path of the exchange in the interface.
+    """
     bits = site.context.expression(raw.get("word_bits", _WORD[0]))
     if bits is None:
         return None
     low, high = _WORD
-    lengths = sorted({bits.value(parameters) for parameters in site.sets})
-    impossible_lengths = [length for length in lengths if not low <= length <= high]
-    if impossible_lengths:
-        message = f"a word has {impossible_lengths[0]} bits, but {low} to {high} are possible"
+    numbers_of_bits = sorted({bits.value(parameters) for parameters in site.sets})
+    impossible_numbers = [length for length in numbers_of_bits if not low <= length <= high]
+    if impossible_numbers:
+        message = f"a word has {impossible_numbers[0]} bits, but {low} to {high} are possible"
         site.report("width-mismatch", message, *below, "word_bits")
     return bits
 
@@ -125,14 +135,15 @@ def build_measurement(raw: Raw, context: Context) -> Measurement | None:
 
 
 def _clock(raw: Raw) -> Clock:
-    clock = raw.get("clock", {})
-    used_hz = clock.get("used_hz", ())
+    """Return the clock of an interface. The clocks in use are one number or a list in the spec, and sorted here."""
+    raw_clock = raw.get("clock", {})
+    used_hz = raw_clock.get("used_hz", ())
     clocks_in_use = tuple(sorted(used_hz)) if isinstance(used_hz, Sequence) else (used_hz,)
-    return record(Clock, clock, used_hz=clocks_in_use)
+    return record(Clock, raw_clock, used_hz=clocks_in_use)
 
 
 def _ssi(raw: Raw, context: Context) -> Mapping[str, Any]:
-    """Return the members of an SSI interface that differ from the spec."""
+    """Return the members of an SSI interface that differ from the spec, by name. Its source is their default."""
     source = sources(raw)
     output_code = None
     if raw.get("output_code"):
@@ -147,6 +158,7 @@ def _ssi(raw: Raw, context: Context) -> Mapping[str, Any]:
 
 
 def _biss(raw: Raw, context: Context) -> Mapping[str, Any]:
+    """Return the members of a BiSS interface that differ from the spec, by name."""
     control = raw.get("control_data", {})
     return {
         "clock": _clock(raw),
@@ -180,9 +192,9 @@ _INTERFACES = {"ssi": _ssi, "biss": _biss, "rs485": _rs485, "spi": _spi}
 
 
 def _control_field(raw: Raw, parent: Raw, context: Context) -> ControlField:
-    """Return a field of the control frame. A CRC has its own width, and other fields one bit unless they say more."""
-    width = context.crcs[raw["crc"]].width if raw.get("crc") in context.crcs else 1
-    bits = raw.get("bits", width)
+    """Return a field of the control frame. A CRC has its own width, and other fields one bit unless they give more."""
+    default_bits = context.crcs[raw["crc"]].width if raw.get("crc") in context.crcs else 1
+    bits = raw.get("bits", default_bits)
     if not isinstance(bits, int):  # Reported: the control frame has fixed widths.
         bits = 0
     source = sources(raw) or sources(parent)
@@ -194,7 +206,10 @@ _DATA = "data"
 
 
 def check_spi_registers(device: Device, report: DocumentReport) -> None:
-    """Compare the length of each register with the frames that read and write it, for every order code."""
+    """Report a register whose length differs from its value in a frame that reads or writes it, for any order code.
+
+    The value is the field ``data``. Only the first difference of each register is reported.
+    """
     interface = device.find_interface(Spi)
     if interface is None or not valid_parts_so_far(report).has_frames:
         return
@@ -211,17 +226,17 @@ def check_spi_registers(device: Device, report: DocumentReport) -> None:
 
 
 def _frames(interface: Spi, register: Register) -> Iterator[str]:
-    """Yield the names of the frames that carry the value of a register."""
+    """Yield the names of the requests and replies that carry the value of a register, if it can be read or written."""
     for exchange in interface.exchanges:
-        reads = exchange.purpose == "read" and register.readable
-        writes = exchange.purpose == "write" and register.writable
-        if reads or writes:
+        reads_register = exchange.purpose == "read" and register.readable
+        writes_register = exchange.purpose == "write" and register.writable
+        if reads_register or writes_register:
             yield exchange.request
             yield exchange.reply
 
 
 def _widths(device: Device, interface: Spi, frame_names: Collection[str]) -> Iterator[tuple[str, int]]:
-    """Yield each of these frames that has a value, with the number of its bits for each order code."""
+    """Yield the name of each of these frames with the width of its value, for each order code that has the value."""
     for layout in interface.layouts:
         if layout.name not in frame_names:
             continue

@@ -47,15 +47,16 @@ def check_joined(layout: Layout, site: Site, low_byte_first: bool) -> None:
 def _check_joins(layout: Layout, site: Site, low_first: bool) -> set[str]:
     """Check that joined numbers contain plain bits, no field twice and, in a word, fields in sending order.
 
-    With ``low_first``, that order is reversed. Return the names of those with a problem.
+    With ``low_first``, that order is reversed. Return the names of the joins with a problem.
     """
-    fields = {field.name: field for field in layout.fields}
+    fields_by_name = {field.name: field for field in layout.fields}
     faulty: set[str] = set()
     for join in layout.joins:
         problems_before = len(site.context.report)
-        _check_parts_of_join(join, fields, site)
+        _check_parts_of_join(join, fields_by_name, site)
+        # Bytes may come in any order, but the bits of a word are sent from the highest to the lowest.
         if not layout.in_bytes:
-            _check_order_of_join(join, fields, layout, site, low_first)
+            _check_order_of_join(join, fields_by_name, layout, site, low_first)
         if len(site.context.report) > problems_before:
             faulty.add(join.name)
     return faulty
@@ -68,6 +69,7 @@ def _check_parts_of_join(join: Join, fields: Mapping[str, Field], site: Site) ->
             site.report("join-order", f"'{join.name}' contains '{name}' twice", "join", join.name, index)
             continue
         reason = _no_plain_bits(fields[name].kind) if name in fields else ""
+        # A reason may already end with a remedy after a semicolon.
         if reason:
             has_remedy = ";" in reason
             remedy = f"{', or' if has_remedy else ';'} leave '{name}' out of '{join.name}'"
@@ -75,19 +77,23 @@ def _check_parts_of_join(join: Join, fields: Mapping[str, Field], site: Site) ->
 
 
 def _check_order_of_join(join: Join, fields: Mapping[str, Field], layout: Layout, site: Site, low_first: bool) -> None:
-    """Check that each part of a joined number is sent before the next one, or after it with ``low_first``."""
+    """Check that each field of a joined number is sent before the next one, or after it with ``low_first``.
+
+    A field that is sent earlier has higher bits in the layout.
+    """
     different_neighbours = []
     for above, below in pairwise(join.fields):
         if above != below and above in fields and below in fields:
             different_neighbours.append((above, below))
     for index, (above, below) in enumerate(different_neighbours, 1):
-        first, last = (above, below) if low_first else (below, above)
-        if _is_above(fields[first], fields[last], site):
-            message = f"'{join.name}' has '{above}' above '{below}', but '{layout.name}' sends '{first}' first"
+        must_be_lower, must_be_higher = (above, below) if low_first else (below, above)
+        if _is_above(fields[must_be_lower], fields[must_be_higher], site):
+            message = f"'{join.name}' has '{above}' above '{below}', but '{layout.name}' sends '{must_be_lower}' first"
             site.report("join-order", message + _remedy(low_first, site), "join", join.name, index)
 
 
 def _remedy(low_first: bool, site: Site) -> str:
+    """Return the end of the message about joined fields in the wrong order."""
     if low_first:
         return ", and the low byte of each number comes first"
     if site.interface == Spi.name:
@@ -96,7 +102,7 @@ def _remedy(low_first: bool, site: Site) -> str:
 
 
 def _check_bytes(layout: Layout, site: Site) -> None:
-    """Check that no field contains two bytes of a number whose low byte comes first."""
+    """Check that no number in a word has more than 8 bits, because then the low byte of each number comes first."""
     for field in layout.fields:
         is_number = not isinstance(field.kind, Unused) and not _is_zeros(field.kind)
         if is_number and field.widest > 8:
@@ -110,21 +116,25 @@ def _is_zeros(kind: Kind) -> bool:
 
 
 def _check_parities(layout: Layout, site: Site) -> None:
-    """Check that parity bits cover data fields, each at most once."""
-    fields = {field.name: field for field in layout.fields}
+    """Check that parity bits cover data fields, each at most once.
+
+    Fields without data are allowed too, except those that are computed: CRCs and parity bits.
+    """
+    fields_by_name = {field.name: field for field in layout.fields}
     for field in layout.fields:
         if not isinstance(field.kind, Parity):
             continue
         covered_names = field.kind.covers
         for index, name in enumerate(covered_names):
-            is_computed = name in fields and isinstance(fields[name].kind, (CrcValue, Parity))
+            is_computed = name in fields_by_name and isinstance(fields_by_name[name].kind, (CrcValue, Parity))
             if name in covered_names[:index]:
                 problem = f"'{field.name}' covers '{name}' twice; list it once"
                 site.report("parity-of", problem, "fields", field.name, "parity_of")
             elif is_computed:
                 problem = f"the parity bit '{field.name}' cannot cover '{name}', which is computed itself; leave it out"
                 site.report("parity-of", problem, "fields", field.name, "parity_of")
-        covers_odd_bits = any(fields[name].widest > 1 for name in covered_names if name in fields)
+        # Bits of a field count from 0, so only a field of two bits or more has a bit with an odd number.
+        covers_odd_bits = any(fields_by_name[name].widest > 1 for name in covered_names if name in fields_by_name)
         if field.kind.over == "odd_bits" and not covers_odd_bits:
             problem = f"'{field.name}' covers no bit, since no covered field has a bit 1; write 'over: even_bits'"
             site.report("parity-of", problem, "fields", field.name, "parity_of")
@@ -133,7 +143,8 @@ def _check_parities(layout: Layout, site: Site) -> None:
 def _no_plain_bits(kind: Kind) -> str:
     """Return the reason that a joined number cannot contain a field of this kind, and the remedy. Empty if it can.
 
-    A joined number consists of bits as sent. A part with a different value would contradict it.
+    The two are separated by a semicolon: ``which is signed; leave 'signed' out``. Not every reason has a remedy. A
+    joined number consists of bits as sent, so a part with a different value would contradict it.
     """
     match kind:
         case Number(signed=True):
@@ -151,23 +162,26 @@ def _no_plain_bits(kind: Kind) -> str:
 
 
 def _check_gray(layout: Layout, site: Site) -> None:
-    """Check that a number in Gray code has several contiguous bits. They can include a flag."""
+    """Check that a number in Gray code has several contiguous bits. They can include a flag.
+
+    Also check that the parameter that turns Gray code on is 0 or 1 for all order codes.
+    """
     coded_names = layout.names_in(layout.gray_of)
-    fields = {field.name: field for field in layout.fields}
-    parts = [fields[name] for name in coded_names if name in fields]
-    other_kinds = [part for part in parts if not isinstance(part.kind, (Number, Choice, Flag))]
+    fields_by_name = {field.name: field for field in layout.fields}
+    coded_fields = [fields_by_name[name] for name in coded_names if name in fields_by_name]
+    parts_without_number = [part for part in coded_fields if not isinstance(part.kind, (Number, Choice, Flag))]
     problem = ""
-    if other_kinds:
-        problem = f"'{other_kinds[0].name}' is not a number"
-    elif len(parts) == 1 and parts[0].widest == 1:
-        problem = f"'{parts[0].name}' has one bit"
+    if parts_without_number:
+        problem = f"'{parts_without_number[0].name}' is not a number"
+    elif len(coded_fields) == 1 and coded_fields[0].widest == 1:
+        problem = f"'{coded_fields[0].name}' has one bit"
     if problem:
         site.report("gray-of", f"{problem}; only a number of several bits can be in Gray code", "gray", "of")
-    switch_values = {values[layout.gray_when] for values in site.sets if layout.gray_when in values}
+    switch_values = {parameters[layout.gray_when] for parameters in site.sets if layout.gray_when in parameters}
     if not switch_values <= {0, 1}:
         message = f"'{layout.gray_when}' can be {max(switch_values)}; it must be 1 for Gray code, or 0 for binary"
         site.report("gray-of", message, "gray", "when")
-    for above, below in pairwise(parts):
+    for above, below in pairwise(coded_fields):
         if not _are_adjacent(above, below, site):
             message = (
                 f"'{above.name}' and '{below.name}' are not adjacent; a number in Gray code must be contiguous,"
@@ -178,16 +192,16 @@ def _check_gray(layout: Layout, site: Site) -> None:
 
 
 def _are_adjacent(above: Field, below: Field, site: Site) -> bool:
-    """Return True if a field begins where the other one ends, for every order code."""
+    """Return True if the field above begins where the one below ends, for every order code."""
     end_below = below.low + below.width
     return all(end_below.value(parameters) == above.low.value(parameters) for parameters in site.sets)
 
 
 def _is_above(upper: Field, lower: Field, site: Site) -> bool:
-    """Return True if a field is above another one for an order code that has both."""
-    for values in site.sets:
-        has_both = upper.width.value(values) and lower.width.value(values)
-        if has_both and upper.low.value(values) > lower.low.value(values):
+    """Return True if ``upper`` is above ``lower`` for an order code that has both fields."""
+    for parameters in site.sets:
+        has_both = upper.width.value(parameters) and lower.width.value(parameters)
+        if has_both and upper.low.value(parameters) > lower.low.value(parameters):
             return True
     return False
 
@@ -204,10 +218,11 @@ def check_layout(layout: Layout, site: Site, low_byte_first: bool) -> bool:
     ``low_byte_first`` is true if the spec says so, also for a layout that is carried as bits.
     """
     problems_before = len(site.context.report)
-    on_line = INTERFACES[site.interface].carried_as == "bits" and site.path[0] == "interfaces"
+    # A register is not sent as such. Its layout has no limit for frames.
+    is_sent_as_bits = INTERFACES[site.interface].carried_as == "bits" and site.path[0] == "interfaces"
     if layout.in_bytes and (not layout.bits.is_constant or layout.bits.constant % 8):
         message = f"'{layout.name}' has {layout.bits.render()} bits, not a whole number of bytes"
-        if on_line and not layout.bits.is_constant:
+        if is_sent_as_bits and not layout.bits.is_constant:
             message = (
                 f"'{layout.name}' has {layout.bits.render()} bits; a frame that is carried as bytes has one length"
             )
@@ -216,16 +231,20 @@ def check_layout(layout: Layout, site: Site, low_byte_first: bool) -> bool:
         message = f"'{layout.name}' has {layout.widest} bits; the maximum is {LARGEST_NUMBER}"
         can_be_bytes = layout.bits.is_constant and layout.widest <= LARGEST_BYTES and site.interface != Spi.name
         site.report("too-long", f"{message}, or {LARGEST_BYTES} with 'carried_as: bytes'" if can_be_bytes else message)
-    if layout.in_bytes and on_line and layout.widest > LARGEST_BYTES:
+    if layout.in_bytes and is_sent_as_bits and layout.widest > LARGEST_BYTES:
         sent_bits = layout.sent_bits.constant
         site.report("too-long", f"'{layout.name}' has {sent_bits} bits; the maximum is {LARGEST_BYTES}")
     for field in layout.fields:
         _check_field(layout, field, replace(site, path=(*site.path, "fields", field.name)))
     check_one_crc(layout, site)
     selector = next((field for field in layout.fields if field.name == layout.selector), None)
-    for selected in layout.selects:
-        if selector is not None and selector.values and selected not in [value.value for value in selector.values]:
-            site.report("undefined-reference", f"'{layout.selector}' has no value {selected}", "when")
+    for selected_value in layout.selects:
+        if (
+            selector is not None
+            and selector.values
+            and selected_value not in [value.value for value in selector.values]
+        ):
+            site.report("undefined-reference", f"'{layout.selector}' has no value {selected_value}", "when")
     if layout.unused and "unused" in layout.member_names:
         message = "decoded frames use the name 'unused' for all unused bits; rename the field"
         site.report("duplicate-name", message, "fields", "unused")
@@ -234,6 +253,7 @@ def check_layout(layout: Layout, site: Site, low_byte_first: bool) -> bool:
 
 
 def _check_field(layout: Layout, field: Field, site: Site) -> None:
+    """Check a field by its kind. Only texts and zeros that fill bits without content can have more than 64 bits."""
     kind, bits = field.kind, field.widest
     is_zeros = field.padding_of or field.fills_gap or field.fills_byte
     if bits > LARGEST_NUMBER and not isinstance(kind, Text) and not is_zeros:
@@ -260,16 +280,19 @@ def _check_field(layout: Layout, field: Field, site: Site) -> None:
 
 
 def _check_number(field: Field, kind: Number, site: Site) -> None:
+    """Check that a power of two has bits for every order code: without bits, it would be 0."""
     if kind.power_of_two:
         _check_absent(field, "0 is not a power of two; leave 'power_of_two' out", site)
 
 
 def _check_decimal(field: Field, kind: Decimal, site: Site) -> None:
+    """Check that all decimal numbers with these digits fit into the bits of the field."""
     if kind.limit > 1 << field.widest:
         site.report("value-too-wide", f"{kind.digits} decimal digits do not fit into {field.widest} bits")
 
 
 def _check_text(field: Field, site: Site) -> None:
+    """Check that a text fills its bits: whole bytes, and as many as ``equals`` has characters if it is given."""
     fills_bits = not isinstance(field.equals, str) or 8 * len(field.equals) == field.widest
     if field.widest % 8 or not fills_bits:
         site.report("width-mismatch", f"the text of '{field.name}' does not fill its {field.widest} bits")
@@ -301,6 +324,7 @@ def _check_one_bit(field: Field, kind_text: str, site: Site) -> None:
 
 
 def _check_choice(field: Field, kind: Choice, site: Site) -> None:
+    """Check that all named values fit into the field, and that one of them is 0 if an order code lacks the field."""
     # If the width is constant, the rules on the text have already checked it.
     if not field.width.is_constant:
         for value in kind.values:
@@ -313,6 +337,10 @@ def _check_choice(field: Field, kind: Choice, site: Site) -> None:
 
 
 def _check_fixed(field: Field, kind: Constant | Unused, site: Site) -> None:
+    """Check that a constant, or the value of unused bits, fits into the field.
+
+    If an order code lacks the field, check only that a constant is 0.
+    """
     narrowest = min((field.width.value(parameters) for parameters in site.sets), default=0)
     if not field.width.is_constant and kind.value >> narrowest and narrowest:
         key = "unused" if isinstance(kind, Unused) else "constant"
@@ -323,10 +351,14 @@ def _check_fixed(field: Field, kind: Constant | Unused, site: Site) -> None:
 
 
 def _check_absent(field: Field, reason: str, site: Site) -> None:
-    """Report a field without bits for some order code. It reads as 0, so its frames would all be rejected."""
+    """Report a field that has no bits for some order code, unless there is none.
+
+    Such a field reads as 0. With a kind that does not allow 0, all frames of this order code would be rejected.
+    ``reason`` says why 0 is not allowed, and may have a remedy.
+    """
     for parameters in site.sets:
         if field.width.value(parameters) == 0:
-            values = ", ".join(f"{name} = {parameters[name]}" for name in field.width.parameters)
-            message = f"'{field.name}' has no bits with {values} and reads as 0, but {reason}"
+            parameter_texts = ", ".join(f"{name} = {parameters[name]}" for name in field.width.parameters)
+            message = f"'{field.name}' has no bits with {parameter_texts} and reads as 0, but {reason}"
             site.report("value-too-wide", message)
             return

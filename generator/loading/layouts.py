@@ -36,7 +36,12 @@ _MOST_BITS = 100_000
 
 @dataclass(frozen=True)
 class Item:
-    """A field in progress: its data and path in the spec, and its place. ``span`` is the width with padding."""
+    """A field or a group of a layout in progress: its data and path in the spec, and its place.
+
+    ``group`` is the name of the group that the field comes from, or an empty string. ``span`` is the width with
+    padding. ``low`` is the lowest bit, in the group for a field of a group, otherwise in the layout. The ``raw`` of an
+    item for a whole group has only the key ``group``, with the items of its fields.
+    """
 
     raw: Raw
     path: Path
@@ -56,30 +61,36 @@ def build_layout(raw: Raw, site: Site, total: int | None = None) -> Layout | Non
     """
     byte_order = _byte_order(raw, "bytes" if total is not None else INTERFACES[site.interface].carried_as)
     low_first = byte_order == "low_byte_first"
-    arranged = _place_items(raw, site, total, low_first)
-    if arranged is None:
+    items_and_bits = _place_items(raw, site, total, low_first)
+    if items_and_bits is None:
         return None
-    parts, bits = arranged
+    items, bits = items_and_bits
     gaps = content_of_gaps(raw, site.context)
-    fields = _with_gap_fields(parts, bits, gaps, site)
+    fields = _with_gap_fields(items, bits, gaps, site)
     if fields is None:
         return None
     if byte_order == "high_byte_first" and total is None and INTERFACES[site.interface].carried_as == "bits":
+        # A frame of bytes on an interface that sends bits: zeros fill its first byte.
         fields, bits = in_whole_bytes(fields, bits)
     if byte_order:
         fields = [replace(field, pieces=pieces(field, site.widest(bits) // 8, low_first)) for field in fields]
     fields = _with_joins_covered(raw, fields, site)
     layout = _layout(raw, site, byte_order, bits, _in_order(fields, low_first and total is None), gaps)
+    # A layout that is carried as bits can also send the low byte first.
     if not check_layout(layout, site, raw.get("byte_order") == "low_byte_first"):
         return None
     return with_unknown_verdicts(layout, raw["fields"], site) if total is None else layout
 
 
 def _layout(raw: Raw, site: Site, byte_order: str, bits: Expression, fields: Sequence[Field], gaps: str) -> Layout:
-    """Return the layout with these fields, in sending order."""
+    """Return the layout with these fields, in sending order.
+
+    ``gaps`` is the content of bits without a field: ``zero``, ``unspecified`` or an empty string.
+    """
     gray = raw.get("gray", {})
     selector, selects = "", ()
-    for name, values in raw.get("when", {}).items():  # At most one.
+    # At most one entry: the field that identifies the layout, and its values.
+    for name, values in raw.get("when", {}).items():
         selector, selects = name, tuple(values)
     return record(
         Layout,
@@ -103,24 +114,26 @@ def _layout(raw: Raw, site: Site, byte_order: str, bits: Expression, fields: Seq
 
 
 def _with_joins_covered(raw: Raw, fields: Sequence[Field], site: Site) -> list[Field]:
-    """Return the fields, with each parity bit over the fields of the joined numbers that it covers."""
+    """Return the fields, with each parity bit covering the fields of a join instead of the join."""
     joins = {name: tuple(members) for name, members in raw.get("join", {}).items()}
     constants = {field.name: field.kind.value for field in fields if isinstance(field.kind, Constant)}
     return [_over_fields(field, joins, constants, site) for field in fields]
 
 
 def _position_range(raw: Raw, context: Context) -> LayoutRange | None:
+    """Return the range of the position in frames of this layout, or None if it is that of the interface."""
     if "position_range" not in raw:
         return None
-    definition = raw["position_range"]
-    numbers = context.expressions(definition, ("turns", "modulus", "highest"))
-    return LayoutRange(source=sources(definition) or sources(raw), wraps=definition.get("wraps", True), **numbers)
+    raw_range = raw["position_range"]
+    bounds = context.expressions(raw_range, ("turns", "modulus", "highest"))
+    return LayoutRange(source=sources(raw_range) or sources(raw), wraps=raw_range.get("wraps", True), **bounds)
 
 
 def _over_fields(field: Field, joins: Mapping[str, tuple[str, ...]], constants: Mapping[str, int], site: Site) -> Field:
-    """Return a parity bit with the fields of joined numbers, and with the ones of constants among others counted.
+    """Return the field. If it is a parity bit, joins in it are replaced by their fields, and constants are counted.
 
-    A parity bit of constants only is a constant itself.
+    An odd number of ones in the covered constants inverts the parity of the other fields. A parity bit of constants
+    only is a constant itself. A single covered field stays, even if it is constant.
     """
     parity = field.kind
     if not isinstance(parity, Parity):
@@ -132,27 +145,35 @@ def _over_fields(field: Field, joins: Mapping[str, tuple[str, ...]], constants: 
             site.report("parity-of", message, "fields", field.name, "parity_of")
         covered_names += joins.get(name, (name,))
     constant_names = [name for name in covered_names if name in constants]
+    # A parity bit of one constant covers it like a data field.
     if len(covered_names) == 1:
         constant_names = []
     data_names = [name for name in covered_names if name not in constant_names]
     # An odd number of ones in constants inverts the parity of the other fields.
     ones_in_constants = sum((constants[name] & parity.mask).bit_count() for name in constant_names)
-    inverts = ones_in_constants % 2 == 1
-    is_odd = parity.odd != inverts
+    inverts_parity = ones_in_constants % 2 == 1
+    is_odd = parity.odd != inverts_parity
     if not data_names:
         return replace(field, kind=Constant(int(is_odd)))
-    return replace(field, kind=Parity(tuple(data_names), is_odd, parity.over, tuple(constant_names), inverts))
+    return replace(field, kind=Parity(tuple(data_names), is_odd, parity.over, tuple(constant_names), inverts_parity))
 
 
 def _byte_order(raw: Raw, carried_as: str) -> str:
-    """Return the order of the bytes, or an empty string for bits. ``carried_as`` is the default for ``raw``."""
+    """Return the order of the bytes, or an empty string if the layout is carried as bits.
+
+    ``carried_as``, ``bytes`` or ``bits``, applies if ``raw`` has no such key.
+    """
     in_bytes = raw.get("carried_as", carried_as) == "bytes"
     order: str = raw.get("byte_order", "high_byte_first") if in_bytes else ""
     return order
 
 
 def _place_items(raw: Raw, site: Site, total: int | None, low_first: bool) -> tuple[list[Item], Expression] | None:
-    """Return the items with their places and the width of the layout, or report why they do not fit."""
+    """Return the items with their places and the width of the layout, or None if they do not fit, which is reported.
+
+    If one item gives its place, all are placed by bit number, otherwise in sending order. Then the fields of a register
+    must have its ``total`` bits together. ``low_first`` is true if the lowest byte is sent first.
+    """
     items = _items(raw.get("fields", ()), (*site.path, "fields"), site.context, low_first)
     if items is None:
         return None
@@ -166,7 +187,11 @@ def _place_items(raw: Raw, site: Site, total: int | None, low_first: bool) -> tu
 
 
 def _with_gap_fields(items: Sequence[Item], bits: Expression, gaps: str, site: Site) -> list[Field] | None:
-    """Return the fields from the lowest up, with zero fields in zero gaps, or None if bits are left over."""
+    """Return the fields from the lowest up, or None after a report.
+
+    If ``gaps`` is ``zero``, each gap has a field of zeros, and no order code may change the order of fields. If
+    ``gaps`` is empty, every bit must have a field.
+    """
     fields = [field for field_item in items for field in _fields(field_item, site)]
     fields = with_places(fields, site)
     if not check_all_bits_covered(fields, bits, gaps, site):
@@ -175,14 +200,17 @@ def _with_gap_fields(items: Sequence[Item], bits: Expression, gaps: str, site: S
 
 
 def _items(raw_fields: Sequence[Raw], path: Path, context: Context, low_first: bool) -> list[Item] | None:
-    """Return the fields with groups included, or None if one is not valid, which is reported elsewhere."""
+    """Return the fields and groups as items, or None if one is not valid, which is reported elsewhere.
+
+    ``path`` is that of the list of fields.
+    """
     items = [_item(raw, (*path, index), context, low_first) for index, raw in enumerate(raw_fields)]
     valid_items = [field_item for field_item in items if field_item is not None]
     return valid_items if len(valid_items) == len(items) else None
 
 
 def _item(raw: Raw, path: Path, context: Context, low_first: bool) -> Item | None:
-    """Return a field or group as an item, or None if it is not valid."""
+    """Return a field or group as an item, or None if it is not valid. Its place is 0 if it has none of its own."""
     if "use" in raw:
         return _group_item(raw, path, context, low_first)
     width = _width(raw, context)
@@ -196,7 +224,7 @@ def _item(raw: Raw, path: Path, context: Context, low_first: bool) -> Item | Non
 
 
 def _group_item(raw: Raw, path: Path, context: Context, low_first: bool) -> Item | None:
-    """Return the item that includes a group, with the placed fields of the group under ``group``."""
+    """Return the item for the use of a group, or None if there is no such group or the group is not valid."""
     if raw["use"] not in context.groups:
         return None
     group, group_path = context.groups[raw["use"]]
@@ -208,13 +236,16 @@ def _group_item(raw: Raw, path: Path, context: Context, low_first: bool) -> Item
 
 
 def _group_items(group: Raw, path: Path, context: Context, low_first: bool) -> list[Item] | None:
-    """Return the fields of a group, placed from bit 0 of the group."""
-    fields = [{"source": group["source"], **raw} for raw in group["fields"]]
-    items = _items(fields, (*path, "fields"), context, low_first)
-    if items is None:
+    """Return the fields of a group as items, placed from bit 0 of the group, or None if they are not valid.
+
+    Fields in sending order must have the number of bits that the group gives.
+    """
+    raw_fields = [{"source": group["source"], **raw} for raw in group["fields"]]
+    group_items = _items(raw_fields, (*path, "fields"), context, low_first)
+    if group_items is None:
         return None
-    if not any(_is_placed(field_item.raw) for field_item in items):
-        items, bits = _in_sequence(items, low_first)
+    if not any(_is_placed(field_item.raw) for field_item in group_items):
+        group_items, bits = _in_sequence(group_items, low_first)
         if bits != Expression(group["bits"]):
             context.report.add(
                 "width-mismatch",
@@ -222,17 +253,23 @@ def _group_items(group: Raw, path: Path, context: Context, low_first: bool) -> l
                 f"the fields of group '{group['name']}' have {bits.render()} bits, but 'bits' is {group['bits']}",
             )
             return None
-    return [replace(field_item, group=group["name"]) for field_item in items]
+    return [replace(field_item, group=group["name"]) for field_item in group_items]
 
 
 def _is_placed(raw: Raw) -> bool:
+    """Return True if a field gives its own place, such as with ``at``."""
     return any(key in raw for key in PLACES)
 
 
 def _width(raw: Raw, context: Context) -> Expression | None:
+    """Return the width of a field: ``bits``, the range in ``at``, the width of its CRC, or 1 for flags and parity bits.
+
+    Return None if it has none of these, or no valid one.
+    """
     if "bits" in raw:
         return context.expression(raw["bits"])
     if "at" in raw:
+        # _low reports a range that is not valid.
         high, low = bit_range(raw["at"]) or (0, 0)
         return Expression(high - low + 1)
     if "crc" in raw and raw["crc"] in context.crcs:
@@ -241,30 +278,34 @@ def _width(raw: Raw, context: Context) -> Expression | None:
 
 
 def _low(raw: Raw, width: Expression, path: Path, context: Context) -> Expression | None:
+    """Return the lowest bit of a field from ``low_bit``, ``top_bit`` or ``at``, or None if it is not valid."""
     if "low_bit" in raw:
         return context.expression(raw["low_bit"])
     if "top_bit" in raw:
         return Expression(raw["top_bit"] + 1) - width
-    bounds = bit_range(raw["at"])
-    if bounds is None:
+    high_and_low = bit_range(raw["at"])
+    if high_and_low is None:
         context.report.add(
             "bad-position",
             (*path, "at"),
             f"'{raw['at']}' is not a position; write a bit number, or a range with the high bit first, as in 7:6",
         )
         return None
-    return Expression(bounds[1])
+    return Expression(high_and_low[1])
 
 
 def _in_sequence(items: Sequence[Item], low_first: bool) -> tuple[list[Item], Expression]:
-    """Return the items placed in sending order, and their total width."""
+    """Return the items placed one after the other, in sending order as before, and their total width.
+
+    The item sent last begins at bit 0, or the first one with ``low_first``.
+    """
     from_lowest = list(items) if low_first else list(reversed(items))
-    placed, position = [], ZERO
+    placed_items, next_low = [], ZERO
     for field_item in from_lowest:
-        placed.append(replace(field_item, low=position))
-        position += field_item.span
-    in_sending_order = placed if low_first else placed[::-1]
-    return in_sending_order, position
+        placed_items.append(replace(field_item, low=next_low))
+        next_low += field_item.span
+    in_sending_order = placed_items if low_first else placed_items[::-1]
+    return in_sending_order, next_low
 
 
 def _flatten(items: Iterable[Item]) -> Iterable[Item]:
@@ -278,11 +319,12 @@ def _flatten(items: Iterable[Item]) -> Iterable[Item]:
 
 
 def _highest(items: Sequence[Item], site: Site) -> int:
+    """Return the highest bit that an item uses with any parameters."""
     return max(site.widest(field_item.low + field_item.span) for field_item in _flatten(items)) - 1
 
 
 def _sums_up(bits: Expression, total: int, site: Site) -> bool:
-    """Return True if the fields of a register have as many bits as it for every order code."""
+    """Return True if the fields of a register have ``total`` bits together for every order code, otherwise report."""
     for parameters in site.sets:
         field_bits = bits.value(parameters)
         if field_bits != total:
@@ -293,15 +335,18 @@ def _sums_up(bits: Expression, total: int, site: Site) -> bool:
 
 
 def _check_items_fit(items: Sequence[Item], bits: Expression, site: Site) -> bool:
-    """Return True if every field has a valid width, is inside the layout and overlaps no other field."""
-    flat = list(_flatten(items))
+    """Return True if every field has a valid width, is inside the layout and overlaps no other field.
+
+    Report the first parameters for which that is not so.
+    """
+    field_items = list(_flatten(items))
     for parameters in site.sets:
         total = bits.value(parameters)
         if total > _MOST_BITS:
             message = f"the fields have {total} bits{values_text(parameters, bits)}; the maximum is {_MOST_BITS}"
             site.report("too-long", message)
             return False
-        if not _fits_with(flat, total, parameters, site):
+        if not _fits_with(field_items, total, parameters, site):
             return False
     return True
 
@@ -319,13 +364,14 @@ def _fits_with(flat: Sequence[Item], total: int, parameters: Mapping[str, int], 
             rule, message = problem
             site.context.report.add(rule, field_item.path, message)
             return False
+        # A field that this order code lacks overlaps nothing.
         if width == 0:
             continue
         for other_bits, other_item in occupied:
-            first, last = max(bits.start, other_bits.start), min(bits.stop, other_bits.stop) - 1
-            if first <= last:
+            lowest_common, highest_common = max(bits.start, other_bits.start), min(bits.stop, other_bits.stop) - 1
+            if lowest_common <= highest_common:
                 names = f"'{field_item.raw.get('name', '')}' and '{other_item.raw.get('name', '')}'"
-                message = f"{names} both use {bits_text(last, first)}{condition}"
+                message = f"{names} both use {bits_text(highest_common, lowest_common)}{condition}"
                 site.context.report.add("bit-overlap", field_item.path, message)
                 has_overlap = True
         occupied.append((bits, field_item))
@@ -333,7 +379,11 @@ def _fits_with(flat: Sequence[Item], total: int, parameters: Mapping[str, int], 
 
 
 def _range_problem(field_item: Item, width: int, bits: range, total: int, condition: str) -> tuple[str, str] | None:
-    """Return the rule and the message if a field has an invalid width or is outside the layout."""
+    """Return the rule and the message if a field has an invalid width or is outside the layout, otherwise None.
+
+    ``bits`` are those of the field with its padding. ``condition`` is the text about the parameters, such as `` with
+    spare_bits = 3``.
+    """
     name, span = field_item.raw.get("name", ""), bits.stop - bits.start
     if width < 0 or width > span:
         padding = f", but it is padded to {span}" if width > span else ""
@@ -345,30 +395,33 @@ def _range_problem(field_item: Item, width: int, bits: range, total: int, condit
 
 
 def _fields(field_item: Item, site: Site) -> Iterable[Field]:
-    """Yield the fields of an item: one, two with its padding, or those of a group."""
-    for part in _flatten([field_item]):
-        raw, width = part.raw, part.width
+    """Yield the fields of an item: the field, also its padding if it has one, or all those of a group."""
+    for expanded_item in _flatten([field_item]):
+        raw, width = expanded_item.raw, expanded_item.width
         widest = site.widest(width)
         container = raw.get("padded_to", 0)
         if "scale" in raw and widest > WIDEST:
             message = f"'{raw['name']}' has {widest} bits; a number with 'scale' has at most {WIDEST}"
-            site.context.report.add("scale-of", (*part.path, "scale"), message, at_key=True)
+            site.context.report.add("scale-of", (*expanded_item.path, "scale"), message, at_key=True)
         yield record(
             Field,
             raw,
             kind=kind_of(raw, site.context, site.interface, width),
-            low=part.low,
+            low=expanded_item.low,
             width=width,
             widest=widest,
-            group=part.group,
+            group=expanded_item.group,
             container=container,
             equals=expected_value(raw, site.context),
         )
         if container:
-            padding_bits = part.span - width
+            padding_bits = expanded_item.span - width
             padding = Constant(padding_of=raw["name"])
-            yield zero_field(f"{raw['name']}_padding", padding, part.low + width, padding_bits, site, sources(raw))
+            yield zero_field(
+                f"{raw['name']}_padding", padding, expanded_item.low + width, padding_bits, site, sources(raw)
+            )
 
 
 def _in_order(fields: Sequence[Field], low_first: bool) -> Sequence[Field]:
+    """Return fields that begin with the lowest in sending order: highest first, unless the low byte is sent first."""
     return fields if low_first else list(reversed(fields))

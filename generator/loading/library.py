@@ -47,21 +47,25 @@ def load_library(paths: Sequence[Path] | None = None) -> tuple[tuple[Device, ...
 
 
 def load_sound(paths: Sequence[Path] | None = None) -> tuple[tuple[Device, ...], Report]:
-    """Load only the devices that are valid, even if other specs have problems."""
+    """Load only the devices that are valid, even if other specs have problems.
+
+    A valid device is also left out if it has the same name or an order code of one that is not valid.
+    """
     families, report = load_families(paths)
     valid_families = sound_families(families, report)
-    broken = [family.device for family in families if family not in valid_families]
-    devices = (family.device for family in valid_families)
-    return tuple(device for device in devices if not _shares_with_any(device, broken)), report
+    broken_devices = [family.device for family in families if family not in valid_families]
+    valid_devices = (family.device for family in valid_families)
+    return tuple(device for device in valid_devices if not _shares_with_any(device, broken_devices)), report
 
 
 def sound_families(families: Iterable[Family], report: Report) -> list[Family]:
-    """Return the families without problems in their files so far."""
+    """Return the families of which no file has a problem so far."""
     faulty = report.faulty_files
     return [family for family in families if faulty.isdisjoint(family.files)]
 
 
 def _shares_with_any(device: Device, other_devices: Iterable[Device]) -> bool:
+    """Return True if a device cannot be distinguished from one of the others by its name and order codes."""
     return any(_share(device, other_device) for other_device in other_devices)
 
 
@@ -81,10 +85,15 @@ def load_families(
 ) -> tuple[list[Family], Report]:
     """Load all families, like ``load_library``, with the spec and the files of each device.
 
-    Families that are in the cache, which had no problems with the same content, are not built again. ``prepare`` is
-    called with each document before it is checked. If its result is true, it changed the document, whose family is not
-    stored. ``others`` are families that were loaded before with a sequence here, if only an empty one. If the files of
-    a family have the same content as those of another one, it has the same device.
+    A device is not built again if all files of its family have the same content as when it was built without problems.
+    It then comes from ``others`` or from the cache.
+
+    Args:
+        paths: Files and folders. Default: the specs that ship with the tool.
+        cache: Holds devices of earlier runs, and receives new ones.
+        prepare: Called with each document before it is checked. If its result is true, it changed the document, whose
+            family is not stored.
+        others: Families that were loaded before. If given, even if empty, the resulting families have their content.
     """
     paths = packaged_families() if paths is None else paths
     report = Report()
@@ -97,6 +106,7 @@ def load_families(
     documents = _documents(paths, report)
     edited_files = {document.file for document in documents if prepare is not None and prepare(document)}
     contents_after = contents(paths) if needs_contents else {}
+    # A file that changed while the specs were read is neither taken from the cache nor stored.
     unchanged = {file: content for file, content in contents_before.items() if contents_after.get(file) == content}
     cached_devices = {file: device for file in unchanged if (device := stored_devices[file]) is not None}
     families = families_of(documents, report, cached_devices)
@@ -109,7 +119,8 @@ def load_families(
 def _documents(paths: Sequence[Path], report: Report) -> list[Document]:
     """Read the specs at ``paths``, and the files that they need: packaged specs, manufacturers and overlays."""
     documents = read_specs(paths, report)
-    if documents and all(map(is_overlay, documents)):  # They apply to the specs that ship with the tool.
+    # Overlays alone apply to the specs that ship with the tool.
+    if documents and all(map(is_overlay, documents)):
         documents += read_specs(_packaged_specs_for(documents), report)
     documents += _missing_manufacturers(documents, report)
     read_paths = {Path(document.file).resolve() for document in documents}
@@ -119,23 +130,26 @@ def _documents(paths: Sequence[Path], report: Report) -> list[Document]:
 
 def _packaged_specs_for(overlays: Sequence[Document]) -> list[Path]:
     """Return the packaged specs that overlays change, or all of them if an overlay names no packaged family."""
-    specs = {spec.stem: spec for spec in spec_files(packaged_families())}
-    names = sorted({str(overlay.data.get("of")) for overlay in overlays})
-    if not set(names) <= specs.keys():
+    specs_by_family = {spec.stem: spec for spec in spec_files(packaged_families())}
+    overlaid_names = sorted({str(overlay.data.get("of")) for overlay in overlays})
+    if not set(overlaid_names) <= specs_by_family.keys():
         return packaged_families()
-    return [specs[name] for name in names]
+    return [specs_by_family[name] for name in overlaid_names]
 
 
 def _is_storable(family: Family) -> bool:
-    """Return True if a family depends on no other files than those of the key of its entry."""
-    paths = set(map(str, family_files(Path(family.document.file))))
-    return family.plain is None and not family.device.base and family.files <= paths
+    """Return True if a family depends on no other files than those of the key of its entry in the cache.
+
+    Families with overlays and those of other editions depend on more.
+    """
+    files_of_key = set(map(str, family_files(Path(family.document.file))))
+    return family.plain is None and not family.device.base and family.files <= files_of_key
 
 
 def is_clean(family: Family, report: Report) -> bool:
     """Return True if no problem was reported in any file on which a family depends."""
-    files = {*family.files, *map(str, family_files(Path(family.document.file)))}
-    return report.faulty_files.isdisjoint(files)
+    all_files = {*family.files, *map(str, family_files(Path(family.document.file)))}
+    return report.faulty_files.isdisjoint(all_files)
 
 
 def _with_content(
@@ -145,7 +159,11 @@ def _with_content(
     report: Report,
     cache: Cache,
 ) -> Family:
-    """Return a family without problems with the content of its files, and store its device if it is new."""
+    """Return a family with the content of its files, and store its device if it is new.
+
+    The family is returned unchanged if a file has a problem or changed while it was read, or if it cannot be stored.
+    ``contents_of_files`` has the content of all files of a family by the path of its spec.
+    """
     file = family.document.file
     if file not in contents_of_files or not _is_storable(family) or not is_clean(family, report):
         return family
@@ -155,7 +173,10 @@ def _with_content(
 
 
 def contents(paths: Sequence[Path]) -> dict[str, list[bytes | str]]:
-    """Return the content of all files on which each family depends, by the path of its spec."""
+    """Return the content of all files on which each family depends, by the path of its spec.
+
+    The content of a family is the list of the names and bytes of its files, which is its key in the cache.
+    """
     return {str(path): content_of(family_files(path)) for path in spec_files(paths) if path.is_file()}
 
 
@@ -164,16 +185,19 @@ def families_of(
     report: Report,
     cached_devices: Mapping[str, Device] = MappingProxyType({}),
 ) -> list[Family]:
-    """Build the families of documents, sorted by name, and add their problems to ``report``.
+    """Build the families of documents with their overlays applied, sorted by name.
 
-    ``cached_devices`` contains devices, by the path of their specs, that were built before and had no problems.
+    Problems are added to ``report``. Documents without valid data are left out, and devices that cannot be built.
+    ``cached_devices`` contains devices, by the path of their specs, that were built before and had no problems. They
+    are not checked again.
     """
     overlays = [document for document in documents if is_overlay(document)]
     documents = [document for document in documents if not is_overlay(document)]
+    # Each document with its checked data, or None if it is not valid.
     checked: list[tuple[Document, dict[str, Any] | None]] = []
     for document in documents:
-        is_checked = document.file in cached_devices
-        checked.append((document, document.data if is_checked else check_document(document, report)))
+        is_known_valid = document.file in cached_devices
+        checked.append((document, document.data if is_known_valid else check_document(document, report)))
     makers = _makers(checked, report)
     manufacturer_files = [document for document in documents if "device" not in document.data]
     families: list[Family] = []
@@ -185,9 +209,9 @@ def families_of(
         if device is None:
             continue
         _compare_with_others(device, [family.device for family in families], document, report)
-        name = data["manufacturer"]
-        own_files = {spec.file for spec in manufacturer_files if spec.data.get("manufacturer") == name}
-        families.append(Family(device, document, frozenset({document.file, *own_files})))
+        maker_name = data["manufacturer"]
+        files_of_maker = {spec.file for spec in manufacturer_files if spec.data.get("manufacturer") == maker_name}
+        families.append(Family(device, document, frozenset({document.file, *files_of_maker})))
     check_shared_facts(documents, report)
     plain = sorted(families, key=lambda family: family.device.name)
     return apply_overlays(plain, overlays, partial(_built_again, makers), report) if overlays else plain
@@ -200,7 +224,10 @@ def _maker_of(
     manufacturer_files: Sequence[Document],
     report: Report,
 ) -> Manufacturer:
-    """Return the manufacturer of a spec, or a stand-in. Report it if it has no file, unless the file has problems."""
+    """Return the manufacturer of a spec, or a stand-in for one that is not in ``makers``.
+
+    Report that its file is missing. A file with problems has been reported, and so has a spec without the key.
+    """
     name = data["manufacturer"]
     has_file = any(str(file.data.get("manufacturer")) == name for file in manufacturer_files)
     if name not in makers and not has_file and "manufacturer" in document.data:
@@ -211,7 +238,10 @@ def _maker_of(
 
 
 def _built(document: Document, data: dict[str, Any], maker: Manufacturer, report: Report) -> Device | None:
-    """Return the device of a spec, with the counts and releases that are stored next to it."""
+    """Return the device of a spec, or None if it cannot be built.
+
+    It has the counts of readings and the releases from the files next to the spec, and the other editions as errata.
+    """
     device = build_device(data, maker, report.for_document(document))
     if device is None:
         return None
@@ -222,13 +252,13 @@ def _built(document: Document, data: dict[str, Any], maker: Manufacturer, report
 
 
 def in_edition(family: Family, revision: str, report: Report) -> Family | None:
-    """Return a family in another edition of its manual, and add its problems to ``report``."""
+    """Return a family in another edition of its manual, or None if it cannot be built. Add problems to ``report``."""
     maker = family.device.manufacturer
     return edition_of(family, revision, partial(_built_again, {maker.name: maker}), report)
 
 
 def _built_again(makers: Mapping[str, Manufacturer], document: Document, report: Report) -> Device | None:
-    """Build the device of a document derived from one that was already built."""
+    """Build the device of a document derived from one that was already built, or return None if it is not valid."""
     data = check_document(document, report)
     if data is None:
         return None
@@ -237,17 +267,21 @@ def _built_again(makers: Mapping[str, Manufacturer], document: Document, report:
 
 
 def _makers(checked: Sequence[tuple[Document, dict[str, Any] | None]], report: Report) -> dict[str, Manufacturer]:
+    """Return the manufacturers of all valid manufacturer files, by name.
+
+    Report files of the same manufacturer that differ, and names that clash.
+    """
     makers: dict[str, Manufacturer] = {}
-    data_by_name: dict[str, dict[str, Any]] = {}
+    first_data_by_name: dict[str, dict[str, Any]] = {}
     for document, data in checked:
         if data is not None and "device" not in data and "manufacturer" in data:
             # Several folders may have the same file, so that each of them can be used alone.
-            if data_by_name.setdefault(data["manufacturer"], data) != data:
+            if first_data_by_name.setdefault(data["manufacturer"], data) != data:
                 message = f"there is a different manufacturer file for '{data['manufacturer']}'"
                 report.add("duplicate-name", document, ("manufacturer",), message)
-            built = build_manufacturer(data)
-            _check_manufacturer(built, makers.values(), document, report)
-            makers[built.name] = built
+            maker = build_manufacturer(data)
+            _check_manufacturer(maker, makers.values(), document, report)
+            makers[maker.name] = maker
     return makers
 
 
@@ -264,12 +298,12 @@ def _check_manufacturer(
     package = maker.python_package
     path = ("python_package",) if "python_package" in document.data else ("manufacturer",)
     if package in _OURS or package in sys.stdlib_module_names or keyword.iskeyword(package):
-        user = "codewheel" if package in _OURS else "Python"
+        name_user = "codewheel" if package in _OURS else "Python"
         report.add(
             "not-allowed",
             document,
             path,
-            f"'python_package' cannot be '{package}': {user} uses that name; write '{package}_encoders'",
+            f"'python_package' cannot be '{package}': {name_user} uses that name; write '{package}_encoders'",
         )
     for other_maker in other_makers:
         if other_maker.name == maker.name:
@@ -288,7 +322,7 @@ def _check_manufacturer(
 
 
 def _missing_manufacturers(documents: Sequence[Document], report: Report) -> list[Document]:
-    """Read the manufacturer files next to device files that were given without them."""
+    """Return the manufacturer files next to device files that are not among the documents."""
     read_paths = {Path(document.file).resolve() for document in documents}
     folders = sorted({Path(document.file).parent for document in documents if "device" in document.data})
     paths = [folder / "manufacturer.yaml" for folder in folders]
@@ -298,13 +332,15 @@ def _missing_manufacturers(documents: Sequence[Document], report: Report) -> lis
 
 
 def _compare_with_others(device: Device, other_devices: Sequence[Device], document: Document, report: Report) -> None:
-    """Check that names of families and order codes are unique."""
+    """Report a name that another family has, and the first order code that another family has."""
     if any(other_device.name == device.name for other_device in other_devices):
         report.add("duplicate-name", document, ("device",), f"there is another spec for '{device.name}'")
-    codes = {variant.code: other_device for other_device in other_devices for variant in other_device.variants}
+    devices_by_code = {
+        variant.code: other_device for other_device in other_devices for variant in other_device.variants
+    }
     for variant in device.variants:
-        if variant.code in codes:
-            message = f"the order code {variant.code} also belongs to '{codes[variant.code].name}'"
+        if variant.code in devices_by_code:
+            message = f"the order code {variant.code} also belongs to '{devices_by_code[variant.code].name}'"
             report.add("order-code-ambiguous", document, ("order_code", "pattern"), message)
             return
 
@@ -314,7 +350,10 @@ class UnknownName(ValueError):
 
 
 def narrowed_to(devices: Sequence[Device], only: str) -> tuple[Device, ...]:
-    """Return the devices with the order codes that ``only`` names, and all of them if it is empty.
+    """Return the devices with the order codes that ``only`` names, or all of them if it is empty.
+
+    ``only`` is a list of names with commas: of order codes, interfaces, families, or of a family with one of its
+    interfaces, such as ``x_24_ssi``. Devices without such an order code are left out.
 
     Raises:
         UnknownName: A name matches no order code, interface or family.
@@ -338,12 +377,16 @@ def narrowed_to(devices: Sequence[Device], only: str) -> tuple[Device, ...]:
 
 
 def _names(device: Device, variant: Variant) -> tuple[str, ...]:
-    """Return the names that stand for an order code, in upper case."""
+    """Return the names by which ``only`` can select an order code, in upper case.
+
+    These are the order code, the interface, the family, and the family with the interface, such as ``X_24_SSI``.
+    """
     family, kind = device.name.upper(), variant.interface.upper()
     return variant.code.upper(), kind, family, f"{family}_{kind}"
 
 
 def _words(devices: Sequence[Device]) -> Iterator[str]:
+    """Yield the families, the families with their interfaces, and the interfaces, for suggestions."""
     for device in devices:
         yield device.name
         yield from (f"{device.name}_{interface.name}" for interface in device.interfaces)
@@ -351,11 +394,14 @@ def _words(devices: Sequence[Device]) -> Iterator[str]:
 
 
 def _unknown_message(devices: Sequence[Device], word: str) -> str:
-    """Return the message, with the order codes of the family if the word begins like one of them."""
-    families = [device for device in devices if word.upper().startswith(device.name.upper())]
-    codes = [variant.code for device in families for variant in device.variants]
-    nearest = nearest_choice(word, [*_words(devices), *codes, *map(str.lower, codes)])
-    first = next((variant.code for device in devices for variant in device.variants), "")
-    valid_names = codes or [f"order codes, such as {first}", *_words(devices)]
-    hint = f"did you mean '{nearest}'?" if nearest else f"valid are {', '.join(valid_names)}"
+    """Return the message about an unknown name, with the nearest name or else those that are valid.
+
+    If the word begins with the name of a family, the order codes of this family are valid, otherwise all names.
+    """
+    families_of_word = [device for device in devices if word.upper().startswith(device.name.upper())]
+    codes_of_families = [variant.code for device in families_of_word for variant in device.variants]
+    nearest_name = nearest_choice(word, [*_words(devices), *codes_of_families, *map(str.lower, codes_of_families)])
+    first_code = next((variant.code for device in devices for variant in device.variants), "")
+    valid_names = codes_of_families or [f"order codes, such as {first_code}", *_words(devices)]
+    hint = f"did you mean '{nearest_name}'?" if nearest_name else f"valid are {', '.join(valid_names)}"
     return f"there is no order code, interface or family '{word}'; {hint}"

@@ -24,6 +24,7 @@ from .from_mapping import record
 
 #: Largest number of places named in one sentence.
 _MOST_NAMED = 8
+#: Characters of a name that the name of an erratum cannot have.
 _WORD = re.compile(r"[^a-z0-9]+")
 
 #: Function that builds the family of a document and adds its problems to the report.
@@ -46,6 +47,7 @@ class Family:
 
 
 def is_overlay(document: Document) -> bool:
+    """Return True if the document has a key that only overlays have."""
     return "overlay" in document.data or "changes" in document.data
 
 
@@ -69,32 +71,37 @@ def apply_overlays(
 ) -> list[Family]:
     """Return the families with their overlays applied, and those that overlays add, sorted by name.
 
+    Valid overlays without ``applies_to`` are corrections. The corrected family replaces the plain one. The overlays for
+    a special model add one family, to which the corrections apply too.
+
     Args:
         families: The families of the plain specs.
         overlays: The overlays, in the order of application.
         build: Builds the family of a document.
         report: Receives the problems of overlays and of their results.
     """
+    # Overlays that are not valid are reported here, and not applied.
     valid_overlays = [overlay for overlay in overlays if check_overlay(overlay, report)]
-    by_name = {family.device.name: family for family in families}
+    families_by_name = {family.device.name: family for family in families}
     for overlay in valid_overlays:
-        if overlay.data["of"] not in by_name:
-            hint = suggestion(overlay.data["of"], by_name) or "; codewheel list shows the families"
+        if overlay.data["of"] not in families_by_name:
+            hint = suggestion(overlay.data["of"], families_by_name) or "; codewheel list shows the families"
             message = f"there is no family {quoted(overlay.data['of'])} among the specs that were read{hint}"
             report.add("undefined-reference", overlay, ("of",), message)
     _refuse_same_names(valid_overlays, report)
-    results: list[Family] = []
-    for name, family in by_name.items():
-        own_overlays = [overlay for overlay in valid_overlays if overlay.data["of"] == name]
-        corrections = [overlay for overlay in own_overlays if "applies_to" not in overlay.data]
-        corrected = _with_overlays(family, corrections, "", build, report) if corrections else None
-        if corrected is None:
-            # If a correction fails, the family must not be mistaken for a corrected one.
-            files = {overlay.file for overlay in overlays if _is_correction_of(name, overlay)}
-            corrected = replace(family, files=family.files | files)
-        results.append(corrected)
-        results += _special_families(family, own_overlays, corrections, build, report)
-    return sorted(results, key=lambda family: family.device.name)
+    resulting_families: list[Family] = []
+    for name, family in families_by_name.items():
+        overlays_of_family = [overlay for overlay in valid_overlays if overlay.data["of"] == name]
+        corrections = [overlay for overlay in overlays_of_family if "applies_to" not in overlay.data]
+        corrected_family = _with_overlays(family, corrections, "", build, report) if corrections else None
+        if corrected_family is None:
+            # There is no correction, or the corrected family could not be built. With the files of its corrections, a
+            # plain family counts as faulty if one of them has a problem. So it is not mistaken for a corrected one.
+            files_of_corrections = {overlay.file for overlay in overlays if _is_correction_of(name, overlay)}
+            corrected_family = replace(family, files=family.files | files_of_corrections)
+        resulting_families.append(corrected_family)
+        resulting_families += _special_families(family, overlays_of_family, corrections, build, report)
+    return sorted(resulting_families, key=lambda family: family.device.name)
 
 
 def _is_correction_of(name: str, overlay: Document) -> bool:
@@ -105,7 +112,10 @@ def _is_correction_of(name: str, overlay: Document) -> bool:
 def _special_families(
     family: Family, overlays: Sequence[Document], corrections: Sequence[Document], build: Build, report: Report
 ) -> Iterator[Family]:
-    """Yield a family for each special model among the overlays of a family. The corrections apply to it too."""
+    """Yield a family for each special model that the overlays of a family name, if it can be built.
+
+    ``corrections`` are the overlays for the whole family. They are applied first.
+    """
     overlays_by_special: dict[str, list[Document]] = {}
     for overlay in overlays:
         if "applies_to" in overlay.data:
@@ -130,14 +140,21 @@ def _refuse_same_names(overlays: Sequence[Document], report: Report) -> None:
 def _with_overlays(
     family: Family, overlays: Sequence[Document], special: str, build: Build, report: Report
 ) -> Family | None:
-    """Return the family that results from applying overlays to another."""
-    laying = LayeredSpec(family.document, report)
+    """Return the family that results from applying overlays to another, or None if it cannot be built.
+
+    ``special`` is the special model, such as ``S123``, or empty if the overlays replace the family itself. The errata
+    of the result are those of the spec and of its editions, and those of the applied changes.
+    """
+    layered_spec = LayeredSpec(family.document, report)
     problems_before = len(report)
-    laying.apply([Layer(overlay, ("changes",), LayerKind.OVERLAY, overlay.data["overlay"]) for overlay in overlays])
-    document = laying.document(f"{family.device.name}_{special.lower()}" if special else "")
+    layered_spec.apply(
+        [Layer(overlay, ("changes",), LayerKind.OVERLAY, overlay.data["overlay"]) for overlay in overlays]
+    )
+    document = layered_spec.document(f"{family.device.name}_{special.lower()}" if special else "")
     inner_report = Report()
     device = build(document, inner_report)
-    if len(report) == problems_before:  # Changes that failed would look like missing parts.
+    # After a change that failed, problems of the result would only follow from it.
+    if len(report) == problems_before:
         _report_in_overlay(inner_report, family.document, overlays[-1], report)
     if device is None:
         return None
@@ -145,8 +162,9 @@ def _with_overlays(
         device,
         errata=(
             *device.errata,
+            # ``build`` does not add the errata about other editions.
             *(erratum for erratum in family.device.errata if erratum.edition),
-            *errata_of(laying.applied),
+            *errata_of(layered_spec.applied),
         ),
         overlays=tuple(_overlay(overlay) for overlay in overlays),
         title=f"{device.title}, special models /{special}" if special else device.title,
@@ -165,40 +183,50 @@ def _overlay(document: Document) -> Overlay:
 
 
 def errata_of(applied_changes: Iterable[AppliedChange]) -> Iterator[Erratum]:
-    """Yield the changes as errata: one by one, or for an edition one for all changes with the same reason."""
+    """Yield the applied changes as errata, in the order of application.
+
+    In an overlay, each change is one erratum. In an edition, the changes of all places that one entry of its list names
+    are one erratum.
+    """
     errata_counts: Counter[str] = Counter()
-    for _, reported_together in groupby(applied_changes, key=_reported_together):
-        changes = list(reported_together)
-        first = changes[0]
-        kind, name = first.layer.kind.value, first.layer.name
+    for _, changes_together in groupby(applied_changes, key=_reported_together):
+        changes = list(changes_together)
+        first_change = changes[0]
+        kind, name = first_change.layer.kind.value, first_change.layer.name
         errata_counts[name] += 1
-        definition = {"severity": "wrong_data", **first.raw}
-        prose: dict[str, object] = {key: definition[key] for key in ("severity", "why", "source") if key in definition}
+        # The entry in the spec or overlay, which all these changes have in common.
+        definition = {"severity": "wrong_data", **first_change.raw}
+        stated_facts: dict[str, object] = {
+            key: definition[key] for key in ("severity", "why", "source") if key in definition
+        }
         new_values = shortened([change.now for change in changes if change.now]) or LEFT_OUT
         affected_paths: list[str] = []
         for change in changes:
             affected_paths += change.affects
         yield record(
             Erratum,
-            prose,  # The schema reports the rest.
+            stated_facts,  # The schema reports the rest.
             name=f"{_WORD.sub('_', f'{kind}_{name}'.removeprefix('overlay_'))}_{errata_counts[name]}",
             title=change_title(_layer_words(kind, name), without_examples([change.was for change in changes])),
             printed=shortened(without_examples([change.was for change in changes])),
-            used=new_values if first.is_known else NOT_KNOWN,
-            status="settled" if first.is_known else "open",
+            used=new_values if first_change.is_known else NOT_KNOWN,
+            status="settled" if first_change.is_known else "open",
             affects=tuple(dict.fromkeys(affected_paths)),
             **{kind: name},
         )
 
 
 def _layer_words(kind: str, layer_name: str) -> str:
-    """Return the overlay or the edition to which a change belongs, in words."""
+    """Return the overlay or the edition with the change in words. ``kind`` is the value of its ``LayerKind``."""
     is_overlay = kind == LayerKind.OVERLAY.value
     return layer_in_words(layer_name, "") if is_overlay else layer_in_words("", layer_name)
 
 
 def _reported_together(change: AppliedChange) -> tuple[str, str, object]:
-    """Return the key of changes that are reported together: those of one reason, or in an overlay each by itself."""
+    """Return the key under which changes are reported as one erratum.
+
+    In an edition, it is the entry in the list of changes. In an overlay, it is the change itself.
+    """
     layer = change.layer
     if layer.kind is LayerKind.EDITION:
         return layer.kind.value, layer.name, (layer.path, change.number)
@@ -211,16 +239,22 @@ def without_examples(names: Sequence[str]) -> Sequence[str]:
 
 
 def shortened(names: Sequence[str]) -> str:
-    """Return the names as text, shortened to the first ones and the number of the others."""
+    """Return the names as text, each once, such as ``a, b`` for two names.
+
+    Of more than nine names, only the first eight are listed, followed by the number of the others: ``and 3 more``.
+    """
     unique_names = list(dict.fromkeys(names))
     omitted = len(unique_names) - _MOST_NAMED
-    if omitted < 2:  # One more name is as short as the word for it.
+    if omitted < 2:  # "and 1 more" is as long as the name.
         return ", ".join(unique_names)
     return f"{', '.join(unique_names[:_MOST_NAMED])} and {omitted} more"
 
 
 def _of_codes(device: Device, overlays: Sequence[Document], report: Report) -> Device:
-    """Return the device with only the order codes that the overlays apply to."""
+    """Return the device with only the order codes that the overlays list under ``applies_to``.
+
+    Report unknown order codes. If no known one is listed, the device keeps all of them.
+    """
     known_codes = {variant.code for variant in device.variants}
     selected_codes: set[str] = set()
     for overlay in overlays:
@@ -234,7 +268,11 @@ def _of_codes(device: Device, overlays: Sequence[Document], report: Report) -> D
 
 
 def _report_in_overlay(inner_report: Report, spec: Document, overlay: Document, report: Report) -> None:
-    """Report the problems of the resulting family in the overlay, even if they are located in the spec."""
+    """Report the problems of the resulting family that the spec does not have itself.
+
+    Those in the spec are reported at the name of the overlay, with their place in the spec as part of the message.
+    Others are reported where they are.
+    """
     reported = set(report.problems)
     for problem in inner_report.problems:
         if problem.file == spec.file and problem not in reported:
@@ -255,4 +293,5 @@ def _report_in_overlay(inner_report: Report, spec: Document, overlay: Document, 
 
 
 def _report_problem(problem: Problem, overlay: Document, message: str, report: Report) -> None:
+    """Report a problem at the name of an overlay, under the same rule."""
     report.add(problem.rule, overlay, ("overlay",), message)

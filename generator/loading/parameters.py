@@ -27,7 +27,8 @@ _PROSE = frozenset(("meaning", "note", "source", "title", "printed_name", "print
 def check_named_widths(raw: Raw, device: Device, report: DocumentReport) -> None:
     """Report a parameter such as ``position_bits`` that differs from the width of ``position`` in a frame.
 
-    Other facts would show a mistake in a formula that they use, so this checks only parameters without a use.
+    Only a parameter with ``equals`` that the spec uses nowhere is checked. If another fact uses it, that fact would
+    show a mistake in its formula.
     """
     if is_second(report.document.file):
         return
@@ -48,38 +49,50 @@ def check_named_widths(raw: Raw, device: Device, report: DocumentReport) -> None
 def _used_words(raw: Raw) -> Iterator[str]:
     """Yield every word of a spec that may refer to a parameter: in an expression, a condition or a key."""
     for path, value in leaves(raw):
-        keys = path[2:] if path[0] == "parameters" else path
-        yield from (step for step in keys if isinstance(step, str))
+        # The definition of a parameter, below ``parameters.NAME``, is not a use of its name.
+        keys_of_use = path[2:] if path[0] == "parameters" else path
+        yield from (step for step in keys_of_use if isinstance(step, str))
         if isinstance(value, str) and path[-1] not in _PROSE:
             yield from _WORD.findall(value)
 
 
 def _difference(device: Device, parameter: Parameter, interface: Interface, layout: Layout) -> str:
-    """Return how the parameter differs from the width of the number in a frame, or an empty text."""
+    """Return how a parameter differs from the width of the number of its name in a frame, or an empty text.
+
+    It is empty if the encoder does not send a number of this name with this layout.
+    """
     name = parameter.name.removesuffix(_ENDING)
     if layout.sender != "encoder" or not {field.name for field in layout.fields}.issuperset(layout.names_in(name)):
         return ""
     for variant in device.variants_over(interface.name):
         placed = layout.place(variant.parameters)
-        fields = placed.find_fields(layout.names_in(name))
-        width, value = sum(field.width for field in fields), variant.parameters.get(parameter.name)
-        if fields and value not in (None, width):
+        placed_fields = placed.find_fields(layout.names_in(name))
+        width, value = sum(field.width for field in placed_fields), variant.parameters.get(parameter.name)
+        if placed_fields and value not in (None, width):
             return f"'{parameter.name}' is {value} for {variant.code}, but '{name}' in '{layout.name}' has {width} bits"
     return ""
 
 
 def check_reach(raw: Raw, context: Context, variants: Sequence[Variant]) -> bool:
-    """Report expressions without a value for an order code of their interface, and parameters that never have one."""
+    """Return True if every expression has a value. Report the others.
+
+    An expression needs a value for each order code of the interface that uses it. A parameter with ``equals`` needs one
+    for at least one order code.
+    """
     problems_before = len(context.report)
     spec = WrittenSpec(dict(raw))
-    for path, interface, text in uses(spec):
-        names = list(all_parameters(text, spec.parameters))
-        formulas = [raw["parameters"][name]["equals"] for name in names if "equals" in raw["parameters"][name]]
-        sets = context.parameter_sets.get(interface, ())
+    for path, interface, expression_text in uses(spec):
+        parameter_names = list(all_parameters(expression_text, spec.parameters))
+        formulas_of_parameters = [
+            raw["parameters"][name]["equals"] for name in parameter_names if "equals" in raw["parameters"][name]
+        ]
+        sets_of_interface = context.parameter_sets.get(interface, ())
         # A number has the same value in each set.
-        needed_sets = sets if names else sets[:1]
-        pairs = product(needed_sets, (text, *formulas))
-        problem = next(filter(None, (_fault(expression, parameters) for parameters, expression in pairs)), "")
+        sets_to_check = sets_of_interface if parameter_names else sets_of_interface[:1]
+        sets_and_expressions = product(sets_to_check, (expression_text, *formulas_of_parameters))
+        problem = next(
+            filter(None, (_fault(expression, parameters) for parameters, expression in sets_and_expressions)), ""
+        )
         if problem:
             context.report.add("bad-expression", path, problem)
     for name, definition in raw["parameters"].items():
@@ -92,6 +105,10 @@ def check_reach(raw: Raw, context: Context, variants: Sequence[Variant]) -> bool
 
 
 def _fault(text: int | str, parameters: Mapping[str, int]) -> str:
+    """Return the reason why an expression has no value for these parameters, or an empty text.
+
+    It is empty for an expression with a syntax error or an unknown parameter, which other rules report.
+    """
     try:
         expression = Expression.parse(text)
     except ExpressionError:
@@ -105,12 +122,13 @@ def _fault(text: int | str, parameters: Mapping[str, int]) -> str:
 
 
 def held_in_registers(raw: Raw, report: DocumentReport) -> Mapping[str, int]:
-    """Return the parameters held in registers at run time, with their default values.
+    """Return the parameters held in registers at run time, with their default values, and check them.
 
-    Parameters whose values the order code sets are not in the result.
+    Parameters whose values the order code sets are not in the result. If the default cannot be found, the highest value
+    stands for it, so that the rest of the spec can be checked.
     """
     defaults: dict[str, int] = {}
-    by_order_code = set_by_codes(raw)
+    names_set_by_codes = set_by_codes(raw)
     for name, definition in raw["parameters"].items():
         if "read_from" not in definition:
             continue
@@ -118,15 +136,15 @@ def held_in_registers(raw: Raw, report: DocumentReport) -> Mapping[str, int]:
         if register is None or field is None:
             defaults[name] = definition.get("max", 0)  # reported by the rule on references
             continue
-        place = _place(field)
-        if place is None:
+        low_and_width = _place(field)
+        if low_and_width is None:
             message = f"'{definition['read_from']}' must be placed with 'at' and a constant width"
             report.add("undefined-reference", ("parameters", name, "read_from"), message)
             defaults[name] = definition.get("max", 0)
             continue
-        low, width = place
+        low_bit, width = low_and_width
         _check_codes(name, definition, width, report)
-        if name in by_order_code:
+        if name in names_set_by_codes:
             _check_set_values(name, raw, coded_values(definition), report)
         elif "default" not in register:
             message = f"the register of '{definition['read_from']}' has no default"
@@ -137,7 +155,7 @@ def held_in_registers(raw: Raw, report: DocumentReport) -> Mapping[str, int]:
             )
             defaults[name] = definition.get("max", 0)
         else:
-            number = register["default"] >> low & ((1 << width) - 1)
+            number = register["default"] >> low_bit & ((1 << width) - 1)
             defaults[name] = _default(name, definition, number, field.get("zero_means", 0), report)
     return MappingProxyType(defaults)
 
@@ -151,10 +169,14 @@ def _register_and_field(raw: Raw, definition: Raw) -> tuple[Raw | None, Raw | No
 
 
 def _default(name: str, definition: Raw, number: int, zero_means: int, report: DocumentReport) -> int:
-    """Return the value of a parameter whose field has this number by default, and check it."""
-    codes = coded_values(definition)
-    if codes:
-        value = next((coded.value for coded in codes if coded.code == number), None)
+    """Return the value of a parameter whose field has this number by default, and check it.
+
+    A parameter with codes has the value of the code, or 0 if the number is not one of them. ``zero_means`` is the value
+    for which a stored zero stands, or 0.
+    """
+    codes_with_values = coded_values(definition)
+    if codes_with_values:
+        value = next((coded.value for coded in codes_with_values if coded.code == number), None)
         if value is None:
             message = f"the default of '{definition['read_from']}' is {number}"
             remedy = f"which is not a code of {quoted('by_code')}"
@@ -174,8 +196,12 @@ def coded_values(definition: Raw) -> tuple[CodedValue, ...]:
 
 
 def extreme_states(raw: Raw) -> Sequence[Sequence[State]]:
-    """Return the states of each register field that must fit: the limits of its parameter, or each of its codes."""
-    limits: list[list[State]] = []
+    """Return the states of each register field that must fit: the limits of its parameter, or each of its codes.
+
+    There is one list for each parameter with limits, such as ``[{"offset": 0}, {"offset": 15}]``, and one for each
+    field with codes, which can hold several parameters.
+    """
+    states_of_limits: list[list[State]] = []
     codes_by_field: dict[str, dict[str, Mapping[int, int]]] = {}
     for name, definition in raw["parameters"].items():
         field = definition.get("read_from")
@@ -183,60 +209,72 @@ def extreme_states(raw: Raw) -> Sequence[Sequence[State]]:
             values_by_code = {coded.code: coded.value for coded in coded_values(definition)}
             codes_by_field.setdefault(field, {})[name] = values_by_code
         elif field is not None:
-            limits.append([{name: definition[key]} for key in ("min", "max") if key in definition])
-    return [*limits, *map(coded_states, codes_by_field.values())]
+            states_of_limits.append([{name: definition[key]} for key in ("min", "max") if key in definition])
+    return [*states_of_limits, *map(coded_states, codes_by_field.values())]
 
 
 def set_by_codes(raw: Raw) -> frozenset[str]:
-    """Return the parameters that an order code sets."""
-    names: set[str] = set()
+    """Return the names of the parameters that values of the order code set."""
+    parameter_names: set[str] = set()
     for part in raw["order_code"]["parts"]:
-        for value in part["values"].values():
-            names.update((value or {}).get("sets", ()))
-    return frozenset(names)
+        for code_value in part["values"].values():
+            parameter_names.update((code_value or {}).get("sets", ()))
+    return frozenset(parameter_names)
 
 
 def _check_set_values(name: str, raw: Raw, codes: Sequence[CodedValue], report: DocumentReport) -> None:
-    """Check that order codes set values that the register can hold."""
-    known_values = {coded.value for coded in codes}
+    """Check that order codes set values that the register can hold, which are those with a code.
+
+    Without codes, nothing is checked.
+    """
+    values_with_code = {coded.value for coded in codes}
     for index, part in enumerate(raw["order_code"]["parts"]):
-        for text, value in part["values"].items():
-            number = (value or {}).get("sets", {}).get(name)
-            if known_values and number is not None and number not in known_values:
-                path = ("order_code", "parts", index, "values", text, "sets", name)
+        for text_of_value, code_value in part["values"].items():
+            value_set = (code_value or {}).get("sets", {}).get(name)
+            if values_with_code and value_set is not None and value_set not in values_with_code:
+                path = ("order_code", "parts", index, "values", text_of_value, "sets", name)
                 report.add(
-                    "default-does-not-fit", path, f"{number} is not one of the values in 'by_code' of {quoted(name)}"
+                    "default-does-not-fit", path, f"{value_set} is not one of the values in 'by_code' of {quoted(name)}"
                 )
 
 
 def _check_codes(name: str, definition: Raw, width: int, report: DocumentReport) -> None:
-    """Check that each code fits into the field and is unique."""
-    texts: dict[int, str] = {}
-    for text in definition.get("by_code", {}):
-        code = int(text, 0)
-        path = ("parameters", name, "by_code", text)
+    """Check that each code fits into the field and is unique. The codes are texts such as ``0x10``."""
+    first_text_by_code: dict[int, str] = {}
+    for code_text in definition.get("by_code", {}):
+        code = int(code_text, 0)
+        path = ("parameters", name, "by_code", code_text)
         if code >> width:
-            message = f"the code {text} does not fit into the {width} bits of '{definition['read_from']}'"
+            message = f"the code {code_text} does not fit into the {width} bits of '{definition['read_from']}'"
             report.add("value-too-wide", path, message, at_key=True)
-        elif code in texts:
-            report.add("value-clash", path, f"{texts[code]} and {text} are the same code; keep one", at_key=True)
-        texts.setdefault(code, text)
+        elif code in first_text_by_code:
+            report.add(
+                "value-clash",
+                path,
+                f"{first_text_by_code[code]} and {code_text} are the same code; keep one",
+                at_key=True,
+            )
+        first_text_by_code.setdefault(code, code_text)
 
 
 def _field(register: Raw, name: str) -> Raw | None:
-    """Return the field of a register as in the spec.
+    """Return a field of a register as in the spec, or None if there is no such field.
 
-    A register without fields is one number. A field of a group is empty.
+    A register without fields is one number, whose field has the name of the register. If the register uses a group, any
+    other name may be a field of the group. The result is then empty.
     """
     if "fields" not in register:
         return {"name": name, "at": f"{8 * register['length'] - 1}:0"} if name == register["name"] else None
     own_fields = [field for field in register["fields"] if "use" not in field]
-    of_group: Raw | None = {} if len(own_fields) < len(register["fields"]) else None
-    return next((field for field in own_fields if field.get("name") == name), of_group)
+    field_of_group: Raw | None = {} if len(own_fields) < len(register["fields"]) else None
+    return next((field for field in own_fields if field.get("name") == name), field_of_group)
 
 
 def _place(field: Raw) -> tuple[int, int] | None:
-    """Return low bit and width of a field, or None if they are not plain numbers."""
+    """Return the lowest bit and the width of a field, such as ``(0, 8)`` for ``at: 7:0``.
+
+    Return None for a field without a valid ``at``, or with a width that is an expression.
+    """
     bounds = bit_range(field["at"]) if "at" in field else None
     if bounds is None:
         return None
@@ -256,28 +294,33 @@ def parameter_sets(
     """Return, by interface, every set of parameters that a layout must support.
 
     These are the sets of the order codes, the bounds of parameters held in registers, one by one and together, and each
-    of these with each answer of an alternative.
+    of these with the default answers, and with each other answer of one alternative.
     """
-    kinds = (*raw["interfaces"], *map(interface_of, raw.get("registers", ())))
+    interface_names = (*raw["interfaces"], *map(interface_of, raw.get("registers", ())))
     if not variants:  # Parameters are unknown. Parts that do not use them can still be checked.
-        return MappingProxyType({kind: ({},) for kind in kinds})
-    sets_by_interface: dict[str, list[Mapping[str, int]]] = {kind: [] for kind in kinds}
-    answers: list[Mapping[str, int]] = [{}]
+        return MappingProxyType({kind: ({},) for kind in interface_names})
+    sets_by_interface: dict[str, list[Mapping[str, int]]] = {kind: [] for kind in interface_names}
+    values_of_answers: list[Mapping[str, int]] = [{}]
     for alternative in alternatives:
-        answers += [answer.sets for answer in alternative.answers[1:]]
-    fields = extreme_states(raw)
+        # The first answer is the default, which the order codes already have.
+        values_of_answers += [answer.sets for answer in alternative.answers[1:]]
+    states_by_field = extreme_states(raw)
     # One by one first, so that messages name as few parameters as possible.
-    singles = (state for states in fields for state in states)
-    register_states: list[State] = [{}, *singles, *(corners(fields) if len(fields) > 1 else ())]
-    known_keys: set[tuple[str, tuple[int, ...]]] = set()
-    bases = _without_definitions(definitions, variants)
-    for (kind, base), state, answer in product(bases, register_states, answers):
-        parameters = {**base, **state, **answer}
-        key = (kind, tuple(parameters.values()))
-        if key not in known_keys:
-            known_keys.add(key)
+    single_states = (register_state for states in states_by_field for register_state in states)
+    register_states: list[State] = [{}, *single_states, *(corners(states_by_field) if len(states_by_field) > 1 else ())]
+    known_sets: set[tuple[str, tuple[int, ...]]] = set()
+    sets_by_codes = _without_definitions(definitions, variants)
+    for (kind, set_by_code), register_state, values_of_answer in product(
+        sets_by_codes, register_states, values_of_answers
+    ):
+        parameters = {**set_by_code, **register_state, **values_of_answer}
+        # The parameters of an interface are always in the same order, so their values identify a set.
+        interface_and_values = (kind, tuple(parameters.values()))
+        if interface_and_values not in known_sets:
+            known_sets.add(interface_and_values)
             sets_by_interface.setdefault(kind, []).append(resolve_parameters(parameters, definitions))
-        if len(known_keys) > MOST_SETS:
+        # too_much_work reports the spec.
+        if len(known_sets) > MOST_SETS:
             break
     # An interface that no order code selects has been reported. Its layouts are checked with the parameters of the
     # others.
@@ -288,7 +331,10 @@ def parameter_sets(
 def _without_definitions(
     definitions: Mapping[str, Expression], variants: Sequence[Variant]
 ) -> Iterator[tuple[str, Mapping[str, int]]]:
-    """Yield the interface and the parameters that order codes set, without those that follow from others, each once."""
+    """Yield the interface and the parameters of each order code, without parameters that follow from others.
+
+    Order codes with the same interface and values are one.
+    """
     base_by_values: dict[tuple[str, tuple[int, ...]], Mapping[str, int]] = {}
     for variant in variants:
         base = {name: value for name, value in variant.parameters.items() if name not in definitions}
@@ -297,15 +343,18 @@ def _without_definitions(
 
 
 def too_much_work(raw: Raw, context: Context) -> bool:
-    """Report a spec for which each field would be placed too often, as it is for each set of parameters."""
-    sets = sum(map(len, context.parameter_sets.values()))
+    """Report a spec for which each field would be placed too often, and return True. Otherwise, return False.
+
+    Each field is placed once for each set of parameters.
+    """
+    number_of_sets = sum(map(len, context.parameter_sets.values()))
     groups = by_name(raw, "field_groups")
-    fields = sum(1 for owner in field_lists(dict(raw)) for _ in expanded(owner, groups))
-    if sets <= MOST_SETS and sets * fields <= MOST_PLACES:
+    number_of_fields = sum(1 for owner in field_lists(dict(raw)) for _ in expanded(owner, groups))
+    if number_of_sets <= MOST_SETS and number_of_sets * number_of_fields <= MOST_PLACES:
         return False
-    number = f"more than {MOST_SETS}" if sets > MOST_SETS else str(sets)
-    message = f"order codes, registers and alternatives combine to {number} sets of parameters"
-    if sets <= MOST_SETS:
-        message += f", and there are {fields} fields; the product must be at most {MOST_PLACES}"
+    number_text = f"more than {MOST_SETS}" if number_of_sets > MOST_SETS else str(number_of_sets)
+    message = f"order codes, registers and alternatives combine to {number_text} sets of parameters"
+    if number_of_sets <= MOST_SETS:
+        message += f", and there are {number_of_fields} fields; the product must be at most {MOST_PLACES}"
     context.report.add("too-large", ("order_code", "parts"), f"{message}; split the family", at_key=True)
     return True

@@ -14,6 +14,7 @@ from ..model.record import dataclass
 
 #: From this number, a power of two minus one is assumed to be the highest count, not the number of counts.
 _SEVERAL = 15
+#: Keys of a measurement that are not numbers of counts. They give the length of a count.
 _STEPS = ("step_um", "step_nm", "per_counts")
 #: Highest number in a step, like that of every number in a spec. C has to compute with it in 64 bits.
 _MOST = 2**53 - 1
@@ -35,7 +36,7 @@ class _Case:
 
 
 def check_measurements(device: Device, report: DocumentReport) -> None:
-    """Check measurements against the position of each order code, and report the first contradiction."""
+    """Check scales and Gray code of positions, and report the first contradiction of each measurement."""
     reported: set[Path] = set()
     _check_scales(device, report)
     _check_gray(device, report)
@@ -48,24 +49,25 @@ def check_measurements(device: Device, report: DocumentReport) -> None:
 
 
 def _problems_of(device: Device, interface: Interface) -> Iterator[tuple[Path, str, str]]:
-    """Yield the place of a contradiction, the wrong key there, and the message."""
+    """Yield contradictions of a measurement: the path of its definition, the wrong key there, and the message."""
     measurement = device.measurement_of(interface.name)
     if measurement is None:
         return
-    shared: Path = ("measurement",)
+    measurement_path: Path = ("measurement",)
     if interface.measurement is not None:
-        shared = ("interfaces", interface.name, "measurement")
+        measurement_path = ("interfaces", interface.name, "measurement")
     for case in _cases(device, interface, measurement):
-        own_range = case.layout.position_range
-        problem = _measurement_problem(device, measurement.within(own_range), case)
+        range_of_layout = case.layout.position_range
+        problem = _measurement_problem(device, measurement.within(range_of_layout), case)
         if problem is not None:
             key, message = problem
             range_path: Path = ("interfaces", interface.name, "layouts", case.layout.name, "position_range")
-            yield range_path if getattr(own_range, key, None) is not None else shared, key, message
+            # A number that the range of the layout gives is wrong there, others in the measurement.
+            yield range_path if getattr(range_of_layout, key, None) is not None else measurement_path, key, message
 
 
 def _check_scales(device: Device, report: DocumentReport) -> None:
-    """Check that no part of a position has a second unit."""
+    """Report a part of a position with a ``scale``, because the measurement already gives its unit."""
     reported: set[Path] = set()
     for interface in device.interfaces:
         measurement = device.measurement_of(interface.name)
@@ -82,23 +84,24 @@ def _check_scales(device: Device, report: DocumentReport) -> None:
 
 
 def _check_gray(device: Device, report: DocumentReport) -> None:
-    """Check that a position in Gray code has the excess that its counts per turn need, for every order code."""
-    switched = _set_at_run_time(device)
+    """Report a position in Gray code without the excess that its counts per turn need, or with one it cannot have."""
+    run_time_names = _set_at_run_time(device)
     for interface in device.interfaces:
         measurement = device.measurement_of(interface.name)
         for layout in interface.layouts:
-            problem = _reason_against_excess(layout, measurement, switched)
+            problem = _reason_against_excess(layout, measurement, run_time_names)
             if problem is None and measurement is not None and _codes_position(layout, measurement):
-                variants = _gray_variants(device, interface, layout, switched)
+                variants = _gray_variants(device, interface, layout, run_time_names)
                 problem = _problem_of_counts(layout, measurement, variants)
             if problem is not None:
                 key, message = problem
                 path: Path = ("interfaces", interface.name, "layouts", layout.name, "gray")
+                # Without a key, 'gray' itself is marked: it lacks 'excess'.
                 report.add("gray-excess", (*path, key) if key else path, message, at_key=not key)
 
 
 def _gray_variants(device: Device, interface: Interface, layout: Layout, switched: Collection[str]) -> list[Variant]:
-    """Return the order codes whose position is in Gray code, or can be."""
+    """Return the order codes whose position is in Gray code, or can be if a register switches it."""
     variants = device.variants_over(interface.name)
     if layout.gray_when in switched:
         return list(variants)
@@ -106,7 +109,7 @@ def _gray_variants(device: Device, interface: Interface, layout: Layout, switche
 
 
 def _codes_position(layout: Layout, measurement: Measurement) -> bool:
-    """Return True if Gray code covers the position within a turn."""
+    """Return True if the lowest field of the measured position is in Gray code, and counts within a turn."""
     if layout.sender != "encoder" or measurement.counts_per_turn is None:
         return False
     if not layout.gray_of or measurement.of not in layout.member_names:
@@ -115,7 +118,7 @@ def _codes_position(layout: Layout, measurement: Measurement) -> bool:
 
 
 def _is_position_alone(layout: Layout, measurement: Measurement) -> bool:
-    """Return True if the number in Gray code is one unsigned field, the position of one turn."""
+    """Return True if the number in Gray code is the whole position, one unsigned field, with ``turns: 1``."""
     names = layout.names_in(layout.gray_of)
     if len(names) != 1 or names != layout.names_in(measurement.of) or measurement.turns != Expression(1):
         return False
@@ -126,7 +129,10 @@ def _is_position_alone(layout: Layout, measurement: Measurement) -> bool:
 def _reason_against_excess(
     layout: Layout, measurement: Measurement | None, switched: Collection[str]
 ) -> tuple[str, str] | None:
-    """Return the key and the message if an excess cannot be checked, or None if it can or there is none."""
+    """Return the key and the message if the layout has an ``excess`` that cannot be checked, otherwise None.
+
+    ``switched`` are the parameters that depend on a register.
+    """
     if layout.gray_excess is None:
         return None
     if measurement is None or not _codes_position(layout, measurement) or not _is_position_alone(layout, measurement):
@@ -147,21 +153,24 @@ def _reason_against_excess(
 def _problem_of_counts(layout: Layout, measurement: Measurement, variants: Sequence[Variant]) -> tuple[str, str] | None:
     """Return the key and the message for the first order code without the excess that its counts per turn need."""
     assert measurement.counts_per_turn is not None
-    counts_of = {variant.code: measurement.counts_per_turn.value(variant.parameters) for variant in variants}
+    counts_by_code = {variant.code: measurement.counts_per_turn.value(variant.parameters) for variant in variants}
     for variant in variants:
-        counts = counts_of[variant.code]
+        counts = counts_by_code[variant.code]
         bits = (counts - 1).bit_length()
+        # The codes in use are in the middle of all codes, so half of the others come before them.
         excess = ((1 << bits) - counts) // 2
-        written = layout.gray_excess.value(variant.parameters) if layout.gray_excess is not None else 0
-        if counts < 1 or (written == excess and counts & 1 == 0):
+        stated = layout.gray_excess.value(variant.parameters) if layout.gray_excess is not None else 0
+        # Counts below 1 are reported elsewhere. With an even number and the right excess, nothing is wrong.
+        if counts < 1 or (stated == excess and counts & 1 == 0):
             continue
+        # Not a power of two, so it needs an excess, but it is odd or not alone in its number.
         if counts & (counts - 1) and (counts & 1 or not _is_position_alone(layout, measurement)):
             return "", _no_excess_message(layout, variant, counts)
         formula = f"(2^{bits} - {counts}) / 2 = {excess}"
         if layout.gray_excess is not None:
-            return "excess", f"'excess' is {written} for {variant.code}; for {counts} counts per turn, it is {formula}"
+            return "excess", f"'excess' is {stated} for {variant.code}; for {counts} counts per turn, it is {formula}"
         remedy = f"write 'excess: {excess}' in 'gray'"
-        if len(set(counts_of.values())) > 1:
+        if len(set(counts_by_code.values())) > 1:
             remedy = (
                 f"write 'excess: PARAMETER' in 'gray', which is {excess} for this order code and 0 for a power of two"
             )
@@ -174,6 +183,7 @@ def _counts_text(layout: Layout, variant: Variant, counts: int) -> str:
 
 
 def _no_excess_message(layout: Layout, variant: Variant, counts: int) -> str:
+    """Return the message about counts that are not a power of two in Gray code, and cannot have an excess."""
     reason = "and Gray excess is only for the position within a turn, in one unsigned field"
     if counts & 1:
         reason = "and an odd number of counts cannot be sent in Gray excess"
@@ -182,13 +192,14 @@ def _no_excess_message(layout: Layout, variant: Variant, counts: int) -> str:
 
 
 def _set_at_run_time(device: Device) -> set[str]:
-    """Return the parameters that depend on a register."""
+    """Return the parameters that depend on a register, directly or through other parameters."""
     held_names = {parameter.name for parameter in device.run_time_parameters}
     names = (parameter.name for parameter in device.parameters)
     return {name for name in names if not held_names.isdisjoint(device.needed_parameters([name]))}
 
 
 def _cases(device: Device, interface: Interface, measurement: Measurement) -> Iterator[_Case]:
+    """Yield each layout that the encoder sends with each order code of the interface."""
     for layout in (candidate for candidate in interface.layouts if candidate.sender == "encoder"):
         names = layout.names_in(measurement.of)
         for variant in device.variants_over(interface.name):
@@ -198,25 +209,27 @@ def _cases(device: Device, interface: Interface, measurement: Measurement) -> It
 
 
 def _measurement_problem(device: Device, measurement: Measurement, case: _Case) -> tuple[str, str] | None:
-    """Return the wrong key and the message, or None."""
+    """Return the wrong key and the message of the first contradiction with the layout of a case, or None."""
+    # The key that gives the number of positions: per turn, or in all for a length.
     key = "counts_per_turn" if measurement.counts_per_turn is not None else "modulus"
-    numbers = {name: getattr(measurement, name) for name in ("counts_per_turn", "turns", *_STEPS, "modulus")}
-    numbers = {name: number for name, number in numbers.items() if number is not None}
-    values = {name: number.value(case.variant.parameters) for name, number in numbers.items()}
+    expressions = {name: getattr(measurement, name) for name in ("counts_per_turn", "turns", *_STEPS, "modulus")}
+    expressions = {name: number for name, number in expressions.items() if number is not None}
+    values = {name: number.value(case.variant.parameters) for name, number in expressions.items()}
     for name, value in values.items():
         if value < 1:
             return name, f"'{name}' is {value} for {case.variant.code}; it must be at least 1"
         if name in _STEPS and value > _MOST:
             return name, f"'{name}' is {value} for {case.variant.code}; it must be at most {_MOST}"
-    if (other_unit := _other_unit(case, values)) is not None:
-        return other_unit
+    if (unit_problem := _other_unit(case, values)) is not None:
+        return unit_problem
     position_range = case.layout.position_range
     never_wraps = position_range is not None and not position_range.wraps
     if key not in values or not case.width or never_wraps:
         return None
     for name, value in values.items():
+        # All bits 1, such as 4095: the highest position instead of the number of positions.
         is_highest = name not in _STEPS and value >= _SEVERAL and value & (value + 1) == 0
-        if is_highest and not _at_run_time(device, numbers[name]):
+        if is_highest and not _at_run_time(device, expressions[name]):
             message = f"'{name}' is {value} for {case.variant.code}, which is the highest count"
             return name, f"{message}; including 0 there are {value + 1}"
     return (
@@ -228,22 +241,23 @@ def _measurement_problem(device: Device, measurement: Measurement, case: _Case) 
 
 
 def _other_unit(case: _Case, values: Mapping[str, int]) -> tuple[str, str] | None:
-    """Return an error if the unit of the position is a length that differs from the step."""
+    """Return the key and the message if the unit of a single position field contradicts the length of a count."""
     key = next((name for name in ("step_um", "step_nm") if name in values), "")
-    fields = [case.layout.field(name) for name, _ in case.fields]
-    if not key or len(fields) != 1 or fields[0].unit not in _NANOMETRES:
+    position_fields = [case.layout.field(name) for name, _ in case.fields]
+    if not key or len(position_fields) != 1 or position_fields[0].unit not in _NANOMETRES:
         return None
-    unit, per_counts = fields[0].unit, values.get("per_counts", 1)
+    unit, per_counts = position_fields[0].unit, values.get("per_counts", 1)
+    # The step is the length of 'per_counts' counts, and the unit of the field that of one count.
     if values[key] * _NANOMETRES["um" if key == "step_um" else "nm"] == _NANOMETRES[unit] * per_counts:
         return None
-    message = f"'{key}' is {values[key]} for {case.variant.code}, but '{fields[0].name}' has 'unit: {unit}'"
+    message = f"'{key}' is {values[key]} for {case.variant.code}, but '{position_fields[0].name}' has 'unit: {unit}'"
     return key, f"{message}, so a count is 1 {unit}; correct one of the two, or write 'unit: counts'"
 
 
 def _does_not_fit(
     device: Device, measurement: Measurement, case: _Case, key: str, values: Mapping[str, int]
 ) -> tuple[str, str] | None:
-    """Return an error if the position has too few bits, or more than it can use if only its width matters."""
+    """Return the key and the message if the position has too few bits, or unused bits where it must use all."""
     turns = values.get("turns", 1)
     counts = values[key] * turns
     counts_text = f"{values[key]} counts" + (f" × {turns} turns" if turns > 1 else "")
@@ -252,25 +266,30 @@ def _does_not_fit(
         return key, f"{counts_text} do not fit, because {width_text}"
     fields = [case.layout.field(name) for name, _ in case.fields]
     is_signed = any(isinstance(field.kind, Number) and field.kind.signed for field in fields)
-    end = 1 << case.width
+    end_of_width = 1 << case.width
     if len(fields) > 1 and measurement.highest is not None:
         highest = measurement.highest.value(case.variant.parameters)
-        if highest >= end:
-            return "highest", f"'highest' is {highest}, but {width_text} and ends at {end - 1}"
-    widths = _sources(device, *(case.layout.field(name).width for name, _ in case.fields))
-    counted = _sources(device, *filter(None, (measurement.counts_per_turn, measurement.turns, measurement.modulus)))
+        if highest >= end_of_width:
+            return "highest", f"'highest' is {highest}, but {width_text} and ends at {end_of_width - 1}"
+    width_parameters = _sources(device, *(case.layout.field(name).width for name, _ in case.fields))
+    count_parameters = _sources(
+        device, *filter(None, (measurement.counts_per_turn, measurement.turns, measurement.modulus))
+    )
     # A position of fixed width can begin with zeros, as manuals draw it. Decoders reject a position above the counts.
     # A length that wraps around at a power of two uses all bits of its field, unless 'highest' gives another range.
     uses_all_bits = key == "modulus" and counts & (counts - 1) == 0 and not is_signed and measurement.highest is None
-    is_wide = uses_all_bits or (widths and counted <= widths and not (is_signed and measurement.highest))
-    if 2 * counts <= 1 << case.width and is_wide:
+    must_fill = uses_all_bits or (
+        width_parameters and count_parameters <= width_parameters and not (is_signed and measurement.highest)
+    )
+    # One bit less would be enough.
+    if 2 * counts <= 1 << case.width and must_fill:
         message = f"{counts_text} need {(counts - 1).bit_length()} bits, but {width_text}"
         return key, f"{message}; define zeros above a position as a separate field"
     return None
 
 
 def _out_of_range(measurement: Measurement, case: _Case, key: str) -> tuple[str, str] | None:
-    """Return an error if the range of the positions does not fit, or is unknown because the position is signed."""
+    """Return the key and the message if the range of a position does not fit its only field, or is unknown."""
     if measurement.total is None or len(case.fields) != 1:
         return None
     total = measurement.total.value(case.variant.parameters)
@@ -289,8 +308,8 @@ def _out_of_range(measurement: Measurement, case: _Case, key: str) -> tuple[str,
     if lowest <= highest - total + 1 and highest <= highest_possible:
         return None
     positions = f"positions of {case.variant.code} are {highest - total + 1} to {highest}"
-    range_ = f"{field_text} holds {lowest} to {highest_possible}"
-    return "highest", f"'highest' is {highest} for {total} counts, so {positions}, but {range_}"
+    possible_range = f"{field_text} holds {lowest} to {highest_possible}"
+    return "highest", f"'highest' is {highest} for {total} counts, so {positions}, but {possible_range}"
 
 
 def _too_wide(case: _Case, field_text: str, total: int) -> str:
@@ -301,7 +320,7 @@ def _too_wide(case: _Case, field_text: str, total: int) -> str:
 
 
 def _upside_down(measurement: Measurement, case: _Case, key: str, values: Mapping[str, int]) -> tuple[str, str] | None:
-    """Return an error if a number of revolutions is below the position within one.
+    """Return the key and the message if a number of revolutions is below the position within one revolution.
 
     In a frame of bytes, the order in which fields are sent does not tell which one is more significant.
     """
@@ -310,29 +329,31 @@ def _upside_down(measurement: Measurement, case: _Case, key: str, values: Mappin
     names = [name for name, _ in case.fields]
     count_turns = [case.layout.field(name).unit in _REVOLUTIONS for name in names]
     if not any(count_turns) and len(names) == 2:
-        # Without units, the widths tell which one is which.
-        (_, above), (_, below) = case.fields
-        count_turns[1] = above != below and values[key] == 1 << above and values.get("turns") == 1 << below
-    for (above_name, above_counts_turns), (name, is_turns) in pairwise(zip(names, count_turns, strict=True)):
-        if is_turns and not above_counts_turns:
+        # Without units, the widths tell: the counts of a turn fit the upper field, and the turns the lower one.
+        (_, upper), (_, lower) = case.fields
+        count_turns[1] = upper != lower and values[key] == 1 << upper and values.get("turns") == 1 << lower
+    for (above_name, above_counts_turns), (name, counts_turns) in pairwise(zip(names, count_turns, strict=True)):
+        if counts_turns and not above_counts_turns:
             message = f"'{measurement.of}' has '{name}', which counts revolutions, below '{above_name}'"
             return key, f"{message}; list '{name}' first in its 'join'"
     return None
 
 
 def _revolution_problem(case: _Case, key: str, values: Mapping[str, int]) -> tuple[str, str] | None:
-    """Return an error if the fields below a number of revolutions do not count one revolution in all their bits."""
+    """Return the key and the message if the fields below a number of revolutions do not fill one revolution."""
     for index, (name, width) in enumerate(case.fields[:-1]):
-        below = sum(width for _, width in case.fields[index + 1 :])
-        # The number of revolutions does not need a unit if both fields are as wide as revolutions and counts need.
-        is_whole_turn = len(case.fields) == 2 and values[key] < 1 << below and 1 < values.get("turns", 1) <= 1 << width
-        is_turns = case.layout.field(name).unit in _REVOLUTIONS or is_whole_turn
-        if is_turns and key == "counts_per_turn" and values[key] != 1 << below:
+        bits_below = sum(width for _, width in case.fields[index + 1 :])
+        # Without a unit, the upper of two fields counts turns if they fit into it, and the counts into the other.
+        fits_turns = (
+            len(case.fields) == 2 and values[key] < 1 << bits_below and 1 < values.get("turns", 1) <= 1 << width
+        )
+        counts_turns = case.layout.field(name).unit in _REVOLUTIONS or fits_turns
+        if counts_turns and key == "counts_per_turn" and values[key] != 1 << bits_below:
             message = (
-                f"'{name}' counts revolutions, and {below} bits follow it for {case.variant.code}, so a turn must have"
-                f" {1 << below} counts, not {values[key]}"
+                f"'{name}' counts revolutions, and {bits_below} bits follow it for {case.variant.code}, so"
+                f" a turn must have {1 << bits_below} counts, not {values[key]}"
             )
-            remedy = f"; measure '{case.fields[1][0]}' alone, with 'turns: 1'" if is_whole_turn else ""
+            remedy = f"; measure '{case.fields[1][0]}' alone, with 'turns: 1'" if fits_turns else ""
             return key, message + remedy
     return None
 
@@ -352,7 +373,8 @@ def _sources(device: Device, *expressions: Expression) -> frozenset[str]:
 def check_position_widths(device: Device, report: DocumentReport) -> None:
     """Report a position with too many bits for its counts, unless a note of the field explains it.
 
-    Whole bytes may begin with zeros, as manuals draw them. So may a position in fewer bits than any order code has.
+    Zeros above a position are accepted if no order code fills the field, and if the field is whole bytes, as manuals
+    draw them, or order codes need different widths.
     """
     if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
         return
@@ -367,7 +389,7 @@ def check_position_widths(device: Device, report: DocumentReport) -> None:
 
 
 def _position_field(layout: Layout, measurement: Measurement) -> Field | None:
-    """Return the field that is the whole position, if its width is the same for every order code and unexplained."""
+    """Return the field that is the whole position if it is unsigned, has a constant width and no note, else None."""
     names = layout.names_in(measurement.of)
     field = next((field for field in layout.fields if list(names) == [field.name]), None)
     if field is None:
@@ -377,45 +399,47 @@ def _position_field(layout: Layout, measurement: Measurement) -> Field | None:
 
 
 def _check_width(device: Device, interface: Interface, layout: Layout, field: Field, report: DocumentReport) -> None:
+    """Report a position field wider than the counts of an order code need, if all counts are powers of two and fit."""
     measurement = device.measurement_of(interface.name)
     assert measurement is not None
     width = field.width.constant
     needed_bits = {variant.code: _needed_bits(measurement, variant) for variant in device.variants_over(interface.name)}
-    narrow = {code: bits for code, bits in needed_bits.items() if bits is not None and bits < width}
-    if not narrow or any(bits is None or bits > width for bits in needed_bits.values()):
+    fewer_bits_by_code = {code: bits for code, bits in needed_bits.items() if bits is not None and bits < width}
+    if not fewer_bits_by_code or any(bits is None or bits > width for bits in needed_bits.values()):
         return
-    code, bits = next(iter(narrow.items()))
+    code, bits = next(iter(fewer_bits_by_code.items()))
     fills_width = width in needed_bits.values()
     if not fills_width and (width % 8 == 0 or len(set(needed_bits.values())) > 1):
         return
-    owner: Path = (
+    owner_path: Path = (
         ("field_groups", field.group) if field.group else ("interfaces", interface.name, "layouts", layout.name)
     )
     message = f"'{field.name}' always has {width} bits, but the counts of {code} need {bits}"
     correct_width = _right_width(measurement, fills_width, bits)
     report.add(
         "measurement-does-not-fit",
-        (*owner, "fields", field.name),
+        (*owner_path, "fields", field.name),
         f"{message}; write '{correct_width}', or add a 'note' about the bits above them",
     )
 
 
 def _right_width(measurement: Measurement, fills_width: bool, bits: int) -> str:
-    """Return the width to write: the parameter that is the power of two of the counts, if it differs by order code."""
+    """Return the corrected ``bits``, such as ``bits: 24``. It is a parameter if some order code fills the width."""
     counts = measurement.counts_per_turn
     assert counts is not None
-    text = counts.render()
-    is_power_of_parameter = fills_width and text.startswith("2^") and text[2:].isidentifier()
+    counts_text = counts.render()
+    is_power_of_parameter = fills_width and counts_text.startswith("2^") and counts_text[2:].isidentifier()
     if is_power_of_parameter:
-        return f"bits: {text[2:]}"
+        return f"bits: {counts_text[2:]}"
     return "bits: PARAMETER" if fills_width else f"bits: {bits}"
 
 
 def _needed_bits(measurement: Measurement, variant: Variant) -> int | None:
-    """Return the number of bits that the counts of an order code fill, or None if they do not end at a power of two."""
+    """Return the bits that the positions of an order code fill, or None if that is not a whole number."""
     counts = _value(measurement.counts_per_turn, variant) * _value(measurement.turns, variant)
     return counts.bit_length() - 1 if counts > 0 and not counts & (counts - 1) else None
 
 
 def _value(expression: Expression | None, variant: Variant) -> int:
+    """Return the value of an expression for an order code, or 1 if there is none."""
     return 1 if expression is None else expression.value(variant.parameters)

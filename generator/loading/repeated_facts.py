@@ -21,48 +21,70 @@ _COMMON = {
     "registers": {"address": "{:#04x}", "length": "{}", "bank": "{}", "access": "{}", "byte_order": "{}"},
     "crcs": {"width": "{}", "poly": "{:#x}", "init": "{:#x}", "refin": "{}", "refout": "{}", "xorout": "{:#x}"},
 }
-#: Path to a fact, and the fact as shown in messages.
+#: Path to a fact in its register or CRC, and the fact as shown in messages: ``("address",), "0x48"``.
 _Fact = tuple[Path, str]
 
 
 def check_shared_facts(documents: Sequence[Document], report: Report) -> None:
     """Report differences between devices of a manufacturer in facts that its file lists under ``alike``."""
-    devices = [document for document in documents if "device" in document.data and not report.faults(document)]
-    for maker in documents:
-        alike_names = mapping(maker.data, "alike") if "device" not in maker.data and not report.faults(maker) else {}
-        name = maker.data.get("manufacturer")
-        of_maker = [device for device in devices if device.data.get("manufacturer") == name]
+    device_documents = [document for document in documents if "device" in document.data and not report.faults(document)]
+    for maker_document in documents:
+        alike_names = (
+            mapping(maker_document.data, "alike")
+            if "device" not in maker_document.data and not report.faults(maker_document)
+            else {}
+        )
+        name = maker_document.data.get("manufacturer")
+        documents_of_maker = [device for device in device_documents if device.data.get("manufacturer") == name]
+        # ``alike`` lists the names of registers and CRCs, such as ``{"registers": ["preset"]}``.
         for kind, names in alike_names.items():
+            # From here, ``name`` is that of a register or CRC.
             for name in names:
                 _compare(
-                    kind, name, [document for document in of_maker if name in by_name(document.data, kind)], report
+                    kind,
+                    name,
+                    [document for document in documents_of_maker if name in by_name(document.data, kind)],
+                    report,
                 )
 
 
 def _compare(kind: str, name: str, documents_with_fact: Sequence[Document], report: Report) -> None:
-    """Compare each device with the first one that has the most common value."""
+    """Report each device whose register or CRC differs from the most common one, fact by fact.
+
+    ``kind`` is a key of ``_COMMON``. Among equally common facts, the one of the first file applies. A difference is not
+    reported if an erratum of either device affects it.
+    """
     facts_by_key: dict[tuple[str, ...], list[tuple[Document, _Fact]]] = {}
     for document in sorted(documents_with_fact, key=lambda document: document.file):
         for key, fact in _facts(kind, by_name(document.data, kind)[name]):
             facts_by_key.setdefault(key, []).append((document, fact))
     for key, facts in facts_by_key.items():
-        affected = (kind, name, *key)
-        counts = Counter(text for _, (_, text) in facts)
-        common_document, (common_path, common_text) = max(facts, key=lambda fact: counts[fact[1][1]])
+        affected_place = (kind, name, *key)
+        fact_counts = Counter(text for _, (_, text) in facts)
+        # ``max`` returns the first of several maxima, and files are in order.
+        common_document, (common_path, common_text) = max(facts, key=lambda fact: fact_counts[fact[1][1]])
         for document, (path, text) in facts:
-            if text == common_text or explained(document, *affected) or explained(common_document, *affected):
+            if (
+                text == common_text
+                or explained(document, *affected_place)
+                or explained(common_document, *affected_place)
+            ):
                 continue
             line = common_document.position((kind, name, *common_path))[0]
             message = (
                 f"this is {text}, but {common_text} in {PurePath(common_document.file).name}:{line}; according to the"
                 f" manufacturer's file, {quoted(name)} is the same in all devices. If it is not, add an erratum that"
-                f" affects {'.'.join(affected)}"
+                f" affects {'.'.join(affected_place)}"
             )
             report.add("not-alike", document, (kind, name, *path), message)
 
 
 def _facts(kind: str, definition: Spec) -> Iterator[tuple[tuple[str, ...], _Fact]]:
-    """Yield the shared facts of an item, by the path that an erratum would have."""
+    """Yield the shared facts of a register or CRC, each with its place as an erratum gives it.
+
+    A field has its name in that place, such as ``("warning", "at")``, and its index in the path of the fact, such as
+    ``("fields", 2, "at")``.
+    """
     for key, form in _COMMON[kind].items():
         if key in definition:
             yield (key,), ((key,), _fact_text(form, definition[key]))
@@ -75,6 +97,7 @@ def _facts(kind: str, definition: Spec) -> Iterator[tuple[tuple[str, ...], _Fact
 
 
 def _fact_text(form: str, value: object) -> str:
+    """Return a value as in messages: ``true`` or ``false``, or in the format ``form``."""
     return str(value).lower() if isinstance(value, bool) else form.format(value)
 
 
@@ -85,7 +108,7 @@ _COUNTED = re.compile(
 #: A meaning that is only a number. It is a count, or a number of revolutions.
 _ALONE = re.compile(r"([1-9][0-9]{0,2}(?:,[0-9]{3})+|[1-9][0-9]*)")
 _BITS = re.compile(r"\b([1-9][0-9]?)[ -]bits?\b")
-#: The addresses of the manufacturer ID over BiSS, each with the place of its byte in the number.
+#: The addresses of the manufacturer ID over BiSS, each with the lowest bit of its byte in the ID.
 _BISS_ID = {0x7E: 8, 0x7F: 0}
 #: Smallest number in a text that is assumed to be a count.
 _LEAST = 256
@@ -103,19 +126,23 @@ def check_agreement(raw: Raw, device: Device, report: DocumentReport) -> None:
 
 
 def _check_default(device: Device, register: Register, path: Path, report: DocumentReport) -> None:
-    """Check that the default of a register agrees with its fields: constants, ``equals`` and their own defaults."""
+    """Check that the default of a register agrees with its fields: constants, ``equals`` and their own defaults.
+
+    Report only the first contradiction of the first order code that has one.
+    """
     default = register.default
+    # A default with too many bits is reported with the limits.
     if default is None or default >> 8 * register.length:
         return
     for variant in device.variants_over(register.interface):
         placed = register.layout.place(variant.parameters)
         decoded = codec.decode(device, placed, default)
         # Numbers without a name are reported with the limits. A command may clear itself to one.
-        faults = [problem.message for problem in decoded.problems if problem.fault is Fault.CONSTANT]
+        contradictions = [problem.message for problem in decoded.problems if problem.fault is Fault.CONSTANT]
         for placed_field in placed.fields:
             value = decoded.values.get(placed_field.name)
-            faults.append(_contradiction(placed_field, default, value, variant))
-        problem = next(filter(None, faults), "")
+            contradictions.append(_contradiction(placed_field, default, value, variant))
+        problem = next(filter(None, contradictions), "")
         if problem:
             message = f"the default {default:#x} contradicts a field: {problem}"
             report.add("default-does-not-fit", (*path, "default"), message)
@@ -123,27 +150,35 @@ def _check_default(device: Device, register: Register, path: Path, report: Docum
 
 
 def _check_preset(device: Device, register: Register, path: Path, report: DocumentReport) -> None:
-    """Check that a preset cannot be above the highest position, which is one less than the number of positions."""
+    """Check that a preset cannot be above the highest position, which is one less than the number of positions.
+
+    A preset is a register with that word in its name. Its maximum must not depend on a register.
+    """
     if "preset" not in register.name.split("_") or register.max is None or register.meanings:
         return
     if {*register.max.parameters} & {parameter.name for parameter in device.run_time_parameters}:
         return
     for variant in device.variants_over(register.interface):
         measurement = device.measurement_of(variant.interface)
-        counts = (measurement.counts_per_turn or measurement.modulus) if measurement is not None else None
-        if measurement is None or counts is None:
+        counts_expression = (measurement.counts_per_turn or measurement.modulus) if measurement is not None else None
+        if measurement is None or counts_expression is None:
             continue
-        count = counts.value(variant.parameters)
-        count *= measurement.turns.value(variant.parameters) if measurement.turns is not None else 1
+        number_of_positions = counts_expression.value(variant.parameters)
+        number_of_positions *= measurement.turns.value(variant.parameters) if measurement.turns is not None else 1
         highest = register.max.value(variant.parameters)
-        if highest >= count > 1:
-            message = f"'{register.name}' can be {highest}, but positions of {variant.code} end at {count - 1}"
+        if highest >= number_of_positions > 1:
+            message = (
+                f"'{register.name}' can be {highest}, but positions of {variant.code} end at {number_of_positions - 1}"
+            )
             report.add("limit-does-not-fit", (*path, "max"), f"{message}; the highest is one less than their number")
             return
 
 
 def _contradiction(placed_field: PlacedField, default: int, value: int | str | None, variant: Variant) -> str:
-    """Return how a field contradicts its number in the default of its register, or an empty string."""
+    """Return how a field contradicts its number in the default of its register, or an empty string.
+
+    ``default`` is that of the register, and ``value`` the decoded value of the field, such as the name of the number.
+    """
     name = placed_field.name
     number = default >> placed_field.low & placed_field.mask
     expected = placed_field.field.documented(variant.parameters)
@@ -157,26 +192,33 @@ def _contradiction(placed_field: PlacedField, default: int, value: int | str | N
 
 
 def _check_biss_id(device: Device, report: DocumentReport) -> None:
-    """Check that 7Eh and 7Fh in BiSS contain the ID from the manufacturer file, which names the idbiss file."""
-    identity = device.manufacturer.biss_id
-    if identity is None:
+    """Check that 7Eh and 7Fh in BiSS contain the ID from the manufacturer file, which names the idbiss file.
+
+    Only bits that a register documents with ``equals`` are compared.
+    """
+    biss_id = device.manufacturer.biss_id
+    if biss_id is None:
         return
     variants = device.variants_over(Biss.name)
     for register in device.registers_over(Biss.name) if variants else ():
+        # The ID is not in a bank.
         if register.bank is not None:
             continue
         number, mask = _documented_bits(register, variants[0])
-        numbers, masks = (number_to_bytes(register.layout, bits, 8 * register.length) for bits in (number, mask))
-        id_bytes = dict(enumerate(zip(numbers, masks, strict=True), register.address))
+        byte_values, byte_masks = (
+            number_to_bytes(register.layout, bits, 8 * register.length) for bits in (number, mask)
+        )
+        # Each byte with the mask of its documented bits, by its address.
+        id_bytes = dict(enumerate(zip(byte_values, byte_masks, strict=True), register.address))
         id_bytes = {address: pair for address, pair in id_bytes.items() if address in _BISS_ID}
-        if any((byte ^ identity >> _BISS_ID[address]) & byte_mask for address, (byte, byte_mask) in id_bytes.items()):
+        if any((byte ^ biss_id >> _BISS_ID[address]) & byte_mask for address, (byte, byte_mask) in id_bytes.items()):
             bytes_text = ", ".join(f"{byte:02X}" for byte, _ in id_bytes.values())
-            text = (
+            message = (
                 f"'{register.name}' equals {bytes_text} at 7Eh and 7Fh, but 'biss_id' in the manufacturer file is"
-                f" {identity:#06x}; one of the two is wrong"
+                f" {biss_id:#06x}; one of the two is wrong"
             )
-            report.add("biss-id-mismatch", ("registers", register.name), text)
-    _check_read_biss_id(device, identity, report)
+            report.add("biss-id-mismatch", ("registers", register.name), message)
+    _check_read_biss_id(device, biss_id, report)
 
 
 def _documented_bits(register: Register, variant: Variant) -> tuple[int, int]:
@@ -192,7 +234,7 @@ def _documented_bits(register: Register, variant: Variant) -> tuple[int, int]:
 
 
 def _check_read_biss_id(device: Device, identity: int, report: DocumentReport) -> None:
-    """Check that examples of 7Eh and 7Fh have the ID. Brands of another manufacturer keep the examples."""
+    """Check that examples of 7Eh and 7Fh have the ID. Skip brands of another manufacturer, which keep the examples."""
     for example in device.examples if not device.base else ():
         if not isinstance(example, RegisterExample) or example.erratum:
             continue
@@ -212,26 +254,34 @@ def _check_read_biss_id(device: Device, identity: int, report: DocumentReport) -
 
 
 def _check_meanings(raw: Raw, device: Device, report: DocumentReport) -> None:
-    """Check that counts and revolutions in the meaning of a value match a quantity of its order codes."""
+    """Check that counts and revolutions in the meaning of a value match a quantity of its order codes.
+
+    Report a value if none of the counts in its meaning is a quantity of any of its order codes. Numbers below 256 are
+    ignored, and so are values without ``sets``.
+    """
     interfaces = {interface.name for interface in device.interfaces}
     variants = [variant for variant in device.variants if variant.interface in interfaces]
     for index, part in enumerate(raw["order_code"]["parts"]):
-        for text, value in part["values"].items():
+        for text_of_value, value in part["values"].items():
             meaning = _compared_meaning(value or {})
             count_texts = [meaning] if _ALONE.fullmatch(meaning) else _COUNTED.findall(meaning)
             numbers = [int(count_text.replace(",", "")) for count_text in count_texts]
             named_counts = {number for number in numbers if number >= _LEAST}
             if not named_counts or not (value or {}).get("sets"):
                 continue
-            codes = [variant for variant in variants if variant.parts.get(part["name"]) == text]
-            if codes and all(named_counts.isdisjoint(_quantities(device, variant)) for variant in codes):
-                sets = ", ".join(f"{name} = {number}" for name, number in value["sets"].items())
+            variants_of_value = [variant for variant in variants if variant.parts.get(part["name"]) == text_of_value]
+            if variants_of_value and all(
+                named_counts.isdisjoint(_quantities(device, variant)) for variant in variants_of_value
+            ):
+                settings = ", ".join(f"{name} = {number}" for name, number in value["sets"].items())
                 first_count = next(number for number in numbers if number >= _LEAST)
                 message = (
-                    f"the meaning of '{text}' contains {first_count:,}, but with {sets}, its order codes do not have"
-                    f" this number{MEANING_DIFFERS}"
+                    f"the meaning of '{text_of_value}' contains {first_count:,}, but with {settings}, its order codes"
+                    f" do not have this number{MEANING_DIFFERS}"
                 )
-                report.add("meaning-mismatch", ("order_code", "parts", index, "values", text, "meaning"), message)
+                report.add(
+                    "meaning-mismatch", ("order_code", "parts", index, "values", text_of_value, "meaning"), message
+                )
 
 
 def _compared_meaning(value: Raw) -> str:
@@ -242,28 +292,40 @@ def _compared_meaning(value: Raw) -> str:
 def _check_bits_named(raw: Raw, device: Device, report: DocumentReport) -> None:
     """Check that a number of bits in the meaning of a value is one that the value sets, or a width that it leads to.
 
-    Manufacturers also call a format by the bits of its whole frame.
+    It may also be the sum of the bits that the value sets, or the width of the frame or position of one of its order
+    codes: manufacturers also call a format by the bits of its whole frame. Meanings with several numbers of bits are
+    not checked.
     """
     units = {parameter.name: parameter.unit for parameter in device.parameters}
     for index, part in enumerate(raw["order_code"]["parts"]):
-        for text, value in part["values"].items():
+        for text_of_value, value in part["values"].items():
             named_bits = [int(number) for number in _BITS.findall(_compared_meaning(value or {}))]
-            sets = (value or {}).get("sets", {})
-            widths = {name: sets[name] for name in sets if units.get(name) in ("bit", "bits")}
-            if len(named_bits) != 1 or not widths or named_bits[0] in (*widths.values(), sum(widths.values())):
+            set_values = (value or {}).get("sets", {})
+            bits_by_parameter = {name: set_values[name] for name in set_values if units.get(name) in ("bit", "bits")}
+            if (
+                len(named_bits) != 1
+                or not bits_by_parameter
+                or named_bits[0] in (*bits_by_parameter.values(), sum(bits_by_parameter.values()))
+            ):
                 continue
-            variants = [variant for variant in device.variants if variant.parts.get(part["name"]) == text]
+            variants = [variant for variant in device.variants if variant.parts.get(part["name"]) == text_of_value]
             if any(named_bits[0] in _frame_and_position_widths(device, variant) for variant in variants):
                 continue
-            name = next(iter(widths))
+            name = next(iter(bits_by_parameter))
             message = (
-                f"the meaning of '{text}' says {named_bits[0]} bits, but '{name}' is {widths[name]}{MEANING_DIFFERS}"
+                f"the meaning of '{text_of_value}' says {named_bits[0]} bits, but '{name}' is"
+                f" {bits_by_parameter[name]}{MEANING_DIFFERS}"
             )
-            report.add("meaning-mismatch", ("order_code", "parts", index, "values", text, "sets", name), message)
+            report.add(
+                "meaning-mismatch", ("order_code", "parts", index, "values", text_of_value, "sets", name), message
+            )
 
 
 def _frame_and_position_widths(device: Device, variant: Variant) -> set[int]:
-    """Return the widths of the frames that an encoder with this order code sends, and of the positions in them."""
+    """Return the widths of the frames that an encoder with this order code sends, and of the positions in them.
+
+    Frames without the position do not count. Without a measurement, there are no widths.
+    """
     measurement = device.measurement_of(variant.interface)
     interface = next((candidate for candidate in device.interfaces if candidate.name == variant.interface), None)
     widths: set[int] = set()
@@ -271,9 +333,9 @@ def _frame_and_position_widths(device: Device, variant: Variant) -> set[int]:
         return widths
     for layout in interface.layouts:
         placed = layout.place(variant.parameters)
-        fields = placed.find_fields(layout.names_in(measurement.of))
-        if layout.sender == "encoder" and fields:
-            widths |= {placed.bits, sum(field.width for field in fields)}
+        position_fields = placed.find_fields(layout.names_in(measurement.of))
+        if layout.sender == "encoder" and position_fields:
+            widths |= {placed.bits, sum(field.width for field in position_fields)}
     return widths
 
 
@@ -285,13 +347,17 @@ def _quantities(device: Device, variant: Variant) -> set[int]:
     )
     quantities = {expression.value(variant.parameters) for expression in expressions if expression is not None}
     quantities.update(variant.parameters.values())
+    # A parameter up to 64 can be a number of bits.
     return quantities | {1 << number for number in variant.parameters.values() if 0 <= number <= 64}
 
 
 def _check_selectors(device: Device, report: DocumentReport) -> None:
-    """Check that frames of one sender are distinguished by the same bits, in the same place for every order code."""
+    """Check that frames of one sender are distinguished by the same bits, in the same place for every order code.
+
+    Each layout with ``when`` is compared with the first one of its sender.
+    """
     for interface in device.interfaces:
-        first: dict[str, tuple[str, object]] = {}
+        first_by_sender: dict[str, tuple[str, object]] = {}
         for layout in interface.layouts:
             if not layout.selector:
                 continue
@@ -307,10 +373,10 @@ def _check_selectors(device: Device, report: DocumentReport) -> None:
                     " have a fixed position",
                 )
                 continue
-            name, pieces = first.setdefault(layout.sender, (layout.name, field.pieces))
-            if pieces != field.pieces:
+            first_name, first_pieces = first_by_sender.setdefault(layout.sender, (layout.name, field.pieces))
+            if first_pieces != field.pieces:
                 message = (
-                    f"'{layout.selector}' is not at the same position as in '{name}'; the same bits must distinguish"
-                    " all frames of a sender"
+                    f"'{layout.selector}' is not at the same position as in '{first_name}'; the same bits must"
+                    " distinguish all frames of a sender"
                 )
                 report.add("selector-place", path, message)

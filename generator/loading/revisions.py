@@ -1,4 +1,4 @@
-"""Read specs from a git revision: write a file or folder such as ``v1.0:specs/lika`` to a temporary folder.
+"""Read specs from a git revision: write a file or folder such as ``v1.0:specs/acme`` to a temporary folder.
 
 git is used only to read objects, without shell, filters, hooks or network, and user text is never passed where git
 expects an option. A tree is untrusted input: its names do not choose folders, and sizes are checked before a file is
@@ -27,8 +27,11 @@ _MOST_FILES = 1000
 _MOST_BYTES = 16 * MAX_BYTES
 #: Largest list of files in a revision, in bytes. A tree of a few kB can list more files than any disk holds.
 _MOST_LISTED = 16 * 2**20
+#: Longest time that git may take.
 _PATIENCE_S = 60
+#: Modes of regular files in a tree. Links and submodules have others.
 _FILE, _EXECUTABLE = "100644", "100755"
+#: File of the manufacturer, in the folder of its specs.
 _BESIDE = "manufacturer.yaml"
 #: A part of a path that git does not check out, or that leads elsewhere on some systems.
 _BAD_PART = re.compile(r"|\.\.?|[A-Za-z]:.*|.*[\\\0].*", re.DOTALL)
@@ -71,7 +74,11 @@ class RevisionFiles:
 
 
 def revision_in(text: str) -> RevisionPath | None:
-    """Return the revision and path in ``text``, or None if it is an existing path or not a revision."""
+    """Return the revision and the path in a text such as ``v1.0:specs``, or None.
+
+    A text without a colon is not a revision, and neither is a path that exists or one with a drive, such as
+    ``C:\\specs``.
+    """
     revision, colon, path = text.partition(":")
     is_path = os.path.lexists(text) or _ON_A_DRIVE.match(text)
     return RevisionPath(revision, path) if colon and not is_path else None
@@ -87,33 +94,38 @@ def write_revision(place: RevisionPath, folder: Path) -> RevisionFiles:
     """
     commit = _commit(place.revision)
     path = _in_repository(place)
-    entries = _entries(commit, path)
-    if not entries:
+    blobs_by_path = _entries(commit, path)
+    if not blobs_by_path:
         raise RevisionError(f"there is no {visible(path) or 'file'} in {visible(place.revision)}")
-    is_single_file = path in entries
+    is_single_file = path in blobs_by_path
     manufacturer_path = posixpath.join(posixpath.dirname(path), _BESIDE)
     if is_single_file and path != manufacturer_path:
-        entries |= _entries(commit, manufacturer_path)
+        blobs_by_path |= _entries(commit, manufacturer_path)
     # A file given by name is a spec, whatever its suffix.
-    specs = {name: blob for name, blob in entries.items() if name.endswith(SUFFIXES) or name == path}
-    _refuse_bad_names(place.revision, specs)  # Also those of hidden files.
+    blobs_of_specs = {name: blob for name, blob in blobs_by_path.items() if name.endswith(SUFFIXES) or name == path}
+    _refuse_bad_names(place.revision, blobs_of_specs)  # Also those of hidden files.
     if not is_single_file:
-        specs = {name: blob for name, blob in specs.items() if not _is_hidden(name.removeprefix(path))}
-    if len(specs) > _MOST_FILES:
-        raise RevisionError(f"{visible(str(place))} contains {len(specs)} YAML files; name the folder of the specs")
-    _refuse_large_files(place, specs)
-    contents = _contents(specs.values())
-    files = _target_paths(specs, folder)
-    for name, file in files.items():
+        blobs_of_specs = {
+            name: blob for name, blob in blobs_of_specs.items() if not _is_hidden(name.removeprefix(path))
+        }
+    if len(blobs_of_specs) > _MOST_FILES:
+        raise RevisionError(
+            f"{visible(str(place))} contains {len(blobs_of_specs)} YAML files; name the folder of the specs"
+        )
+    _refuse_large_files(place, blobs_of_specs)
+    content_by_blob = _contents(blobs_of_specs.values())
+    target_paths = _target_paths(blobs_of_specs, folder)
+    for name, file in target_paths.items():
         file.parent.mkdir(exist_ok=True)
-        with open(file, "xb") as new:
-            new.write(contents[specs[name]])
+        with open(file, "xb") as target_file:
+            target_file.write(content_by_blob[blobs_of_specs[name]])
     shown_names = {str(folder): str(RevisionPath(place.revision, path))}
-    shown_names |= {str(file): f"{place.revision}:{name}" for name, file in files.items()}
-    return RevisionFiles(files.get(path, folder), shown_names)
+    shown_names |= {str(file): f"{place.revision}:{name}" for name, file in target_paths.items()}
+    return RevisionFiles(target_paths.get(path, folder), shown_names)
 
 
 def _refuse_bad_names(revision: str, names: Iterable[str]) -> None:
+    """Raise a ``RevisionError`` for the first path with a part that is not safe, such as ``..``."""
     for name in names:
         unsafe_part = next(filter(_BAD_PART.fullmatch, name.split("/")), None)
         if unsafe_part is not None:
@@ -127,7 +139,10 @@ def _is_hidden(name: str) -> bool:
 
 
 def _target_paths(names: Iterable[str], folder: Path) -> dict[str, Path]:
-    """Return the path to write each file to. Files of one folder stay together."""
+    """Return the path to write each file to, below ``folder``. Files of one folder stay together.
+
+    A file has another name if its own is not plain, or if an earlier path differs only in upper and lower case.
+    """
     folders: dict[str, Path] = {}
     paths: dict[str, Path] = {}
     used_names: set[str] = set()
@@ -141,20 +156,31 @@ def _target_paths(names: Iterable[str], folder: Path) -> dict[str, Path]:
 
 
 def _commit(revision: str) -> str:
+    """Return the hash of the commit that a revision names.
+
+    Raises:
+        RevisionError: The text is not a revision, or there is no such revision.
+    """
     revision_text = visible(revision)
     if not revision or revision.startswith("-") or "\0" in revision:
         raise RevisionError(f"'{revision_text}' is not a revision; write it like v1.0:specs/my_encoder.yaml")
     try:
         commit = _git(["rev-parse", "--verify", "--quiet", f"{revision}^{{commit}}"])
     except _Refused:
-        names = _git(["for-each-ref", "--format=%(refname:short)"]).decode(errors="replace").split("\n")
-        hint = suggestion(revision, [name for name in names if name][:_MOST_FILES])
+        reference_names = _git(["for-each-ref", "--format=%(refname:short)"]).decode(errors="replace").split("\n")
+        hint = suggestion(revision, [name for name in reference_names if name][:_MOST_FILES])
         raise RevisionError(f"there is no revision '{revision_text}' in this repository{visible(hint)}") from None
     return commit.decode().strip()
 
 
 def _in_repository(place: RevisionPath) -> str:
-    """Return the path from the top of the repository. A path with a leading dot is relative to the current folder."""
+    """Return the path from the top of the repository, or an empty string for all of it.
+
+    A path with a leading dot is relative to the current folder, others to the top.
+
+    Raises:
+        RevisionError: The path is outside the repository.
+    """
     path = place.path
     is_relative = path in (".", "..") or path.startswith(("./", "../"))
     if is_relative:
@@ -170,20 +196,29 @@ def _in_repository(place: RevisionPath) -> str:
 
 
 def _entries(commit: str, path: str) -> dict[str, str]:
-    """Return the regular files of a commit at or below a path, and the object of each."""
+    """Return the regular files of a commit at or below a path, each with the hash of its content.
+
+    An empty path stands for all files. Links and submodules are left out.
+    """
     listing = _git(["ls-tree", "-r", "-z", "--full-tree", commit, *(["--", path] if path else [])])
-    blobs = {}
+    blobs_by_path = {}
+    # A line is ``MODE TYPE HASH``, a tab and the path.
     for tree_line in filter(None, listing.split(b"\0")):
-        head, _, name = tree_line.partition(b"\t")
-        mode, _, blob = head.decode().split(" ")
-        text = os.fsdecode(name)
-        if mode in (_FILE, _EXECUTABLE) and (path in ("", text) or text.startswith(f"{path}/")):
-            blobs[text] = blob
-    return blobs
+        mode_and_blob, _, name = tree_line.partition(b"\t")
+        mode, _, blob = mode_and_blob.decode().split(" ")
+        file_path = os.fsdecode(name)
+        if mode in (_FILE, _EXECUTABLE) and (path in ("", file_path) or file_path.startswith(f"{path}/")):
+            blobs_by_path[file_path] = blob
+    return blobs_by_path
 
 
 def _refuse_large_files(place: RevisionPath, specs: Mapping[str, str]) -> None:
+    """Raise a ``RevisionError`` if a file, or all files together, are too large, or if content is missing.
+
+    A partial clone can lack the content of a file.
+    """
     command = ["cat-file", "--batch-check=%(objectname) %(objecttype) %(objectsize)"]
+    # A reply is ``HASH blob SIZE``, or ``HASH missing``.
     replies = (line.split(" ") for line in _git(command, specs.values()).decode().splitlines())
     sizes = {reply[0]: int(reply[2]) for reply in replies if len(reply) == 3 and reply[1] == "blob"}
     for name, blob in specs.items():
@@ -199,16 +234,19 @@ def _refuse_large_files(place: RevisionPath, specs: Mapping[str, str]) -> None:
 
 
 def _contents(blobs: Iterable[str]) -> dict[str, bytes]:
-    """Return the content of each blob. Their sizes have been checked."""
+    """Return the content of each blob by its hash. Their sizes have been checked.
+
+    git prints each as a line ``HASH TYPE SIZE``, then as many bytes and a newline.
+    """
     printed = _git(["cat-file", "--batch"], blobs, max_bytes=2 * _MOST_BYTES)
-    contents = {}
-    start = 0
-    while start < len(printed):
-        head_end = printed.index(b"\n", start)
-        blob, _, size = printed[start:head_end].decode().split(" ")
-        start = head_end + 1 + int(size) + 1
-        contents[blob] = printed[head_end + 1 : start - 1]
-    return contents
+    content_by_blob = {}
+    start_of_head = 0
+    while start_of_head < len(printed):
+        end_of_head = printed.index(b"\n", start_of_head)
+        blob, _, size = printed[start_of_head:end_of_head].decode().split(" ")
+        start_of_head = end_of_head + 1 + int(size) + 1
+        content_by_blob[blob] = printed[end_of_head + 1 : start_of_head - 1]
+    return content_by_blob
 
 
 class _Refused(RevisionError):
@@ -247,7 +285,7 @@ def _git(arguments: Sequence[str], lines: Iterable[str] = (), max_bytes: int = _
 def _run(
     command: Sequence[str], input_file: IO[bytes], errors: IO[bytes], environment: Mapping[str, str], max_bytes: int
 ) -> tuple[int, bytes]:
-    """Run a command, and return its exit code and output.
+    """Run a command, and return its exit code and output. Stop it if it takes or prints too much.
 
     Raises:
         RevisionError: It takes too long, or prints more than ``max_bytes`` bytes.
@@ -257,6 +295,7 @@ def _run(
         timer = Timer(_PATIENCE_S, _stop, (running, timed_out))
         timer.start()
         try:
+            # One byte more shows that there is too much.
             printed = running.stdout.read(max_bytes + 1) if running.stdout else b""
             if len(printed) > max_bytes:
                 running.kill()
@@ -271,5 +310,6 @@ def _run(
 
 
 def _stop(running: subprocess.Popen[bytes], timed_out: Event) -> None:
+    """Stop a command that takes too long, and set ``timed_out`` to tell that from its own end."""
     timed_out.set()
     running.kill()

@@ -74,9 +74,11 @@ def _has_keywords(kind: type) -> bool:
 _TYPES = tuple(kind for module in _MODULES for kind in _types_in(module))
 _CLASSES: tuple[type, ...] = tuple(kind for kind in _TYPES if dataclasses.is_dataclass(kind))
 _ENUMS: tuple[type[Enum], ...] = tuple(kind for kind in _TYPES if issubclass(kind, Enum))
+#: By position in ``_CLASSES``: the names of the members, and True if the class must be called with keywords.
 _NAMES = tuple(map(_member_names, _CLASSES))
 _BY_KEYWORD = tuple(map(_has_keywords, _CLASSES))
 _INDEX = {kind: index for index, kind in enumerate(_CLASSES)}
+#: Keys that mark values which JSON cannot express.
 _MAP, _OBJECT, _ENUM, _BYTES = "m", "o", "e", "b"
 #: Kind of entry in the cache for the model of a family.
 _FAMILY = "family"
@@ -87,7 +89,7 @@ class NotStorable(Exception):
 
 
 def stored_device(cache: Cache, content: Sequence[bytes | str]) -> model.Device | None:
-    """Return the device that ``store_device`` stored for files with this content, or None."""
+    """Return the device that ``store_device`` stored for files with this content, or None without a valid one."""
     with suppress(NotStorable):
         rows = cache.get(_FAMILY, content)
         return None if rows is None else from_data(rows)
@@ -95,7 +97,10 @@ def stored_device(cache: Cache, content: Sequence[bytes | str]) -> model.Device 
 
 
 def store_device(cache: Cache, content: Sequence[bytes | str], device: model.Device) -> None:
-    """Store a device whose spec has no problems. ``content`` is that of all files on which it depends."""
+    """Store a device whose spec has no problems. ``content`` is that of all files on which it depends.
+
+    A device that cannot be stored is not an error. It is then built again each time.
+    """
     with suppress(NotStorable):
         cache.put(_FAMILY, content, as_data(device))
 
@@ -111,7 +116,11 @@ def digest_of(device: model.Device) -> str:
 
 
 def as_data(device: model.Device) -> list[Any]:
-    """Return a device as data that JSON can express.
+    """Return a device as data that JSON can express: a list with a row for each object, the device last.
+
+    A row is the position of the class in ``_CLASSES``, then the values of the members. A member that is an object of
+    the model is ``{"o": 3}``, with the index of its row. An enum is ``{"e": [position, name]}``, bytes are ``{"b":
+    hex}``, and a map is ``{"m": [[key, value], …], "f": true if it cannot be changed}``.
 
     Raises:
         NotStorable: A member has a type that models did not have so far.
@@ -120,6 +129,7 @@ def as_data(device: model.Device) -> list[Any]:
     row_by_id: dict[int, int] = {}
 
     def put(value: Any) -> Any:
+        """Return a value as data, and add a row for each new object in it."""
         kind = type(value)
         if value is None or kind in (bool, int, float, str):
             return value
@@ -139,25 +149,27 @@ def as_data(device: model.Device) -> list[Any]:
             return {_MAP: [[put(key), put(member)] for key, member in value.items()], "f": kind is MappingProxyType}
         raise NotStorable(kind.__name__)
 
+    # The result is only a reference to the last row.
     put(device)
     return rows
 
 
 def from_data(rows: Any) -> model.Device:
-    """Return the device that ``as_data`` converted.
+    """Return the device that ``as_data`` converted. ``rows`` may be any data.
 
     Raises:
         NotStorable: The data does not describe a device.
     """
-    built: list[Any] = []
+    built_objects: list[Any] = []
     try:
-        for index, *parts in rows:
-            kind, values = _CLASSES[index], [_rebuilt(part, built) for part in parts]
+        for index, *raw_values in rows:
+            kind, values = _CLASSES[index], [_rebuilt(part, built_objects) for part in raw_values]
             if _BY_KEYWORD[index]:
-                built.append(kind(**dict(zip(_NAMES[index], values, strict=True))))
+                built_objects.append(kind(**dict(zip(_NAMES[index], values, strict=True))))
             else:
-                built.append(kind(*values))
-        device = built[-1]
+                built_objects.append(kind(*values))
+        # Members come before the object that refers to them, so the device is the last one.
+        device = built_objects[-1]
     except (LookupError, TypeError, ValueError, AttributeError, RecursionError) as error:
         raise NotStorable(str(error)) from None
     if not isinstance(device, model.Device):
@@ -166,7 +178,10 @@ def from_data(rows: Any) -> model.Device:
 
 
 def _rebuilt(value: Any, built: Sequence[Any]) -> Any:
-    """Return the value of a member, which may refer to objects that were built before."""
+    """Return the value of a member that ``as_data`` converted.
+
+    ``built`` has the objects of the rows before. The value may refer to them by index.
+    """
     if isinstance(value, list):
         return tuple([_rebuilt(member, built) for member in value])
     if not isinstance(value, dict):

@@ -47,7 +47,11 @@ class ValidParts:
         return not any(kind in ("layouts", "data_ids") for kind, _ in self.items)
 
     def holds(self, example: Example) -> bool:
-        """Return True if an example and all parts that it depends on are valid."""
+        """Return True if an example and all parts that it depends on are valid.
+
+        A frame of bits depends on its layout, and one of bytes on all layouts, because any of them may have its bytes.
+        All examples except those of CRCs also depend on order codes and parameters.
+        """
         if not self.is_sound("examples", example.name):
             return False
         match example:
@@ -73,33 +77,40 @@ def valid_parts_so_far(report: DocumentReport) -> ValidParts:
 
 
 def valid_parts(data: Spec, faults: Iterable[Path]) -> ValidParts:
-    """Return the validity of the parts of a spec as read, given its faulty places."""
+    """Return the validity of the parts of a spec as read, given its faulty places.
+
+    A place is faulty if something in it is. An item is also faulty if it uses a faulty one, such as a layout with a
+    faulty field group.
+    """
+    # Each faulty place with its parents.
     places = frozenset(fault[:end] for fault in faults for end in range(1, len(fault) + 1))
-    faulty: set[Item] = set()
+    faulty_items: set[Item] = set()
     for kind in ("crcs", "examples"):
-        faulty |= {(kind, _name(owner)) for path, owner in items(data, kind) if path in places}
+        faulty_items |= {(kind, _name(owner)) for path, owner in items(data, kind) if path in places}
     for fields in field_lists(data):  # Groups come first, because the others may use them.
         references = ((kind, _text(field, key)) for _, field in fields for key, kind in _MADE_OF)
-        if fields.path in places or any(reference in faulty for reference in references):
-            faulty.add((fields.kind.value, _name(fields.owner)))
-    faulty |= {("registers", _name(register)) for path, register in items(data, "registers") if path in places}
+        if fields.path in places or any(reference in faulty_items for reference in references):
+            faulty_items.add((fields.kind.value, _name(fields.owner)))
+    faulty_items |= {("registers", _name(register)) for path, register in items(data, "registers") if path in places}
     for interface in mapping(data, "interfaces"):
         data_ids = items(data, "interfaces", interface, "data_ids")
-        faulty |= {("data_ids", _name(data_id)) for path, data_id in data_ids if path in places}
+        faulty_items |= {("data_ids", _name(data_id)) for path, data_id in data_ids if path in places}
     for path, procedure in items(data, "procedures"):
-        if path in places or _rests_on(procedure, faulty):
-            faulty.add(("procedures", _name(procedure)))
-    return ValidParts(places, frozenset(faulty))
+        if path in places or _rests_on(procedure, faulty_items):
+            faulty_items.add(("procedures", _name(procedure)))
+    return ValidParts(places, frozenset(faulty_items))
 
 
+#: Keys of fields that name another item, each with the key of the list of these items.
 _MADE_OF = (("use", "field_groups"), ("crc", "crcs"))
 
 
 def _rests_on(procedure: Spec, faulty: set[Item]) -> bool:
-    references = [("registers", _text(step, "register")) for _, step in items(procedure, "steps")]
-    references += [("data_ids", _text(step, "data_id")) for _, step in items(procedure, "steps")]
-    references += [("registers", _text(argument, "of")) for _, argument in items(procedure, "arguments")]
-    return any(reference in faulty for reference in references)
+    """Return True if a procedure uses a faulty register or data ID, in a step or for the limits of an argument."""
+    items_of_procedure = [("registers", _text(step, "register")) for _, step in items(procedure, "steps")]
+    items_of_procedure += [("data_ids", _text(step, "data_id")) for _, step in items(procedure, "steps")]
+    items_of_procedure += [("registers", _text(argument, "of")) for _, argument in items(procedure, "arguments")]
+    return any(reference in faulty for reference in items_of_procedure)
 
 
 def _name(definition: Spec) -> str:

@@ -59,18 +59,19 @@ class PositionRange(NamedTuple):
 
 
 def narrower_range(measurement: Measurement, layout: Layout, sets: Sequence[Mapping[str, int]]) -> PositionRange | None:
-    """Return the range of a position if it is narrower_range than the width of its field for some order code.
+    """Return the range of a position if it is narrower than the width of its field for some order code, or None.
 
     Parts of one revolution in several fields have no range, and signed positions have none without ``highest``.
+    ``sets`` are the parameters of the order codes.
     """
-    by_name = {field.name: field for field in layout.fields}
-    fields = [by_name[name] for name in layout.names_in(measurement.of) if name in by_name]
-    if any(not isinstance(field.kind, Number) for field in fields):
+    fields_by_name = {field.name: field for field in layout.fields}
+    position_fields = [fields_by_name[name] for name in layout.names_in(measurement.of) if name in fields_by_name]
+    if any(not isinstance(field.kind, Number) for field in position_fields):
         return None
-    if len(fields) == 1 and fields[0].number.signed:
-        position_range = _signed_range(measurement, fields[0])
+    if len(position_fields) == 1 and position_fields[0].number.signed:
+        position_range = _signed_range(measurement, position_fields[0])
     else:
-        position_range = _unsigned_range(measurement, fields, sets)
+        position_range = _unsigned_range(measurement, position_fields, sets)
     if position_range is None or position_range.field.number.zero_means:
         return None
     is_narrower = any(_is_narrower(position_range, parameters) for parameters in sets)
@@ -83,6 +84,7 @@ def _is_narrower(position_range: PositionRange, parameters: Mapping[str, int]) -
 
 
 def _signed_range(measurement: Measurement, field: Field) -> PositionRange | None:
+    """Return the range of a signed position: as many numbers as it has counts, up to ``highest``. None if unknown."""
     total, highest = measurement.total, measurement.highest
     if total is None or highest is None:
         return None
@@ -92,7 +94,10 @@ def _signed_range(measurement: Measurement, field: Field) -> PositionRange | Non
 def _unsigned_range(
     measurement: Measurement, fields: Sequence[Field], sets: Sequence[Mapping[str, int]]
 ) -> PositionRange | None:
-    """Return the range of a position without a sign, or that of its revolutions if it has two fields."""
+    """Return the range of a position without a sign, or None if it is unknown.
+
+    A position in two fields, revolutions above one full revolution, has the range of its revolutions.
+    """
     total, turns, counts_per_turn = measurement.total, measurement.turns, measurement.counts_per_turn
     if total is None or any(field.number.signed for field in fields):
         return None
@@ -100,6 +105,7 @@ def _unsigned_range(
         return PositionRange(fields[0], Expression(0), measurement.highest or total - Expression(1))
     if len(fields) != 2 or measurement.highest is not None or counts_per_turn is None or turns is None:
         return None
+    # The fields of a position are listed from the most significant one.
     high_field, low_field = fields
     for parameters in sets:
         if counts_per_turn.value(parameters) != 1 << low_field.width.value(parameters):
@@ -207,6 +213,7 @@ class Device:
     @cached_property
     def set_parameters(self) -> tuple[Parameter, ...]:
         """Independent parameters: those that an order code sets, a register holds, or an answer with a default sets."""
+        # Parameters that no answer sets have an empty ``alternative``.
         no_question = ""
         questions = {no_question, *(alternative.name for alternative in self.optional_alternatives)}
         independent = (parameter for parameter in self.parameters if parameter.equals is None)
@@ -246,8 +253,11 @@ class Device:
         """Return the questions that the user must answer before a frame of this layout can be read or written."""
         if not self.alternatives:
             return ()
-        sets = {name for field in layout.fields for name in (*field.low.parameters, *field.width.parameters)}
-        return tuple(question for question in self.alternatives if not sets.isdisjoint(question.answers[0].sets))
+        # The parameters on which places and widths depend. All answers of a question set the same parameters.
+        needed_names = {name for field in layout.fields for name in (*field.low.parameters, *field.width.parameters)}
+        return tuple(
+            question for question in self.alternatives if not needed_names.isdisjoint(question.answers[0].sets)
+        )
 
     @cached_property
     def run_time_parameters(self) -> tuple[Parameter, ...]:
@@ -297,13 +307,14 @@ class Device:
     def supply_of(self, variant: Variant) -> Supply | None:
         """Return the supply that an order code needs, or None if the manual does not give it.
 
-        The manual gives none if the part that determines the supply has an unlisted value.
+        If values of the order code determine the supply, it is that of the first one which has a supply, and None if
+        the order code has none of them, such as with an unlisted value. Otherwise it is that of the device.
         """
-        values = [(part.name, value) for part in self.order_code.parts for value in part.values]
-        if all(value.supply is None for _, value in values):
+        values_with_part_name = [(part.name, value) for part in self.order_code.parts for value in part.values]
+        if all(value.supply is None for _, value in values_with_part_name):
             return self.supply
-        own_values = (value for name, value in values if variant.parts.get(name) == value.text)
-        return next((value.supply for value in own_values if value.supply is not None), None)
+        values_of_variant = (value for name, value in values_with_part_name if variant.parts.get(name) == value.text)
+        return next((value.supply for value in values_of_variant if value.supply is not None), None)
 
     def position_names(self, interface: str) -> frozenset[str]:
         """Return the names of the fields and joins that form the measured position or a part of it.
@@ -314,6 +325,7 @@ class Device:
 
     @cached_property
     def _position_names(self) -> dict[str, frozenset[str]]:
+        """Names of the fields and joins of the position or a part of it, by interface."""
         position_names = {}
         for interface in self.interfaces:
             measurement = self.measurement_of(interface.name)
@@ -347,10 +359,11 @@ class Device:
 
     def signed_range(self, field: PlacedField, placed: PlacedLayout) -> tuple[int, int]:
         """Return the lowest and the highest valid number of a signed field of a frame."""
-        valid, half = self.range_in(placed.layout), 1 << max(field.width, 1) - 1
-        if valid is None or valid.field.name != field.name:
-            return -half, half - 1
-        return valid.lowest.value(placed.parameters), valid.highest.value(placed.parameters)
+        # A field without bits for the order code counts as one bit.
+        valid_range, half_of_numbers = self.range_in(placed.layout), 1 << max(field.width, 1) - 1
+        if valid_range is None or valid_range.field.name != field.name:
+            return -half_of_numbers, half_of_numbers - 1
+        return valid_range.lowest.value(placed.parameters), valid_range.highest.value(placed.parameters)
 
     def register(self, name: str) -> Register:
         return member_named(self.registers, name, "register")
@@ -383,6 +396,7 @@ class Device:
         layouts = [layout for _, layout in self.layouts()]
         layouts += [register.layout for register in self.registers]
         covers_bytes = [layout.crc_covers_bytes for layout in layouts if crc in self.crcs_of(layout)]
+        # Without a layout that uses the CRC, it is only used for bytes.
         return crc.refin and (any(covers_bytes) or not covers_bytes)
 
     def procedure(self, name: str) -> Procedure:

@@ -33,6 +33,7 @@ class Source:
     page: int | None
 
     def __str__(self) -> str:
+        """Return the source as specs write it: ``it: 6.4 p.36``."""
         parts = (
             f"{self.document}:" if self.document else "",
             self.section,

@@ -70,6 +70,7 @@ class Expression:
         """
         if isinstance(text, int):
             return cls(text)
+        # ``total`` is the sum so far, ``factors`` the product of the current term, and ``sign`` that of this term.
         total, factors, position, sign = cls(), cls(1), 0, 1
         if text.startswith("-"):
             sign, position = -1, 1
@@ -82,6 +83,7 @@ class Expression:
             operator = _OPERATOR.match(text, position)
             if position < len(text) and operator is None:
                 raise ExpressionError(f"'{text}' is not a sum of numbers, parameters and powers of two")
+            # The term ends here.
             if operator is None or operator[0] != "*":
                 total = total + factors if sign > 0 else total - factors
                 factors = cls(1)
@@ -124,7 +126,7 @@ class Expression:
         return total
 
     def substitute(self, definitions: Mapping[str, Expression]) -> Expression:
-        """Replace parameters that are defined by others.
+        """Return the expression with parameters replaced that are defined by others.
 
         Parameters in powers and products stay, since two to the power of a sum is not a sum. A parameter defined by a
         product also stays, since its name is more readable.
@@ -136,6 +138,7 @@ class Expression:
                 total += Expression(0, (term,))
             else:
                 definition = definition.substitute(definitions)
+                # A term of a spec, which is not a product, has the multiple 1 or -1.
                 total = total + definition if term.multiple > 0 else total - definition
         return total
 
@@ -148,6 +151,7 @@ class Expression:
 
     def __mul__(self, other: Expression) -> Expression:
         products = [term * factor for term, factor in itertools.product(self._all_terms, other._all_terms)]
+        # The first product is that of the constants. A constant of 0 makes terms of multiple 0.
         return _simplified(products[0].multiple, tuple(term for term in products[1:] if term.multiple))
 
     @property
@@ -163,24 +167,25 @@ class Expression:
             power: Notation for two to the power of a parameter. The parameter replaces ``{}``.
             suffix: Text after each number, such as ``U`` in C.
         """
-        text = ""
+        text_of_terms = ""
         for term in self.terms:
+            # The multiple is written first, unless it is 1 or -1.
             factors = [] if abs(term.multiple) == 1 else [f"{abs(term.multiple)}{suffix}"]
             for factor in term.factors:
                 parameter = prefix + factor.parameter
                 factors.append(power.format(parameter) if factor.power else parameter)
-            if text:
-                text += " + " if term.multiple > 0 else " - "
+            if text_of_terms:
+                text_of_terms += " + " if term.multiple > 0 else " - "
             elif term.multiple <= 0:
-                text = "-"
-            text += " * ".join(factors)
-        if not text:
+                text_of_terms = "-"
+            text_of_terms += " * ".join(factors)
+        if not text_of_terms:
             return f"{self.constant}{suffix}"
-        if text.startswith("-") and self.constant > 0:
-            return f"{self.constant}{suffix} - {text[1:]}"
+        if text_of_terms.startswith("-") and self.constant > 0:
+            return f"{self.constant}{suffix} - {text_of_terms[1:]}"
         if self.constant > 0:
-            return f"{text} + {self.constant}{suffix}"
-        return f"{text} - {-self.constant}{suffix}" if self.constant < 0 else text
+            return f"{text_of_terms} + {self.constant}{suffix}"
+        return f"{text_of_terms} - {-self.constant}{suffix}" if self.constant < 0 else text_of_terms
 
 
 def _simplified(constant: int, terms: tuple[Term, ...]) -> Expression:
@@ -211,7 +216,7 @@ def _atom(match: re.Match[str]) -> Expression:
 
 
 def _times(product: Expression, atom: Expression) -> Expression:
-    """Return the product of two atoms or products of atoms.
+    """Return the product of an expression and an atom. A product of 1, which begins a term, is the atom itself.
 
     Raises:
         ExpressionError: A factor is a number.
@@ -224,6 +229,11 @@ def _times(product: Expression, atom: Expression) -> Expression:
 
 
 def _value(factor: Factor, parameters: Mapping[str, int]) -> int:
+    """Return the value of a factor.
+
+    Raises:
+        ExpressionError: The parameter is missing, or the exponent is out of range.
+    """
     if factor.parameter not in parameters:
         raise ExpressionError(f"there is no parameter '{factor.parameter}'")
     number = parameters[factor.parameter]

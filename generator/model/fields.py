@@ -173,7 +173,10 @@ class Field:
         return replace(self, kind=self.kind.unexplained, meaning="", note="", remedy="", by_hand=())
 
     def for_parameters(self, parameters: Mapping[str, int]) -> Field:
-        """Return the field as it is for an order code with these parameters, and with the verdict that they decide."""
+        """Return the field as it is for an order code with these parameters, and with the verdict that they decide.
+
+        Only flags differ. A flag that this order code does not have is unexplained.
+        """
         if not isinstance(self.kind, Flag):
             return self
         if self.kind.only_while and not parameters.get(self.kind.only_while):

@@ -216,7 +216,10 @@ def key_type(text: str) -> KeyType:
 
 
 def data_notation(described: DescribedKey) -> str:
-    """Return the notation of a key in the data. Empty if the data do not have it."""
+    """Return the notation of a key in the data, such as ``count?``, or ``boolean=false`` with a default.
+
+    It is empty for a key that the data do not have.
+    """
     if described.key.shape:
         return described.key.shape
     kind = key_type(described.notation)

@@ -98,16 +98,19 @@ class Layout:
 
     @property
     def spoiling_flags(self) -> tuple[Field, ...]:
-        """Flags that make the position in this frame unusable, except those that only combine other flags in it."""
-        names_in_frame = {field.name for field in self.fields}
-        spoiling = []
-        for member in self.fields:
-            flag = member.kind
-            if isinstance(flag, Flag) and member.implemented and flag.makes_position is Verdict.NOT_USABLE:
-                only_combines = flag.sums_up and names_in_frame.issuperset(flag.sums_up)
+        """Flags that make the position in this frame unusable, except those that only combine other flags in it.
+
+        Such a flag is active only together with one of them. Flags that the encoder does not implement are left out.
+        """
+        field_names = {field.name for field in self.fields}
+        flags_against_position = []
+        for flag_field in self.fields:
+            flag = flag_field.kind
+            if isinstance(flag, Flag) and flag_field.implemented and flag.makes_position is Verdict.NOT_USABLE:
+                only_combines = flag.sums_up and field_names.issuperset(flag.sums_up)
                 if not only_combines:
-                    spoiling.append(member)
-        return tuple(spoiling)
+                    flags_against_position.append(flag_field)
+        return tuple(flags_against_position)
 
     @property
     def unused(self) -> tuple[tuple[Field, int], ...]:
@@ -129,7 +132,7 @@ class Layout:
 
     @property
     def unused_width(self) -> int:
-        """Number of bits in ``unused``."""
+        """Number of bits in the decoder's number ``unused``, with the widest form of each field."""
         return max((place + field.widest for field, place in self.unused), default=0)
 
     @property
@@ -139,21 +142,27 @@ class Layout:
 
     @cached_property
     def judging_fields(self) -> tuple[Field, ...]:
-        """Fields that say in every frame whether the position is usable: flags, or fields of values with a verdict."""
-        names = {field.name for field in self.fields if _judges(field.kind)}
+        """Fields that say in every frame whether the position is usable: flags, or fields of values with a verdict.
+
+        A flag or value counts if its verdict is not *usable*, and if it applies to all order codes that have it.
+        """
+        judging_names = {field.name for field in self.fields if _judges(field.kind)}
         for sign in self.signs:
             if _judges(sign.flag.kind):
-                # The fields of a combination have the same width for all order codes, so the first one is enough.
+                # The fields of a combination are in the same frames, because their widths are the same for all order
+                # codes. So the first one is enough.
                 name, _ = sign.conditions[0]
-                names.add(name)
-        return tuple(field for field in self.fields if field.name in names)
+                judging_names.add(name)
+        return tuple(field for field in self.fields if field.name in judging_names)
 
     @cached_property
     def judging_bits(self) -> Expression:
-        """Number of bits of the judging fields. It is 0 for order codes without any.
+        """Expression that is 0 for order codes whose frames have no judging field, and positive for all others.
 
-        If all order codes have some of these fields, the number of bits does not matter, and this is 1.
+        It is 1 if a judging field has a constant width. Otherwise it is the sum of their widths, each width counted
+        once.
         """
+        # Each width once. A dict keeps their order, which a set does not.
         widths = {field.width: None for field in self.judging_fields}
         if any(width.is_constant for width in widths):
             return Expression(1)
@@ -171,8 +180,12 @@ class Layout:
     @cached_property
     def signs(self) -> tuple[Sign, ...]:
         """Named values and combinations with a verdict on the position."""
-        values = (_sign_of_value(field, value) for field in self.fields for value in field.values)
-        return (*filter(None, values), *(_sign_of_combination(self, combination) for combination in self.combinations))
+        # None for values without a verdict, which ``filter`` leaves out.
+        signs_of_values = (_sign_of_value(field, value) for field in self.fields for value in field.values)
+        return (
+            *filter(None, signs_of_values),
+            *(_sign_of_combination(self, combination) for combination in self.combinations),
+        )
 
     @cached_property
     def crc_fields(self) -> tuple[Field, ...]:
@@ -194,16 +207,26 @@ class Layout:
         return any(isinstance(field.kind, Parity) for field in self.fields)
 
     def place(self, parameters: Mapping[str, int]) -> PlacedLayout:
-        """Return the layout for one order code, without zero-width fields. Flags of other codes are unexplained."""
+        """Return the layout for one order code, without zero-width fields. Flags of other codes are unexplained.
+
+        The number in Gray code is converted always, or only if the parameter ``gray_when`` is not 0.
+        """
         placed_fields = (field.place(parameters) for field in self.fields)
-        by_name = {field.name: field for field in placed_fields if field.width > 0}
+        fields_by_name = {field.name: field for field in placed_fields if field.width > 0}
         gray = bool(self.gray_of and (not self.gray_when or parameters.get(self.gray_when)))
-        unused = tuple((by_name[field.name], place) for field, place in self.unused if field.name in by_name)
-        return PlacedLayout(self, self.bits.value(parameters), tuple(by_name.values()), gray, unused, parameters)
+        unused_with_places = tuple(
+            (fields_by_name[field.name], place) for field, place in self.unused if field.name in fields_by_name
+        )
+        return PlacedLayout(
+            self, self.bits.value(parameters), tuple(fields_by_name.values()), gray, unused_with_places, parameters
+        )
 
 
 def _packed_by_byte(fields: Sequence[Field]) -> tuple[tuple[Field, int], ...]:
-    """Return the fields, lowest first, each with its lowest bit in a number of only the bytes that they occupy."""
+    """Return the fields, lowest first, each with its lowest bit in a number of only the bytes that they occupy.
+
+    With unused bits 3 and 17 of a frame, the bytes 0 and 2 are occupied, and the bits have the positions 3 and 9.
+    """
     lowest_first = sorted(fields, key=lambda field: field.low.constant)
     occupied_bytes: set[int] = set()
     for unused_field in lowest_first:
@@ -284,12 +307,19 @@ class PlacedLayout:
 
     @cached_property
     def crc_covers(self) -> tuple[int, int]:
-        """Lowest bit and number of bits that the CRC of a frame of bits covers. (0, 0) without a CRC."""
+        """Lowest bit and number of bits that the CRC of a frame of bits covers. (0, 0) without a CRC.
+
+        These are the fields that the CRC lists, which are adjacent, or otherwise everything above it.
+        """
         end = self.crc_field
         if end is None or not isinstance(end.field.kind, CrcValue):
             return (0, 0)
-        run = self.find_fields(end.field.kind.of)
-        return (run[-1].low, run[0].high + 1 - run[-1].low) if run else (end.width, self.bits - end.width)
+        covered_fields = self.find_fields(end.field.kind.of)
+        return (
+            (covered_fields[-1].low, covered_fields[0].high + 1 - covered_fields[-1].low)
+            if covered_fields
+            else (end.width, self.bits - end.width)
+        )
 
     @property
     def covers_part(self) -> bool:
@@ -298,30 +328,38 @@ class PlacedLayout:
         return end is not None and isinstance(end.field.kind, CrcValue) and bool(end.field.kind.of)
 
     def place_of(self, name: str) -> tuple[int, int]:
-        """Return lowest bit and width of a field, or of a join of adjacent fields. An absent field has width 0."""
-        parts = self.find_fields(self.layout.names_in(name))
-        width = sum(part.width for part in parts)
-        return (parts[-1].low, width) if parts else (0, 0)
+        """Return lowest bit and width of a field, or of a join of adjacent fields. An absent field has width 0.
+
+        The field listed last in a join has its lowest bit.
+        """
+        placed_fields = self.find_fields(self.layout.names_in(name))
+        width = sum(part.width for part in placed_fields)
+        return (placed_fields[-1].low, width) if placed_fields else (0, 0)
 
 
 def _judges(kind: Kind) -> bool:
-    """Return whether a flag says for all order codes that have it whether the position is usable."""
+    """Return True if a kind is a flag with a verdict other than *usable*, for all order codes that have it."""
     return isinstance(kind, Flag) and kind.makes_position is not Verdict.USABLE and not kind.only_while
 
 
 def _with_unknown_verdict_if_reserved(field: Field) -> Field:
+    """Return an unused field that gives a warning with the verdict UNKNOWN instead. Return others unchanged."""
     if isinstance(field.kind, Unused) and field.kind.makes_position is Verdict.USABLE_WITH_WARNING:
         return replace(field, kind=replace(field.kind, makes_position=Verdict.UNKNOWN))
     return field
 
 
 def _is_status(field: Field) -> bool:
+    """Return True if a field is a flag, or one unused bit that is always 1."""
     is_unused_one = isinstance(field.kind, Unused) and bool(field.kind.value) and field.widest == 1
     return isinstance(field.kind, Flag) or is_unused_one
 
 
 def _sign_of_value(field: Field, value: Value) -> Sign | None:
-    """Return a named value as a sign, or None if it has no verdict on the position."""
+    """Return a named value as a sign, or None if it has no verdict on the position.
+
+    A sign is a flag without bits, which is active while its conditions hold: here while the field has the value.
+    """
     if value.makes_position is None:
         return None
     name = f"{field.name}_{value.name}"
@@ -331,6 +369,7 @@ def _sign_of_value(field: Field, value: Value) -> Sign | None:
 
 
 def _sign_of_combination(layout: Layout, combination: Combination) -> Sign:
+    """Return a combination as a sign: a flag without bits, which is active while all its conditions hold."""
     flag = Flag(when_active=combination.meaning, makes_position=combination.makes_position)
     field = _flag_of_sign(
         combination.name,
@@ -352,16 +391,20 @@ def _flag_of_sign(
 
 
 def _condition(layout: Layout, text: str) -> tuple[str, int]:
-    """Return the field of a condition ``field.value`` with the number of its value."""
-    name, _, word = text.partition(".")
+    """Return the field of a condition ``field.value`` and the number of its value, such as ``("warning", 1)``."""
+    name, _, value_name = text.partition(".")
     field = layout.field(name)
     if isinstance(field.kind, Flag):
-        return name, int(word == "active")
-    return name, field.value_named(word).value
+        # The value of a flag is ``active`` or ``inactive``.
+        return name, int(value_name == "active")
+    return name, field.value_named(value_name).value
 
 
 def have_lengths(layouts: Sequence[Layout], sender: str) -> bool:
-    """Return whether frames of a sender on one channel have different lengths, so that bytes imply no leading zeros."""
+    """Return True if frames of a sender on one channel have different lengths, so that bytes imply no leading zeros.
+
+    That is so if there are more pairs of channel and length than channels.
+    """
     frames = [layout for layout in layouts if layout.sender == sender]
     channels_and_lengths = {(layout.channel, layout.bits) for layout in frames}
     return len(channels_and_lengths) > len({layout.channel for layout in frames})

@@ -179,7 +179,10 @@ class Measurement:
         return Fraction(self.step_um.value(parameters)) if self.step_um is not None else None
 
     def within(self, layout_range: LayoutRange | None) -> Measurement:
-        """Return the measurement with the range of one layout. The units are the same in all layouts."""
+        """Return the measurement with the range of one layout. The units are the same in all layouts.
+
+        A position that never wraps around has no range. If the layout gives only ``highest``, turns and modulus stay.
+        """
         if layout_range is None:
             return self
         source = layout_range.source or self.source

@@ -43,6 +43,7 @@ def _values_of(kind: type) -> Callable[[Any], Any]:
 
 
 def _is_equal(self: Any, other: Any) -> Any:
+    """Return True if both objects have the same class and equal values of the compared members."""
     kind = self.__class__
     if other.__class__ is not kind:
         return NotImplemented
@@ -55,6 +56,7 @@ def _hash(self: Any) -> int:
 
 
 def _text_of(self: Any) -> str:
+    """Return the text of an object as ``dataclasses`` writes it: ``Clock(max_hz=2000000)``."""
     members = ", ".join(f"{field.name}={getattr(self, field.name)!r}" for field in fields(self) if field.repr)
     return f"{self.__class__.__qualname__}({members})"
 
@@ -74,9 +76,13 @@ def _late_init(kind: Any) -> Callable[..., None]:
 
 
 def _init_of(kind: type) -> Any:
-    """Return ``__init__`` of a class, as ``dataclasses`` would compile it."""
+    """Return ``__init__`` of a class, as ``dataclasses`` would compile it.
+
+    Its source is built as text. A default is in its namespace as ``_NAME``. For a default that a function makes,
+    ``_NAME`` is MISSING, and the body calls the function, ``_of_NAME``, if it receives this.
+    """
     namespace: dict[str, Any] = {"_set": object.__setattr__}
-    positional, by_keyword, lines = ["self"], ["*"], ["pass"]
+    positional_parameters, keyword_parameters, statements = ["self"], ["*"], ["pass"]
     for field in fields(kind):
         name, value = field.name, field.name
         if field.default_factory is not MISSING:
@@ -85,10 +91,10 @@ def _init_of(kind: type) -> Any:
         elif field.default is not MISSING:
             namespace[f"_{name}"] = field.default
         parameter = f"{name}=_{name}" if f"_{name}" in namespace else name
-        (by_keyword if field.kw_only else positional).append(parameter)
-        lines.append(f"_set(self, {name!r}, {value})")
-    parameters = [*positional, *(by_keyword if len(by_keyword) > 1 else ())]
-    exec(f"def __init__({', '.join(parameters)}): {'; '.join(lines)}", namespace)
+        (keyword_parameters if field.kw_only else positional_parameters).append(parameter)
+        statements.append(f"_set(self, {name!r}, {value})")
+    parameters = [*positional_parameters, *(keyword_parameters if len(keyword_parameters) > 1 else ())]
+    exec(f"def __init__({', '.join(parameters)}): {'; '.join(statements)}", namespace)
     return namespace["__init__"]
 
 

@@ -106,7 +106,10 @@ class Register:
 
 
 def bounded(register: Register) -> str:
-    """Return the name of the limited field or join, or an empty string if the limits apply to the whole register."""
+    """Return the name of the limited field or join, or an empty string if the limits apply to the whole register.
+
+    It is ``limits_of`` if that is a field or join. Otherwise it is the only field, if there is only one.
+    """
     names = register.layout.member_names
     if register.limits_of in names:
         return register.limits_of
@@ -133,7 +136,10 @@ def bounds(
     limits: tuple[Expression | None, Expression | None],
     parameters: Mapping[str, int],
 ) -> tuple[int, int]:
-    """Return the lowest and highest value that may be written, from ``limits`` or otherwise from the width."""
+    """Return the lowest and highest value that may be written, from ``limits`` or otherwise from the width.
+
+    ``zero_means`` of the field, the number for which a stored zero stands, may be higher than the width allows.
+    """
     lowest, highest = representable(register, placed)
     limited_field = placed.find_field(bounded(register))
     if limited_field is not None:

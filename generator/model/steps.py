@@ -124,10 +124,11 @@ _FEWEST = 3
 def steps_of(value: str) -> tuple[str, ...]:
     """Return the text before the first step, then each step. Without steps numbered from one, return only the value."""
     numbers = list(_NUMBER.finditer(value))
+    # Numbers that do not count from 1 are not those of steps.
     if [int(match[1]) for match in numbers] != list(range(1, len(numbers) + 1)):
         return (value,)
-    ends = [*(match.start() for match in numbers[1:]), len(value)]
-    steps = (value[match.end() : end].strip() for match, end in zip(numbers, ends, strict=True))
+    ends_of_steps = [*(match.start() for match in numbers[1:]), len(value)]
+    steps = (value[match.end() : end].strip() for match, end in zip(numbers, ends_of_steps, strict=True))
     return (value[: numbers[0].start()].strip(), *steps) if numbers else (value,)
 
 

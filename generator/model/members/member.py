@@ -64,7 +64,7 @@ class Member:
 
     @cached_property
     def notation(self) -> str:
-        """Notation of numbers in sentences."""
+        """Notation of numbers in sentences: ``form``, ``hex``, or the unit at the end of the name, such as ``us``."""
         if self.form:
             return self.form
         if self.shape.startswith("hex"):
