@@ -1639,7 +1639,7 @@
     return [
       ...(decimal ? [said("if_decimal", `0x${BigInt(digits).toString(16).toUpperCase()}`)] : []),
       ...(hexadecimal ? [said("if_hex", digits)] : []),
-      ...(/^[01]{1,40}$/.test(digits) ? [said("if_bits", digits)] : []),
+      ...(/^[01]{1,96}$/.test(digits) ? [said("if_bits", digits)] : []),
     ];
   }
 

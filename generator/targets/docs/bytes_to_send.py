@@ -195,7 +195,7 @@ def _how_to_write_other_positions(register: Register, variant: Variant) -> str:
     example_bytes = register.bytes_of(example_position << low).hex(" ").upper()
     return (
         f"Another position: write position{shift} as {counted(register.length, 'byte')}, {order}, to "
-        f"{link(addresses(register), f'#register-{register.name}')}. For 1,000: {code(example_bytes)}."
+        f"{link(addresses(register), f'#register-{register.name}')}. For {example_position:,}: {code(example_bytes)}."
     )
 
 
