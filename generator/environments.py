@@ -198,7 +198,7 @@ def _is(kind: type, value: object) -> bool:
 
 
 def _place(error: Exception, own_folder: Path) -> str:
-    """Return file and line of an error, such as ``mine/device.h.jinja:12``, or an empty text if no template has it.
+    """Return file and line of an error, such as ``mine/device.h.jinja:12``, or an empty string if no template has it.
 
     It is the innermost line in a template of the user, or else the innermost in one of ours.
     """

@@ -227,7 +227,7 @@ def _identifying_value(member_value: Any, identity_of_inner: Callable[[Any], Has
 
 
 def step_without_words(step: Step) -> Step:
-    """Return a step without its words."""
+    """Return a step without its descriptive text."""
     return replace(step, meaning="", source=())
 
 

@@ -53,7 +53,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def explain(name: str | None) -> str:
-    """Return the description of a rule, or without a name the list of all rules.
+    """Return the description of a rule or, if no name is given, the list of all rules.
 
     A name may be that of a rule of ``check`` and of one of ``diff``. Then both are described.
 

@@ -58,7 +58,7 @@ def placeholder_lines(files: Iterable[str]) -> list[str]:
 
 
 def placeholder_line(files: Iterable[str]) -> str:
-    """Return one line with the number of placeholders and the first one, or an empty text if there are none."""
+    """Return one line with the number of placeholders and the first one, or an empty string if there are none."""
     placeholders = list(placeholders_in(files))
     if not placeholders:
         return ""

@@ -215,7 +215,7 @@ class _Dump:
         return plain_members | _cited(own_sources) if described_part.is_sourced else plain_members
 
     def _member(self, member: Member, value: Any, inherited: Sources) -> Any:
-        """Return a member as plain data. A missing word, whose shape lists ``|`` and its words, is an empty text."""
+        """Return a member as plain data. A missing word, whose shape lists ``|`` and its words, is an empty string."""
         return "" if value is None and member.shape.startswith("|") else self.plain(value, inherited)
 
     def _number(self, expression: Expression) -> int | str:
@@ -334,7 +334,7 @@ class _Dump:
 
 
 def _flag_members(flag: Flag) -> Item:
-    """Return the members of a flag, as the table of members names them. A missing verdict is an empty text."""
+    """Return the members of a flag, as the table of members names them. A missing verdict is an empty string."""
     return {
         "when_active": flag.when_active,
         "when_inactive": flag.when_inactive,

@@ -171,7 +171,7 @@ class DataMember:
 
     @property
     def empty(self) -> Any:
-        """Value for a missing member: an empty list or map, null, or for other values the default or an empty text."""
+        """Value for a missing member: an empty list or map, null, the default, or else an empty string."""
         if self.kind in (Kind.LIST, Kind.TEXTS, Kind.OBJECTS):
             return []
         if self.kind in (Kind.KEYED, Kind.MAP):

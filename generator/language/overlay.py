@@ -384,7 +384,7 @@ def _with_existing_affects(data: dict[str, Any], before: dict[str, Any]) -> dict
 
 
 def _affects_existing(erratum: Any, data: dict[str, Any], before: dict[str, Any]) -> Any:
-    """Return an erratum without the affected paths that exist in ``before`` and no longer in ``data``."""
+    """Return an erratum without the affected paths that exist in ``before`` but no longer in ``data``."""
     affects = erratum.get("affects") if isinstance(erratum, dict) else None
     if not isinstance(affects, list):
         return erratum

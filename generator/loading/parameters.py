@@ -57,7 +57,7 @@ def _used_words(raw: Raw) -> Iterator[str]:
 
 
 def _difference(device: Device, parameter: Parameter, interface: Interface, layout: Layout) -> str:
-    """Return how a parameter differs from the width of the number of its name in a frame, or an empty text.
+    """Return how a parameter differs from the width of the number of its name in a frame, or an empty string.
 
     It is empty if the encoder does not send a number of this name with this layout.
     """
@@ -105,7 +105,7 @@ def check_reach(raw: Raw, context: Context, variants: Sequence[Variant]) -> bool
 
 
 def _fault(text: int | str, parameters: Mapping[str, int]) -> str:
-    """Return the reason why an expression has no value for these parameters, or an empty text.
+    """Return the reason why an expression has no value for these parameters, or an empty string.
 
     It is empty for an expression with a syntax error or an unknown parameter, which other rules report.
     """

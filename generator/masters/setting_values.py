@@ -111,7 +111,7 @@ def value_of_setting(rule: Raw, record: Record) -> tuple[int | bool | str | None
 
 
 def _evaluate(value: int | str, setting_name: str, record: Record, *, may_be_negative: bool = False) -> int:
-    """Return the number that an expression has for a record.
+    """Return the value of an expression for a record.
 
     Raises:
         UnknownValue: The record lacks a number in the expression.

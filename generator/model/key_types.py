@@ -231,7 +231,7 @@ def data_notation(described: DescribedKey) -> str:
 
 
 def limits_in_schema(key: Key) -> JsonSchema:
-    """Return the limits of a value as words of JSON Schema."""
+    """Return the limits of a value as JSON Schema keywords."""
     limits: JsonSchema = {}
     if key.pattern:
         limits["pattern"] = key.pattern

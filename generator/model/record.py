@@ -76,7 +76,7 @@ def _late_init(kind: Any) -> Callable[..., None]:
 
 
 def _init_of(kind: type) -> Any:
-    """Return ``__init__`` of a class, as ``dataclasses`` would compile it.
+    """Return an ``__init__`` for a class, like the one that ``dataclasses`` would generate.
 
     Its source is built as text. A default is in its namespace as ``_NAME``. For a default that a function makes,
     ``_NAME`` is MISSING, and the body calls the function, ``_of_NAME``, if it receives this.

@@ -65,7 +65,7 @@ def _problems_of_length(fields: Sequence[LineField], interface: str) -> Iterator
 def problems_of_options(
     options: Options, columns: Mapping[str, int], fields: Sequence[LineField], interface: str
 ) -> Iterator[LineProblem]:
-    """Yield the problems of options that do not fit the fields. ``columns`` has the column of each option."""
+    """Yield the problems of options that do not fit the fields. ``columns`` maps each option to its column."""
     if options.is_gray:
         yield from _problems_of_gray(options, columns, fields)
     if options.counts or options.turns:

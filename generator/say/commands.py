@@ -71,7 +71,7 @@ def step(device: Device, procedure_step: Step) -> Statement:
 
 
 def _repetition_text(send_step: SendStep) -> str:
-    """Return how often a request is sent, and at which interval, or an empty string if it is sent once."""
+    """Return how many times a request is sent and at what interval, or an empty string if it is sent once."""
     if send_step.times <= 1:
         return ""
     repetition_text = f" {send_step.times} times"

@@ -38,7 +38,7 @@ def code(value: object) -> str:
 
 @lru_cache(4096)
 def _code_span(code_text: str) -> str:
-    """Return a code span, or an empty string for an empty text."""
+    """Return a code span, or an empty string for an empty string."""
     if not code_text:
         return ""
     # The fence is longer than any run of backticks in the text.

@@ -345,7 +345,7 @@ def _hex_digits_for(bits: int) -> int:
 
 
 def _expected_value(value: Expression | int | str, bits: int) -> Part:
-    """Return the value that a field of ``bits`` bits always has: a text, or a number in hexadecimal."""
+    """Return the value that a field of ``bits`` bits always has, as text or as a hexadecimal number."""
     if isinstance(value, str):
         return Code(value)
     number = value if isinstance(value, Expression) else Expression(value)

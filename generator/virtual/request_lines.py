@@ -204,7 +204,7 @@ class Rs485Line:
             encoder.restart()
 
     def _put(self, due: float, data: bytes) -> None:
-        """Add bytes that arrive at the master at a time. If it does not read, the first ones are lost."""
+        """Add bytes that reach the master at the given time. If it does not read, the first ones are lost."""
         insort(self._arrivals, (due, data), key=itemgetter(0))  # by time
         del self._arrivals[:-_MOST_REPLIES]
 

@@ -120,7 +120,7 @@ def _add(
 
 
 def _header(path: str, wanted: dict[str, str], headers_by_path: dict[str, str]) -> str:
-    """Return the header with the content of this file, or an empty text for any other file."""
+    """Return the header with the content of this file, or an empty string for any other file."""
     if path not in headers_by_path:
         is_header = path.endswith(".h") and Path(path).is_file()
         headers_by_path[path] = wanted.get(_digest(Path(path)), "") if is_header else ""

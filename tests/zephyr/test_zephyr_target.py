@@ -65,7 +65,7 @@ def module_of(driver: Driver, zephyr: Path) -> Path:
 
 
 def error_flag(driver: Driver) -> str:
-    """Return the member for a flag that makes the position unusable on its own, or an empty text."""
+    """Return the member for a flag that makes the position unusable on its own, or an empty string."""
     for field in driver.frame.struct.layout.fields:
         if (
             isinstance(field.kind, Flag)

@@ -17,7 +17,7 @@ Numbered = Sequence[tuple[int, int]]
 
 
 def contact_numbers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that numbered contacts are in order, without gaps from 1 on, unless a note explains it.
+    """Check that contacts are numbered consecutively from 1, unless a note explains why not.
 
     A cable whose wires all have numbers is likely a connector, unless its note says that they are numbered.
     """

@@ -245,7 +245,7 @@ def _is_save(step: WrittenStep) -> bool:
 
 
 def _first_unsaved(later_steps: Iterable[WrittenStep], arguments: set[str], registers: Registers) -> str:
-    """Return the first register, not a volatile one, that later steps write with an argument, or an empty text."""
+    """Return the first register, not a volatile one, that later steps write with an argument, or an empty string."""
     for step in later_steps:
         if step.value in arguments and step.register in registers and not registers[step.register].volatile:
             return step.register

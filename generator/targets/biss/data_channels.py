@@ -63,7 +63,7 @@ def comment(text: object, indent: str) -> Markup:
 # The files for the order codes of a family have most lines in common.
 @lru_cache(maxsize=1024)
 def _wrapped_lines(paragraph: str, width: int) -> Sequence[str]:
-    """Return the lines of a comment for one line of its text. An indented one is an item of a list."""
+    """Return the lines into which one line of a comment's text is wrapped. An indented one is an item of a list."""
     is_list_item = paragraph.startswith("  ")
     return textwrap.wrap(
         str(comment_text(paragraph)),
@@ -119,7 +119,7 @@ def _number_of_lengths(lengths: Sequence[DataLength]) -> int:
 
 
 def _note_on_changing_length(device: Device, layout: Layout) -> str:
-    """Return a note on the registers that change the length of the data, or an empty text if none does."""
+    """Return a note on the registers that change the length of the data, or an empty string if none does."""
     register_fields = [field_at(device, path) for path in run_time_widths(device, layout)]
     if not register_fields:
         return ""

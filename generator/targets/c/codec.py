@@ -74,7 +74,7 @@ class StructCodec:
 
     @property
     def measured(self) -> str:
-        """The field or join with the position that a function returns, or an empty text if there is no such function.
+        """The field or join with the position that a function returns, or an empty string if there is no such function.
 
         A frame has it if its verdict is known.
         """

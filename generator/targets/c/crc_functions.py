@@ -1,4 +1,4 @@
-"""Functions for CRCs in C, as templates/c/crcs.h.jinja prints them: the steps for folds, or with a table per byte.
+"""CRC functions in C, as templates/c/crcs.h.jinja prints them: in folding steps, or with a table look-up per byte.
 
 Such processors are slow at shifting wider numbers. The step after which the number fits in 32 bits therefore takes the
 bits above and below its place from the halves of the wide number.

@@ -1,4 +1,4 @@
-"""The values that the templates of an interface of a family print, and the CRCs of its frames."""
+"""The values printed by the templates for one interface of a family, and the CRCs of its frames."""
 
 from __future__ import annotations
 

@@ -240,7 +240,7 @@ class ExampleCode:
         )
 
     def _request_over_spi(self) -> str:
-        """Return the request for the position that the frame answers over SPI, or an empty text."""
+        """Return the request for the position that the frame answers over SPI, or an empty string."""
         exchanges = self.interface.exchanges if isinstance(self.interface, Spi) else ()
         for exchange in exchanges:
             if exchange.purpose == "position" and exchange.reply == self.frame.layout.name:
@@ -262,7 +262,7 @@ class ExampleCode:
 
     @property
     def request(self) -> str:
-        """Macro of the control field that asks for the frame, which begins with the same byte, or an empty text."""
+        """Macro of the control field that asks for the frame, which begins with the same byte, or an empty string."""
         data_ids = self.interface.data_ids if isinstance(self.interface, Rs485) else ()
         for data_id in data_ids:
             if self.data.startswith(bytes([data_id.control])):
@@ -328,7 +328,7 @@ class ExampleCode:
         yield from self.headers_of(part_names)
 
     def headers_of(self, names: Collection[str]) -> Iterator[str]:
-        """Yield the further headers with these names."""
+        """Yield the additional headers with these names."""
         yield from (f"{self.view.maker.name}/{part.file}" for part in self.view.parts if part.name in names)
 
     # -- registers and procedures
@@ -434,7 +434,7 @@ def _has_only_answers(frame: FrameSize, answers: Sequence[Answer]) -> bool:
 
 
 def _value_meanings(values: Iterable[Value]) -> str:
-    """Return the meanings of the values, such as ``0 off, 1 on``, or an empty text if they take too long a line."""
+    """Return the meanings of the values, such as ``0 off, 1 on``, or an empty string if they take too long a line."""
     meanings = ", ".join(f"{value.value} {ascii_text(title(value))}" for value in values)
     return meanings if len(meanings) <= _LONGEST_EXPLANATION else ""
 

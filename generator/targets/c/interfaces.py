@@ -119,7 +119,7 @@ class InterfaceCode:
         return [layout for layout in self.interface.layouts if layout.name in names]
 
     def request_of(self, reply: Layout) -> str:
-        """Return the macro of the first data ID over RS-485 that a frame answers, or an empty text."""
+        """Return the macro of the first data ID over RS-485 that a frame answers, or an empty string."""
         interface = self.interface
         if not isinstance(interface, Rs485):
             return ""
@@ -294,7 +294,7 @@ class InterfaceCode:
 
     @property
     def exchanged(self) -> str:
-        """Macro of the first request for the position over SPI, or an empty text."""
+        """Macro of the first request for the position over SPI, or an empty string."""
         spi_exchanges = self.interface.exchanges if isinstance(self.interface, Spi) else ()
         for spi_exchange in spi_exchanges:
             if spi_exchange.purpose == "position":

@@ -119,7 +119,7 @@ def _with_parity(devices: tuple[Device, ...]) -> Iterator[str]:
 
 
 def _of_some_codes(layout: Layout) -> str:
-    """Return the remark that only some order codes lack a CRC, or an empty text if all do."""
+    """Return the remark that only some order codes lack a CRC, or an empty string if all do."""
     return " (some order codes)" if layout.crc_fields else ""
 
 

@@ -148,7 +148,7 @@ class ProcedureCode:
 
     @property
     def read_type(self) -> str:
-        """Struct for the bytes read, or an empty text if there are none."""
+        """Struct for the bytes read, or an empty string if there are none."""
         return f"{self.function}_read" if self.reads else ""
 
     @property
@@ -168,7 +168,7 @@ class ProcedureCode:
         return self.context.passing.argument("written") if self._teaching else "variant"
 
     def taker(self, written: FilledRegister | Whole) -> str:
-        """Return the function that updates the copy from written bytes, or an empty text if no limit needs it."""
+        """Return the function that updates the copy from written bytes, or an empty string if no limit needs it."""
         name = written.code.register.name
         return f"{self.context.prefix}_take_{name}" if name in self._teaching else ""
 

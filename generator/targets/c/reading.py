@@ -59,7 +59,7 @@ class ReadCode:
         return "_".join((f"{self._context.PREFIX}_##code##", *layout_names, *answers, "RX_BYTES"))
 
     def buffer_of(self, code: str) -> str:
-        """Return the size of the buffer for an order code and the first answers, as C, or an empty text.
+        """Return the size of the buffer for an order code and the first answers, as C, or an empty string.
 
         A word over SPI has no macro for its size.
         """

@@ -175,7 +175,7 @@ class Bounds:
 
 @dataclass(frozen=True, slots=True)
 class ExplainingBits:
-    """The bits of a register that give the reason why a field of another one is set."""
+    """The bits of a register that say why a field in another register is set."""
 
     name: str
     bits: int

@@ -388,7 +388,7 @@ def own_test(
 def selftest_files(
     views: Sequence[DeviceView], tests: Sequence[SelfTest], render: Callable[[str, Mapping[str, object]], str]
 ) -> dict[str, str]:
-    """Return the files of the self-test other than those of the families, by their path in the C folder."""
+    """Return the self-test files that do not belong to a family, by their path in the C folder."""
     files = {}
     makers = manufacturers(view.device for view in views)
     maker_names = [maker.name for maker in makers]

@@ -439,7 +439,7 @@ def _paragraphs(lines: Iterable[str]) -> Iterator[list[str]]:
 
 
 def _as_comment(lines: list[str]) -> str:
-    """Return lines as a comment with the marks of Doxygen, or an empty text without lines."""
+    """Return lines as a comment with the marks of Doxygen, or an empty string without lines."""
     text = "\n".join(lines).strip("\n")
     if not text:
         return ""

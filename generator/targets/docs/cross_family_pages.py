@@ -121,7 +121,7 @@ def _identity_rows(device: Device) -> Iterator[Row]:
 
 
 def _documented_content(field: Field) -> str:
-    """Return the content of an identifying field, such as ```1Bh```, or an empty text if the manual gives none."""
+    """Return the content of an identifying field, such as ```1Bh```, or an empty string if the manual gives none."""
     match field.equals:
         case int():
             # One hexadecimal digit holds four bits.

@@ -377,7 +377,7 @@ class Coder:
 
     @property
     def limited(self) -> str:
-        """Attribute to which the limits of the register apply. Empty for a number of several attributes."""
+        """Attribute to which the limits of the register apply. Empty for a number made up of several attributes."""
         member = self.limits.member if self.limits is not None else ""
         return self.names.attribute(member) if member else ""
 

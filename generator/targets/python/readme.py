@@ -302,7 +302,7 @@ class Readme:
         )
 
     def _best_reset(self, variant: Variant) -> str:
-        """Return the function without arguments that clears most alarms of an encoder, or an empty text."""
+        """Return the function without arguments that clears most alarms of an encoder, or an empty string."""
         alarms_by_procedure: Counter[str] = Counter()
         for alarm in facts_for_code(self.device.alarms, variant.code):
             alarms_by_procedure.update(alarm.cleared_by)
