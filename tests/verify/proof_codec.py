@@ -58,7 +58,7 @@ def _harness(codec: Codec) -> str:
     calls = ["decode_members", "encode_members", *(["length"] if _length(codec) else []), *_set_names(codec)]
     calls += ["expected"] if _has_expected(codec) else []
     calls += ["tells"] if any(report_functions(codec)) else []
-    if codec.only_crc is None:
+    if codec.crc is None:
         calls += [name for name in _WITH_CRC if name != "encode_crc"]
     return text + "void everything(void)\n{\n" + "".join(f"    {name}();\n" for name in calls) + "}\n"
 
@@ -129,7 +129,7 @@ def _codec(codec: Codec) -> str:
     text += _encode_of_decode(
         codec, wire, (*decoded, "if (found != 0) return;", wire.declare_again, f"found = {encode_again}")
     )
-    if codec.only_crc is not None:
+    if codec.crc is not None:
         crc_holds = f"found != 0 || crc_of({wire.number}) == {layout_crc(codec, wire.number)}"
         text += _function("encode_crc", *encoded, _claim(crc_holds, "the CRC of the definition"))
     return text
@@ -348,7 +348,7 @@ def proofs(codec: Codec) -> Iterable[Proof]:
     without_checks = ("--no-standard-checks",)
     yield new_proof(f"{codec.name} everything{state}", function="everything", options=tuple(UNDEFINED))
     yield new_proof(f"{codec.name} reached{state}", function="reached", options=without_checks, reached=True)
-    if codec.only_crc is not None:
+    if codec.crc is not None:
         for function in _WITH_CRC:
             yield new_proof(f"{codec.name} {function}{state}", function=function, options=without_checks)
         for option in codec.header.options:

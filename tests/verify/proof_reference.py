@@ -33,7 +33,7 @@ def shifted_out(crc: Crc) -> tuple[str, ...]:
 
 
 def reference(codec: Codec) -> str:
-    layout, crc, check = codec.layout, codec.only_crc, layout_crc(codec)
+    layout, crc, check = codec.layout, codec.crc, layout_crc(codec)
     names = [*(field.name for field in layout.fields), *(join.name for join in layout.joins)]
     lines = [f"static number r_{name};" for name in names]
     lines += ["static number r_unused;"] if layout.unused else []
