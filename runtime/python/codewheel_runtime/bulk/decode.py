@@ -75,10 +75,14 @@ def _is_arrow(frames: object) -> bool:
 
 
 def _allocate_columns(count: int, wanted: Mapping[str, str]) -> dict[str, Any]:
-    """Return columns in one block of memory. The system uses larger pages for it than for many small blocks."""
+    """Return columns of ``count`` rows in one block of memory, in the order of ``wanted``: NumPy types by name.
+
+    The system uses larger pages for one block than for many small ones.
+    """
     size = {name: np.dtype(kind).itemsize for name, kind in wanted.items()}
     space = np.empty(count * sum(size.values()), np.uint8)
     columns, start = {}, 0
+    # The largest types come first, to align the columns of numbers.
     for name in sorted(wanted, key=lambda name: -size[name]):
         end = start + count * size[name]
         columns[name], start = space[start:end].view(wanted[name]), end
@@ -86,7 +90,10 @@ def _allocate_columns(count: int, wanted: Mapping[str, str]) -> dict[str, Any]:
 
 
 def read_rows(frames: Any, length: int) -> tuple[Any, Any]:
-    """Return frames as rows of bytes, and the indices of those with the wrong length."""
+    """Return frames as rows of bytes, and the indices of those with the wrong length.
+
+    A missing frame counts as one of 0 bytes. Zeros replace these frames. Arrays have frames of one length only.
+    """
     if isinstance(frames, (list, tuple)):
         rows = [b"" if _is_missing(frame) else as_bytes(frame) for frame in cast(Iterable[Any], frames)]
         wrong_rows = [index for index, row in enumerate(rows) if len(row) != length]
@@ -106,7 +113,7 @@ def read_rows(frames: Any, length: int) -> tuple[Any, Any]:
 
 
 def _read_words(frames: Any, bits: int) -> tuple[Any, Any]:
-    """Return frames as 64-bit numbers, and the indices of those that are longer or missing."""
+    """Return frames as 64-bit numbers, and the indices of those that are longer or missing. Zeros replace these."""
     if isinstance(frames, (bytes, bytearray, memoryview)):
         data = cast(Any, frames)
         if len(data) % 8:
@@ -142,7 +149,11 @@ def _is_missing(frame: object) -> bool:
 
 
 def _decode(source: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> None:
-    """Decode some frames into columns. Frames that fail the quick checks are examined for their errors."""
+    """Decode some frames into the columns ``out``, and their errors into ``fault``.
+
+    Frames that fail a quick check are examined for their errors. All frames are written, also those with an error.
+    """
+    # Arrays that are nonzero for frames that fail a check.
     doubts: list[Any] = []
     if shape.length:
         limbs = limbs_of(source, shape)
@@ -168,9 +179,13 @@ def _decode(source: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> No
 
 
 def _write_faults(source: Any, limbs: list[Any], where: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> None:
-    """Write the errors of the frames with the indexes ``where``. A frame with an error has no usable position."""
+    """Write the errors of the frames with the indexes ``where``.
+
+    ``source`` and ``limbs`` hold only these frames. One with an error gets verdict 0, so its position is not usable.
+    """
     fault[where] = _find_faults(source, limbs, shape)
     if shape.default_verdict is not None:
+        # In place: True and False multiply by 1 and 0.
         verdicts: Any = out["verdict"]
         verdicts *= fault == 0
 
@@ -189,7 +204,10 @@ def _find_doubts(chunk: Chunk, shape: Shape) -> list[Any]:
 
 
 def _find_faults(source: Any, limbs: list[Any], shape: Shape) -> Any:
-    """Return the error of each frame. If there are several, it is the one that ``decode`` checks first."""
+    """Return the error of each frame, or 0. If there are several, it is the one that ``decode`` checks first.
+
+    This is the one with the lowest ``ErrorKind``, because ``decode`` checks in the order of these numbers.
+    """
     chunk = Chunk(limbs, shape.bits)
     errors = [(ErrorKind.CRC, compare_crc(chunk, shape.crc) != 0)] if shape.crc is not None else []
     if shape.gray is not None:
@@ -198,6 +216,7 @@ def _find_faults(source: Any, limbs: list[Any], shape: Shape) -> Any:
     if not shape.length and shape.bits < 64:
         errors.append((ErrorKind.LENGTH, source >> np.uint64(shape.bits) != 0))
     fault = np.zeros(len(source), np.uint8)
+    # The highest kind comes first, so that lower ones replace it.
     for kind, where in sorted(errors, key=lambda error: -error[0]):
         fault *= np.logical_not(where)
         fault += where * np.uint8(kind)
@@ -212,6 +231,7 @@ def _is_met(chunk: Chunk, check: Check) -> Any:
     if check.limit is not None:
         return are_within(bits, check, check.limit)
     values = [value for value in check.values if not value >> check.width]
+    # For many values, a search takes less time than one comparison for each.
     if len(values) > 16:
         return np.isin(bits, np.array(values, bits.dtype))
     is_allowed = np.zeros(len(bits), bool)
@@ -223,6 +243,8 @@ def _is_met(chunk: Chunk, check: Check) -> Any:
 def _write(chunk: Chunk, shape: Shape, out: Mapping[str, Any]) -> None:
     """Write the columns of the fields, of the joined numbers and of unused bits."""
     columns_by_name = {column.name: column for column in shape.columns}
+    # Fields that are extracted from a joined number on access are not in ``out``. The columns of digits have names of
+    # their own.
     for column in shape.columns:
         if column.name in out or column.runs:
             _write_column(chunk, column, out)
@@ -233,11 +255,15 @@ def _write(chunk: Chunk, shape: Shape, out: Mapping[str, Any]) -> None:
 
 
 def _write_join(chunk: Chunk, shape: Shape, join: Join, columns: Mapping[str, Column], number: Any) -> None:
-    """Write a number that consists of several fields, the first of which has the lowest bits."""
+    """Write a number that consists of several fields into the array ``number``. The first has its lowest bits.
+
+    ``low`` is a place in the frame, and ``place`` one in the joined number.
+    """
     first_name, _ = join.fields[0]
     first = columns[first_name]
     are_adjacent = all(columns[name].low == first.low + place for name, place in join.fields)
     if are_adjacent:
+        # The fields have the same order in the frame, so they are one number there.
         chunk.take(first.low, find_width(shape, join), number)
         return
     chunk.take(first.low, first.width, number)
@@ -248,11 +274,15 @@ def _write_join(chunk: Chunk, shape: Shape, join: Join, columns: Mapping[str, Co
 
 
 def _write_unused(chunk: Chunk, shape: Shape, out: Any) -> None:
-    """Write the unused bits that differ from the manual, in as few bytes as possible."""
+    """Write the unused bits into ``out``: 1 where they differ from the manual.
+
+    Groups of bits are moved from ``low`` in the frame to ``place`` in ``out``, in as few bytes as possible.
+    """
     kind = np.dtype(choose_smallest_type(unused_bits(shape))).type
     number = kind(0)
     for low, mask, value, place in group_unused_bits(shape):
         width = mask.bit_length()
+        # Within a byte of the frame, the bits are taken from the byte.
         small = low % 8 + width <= 8
         turned = chunk.small(low, mask) if small else chunk.take(low, width) & np.uint64(mask)
         if value:
@@ -284,6 +314,7 @@ def _write_column(chunk: Chunk, column: Column, out: Mapping[str, Any]) -> None:
             number = out[column.name].view(np.uint64)
             chunk.take(column.low, column.width, number)
             if column.width:
+                # In two's complement, this extends the sign to 64 bits: n ^ top - top.
                 top = np.uint64(1 << column.width - 1)
                 number ^= top
                 number -= top
@@ -292,7 +323,7 @@ def _write_column(chunk: Chunk, column: Column, out: Mapping[str, Any]) -> None:
 
 
 def _read_text(chunk: Chunk, column: Column) -> Any:
-    """Return the strings of a field, whose first character is the most significant."""
+    """Return the strings of a field as bytes. The first character is the most significant."""
     length = column.width // 8
     rows = np.empty((len(chunk.limbs[0]), length), np.uint8)
     for place in range(length):
@@ -301,13 +332,16 @@ def _read_text(chunk: Chunk, column: Column) -> Any:
 
 
 def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
-    """Write the verdict on the position of each valid frame.
+    """Write the verdict on the position of each frame, as the index in ``VERDICTS``, as if it had no error.
 
-    The computation has no branches, so the time does not depend on the frames.
+    It is NOT_USABLE if any of the conditions for this is met. Otherwise it is USABLE_WITH_WARNING if any of those is
+    met, unless the default is UNKNOWN. Otherwise it is the default. The computation has no branches, so the time does
+    not depend on the frames.
     """
     default, verdicts = VERDICTS.index(shape.default_verdict), out["verdict"]
     unused: Any = out.get("unused")
     any_unused_differs = bool(shape.unused) and unused.any()
+    # For each verdict, an array for each condition that can apply: True for the frames to which it does.
     speaking: dict[Verdict, list[Any]] = {}
     for condition in shape.verdict_causes:
         if condition.when:
@@ -315,6 +349,7 @@ def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
         elif condition.flag:
             where = out[condition.flag]
             for name in condition.unless:
+                # For bools, this is "where and not out[name]".
                 where = np.greater(where, out[name])
         elif any_unused_differs:
             where = unused & unused.dtype.type(condition.mask & (1 << 8 * unused.itemsize) - 1) != 0
@@ -324,8 +359,10 @@ def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
     verdicts[:] = default
     # A warning does not improve on an unknown position.
     if Verdict.USABLE_WITH_WARNING in speaking and shape.default_verdict is not Verdict.UNKNOWN:
+        # Subtracting this from the default gives the verdict of a warning.
         less = np.uint8((default - VERDICTS.index(Verdict.USABLE_WITH_WARNING)) % 256)
         verdicts -= reduce(np.logical_or, speaking[Verdict.USABLE_WITH_WARNING]).view(np.uint8) * less
+    # NOT_USABLE has the index 0.
     if Verdict.NOT_USABLE in speaking:
         verdicts *= np.logical_not(reduce(np.logical_or, speaking[Verdict.NOT_USABLE])).view(np.uint8)
 

@@ -98,6 +98,7 @@ def find_clocked_frames(
         unit=unit,
     )
     for part in signals.edges:
+        # None: no cycle is complete yet.
         stretch = finder.feed(part, name)
         if stretch is not None:
             yield stretch
@@ -132,10 +133,10 @@ class _Bits(NamedTuple):
     """Bits of each cycle: arrays with an element for each cycle.
 
     Attributes:
-        reasons: Reason why the cycle has no frame, or 0.
+        reasons: Reason why the cycle has no frame, such as ``_SHORT``, or 0.
         skipped: Number of rising edges before the first bit.
-        delay: Delay of the data line.
-        sent: Number of bits that were sent.
+        delay: Delay of the data line after the rising edge that shifts out a bit.
+        sent: Number of bits that were sent, for the message about a cycle that is too short.
     """
 
     reasons: Any
@@ -165,7 +166,7 @@ class _CycleFinder:
         self.is_clocked, self._is_new = False, True
 
     def feed(self, part: Edges, name: str) -> CapturedFrames | None:
-        """Return the frames that the next stretch of the capture completes."""
+        """Return the frames that the next stretch of the capture completes, or None if it completes no cycle."""
         self._append(part)
         count = len(self._clock)
         if not self._rest:
@@ -194,7 +195,7 @@ class _CycleFinder:
         self.is_clocked = self.is_clocked or len(self._clock) > 0
 
     def finish(self) -> CapturedFrames:
-        """Return the frames at the end of the capture."""
+        """Return the frames at the end of the capture. All cycles end here, even if the clock has not rested."""
         if not self._rest and len(self._clock) > 2:
             self._set_rest()
         if not self._rest:
@@ -205,15 +206,15 @@ class _CycleFinder:
         return self._take_cycles(ends, is_last=True)
 
     def _set_rest(self) -> None:
-        # Within a cycle, two edges are one period, regardless of the duty cycle.
         """Set the time without an edge after which a cycle has ended, from the usual period of the clock."""
+        # Within a cycle, two edges are one period, regardless of the duty cycle. Longer spans contain a pause.
         spans = self._clock[2:] - self._clock[:-2]
         usual = spans[spans <= 2 * np.median(spans)]
         # Damaged files can have edges at the same time.
         self._rest = max(self._chosen_pause or _REST * float(usual.mean()), _LEAST)
 
     def _find_ends(self) -> Any:
-        """Return the index after the last edge of each cycle."""
+        """Return the index after the last edge of each cycle, also of the last one, which may not be complete."""
         gaps = np.flatnonzero(np.diff(self._clock) > self._rest) + 1
         return np.append(gaps, len(self._clock)) if len(self._clock) else gaps
 
@@ -230,17 +231,22 @@ class _CycleFinder:
         if cycle_end < len(clock):
             until = clock[cycle_end]
         gone = int(np.searchsorted(self._data, until, "left"))
+        # An odd number of forgotten edges inverts the level before the remaining ones.
         self._levels = (levels[0] ^ (cycle_end & 1), levels[1] ^ (gone & 1))
         self._clock, self._data = clock[cycle_end:], self._data[gone:]
         self._begin = -np.inf
         return frames
 
     def _find_frames(self, starts: Any, ends: Any, is_last: bool) -> CapturedFrames:
-        """Return the frames in cycles with edges from ``starts`` to ``ends``."""
+        """Return the frames in cycles with edges from ``starts`` to ``ends``, and the lost cycles with their reasons.
+
+        ``is_last`` is True at the end of the capture, which may cut off the last cycle.
+        """
         cycles = self._find_cycles(starts, ends)
         if not len(cycles.falls):
             return CapturedFrames(np.zeros(0, np.uint64), np.zeros(0), [], self._done)
         bits = self._find_biss_bits(cycles) if self._is_biss else self._find_ssi_bits(cycles)
+        # A glitch on the clock takes precedence over other reasons.
         bits.reasons[self._find_shortest_gaps(cycles) < _SPIKE * cycles.period] = _SPIKED
         good = np.flatnonzero(bits.reasons == 0)
         # Over BiSS, CDS is in front of the frame.
@@ -270,7 +276,7 @@ class _CycleFinder:
         return cycles.begin * self._unit, cds, timeout_level ^ 1
 
     def _find_cycles(self, starts: Any, ends: Any) -> _Cycles:
-        """Return the cycles with edges from ``starts`` to ``ends``."""
+        """Return the cycles with edges from ``starts`` to ``ends``. Those without a falling edge are left out."""
         clock = self._clock
         # The first falling edge of each cycle. An edge with an even index starts from the first level.
         falls = starts + ((starts & 1) == self._levels[0])
@@ -282,23 +288,30 @@ class _CycleFinder:
         ends, falls, after = ends[real], falls[real], after[real]
         begin, last = clock[falls], clock[ends - 1]
         rises = (ends - falls) // 2
+        # The edges of a cycle are half a period apart on average. With one rising edge, it follows from the rest.
         period = np.where(rises > 1, 2 * (last - begin) / np.maximum(ends - 1 - falls, 1), self._rest / _REST)
         period = np.maximum(period, 1e-6 * self._rest)
         return _Cycles(falls=falls, ends=ends, rises=rises, begin=begin, last=last, after=after, period=period)
 
     def _find_biss_bits(self, cycles: _Cycles) -> _Bits:
-        """Return the bits after the start bit, which is the first rise of the data line after its first fall."""
+        """Return the bits after the start bit, which is the first rise of the data line after its first fall.
+
+        If several reasons apply to a cycle, the last one that is set below counts.
+        """
         clock, falls, ends, last, period = self._clock, cycles.falls, cycles.ends, cycles.last, cycles.period
         # The data line goes low as an acknowledgement (down), and rises with the start bit (up).
         index = np.searchsorted(self._data, cycles.begin, "left")
         level = self._levels[1] ^ (index & 1)
         padded = np.append(self._data, [np.inf, np.inf])
         down, up = padded[index], padded[index + 1]
+        # Number of the rising edge of the clock that shifts out the start bit, from 0. -1 if it comes before the first.
         first = (np.searchsorted(clock, up, "right") - falls) // 2 - 1
         # A delayed data line shifts the start bit by whole periods.
         start_bit = falls + 1 + 2 * np.maximum(first, 0)
         second = clock[np.minimum(falls + 3, ends - 1)]
+        # Whole periods by which the acknowledgement, and so the data line, is late.
         late = np.maximum(np.floor((np.where(np.isfinite(down), down, 0) - second) / period), 0)
+        # CDS and the frame need this many rising edges after the start bit.
         short = cycles.rises - 1 - (first - late) < self._bits + 1
         reasons = np.zeros(len(falls), np.int64)
         reasons[short] = _SHORT
@@ -313,11 +326,13 @@ class _CycleFinder:
         """Return the bits, one for each rising edge. The first change of the data line shows its delay."""
         clock, falls, ends, period = self._clock, cycles.falls, cycles.ends, cycles.period
         # The first change of the data line after the first rising edge of the clock, and the rising edge before it.
+        # The index after the last edge finds infinity: the data line does not change any more.
         padded = np.append(self._data, [np.inf, np.inf])
         first_rise = clock[np.minimum(falls + 1, ends - 1)]
         change = padded[np.searchsorted(self._data, first_rise, "left")]
         rises_before = (np.searchsorted(clock, change, "right") - falls) // 2
         nearest_rise = falls + 1 + 2 * np.maximum(rises_before - 1, 0)
+        # Without a change in the cycle, or with one more than a period after its edge, the delay is not known.
         delay = np.where(change < cycles.last + period, change - clock[np.minimum(nearest_rise, ends - 1)], 0.0)
         delay = np.where(delay < period, delay, 0.0)
         reasons = np.zeros(len(falls), np.int64)
@@ -325,14 +340,14 @@ class _CycleFinder:
         return _Bits(reasons=reasons, skipped=np.zeros(len(falls), np.int64), delay=delay, sent=cycles.rises)
 
     def _find_shortest_gaps(self, cycles: _Cycles) -> Any:
-        """Return the shortest time between two edges of each cycle."""
+        """Return the shortest time between two successive edges of each cycle, from its first falling edge on."""
         gaps = np.append(np.diff(self._clock), np.inf)
         # A gap after the last edge of a cycle is a rest.
         gaps[cycles.ends - 1] = np.inf
         return np.minimum.reduceat(gaps, cycles.falls)
 
     def _list_lost_cycles(self, cycles: _Cycles, bits: _Bits) -> list[Lost]:
-        """Return the cycles without a frame."""
+        """Return the cycles without a frame, with their reasons."""
         lost: list[Lost] = []
         is_first_cut = cycles.begin[0] - self._begin < self._rest
         for index in np.flatnonzero(bits.reasons):
@@ -343,13 +358,17 @@ class _CycleFinder:
         return lost
 
     def _read_levels(self, cycles: _Cycles, bits: _Bits, good: Any, count: int) -> Any:
-        """Return the levels of the data line in the middle of each bit, as an array with a row for each good cycle."""
+        """Return the levels of the data line in the middle of each bit, as an array with a row for each good cycle.
+
+        ``good`` are the indices of these cycles, and ``count`` the number of bits to read, which are the columns.
+        """
         falls, rises, period = cycles.falls[good], cycles.rises[good], cycles.period[good]
         delay = bits.delay[good]
         clock, data = self._clock, self._data
         # The rising edge of each bit. After the last one, the period of the clock continues.
         order = bits.skipped[good][:, None] + np.arange(count)[None, :]
         beyond = np.maximum(order - (rises - 1)[:, None], 0)
+        # The edges after the first falling one are rising and falling in turn.
         places = falls[:, None] + 1 + 2 * (order - beyond)
         times = clock[places]
         if beyond.any():
@@ -367,8 +386,10 @@ class _CycleFinder:
         """Refine the times of the clock's edges, the delay, and half a bit, if there are few samples per period.
 
         A straight line through all edges of a cycle, and the mean of the delays of all bits, are exact to a fraction of
-        a sample.
+        a sample. ``has_edge`` is False for times after the last edge. Where edges are not on a line, because the clock
+        is uneven, all three stay unrefined.
         """
+        # Least squares: the time of an edge (y) over its number (x).
         x, weight = np.arange(times.shape[1], dtype=np.float64)[None, :], has_edge.astype(np.float64)
         count = np.maximum(weight.sum(axis=1), 1)
         mean_x, mean_y = (weight * x).sum(axis=1) / count, (weight * times).sum(axis=1) / count
@@ -390,7 +411,7 @@ class _CycleFinder:
         )
 
     def _explain_loss(self, reason: int, bits_sent: int, is_cut: bool) -> str:
-        """Return the reason why a cycle was lost."""
+        """Return the reason why a cycle was lost. ``is_cut`` is True if the capture may begin within it."""
         if is_cut and reason in (_SHORT, _NO_START, _LOW):
             return "the capture begins within this cycle"
         if reason == _SHORT:

@@ -223,8 +223,8 @@ class CsvSink:
 
     def write(self, table: Table, other_columns: Mapping[str, Any]) -> None:
         """Append the frames of a table, and the other columns of the same rows."""
-        # pyarrow writes no quotes, which an empty cell that is alone in its row needs. For a few rows, it does not pay to
-        # load pyarrow.
+        # The formatter writes no quotes, which an empty cell that is alone in its row needs. For a few rows, it does
+        # not pay to load pyarrow.
         formatter = self._formatter if len(self._plan.names) > 1 and table.count > _FEW_ROWS else None
         # Cells as text take much memory, so only some rows are converted at once.
         for start in range(0, table.count, _ROWS):

@@ -201,7 +201,7 @@ class _FunctionText:
     def _add_result(self, shape: Shape) -> None:
         """Add the CRC and the conversion to bytes as code.
 
-        A CRC of at most 8 bits that are the lowest of the frame is the XOR of one table entry for each 16 bits of the frame.
+        A CRC of at most 8 bits, which are the lowest of the frame, is the XOR of one table entry for each 16 bits.
         """
         crc = shape.crc
         if crc is None:
