@@ -39,7 +39,7 @@ class PartitionDecoder(NamedTuple):
     raw: bool
 
     def decode(self, partition: Any) -> Any:
-        """Return the partition with the fields in place of the column of frames."""
+        """Return the partition with the fields in place of the column of frames. Raises TypeError for other objects."""
         library, kind = type(partition).__module__.partition(".")[0], type(partition).__name__
         if library == "pyarrow" and kind in ("Table", "RecordBatch"):
             return self._decode_arrow(partition)
@@ -80,7 +80,14 @@ class PartitionDecoder(NamedTuple):
 
 
 def _read_series(series: Any, shape: Shape, digits: DigitKind | None) -> Any:
-    """Convert a pandas column to the form that ``decode_many`` expects. Missing items are None or NaN."""
+    """Convert a pandas column to the form that ``decode_many`` expects. Missing items are None or NaN.
+
+    Numbers stay an array. Other columns become a list of cells.
+
+    Raises:
+        ValueError: Most cells of text contain no frame.
+        TypeError: A cell is not a frame.
+    """
     frames: Any = series.to_numpy()
     if frames.dtype.kind in "ui" or (frames.dtype.kind == "f" and not shape.length):
         return frames
@@ -95,7 +102,11 @@ def _read_series(series: Any, shape: Shape, digits: DigitKind | None) -> Any:
 
 
 def _read_cell(cell: object, shape: Shape, cells: Cells, row: int) -> Any:
-    """Return a frame from a column of objects."""
+    """Return the frame in a cell of text, bytes or an integer. ``cells`` reads text, and returns None if there is none.
+
+    Raises:
+        TypeError: The cell is something else, or a number for a frame of bytes.
+    """
     if isinstance(cell, str):
         return cells.read(cell, row)
     if isinstance(cell, (bytes, bytearray, memoryview)):
