@@ -118,8 +118,8 @@ def crc(value: int, bits: int) -> int:
     """
     value, register = index(value), 0
     # The bits pass through a shift register of 4 bits, the highest bit first.
-    for place in range(bits - 1, -1, -1):
-        feedback = (register >> 3 ^ value >> place) & 1
+    for bit in range(bits - 1, -1, -1):
+        feedback = (register >> 3 ^ value >> bit) & 1
         # The polynomial x^4 + x + 1 without its highest term is 0b0011.
         register = register << 1 & 0xF ^ feedback * 0x3
     # The CRC is sent inverted.
@@ -231,7 +231,7 @@ class Request:
     def bits(self) -> tuple[int, ...]:
         """Return the CDM bits of the whole access, one for each BiSS frame, for a slave that is never busy."""
         word = self.encode()
-        return (0,) * ZEROS + (1,) + tuple(word >> place & 1 for place in range(31, -1, -1))
+        return (0,) * ZEROS + (1,) + tuple(word >> bit & 1 for bit in range(31, -1, -1))
 
     def _judge_echo(self, answers: int) -> Outcome:
         """Return the outcome of 18 answers, from IDL0 in bit 17 to W in bit 0. RUNNING if the slave participates."""

@@ -130,6 +130,7 @@ class AsyncLink:
 
     async def close(self) -> None:
         """Close the transport, if it can be closed."""
+        # A transport can have a function or a coroutine ``close``, or none.
         done = getattr(self.transport, "close", lambda: None)()
         if isawaitable(done):
             await done
@@ -150,6 +151,7 @@ class AsyncLink:
                         await self.transport.write(ask.send)
                     ask = work.send(await self.transport.read(ask.wait_s))
             except StopIteration as done:
+                # A generator returns its result in this exception.
                 result: _Result = done.value
                 return result
             except OSError as error:
@@ -177,6 +179,7 @@ def open_async(
         InterfaceError: The encoder has a different interface.
         PortError: The port cannot be opened, or pyserial is not installed.
     """
+    # The result is not used. It raises InterfaceError before a port is opened.
     Session(encoder)
     line = ThreadTransport(serial_transport(port, encoder))
     return AsyncLink(encoder, line, timeout_s=timeout_s, retries=retries, settle_s=settle_s)

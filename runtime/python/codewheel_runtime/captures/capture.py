@@ -141,7 +141,7 @@ class CaptureSummary(NamedTuple):
 class _Log:
     """Lost cycles, accesses and other frames found during decoding.
 
-    With a ``limit``, only so many lost cycles and accesses are kept. ``reasons`` and ``access_count`` count all.
+    With a ``limit``, at most that many lost cycles and accesses are kept. ``reasons`` and ``access_count`` count all.
     ``others`` is the number of frames of other kinds by name.
     """
 

@@ -138,7 +138,7 @@ def read_exported_bytes(file: BinaryIO, path: str, columns: tuple[int, int]) -> 
 def _read_byte(cell: str, path: str, line: int) -> int:
     """Return the byte in a cell: hexadecimal such as ``0x1A``, or decimal. Raises InputError for other cells."""
     match = _BYTE.fullmatch(cell.strip())
-    # This is no byte, unless the cell replaces it.
+    # 256 is not a byte. A valid cell replaces it.
     number = 256
     if match is not None:
         number = int(match[1], 16) if match[1] else int(match[2])

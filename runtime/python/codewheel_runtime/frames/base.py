@@ -72,7 +72,7 @@ class Coded:
 
     @classmethod
     def _frame_name(cls, encoder: Encoder) -> str:
-        """Return the name of the frame, if its range of positions differs from that of other frames."""
+        """Return the name of the frame if its range of positions differs from that of other frames, otherwise empty."""
         return find_any_shape(cls, encoder).frame
 
     def _arguments(self) -> tuple[Any, ...]:
@@ -81,7 +81,7 @@ class Coded:
         return values[: len(find_description(kind)[1])]
 
     def _encoder(self) -> Encode:
-        """Return the function that encodes such frames."""
+        """Return the function that encodes such frames. It is made once for each class."""
         try:
             return _ENCODERS[self.__class__]
         except KeyError:
@@ -95,7 +95,7 @@ class ForEncoder(Coded):
     __slots__ = ()
 
     def _encoder(self) -> Encode:
-        """Return the function that encodes such frames of the same encoder."""
+        """Return the function that encodes such frames of the same encoder, which stores it by class."""
         fields: Any = self
         try:
             encode: Encode = fields[0].__dict__["_encoders"][self.__class__]
@@ -323,6 +323,7 @@ class Limited(InBytes):
         Raises:
             RangeError: A value does not fit its field, or may not be written.
         """
+        # Only ``keep_bytes`` sets these, for a decoded register.
         data: bytes | None = self.__dict__.get("_bytes")
         return super().encode() if data is None else data
 
