@@ -339,22 +339,22 @@ class Master:
         data: Bytes that were read.
     """
 
-    # _requests: one request for each register of the access.
-    # _zeros: number of zeros that were sent since the last 1.
-    # _bit_count, _answers: number of CDS bits in this phase, and these bits, the last one in bit 0.
-    # _sending: CDM bits of this phase, CTS to W or a byte and its CRC, the first one highest.
-    # _busy: number of successive frames in which the slave was busy.
     def __init__(self) -> None:
         self.outcome = Outcome.IDLE
         self.slaves = 0
         self.done = 0
         self.data = b""
         self._phase = _Phase.WAIT
+        #: One request for each register of the access.
         self._requests: tuple[Request, ...] = ()
+        #: Number of zeros that were sent since the last 1.
         self._zeros = 0
+        #: Number of CDS bits in ``_answers``, which are those of this phase, the last one in bit 0.
         self._bit_count = 0
+        #: Number of successive frames in which the slave was busy, and the allowed number.
         self._busy = 0
         self._busy_limit = 0
+        #: CDM bits of this phase, the first one highest: CTS to W, or a byte and its CRC.
         self._sending = 0
         self._answers = 0
 
@@ -465,7 +465,10 @@ class Master:
         return 1
 
     def _start(self, cds: int) -> int:
-        """Return the bit of step 4: S until it is answered, and then DATA7."""
+        """Return the CDM bit of step 4: S = 1 until the slave answers 1, and then DATA7.
+
+        An answer of 0 means that the slave is busy. After ``_busy_limit`` of them, the access ends.
+        """
         if not cds:
             if self._busy >= self._busy_limit:
                 return self._end(Outcome.BUSY)
@@ -586,12 +589,6 @@ class Slave:
         slave_id: ID in the last control frame, or None.
     """
 
-    # _locked: True once this slave has taken an IDL bit.
-    # _writes: True if the access is a write.
-    # _current: address of the register that is read or written next.
-    # _byte_to_send: byte to read and its CRC. None for a write, or until give() is called.
-    # _zeros: number of zeros that were received since the last 1.
-    # _bit_count, _received: number of CDM bits in this phase, and these bits, the last one in bit 0.
     def __init__(self, readable: Iterable[int] = range(128), writable: Iterable[int] = range(128)) -> None:
         self.readable = set(readable)
         self.writable = set(writable)
@@ -600,11 +597,17 @@ class Slave:
         self.value = 0
         self.slave_id: int | None = None
         self._phase = _Phase.WAIT
+        #: True once this slave has taken an IDL bit.
         self._locked = False
+        #: True if the access is a write.
         self._writes = False
+        #: Byte to read and its CRC. None for a write, or until ``give`` is called.
         self._byte_to_send: int | None = None
+        #: Address of the register that is read or written next.
         self._current = 0
+        #: Number of zeros that were received since the last 1.
         self._zeros = 0
+        #: Number of CDM bits in ``_received``, which are those of this phase, the last one in bit 0.
         self._bit_count = 0
         self._received = 0
 
@@ -742,9 +745,9 @@ class Slave:
         self._bit_count += 1
         if self._bit_count > BYTE_BITS:
             # This bit is P. A control frame cannot go beyond 3Fh or 7Fh.
-            last = self._current & 0x3F == 0x3F
-            self._current += not last
-            if cdm or last or not self._is_allowed():
+            is_last = self._current & 0x3F == 0x3F
+            self._current += not is_last
+            if cdm or is_last or not self._is_allowed():
                 return self._leave(1)
             self._await_start()
             return 0

@@ -163,7 +163,7 @@ def too_long_error(word: int, length: int) -> FrameError:
 
 
 def as_bytes(data: Data) -> bytes:
-    """Return a frame or register as bytes. Only one-dimensional buffers of single bytes are accepted."""
+    """Return a frame or register as bytes. Raises TypeError unless it is a one-dimensional buffer of single bytes."""
     if isinstance(data, bytes):
         return data
     try:

@@ -98,18 +98,16 @@ class VerifyError(ValueError):
 
 
 class _Procedure:
-    """Procedure that is carried out, with the values to restore if it fails.
-
-    ``_written`` are the addresses that were written, so that only opened registers are closed. ``_before`` has the name
-    and the bytes of each modified register before its first change, by address.
-    """
+    """Procedure that is carried out, with the values to restore if it fails."""
 
     def __init__(self, bus: object, poll_s: float, wait: Callable[[float], object]) -> None:
         self.bus, self.poll_s, self.wait = bus, poll_s, wait
         self.readings: list[Reading] = []
+        #: Addresses to which steps have written.
         self._written: set[int] = set()
         #: Last value of each byte, by its address, or by that of its register and its index there.
         self._stored: dict[tuple[int, int], int] = {}
+        #: Name and bytes of each modified register before its first change, by address.
         self._before: dict[int, tuple[str, bytes]] = {}
 
     def carry_out(self, steps: Sequence[Step], progress: Callable[[int, int, Step], object] | None) -> None:
@@ -214,6 +212,7 @@ class _Procedure:
         """
         failed: list[str] = []
         for step in remaining:
+            # A register that has not been written was not opened.
             if isinstance(step, Write) and step.closes and step.address in self._written:
                 failed += self._try_to_write(step.register, step.address, step.data)
         for address, (register, data) in reversed(self._before.items()):

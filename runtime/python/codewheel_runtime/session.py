@@ -472,7 +472,10 @@ class Session:
         self._discard(waiting)
 
     def _discard(self, data: bytes) -> None:
-        """Count the replies in bytes that arrived without a request. Raises an error if a second device answers."""
+        """Count the replies in bytes that arrived without a request. Raises an error if a second device answers.
+
+        Two requests in a row that got exactly one reply show that there is none, so its count starts again.
+        """
         last = self._last_request
         replies = split_replies(data, last, self.kinds) if last is not None else []
         if replies:
@@ -535,7 +538,10 @@ class Session:
     def _exchange_error(
         self, received: bytes, pending: PendingRequest, request_text: str, bytes_text: str
     ) -> LinkError:
-        """Return the error for bytes without a valid reply of an exchange."""
+        """Return the error for bytes without a valid reply of an encoder without data IDs.
+
+        It is that the reply is incomplete, or has another value than the request, or is invalid.
+        """
         if len(received) < pending.kind.length:
             text = f"incomplete reply to {request_text}: {len(received)} of {pending.kind.length} bytes, {bytes_text}"
             return DisturbedError(text, received)

@@ -148,7 +148,10 @@ def are_within(bits: Any, check: Check, limit: int) -> Any:
 
 
 def compute_parity(chunk: Chunk, check: Check) -> Any:
-    """Return the parity bit of each frame, of the bits as they were sent, or 0 if the encoder does not send it."""
+    """Return the parity bit of each frame, of the bits as they were sent, or 0 if the encoder does not send it.
+
+    It is the XOR of the bits in ``parity_of``, inverted if ``odd`` is True.
+    """
     if not check.width:
         return np.zeros(len(chunk.limbs[0]), np.uint8)
     # The parity of several fields is the parity of their XOR.
@@ -196,6 +199,7 @@ def _fold(number: Any, crc: CrcOf, bits: int) -> Any:
     remainder = number ^ np.uint64(crc.xorout) if crc.xorout else number
     word_type = np.uint64
     for step in crc.steps:
+        # The number has no bits that this step would fold.
         if bits <= step.shift:
             continue
         high = remainder >> word_type(step.shift)

@@ -34,7 +34,11 @@ CHUNK: Final = 32_768
 
 
 def decode_many(frames: object, shape: Shape, encoder: FrameSource | None) -> Table:
-    """Decode ``frames`` into columns. For the arguments, see ``decode_many`` of the frame's class."""
+    """Decode ``frames`` into columns, ``CHUNK`` frames at a time.
+
+    A frame with a wrong length gets the error LENGTH, and values that mean nothing. For the arguments, see
+    ``decode_many`` of the frame's class.
+    """
     if _is_arrow(frames):
         from .arrow import read_column
 
@@ -51,6 +55,7 @@ def decode_many(frames: object, shape: Shape, encoder: FrameSource | None) -> Ta
         fault[wrong_rows] = ErrorKind.LENGTH
     verdicts = out.pop("verdict", None)
     if verdicts is not None and len(wrong_rows):
+        # The verdict "not usable".
         verdicts[wrong_rows] = 0
     parts: dict[str, tuple[str, int, int]] = {}
     for join in shape.joins:
@@ -144,6 +149,7 @@ def _is_missing(frame: object) -> bool:
     # This is a fast path for the usual types.
     if type(frame) is int or type(frame) is bytes:
         return False
+    # Only NaN differs from itself.
     is_nan = isinstance(frame, float) and frame != frame
     return frame is None or is_nan or type(frame).__name__ == "NAType"
 
@@ -197,6 +203,7 @@ def _find_doubts(chunk: Chunk, shape: Shape) -> list[Any]:
     for limb, (mask, value) in zip(chunk.limbs, checks.fixed, strict=False):
         if mask:
             doubts.append(limb & np.uint64(mask) ^ np.uint64(value))
+    # Here True is a frame whose byte has none of the allowed values.
     for place, values in checks.bytes:
         byte = chunk.byte(place)
         doubts.append(~reduce(np.logical_or, (byte == np.uint8(value) for value in values)))
@@ -283,12 +290,12 @@ def _write_unused(chunk: Chunk, shape: Shape, out: Any) -> None:
     for low, mask, value, place in group_unused_bits(shape):
         width = mask.bit_length()
         # Within a byte of the frame, the bits are taken from the byte.
-        small = low % 8 + width <= 8
-        turned = chunk.small(low, mask) if small else chunk.take(low, width) & np.uint64(mask)
+        is_in_one_byte = low % 8 + width <= 8
+        differing = chunk.small(low, mask) if is_in_one_byte else chunk.take(low, width) & np.uint64(mask)
         if value:
-            turned = turned ^ turned.dtype.type(value)
-        turned = turned.astype(kind, copy=False)
-        number = number | (turned << kind(place) if place else turned)
+            differing = differing ^ differing.dtype.type(value)
+        differing = differing.astype(kind, copy=False)
+        number = number | (differing << kind(place) if place else differing)
     out[:] = number
 
 
@@ -326,8 +333,8 @@ def _read_text(chunk: Chunk, column: Column) -> Any:
     """Return the strings of a field as bytes. The first character is the most significant."""
     length = column.width // 8
     rows = np.empty((len(chunk.limbs[0]), length), np.uint8)
-    for place in range(length):
-        rows[:, place] = chunk.take(column.low + 8 * (length - 1 - place), 8)
+    for index in range(length):
+        rows[:, index] = chunk.take(column.low + 8 * (length - 1 - index), 8)
     return rows.view(f"S{length}")[:, 0]
 
 
@@ -342,29 +349,29 @@ def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
     unused: Any = out.get("unused")
     any_unused_differs = bool(shape.unused) and unused.any()
     # For each verdict, an array for each condition that can apply: True for the frames to which it does.
-    speaking: dict[Verdict, list[Any]] = {}
+    active_by_verdict: dict[Verdict, list[Any]] = {}
     for condition in shape.verdict_causes:
         if condition.when:
-            where = all_match(out, condition.when)
+            is_active = all_match(out, condition.when)
         elif condition.flag:
-            where = out[condition.flag]
+            is_active = out[condition.flag]
             for name in condition.unless:
                 # For bools, this is "where and not out[name]".
-                where = np.greater(where, out[name])
+                is_active = np.greater(is_active, out[name])
         elif any_unused_differs:
-            where = unused & unused.dtype.type(condition.mask & (1 << 8 * unused.itemsize) - 1) != 0
+            is_active = unused & unused.dtype.type(condition.mask & (1 << 8 * unused.itemsize) - 1) != 0
         else:
             continue
-        speaking.setdefault(condition.verdict, []).append(where)
+        active_by_verdict.setdefault(condition.verdict, []).append(is_active)
     verdicts[:] = default
     # A warning does not improve on an unknown position.
-    if Verdict.USABLE_WITH_WARNING in speaking and shape.default_verdict is not Verdict.UNKNOWN:
+    if Verdict.USABLE_WITH_WARNING in active_by_verdict and shape.default_verdict is not Verdict.UNKNOWN:
         # Subtracting this from the default gives the verdict of a warning.
-        less = np.uint8((default - VERDICTS.index(Verdict.USABLE_WITH_WARNING)) % 256)
-        verdicts -= reduce(np.logical_or, speaking[Verdict.USABLE_WITH_WARNING]).view(np.uint8) * less
+        decrease = np.uint8((default - VERDICTS.index(Verdict.USABLE_WITH_WARNING)) % 256)
+        verdicts -= reduce(np.logical_or, active_by_verdict[Verdict.USABLE_WITH_WARNING]).view(np.uint8) * decrease
     # NOT_USABLE has the index 0.
-    if Verdict.NOT_USABLE in speaking:
-        verdicts *= np.logical_not(reduce(np.logical_or, speaking[Verdict.NOT_USABLE])).view(np.uint8)
+    if Verdict.NOT_USABLE in active_by_verdict:
+        verdicts *= np.logical_not(reduce(np.logical_or, active_by_verdict[Verdict.NOT_USABLE])).view(np.uint8)
 
 
 #: Verdicts in the order of their numbers in a column. The worst is 0.

@@ -262,17 +262,17 @@ def _encode_text(values: Any, column: Column, first_error: FirstError) -> Iterat
     """
     length = column.width // 8
     # NumPy stores the characters of a bytes array (S) in one byte each, and those of a text array (U) in four.
-    kind = np.dtype(np.uint8 if values.dtype.kind == "S" else np.uint32)
-    count = values.dtype.itemsize // kind.itemsize
+    character_type = np.dtype(np.uint8 if values.dtype.kind == "S" else np.uint32)
+    stored_count = values.dtype.itemsize // character_type.itemsize
     # A row for each string and a column for each character, with NUL where the strings are shorter than the field.
-    letters = np.zeros((len(values), max(length, count)), kind)
+    letters = np.zeros((len(values), max(length, stored_count)), character_type)
     # Without gaps and in the byte order of this machine, the memory of the strings can be viewed as characters.
-    native = np.ascontiguousarray(values, values.dtype.newbyteorder("="))
-    letters[:, :count] = native.view(kind).reshape(len(values), count)
+    contiguous_values = np.ascontiguousarray(values, values.dtype.newbyteorder("="))
+    letters[:, :stored_count] = contiguous_values.view(character_type).reshape(len(values), stored_count)
     is_wrong = (letters > 255).any(1) | letters[:, length:].any(1)
     first_error.add(is_wrong, column.name, values, f"{length} Latin-1 characters")
-    for place in range(length):
-        yield column.low + 8 * (length - 1 - place), 8, letters[:, place].astype(np.uint64)
+    for index in range(length):
+        yield column.low + 8 * (length - 1 - index), 8, letters[:, index].astype(np.uint64)
 
 
 def _insert_join(

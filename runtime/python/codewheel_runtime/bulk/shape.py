@@ -300,7 +300,11 @@ def find_late_fields(shape: Shape, join: Join) -> list[tuple[str, int, int]]:
 
 
 def measured(shape: Shape) -> frozenset[str]:
-    """Return the columns of the position and its parts, or all numbers if the frame has only a part of the position."""
+    """Return the columns whose values have no meaning if the position is not usable.
+
+    These are the position and its parts. A frame without the whole position but with a verdict has only a part of it,
+    so all its numbers count. Other frames have none.
+    """
     if shape.position:
         parts = (name for join in shape.joins if join.name == shape.position for name, _ in join.fields)
         return frozenset((shape.position, *parts))

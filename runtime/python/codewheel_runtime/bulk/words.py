@@ -35,11 +35,11 @@ def numbers(rows: Any, words: WordKind = "packed") -> Any:
     # A length of 0 stands for packed words. Those of eight bytes need no zeros in front.
     length, order = WORDS[words]
     if length or rows.shape[1] == 8:
-        kind = f"{order}u{length or 8}"
-        return np.ascontiguousarray(rows).reshape(-1).view(kind).astype(np.uint64, copy=False)
-    wide = np.zeros((len(rows), 8), np.uint8)
-    wide[:, 8 - rows.shape[1] :] = rows
-    return wide.reshape(-1).view(">u8").astype(np.uint64)
+        word_type = f"{order}u{length or 8}"
+        return np.ascontiguousarray(rows).reshape(-1).view(word_type).astype(np.uint64, copy=False)
+    padded_rows = np.zeros((len(rows), 8), np.uint8)
+    padded_rows[:, 8 - rows.shape[1] :] = rows
+    return padded_rows.reshape(-1).view(">u8").astype(np.uint64)
 
 
 def read_floats(frames: Any, bits: int, done: int = 0) -> Any:

@@ -104,7 +104,10 @@ class Accesses:
         self._is_free, self._state = True, self._follow_idle
 
     def _follow_cycle(self, cds: int, cdm: int) -> Iterator[Access]:
-        """Follow one cycle within a control frame. Yield the access if it ends."""
+        """Follow one cycle within a control frame. Yield the access if it ends.
+
+        A lost cycle (CDS -1) and 14 zeros of CDM also end it. It is yielded if its address is known.
+        """
         self._zeros = 0 if cdm else self._zeros + 1
         if cds < 0:
             if self._is_known():

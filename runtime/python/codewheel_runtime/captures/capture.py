@@ -139,16 +139,14 @@ class CaptureSummary(NamedTuple):
 
 
 class _Log:
-    """Lost cycles, accesses and other frames found during decoding.
-
-    With a ``limit``, at most that many lost cycles and accesses are kept. ``reasons`` and ``access_count`` count all.
-    ``others`` is the number of frames of other kinds by name.
-    """
+    """Lost cycles, accesses and other frames found during decoding."""
 
     def __init__(self, limit: int | None) -> None:
+        # At most this number of lost cycles and of accesses is kept, or all of them if it is None.
         self._limit = limit
         self.lost: list[Lost] = []
         self.accesses: list[Access] = []
+        #: Number of all accesses, of all lost cycles by reason, and of frames of other kinds by name.
         self.access_count = 0
         self.reasons: dict[str, int] = {}
         self.others: dict[str, int] = {}

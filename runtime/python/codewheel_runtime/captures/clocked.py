@@ -152,6 +152,7 @@ class _CycleFinder:
         self._is_biss = kind == "biss"
         self._bits = bits
         self._chosen_pause = pause
+        #: Time by which an edge can be earlier than its time on average, and length of a unit of time in seconds.
         self._early = early
         self._unit = unit
         #: Edges of the cycles that are not complete, and the levels of both lines before these edges.
@@ -230,10 +231,10 @@ class _CycleFinder:
         until = np.inf if is_last else clock[cycle_end - 1] + self._rest
         if cycle_end < len(clock):
             until = clock[cycle_end]
-        gone = int(np.searchsorted(self._data, until, "left"))
+        used_count = int(np.searchsorted(self._data, until, "left"))
         # An odd number of forgotten edges inverts the level before the remaining ones.
-        self._levels = (levels[0] ^ (cycle_end & 1), levels[1] ^ (gone & 1))
-        self._clock, self._data = clock[cycle_end:], self._data[gone:]
+        self._levels = (levels[0] ^ (cycle_end & 1), levels[1] ^ (used_count & 1))
+        self._clock, self._data = clock[cycle_end:], self._data[used_count:]
         self._begin = -np.inf
         return frames
 

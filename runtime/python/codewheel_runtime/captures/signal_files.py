@@ -165,7 +165,7 @@ def _find_numbered_probe(name: Any, probes: dict[int, str], numbers: list[int], 
 
 
 def _list_sample_files(archive: zipfile.ZipFile, stem: str) -> list[zipfile.ZipInfo]:
-    """Return the files of samples in order: ``logic-1`` or ``logic-1-1``, ``logic-1-2`` and so on."""
+    """Return the files of samples in order: ``logic-1`` (the stem), or ``logic-1-1``, ``logic-1-2`` and so on."""
     named = {info.filename: info for info in archive.infolist()}
     if stem in named:
         return [named[stem]]
@@ -335,6 +335,7 @@ class _Saleae:
             raise InputError(path, "", f"Saleae's binary format {version} is not supported: export as CSV")
         self._has_rate = version == 1
         self.chunks = struct.unpack("<Q", self._read_exactly(8))[0] if version == 1 else 1
+        # The latest end of a chunk so far, in seconds. The first level and the number of edges of the first chunk.
         self.end, self._ready = 0.0, (0, 0)
         if self.chunks:
             self._ready = self._read_chunk()

@@ -192,7 +192,11 @@ def _find_comment(comments: list[str], name: str) -> str:
 def _read_table_parts(
     file: BinaryIO, path: str, form: _TableForm, columns: list[int], threshold: float | None
 ) -> Generator[tuple[Any, int, Any], None, None]:
-    """Yield the levels of some rows, the amount read, and their times or None."""
+    """Yield the levels of some rows, the amount read, and their times, or None if the table has no times.
+
+    Raises:
+        InputError: The times are not in ascending order, or a cell is wrong.
+    """
     last_time = -np.inf
     reader = _RowReader(form, columns, path)
     reader.find_voltages(file, threshold)
@@ -291,6 +295,7 @@ class _RowReader:
         line = 1
         for data, done in _read_blocks(file, self._path, "CSV"):
             block, first_line = data, line
+            # The headers are in the first block.
             if line == 1 and self._form.skipped:
                 block = data.split(b"\n", self._form.skipped)[-1]
                 first_line += self._form.skipped

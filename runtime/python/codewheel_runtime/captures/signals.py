@@ -180,11 +180,11 @@ def read_samples(parts: Iterable[tuple[Any, int, Any]], masks: tuple[int, ...]) 
 
 
 def pack_bits(columns: Any) -> Any:
-    """Return rows of levels as one number per sample, the first column in the lowest bit."""
+    """Return rows of levels as one number per sample, the first column in the lowest bit. Any number but 0 is 1."""
     columns = np.asarray(columns)
     levels = np.zeros(len(columns), np.uint8)
-    for place in range(columns.shape[1]):
-        levels |= (columns[:, place] != 0).astype(np.uint8) << np.uint8(place)
+    for column_index in range(columns.shape[1]):
+        levels |= (columns[:, column_index] != 0).astype(np.uint8) << np.uint8(column_index)
     return levels
 
 

@@ -50,7 +50,7 @@ def read_serial_bytes(signals: Signals, baud: float) -> Generator[_Bytes, None, 
     # An edge can be up to one sample earlier than its time.
     early = 0.5 if signals.is_sampled else 0.0
     # Edges that are not used yet, the level before them, and the time from which a byte can begin.
-    edges, level, free, end, done, is_new = np.zeros(0), 1, -np.inf, 0.0, 0, True
+    edges, level, earliest_start, end, done, is_new = np.zeros(0), 1, -np.inf, 0.0, 0, True
     for part in _split_parts(signals):
         if part is not None:
             level, is_new = (part.levels[0], False) if is_new else (level, False)
@@ -58,29 +58,29 @@ def read_serial_bytes(signals: Signals, baud: float) -> Generator[_Bytes, None, 
         # An edge with an even index starts from the first level.
         falls = edges[1 - level :: 2]
         # Falling edges whose byte is complete. At the end of the capture (None), all are used.
-        whole = int(np.searchsorted(falls, end - _BITS * bit, "right")) if part is not None else len(falls)
-        falls = falls[:whole]
+        complete_count = int(np.searchsorted(falls, end - _BITS * bit, "right")) if part is not None else len(falls)
+        falls = falls[:complete_count]
         if not len(falls):
             continue
         # The stop bit lasts at least half a bit, and the next byte may follow at once.
-        following = np.searchsorted(falls, falls + (_BITS - 0.5) * bit, "left").tolist()
-        chosen: list[int] = []
-        place = int(np.searchsorted(falls, free, "left"))
-        while place < whole:
-            chosen.append(place)
-            place = following[place]
-        if not chosen:
+        next_places = np.searchsorted(falls, falls + (_BITS - 0.5) * bit, "left").tolist()
+        start_places: list[int] = []
+        place = int(np.searchsorted(falls, earliest_start, "left"))
+        while place < complete_count:
+            start_places.append(place)
+            place = next_places[place]
+        if not start_places:
             continue
-        starts = falls[chosen]
-        free = float(starts[-1]) + (_BITS - 0.5) * bit
+        starts = falls[start_places]
+        earliest_start = float(starts[-1]) + (_BITS - 0.5) * bit
         # The middle of eight data bits and the stop bit.
         times = starts[:, None] + (bit * (1.5 + np.arange(9)) - early)[None, :]
         # An odd number of edges before a time inverts the first level.
         levels = (np.searchsorted(edges, times.ravel(), "right").reshape(times.shape) & 1) ^ level
         values = (levels[:, :8] << np.arange(8)).sum(axis=1).astype(np.uint8)
         yield _Bytes(values, starts * (signals.seconds or 1.0), levels[:, 8] == 1, done)
-        gone = int(np.searchsorted(edges, free, "left"))
-        edges, level = edges[gone:], level ^ (gone & 1)
+        used_count = int(np.searchsorted(edges, earliest_start, "left"))
+        edges, level = edges[used_count:], level ^ (used_count & 1)
 
 
 #: Headers of the tables that Saleae's serial analyser exports, with the columns of the times and of the bytes.
@@ -119,19 +119,19 @@ def read_exported_bytes(file: BinaryIO, path: str, columns: tuple[int, int]) -> 
     next(rows)
     line = 1
     # Rows with their line numbers, without empty rows.
-    while chunk := [numbered_row for numbered_row in islice(rows, _ROWS) if numbered_row[1]]:
-        values, times = np.zeros(len(chunk), np.uint8), np.zeros(len(chunk))
-        has_stop_bit = np.ones(len(chunk), bool)
-        for place, (line, row) in enumerate(chunk):
+    while numbered_rows := [numbered_row for numbered_row in islice(rows, _ROWS) if numbered_row[1]]:
+        values, times = np.zeros(len(numbered_rows), np.uint8), np.zeros(len(numbered_rows))
+        has_stop_bit = np.ones(len(numbered_rows), bool)
+        for index, (line, row) in enumerate(numbered_rows):
             if len(row) <= max(time, value):
                 raise InputError(path, f"line {line}", "the row ends early")
-            values[place] = _read_byte(row[value], path, line)
+            values[index] = _read_byte(row[value], path, line)
             try:
-                times[place] = float(row[time])
+                times[index] = float(row[time])
             except ValueError:
                 reason = f"{short(row[time])} is not a time in seconds: export without time stamps of ISO 8601"
                 raise InputError(path, f"line {line}", reason) from None
-            has_stop_bit[place] = not any("framing" in cell.lower() for cell in row)
+            has_stop_bit[index] = not any("framing" in cell.lower() for cell in row)
         yield _Bytes(values, times, has_stop_bit, line)
 
 
@@ -297,7 +297,7 @@ class _Replies:
         count = len(self._values)
         starts: dict[str, list[int]] = {name: [] for name in names}
         gaps: list[tuple[int, int]] = []
-        place = first = 0
+        place = gap_start = 0
         while place < until:
             # A reply after a request takes precedence over one that seems to begin at the request, such as its echo.
             reply_start = place + request_lengths[place]
@@ -306,17 +306,17 @@ class _Replies:
             if reply_kinds[reply_start] < 0:
                 place += 1
                 continue
-            if first < place:
-                gaps.append((first, place))
+            if gap_start < place:
+                gaps.append((gap_start, place))
             name = names[reply_kinds[reply_start]]
             starts[name].append(reply_start)
-            first = place = reply_start + self._kinds.replies[name].length
-        end = min(max(place, first), count)
+            gap_start = place = reply_start + self._kinds.replies[name].length
+        end = min(max(place, gap_start), count)
         # The last bytes may begin a reply that is not complete yet, unless the capture ends.
-        if until != count and first < end <= first + 4 * _KEPT:
-            end = first
-        if first < end:
-            gaps.append((first, end))
+        if until != count and gap_start < end <= gap_start + 4 * _KEPT:
+            end = gap_start
+        if gap_start < end:
+            gaps.append((gap_start, end))
         return starts, gaps, end
 
     def _collect_frames(

@@ -42,7 +42,11 @@ def find_encoder(package: str, chosen: argparse.Namespace) -> Encoder:
 
 
 def _select_encoder(package: str, chosen: argparse.Namespace) -> Encoder:
-    """Return the encoder for the arguments: order code, interface and registers."""
+    """Return the encoder for the arguments: order code, interface, registers and answers.
+
+    Raises:
+        ValueError: The encoder has another interface, or no registers that affect its frames.
+    """
     encoder: Encoder = import_module(package).lookup(str(chosen.order_code))
     if chosen.interface is not None and encoder.interface.value != chosen.interface:
         wanted = Interface(chosen.interface).title

@@ -236,7 +236,10 @@ def _run_bench_command(name: str, package: str, chosen: argparse.Namespace) -> i
 
 
 def _decode(package: str, chosen: argparse.Namespace) -> int | None:
-    """Decode the frames in the arguments, or a file."""
+    """Decode the frame in the arguments and print it, or decode a file. Return the exit code.
+
+    Without a file of this name, an argument is a frame, if it can be one.
+    """
     encoder = find_encoder(package, chosen)
     if chosen.file != ["-"] and not os.path.exists(chosen.file[0]):
         frame = _parse_frame(" ".join(chosen.file), encoder)
@@ -282,7 +285,10 @@ def _list_others(encoder: Encoder, frame: int | bytes | str, result: Any) -> str
 
 
 def _can_be(kind: Any, decoded: Sequence[type], encoder: Encoder, frame: int | bytes | str, result: Any) -> bool:
-    """Return whether a frame is a valid one of another class than those in ``decoded``."""
+    """Return whether a frame is also a valid frame of ``kind``, another class than that in ``decoded``.
+
+    ``decoded`` are the classes that the encoder's ``try_decode`` returns, and ``result`` is what it has returned.
+    """
     # An encoder with several classes identifies its frames by a field.
     if len(decoded) != 1 or kind in decoded:
         return False

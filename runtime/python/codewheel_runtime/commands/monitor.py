@@ -84,21 +84,20 @@ def watch(
 
 
 class _Screen:
-    """Last readings, and the lines that show them.
-
-    ``_count`` is the last unwrapped position, and ``_range`` the range with which it was unwrapped. ``_recent`` has the
-    time and the count of each reading of the last half second, None for a position that is not usable. ``_errors``
-    counts failures by kind. ``_height`` is the number of lines on the screen.
-    """
+    """Last readings, and the lines that show them."""
 
     def __init__(self, encoder: Encoder, place: str, out: TextIO, recorder: Recorder | None, is_shown: bool) -> None:
         self._encoder, self._place, self._out, self._recorder = encoder, place, out, recorder
         self._is_live = is_shown and out.isatty()
         self._frame: Any = None
+        #: Last unwrapped position, and the range with which it was unwrapped.
         self._count: int | None = None
         self._range: PositionRange | None = None
+        #: Time and unwrapped position of each reading in the last half second. None: the position is not usable.
         self._recent: deque[tuple[float, int | None]] = deque()
+        #: Number of failures by kind, such as "no reply".
         self._errors: Counter[str] = Counter()
+        #: Time of the last drawing, number of its lines, and text of the last error.
         self._drawn_at, self._height, self._last_error = 0.0, 0, ""
         self._began = monotonic()
         self.frames = self.failures = 0

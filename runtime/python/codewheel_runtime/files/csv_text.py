@@ -75,7 +75,6 @@ class _Table:
     """Rows of a CSV file, read one by one: the delimiter, the column of frames, and the other columns to keep.
 
     ``place`` is the index of the column of frames, and ``count`` the number of rows that ``take`` returns at once.
-    ``_before`` is the frame in the last row that was read, as text.
     """
 
     def __init__(
@@ -85,6 +84,7 @@ class _Table:
         self._skips_header = skips_header
         # Cells take memory, so more columns mean fewer rows at once.
         self.count = max(inputs.ROWS // (1 + len(columns)), 1)
+        #: Frame in the last row that was read, as text.
         self._before = ""
         self._rows: Iterator[list[str]] = iter(())
 
@@ -201,6 +201,7 @@ class _Lines:
         self._file, self.name, self.number, self.read, self.is_cut = file, name, number, read, False
 
     def __iter__(self) -> Iterator[str]:
+        """Yield the lines. Raises InputError if one is too long."""
         while line := self._file.readline(_LONGEST):
             self.number += 1
             self.read += len(line)

@@ -134,6 +134,7 @@ def reader(
             return None
         other_columns = {name: table.column(index).combine_chunks() for index, (_, name) in enumerate(kept_columns, 1)}
         last = cells[-1].as_py() if len(cells) else ""
+        # The first 1000 cells are for the check of the first frames.
         return Block(frames, other_columns, cells.slice(0, 1000).to_pylist(), last, line_count)
 
     return read
@@ -142,7 +143,7 @@ def reader(
 def _read_words(cells: Any, digits: DigitKind | None, pa: Any, pc: Any) -> Any:
     """Return numbers, or None if they need the slower reader. The conversion raises ArrowInvalid for other cells.
 
-    All cells have ``0x`` in front, or none has, and ``digits`` gives their base.
+    Cells without ``0x`` are in the base ``digits``. If this is hexadecimal, all cells or none must have ``0x``.
     """
 
     def begins(text: str) -> Any:

@@ -50,7 +50,7 @@ class PartitionDecoder(NamedTuple):
         raise TypeError(f"expected a table of Arrow, pandas, polars or DuckDB, got {kind}")
 
     def _decode_arrow(self, partition: Any) -> Any:
-        """Return a table of Arrow with the decoded columns in place of the frames."""
+        """Return a table of Arrow: the columns other than that of the frames, then the decoded ones."""
         names = list(partition.schema.names)
         column = find_column(names, self.column, _NAME)
         try:
@@ -65,7 +65,7 @@ class PartitionDecoder(NamedTuple):
         return partition.__class__.from_arrays([*columns.values()], names=[*columns])
 
     def _decode_pandas(self, partition: Any) -> Any:
-        """Return a table of pandas with the decoded columns in place of the frames."""
+        """Return a table of pandas: the columns other than that of the frames, then the decoded ones."""
         names = list(map(str, partition.columns))
         column = find_column(names, self.column, _NAME)
         try:
@@ -118,7 +118,7 @@ def _read_cell(cell: object, shape: Shape, cells: Cells, row: int) -> Any:
 
 
 def check_apart(source_columns: Iterable[str], decoded_columns: Iterable[str], source: str) -> None:
-    """Raise UsageError if another column has the same name as a decoded one."""
+    """Raise UsageError if another column of ``source`` has the same name as a decoded one."""
     shared = sorted({*source_columns} & {*decoded_columns})
     if shared:
         raise UsageError(

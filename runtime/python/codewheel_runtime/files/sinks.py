@@ -239,7 +239,7 @@ class CsvSink:
                 self._out.write(text)
 
     def _write_rows(self, table: Table, other_columns: Mapping[str, Any]) -> None:
-        """Append the rows one by one, with quotes where they are needed."""
+        """Append rows with Python's CSV writer, which puts quotes where they are needed."""
         columns: list[list[Any]] = []
         for name in self._plan.names:
             if name in self._plan.source_columns:
@@ -288,6 +288,7 @@ class _ArrowFormatter:
             else:
                 columns.append(self._convert_decoded(name, table))
         output = self._pa.BufferOutputStream()
+        # The names do not appear in the output.
         names = [str(index) for index in range(len(columns))]
         try:
             self._csv.write_csv(self._pa.RecordBatch.from_arrays(columns, names), output, self._options)

@@ -71,12 +71,12 @@ class Summary(NamedTuple):
     def __str__(self) -> str:
         valid = self.frames - sum(self.faults.values())
         verdicts = ", ".join(f"{count} {kind.value.replace('_', ' ')}" for kind, count in self.verdicts.items())
-        parts = [count_units(self.frames, "frame"), f"{valid} valid" + (f" ({verdicts})" if verdicts else "")]
+        phrases = [count_units(self.frames, "frame"), f"{valid} valid" + (f" ({verdicts})" if verdicts else "")]
         for kind, count in self.faults.items():
-            parts.append(f"{count} with a {'CRC' if kind is ErrorKind.CRC else kind.name.lower()} error")
+            phrases.append(f"{count} with a {'CRC' if kind is ErrorKind.CRC else kind.name.lower()} error")
         if self.lost:
-            parts.append(f"{count_units(self.lost, 'cell')} of other columns left empty")
-        return ", ".join(parts)
+            phrases.append(f"{count_units(self.lost, 'cell')} of other columns left empty")
+        return ", ".join(phrases)
 
 
 def count_units(count: int, word: str) -> str:
@@ -381,9 +381,9 @@ class _Counts:
             if kind:
                 self._faults[kind] = self._faults.get(kind, 0) + count
         if "verdict" in table:
-            sound = table.verdict[table.ok]
-            for place in range(len(Verdict)):
-                self._verdicts[place] = self._verdicts.get(place, 0) + int((sound == place).sum())
+            valid_verdicts = table.verdict[table.ok]
+            for index in range(len(Verdict)):
+                self._verdicts[index] = self._verdicts.get(index, 0) + int((valid_verdicts == index).sum())
 
     def summary(self, lost: int) -> Summary:
         """Return the counts, without verdicts that no frame has. ``lost`` is the number of cells left empty."""
@@ -420,24 +420,24 @@ def open_for_writing(target: str, sources: Iterable[str | os.PathLike[str]], for
     if target == "-":
         yield None
         return
-    place = os.path.realpath(target)
-    if os.path.lexists(place):
-        if not os.path.isfile(place):
+    real_path = os.path.realpath(target)
+    if os.path.lexists(real_path):
+        if not os.path.isfile(real_path):
             raise UsageError(f"{target} is not a regular file, so it cannot be replaced")
-        if any(os.fspath(source) != "-" and os.path.samefile(place, source) for source in sources):
+        if any(os.fspath(source) != "-" and os.path.samefile(real_path, source) for source in sources):
             raise UsageError(f"{target} is also the source; write to another file")
         if not force:
             raise UsageError(f"{target} already exists; use force to replace it")
-    folder, name = os.path.split(place)
-    neighbour = os.path.join(folder, f".{name[:100]}.{os.getpid()}.part")
-    file = open(neighbour, "xb")  # noqa: SIM115 (closed below)
+    folder, name = os.path.split(real_path)
+    temporary_path = os.path.join(folder, f".{name[:100]}.{os.getpid()}.part")
+    file = open(temporary_path, "xb")  # noqa: SIM115 (closed below)
     try:
         with file:
             yield file
-        os.replace(neighbour, place)
+        os.replace(temporary_path, real_path)
     except BaseException:
         # Writing the rest of the buffer may fail on a full disk.
         with suppress(OSError):
             file.close()
-        os.unlink(neighbour)
+        os.unlink(temporary_path)
         raise

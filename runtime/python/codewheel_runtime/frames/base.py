@@ -359,7 +359,7 @@ def decode_many(frames: object, kind: type, /, *, variant: Encoder | None, **ans
 def encode_many(
     columns: Mapping[str, Any] | Table, kind: type, /, *, variant: Encoder | None, **answers: object
 ) -> Any:
-    """Encode many frames of one class. See ``decode_many`` for the arguments."""
+    """Encode many frames of one class, given as columns by name. See ``decode_many`` for the other arguments."""
     shape = shape_of(kind, *decoding_arguments(kind, variant=variant, **answers))
     from ..bulk import encode as bulk_encode
 
