@@ -57,9 +57,9 @@ def _explain_dead_line(encoder: Sender, frame: object, has_crc: bool) -> str:
     level = 1 if number else 0
     if not has_crc:
         return f"every bit is {level}. A dead line looks the same, and there is no CRC to distinguish it"
-    cause = "a broken wire" if level else "a short circuit"
+    likely_cause = "a broken wire" if level else "a short circuit"
     other_wires = "wires A and B" if encoder.interface is Interface.RS485 else "the clock"
-    return f"every bit is {level}: the line never changes. Check for {cause}, the supply and {other_wires}"
+    return f"every bit is {level}: the line never changes. Check for {likely_cause}, the supply and {other_wires}"
 
 
 def _convert_to_number(frame: object, frame_bits: int) -> tuple[int, int] | None:

@@ -159,11 +159,11 @@ class Link:
 
     def receive(self, length: int, /) -> bytes:
         """Return ``length`` bytes, or fewer after a time-out."""
-        data, end = b"", monotonic() + self.session.timeout_s
+        data, deadline = b"", monotonic() + self.session.timeout_s
         # After the time-out, ``read`` returns what has arrived, without a wait. If that is nothing, the loop ends.
         with self.lock:
-            while len(data) < length and (more := self.transport.read(max(0.0, end - monotonic()))):
-                data += more
+            while len(data) < length and (further_bytes := self.transport.read(max(0.0, deadline - monotonic()))):
+                data += further_bytes
         return data
 
     def close(self) -> None:

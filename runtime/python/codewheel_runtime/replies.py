@@ -72,16 +72,16 @@ def find_reply(received: bytes, pending: PendingRequest, kinds: Mapping[int, Rep
         reply = received[start : start + length]
         if reply[0] != pending.kind.control or find_error(reply, pending) is not None:
             continue
-        following = received[start + length :]
-        later_replies = split_replies(following, pending, kinds)
+        following_bytes = received[start + length :]
+        later_replies = split_replies(following_bytes, pending, kinds)
         # With fewer bytes in replies than received, some bytes after the reply belong to none.
-        if sum(map(len, later_replies)) != len(following):
+        if sum(map(len, later_replies)) != len(following_bytes):
             continue
-        earlier = received[:start]
+        earlier_bytes = received[:start]
         if len(pending.data) == length:
             # The echo of a write can look like a reply to it.
-            earlier = earlier.removeprefix(pending.data)
-        replies = split_replies(earlier, pending, kinds) + later_replies
+            earlier_bytes = earlier_bytes.removeprefix(pending.data)
+        replies = split_replies(earlier_bytes, pending, kinds) + later_replies
         same_kind = tuple(other for other in replies if other[0] == pending.kind.control)
         other_kinds = tuple(other for other in replies if other[0] != pending.kind.control)
         return FoundReply(reply, same_kind, other_kinds)

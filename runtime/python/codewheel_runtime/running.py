@@ -169,8 +169,8 @@ class _Procedure:
         """Raise VerifyError if a bit of the step's mask differs between a register and the bytes that were written."""
         stored, address = self._stored, step.address
         # The last bytes that were written, in either form of ``_store``.
-        last = [stored.get((address, index), stored.get((address + index, 0))) for index in range(step.length)]
-        written = bytes(byte for byte in last if byte is not None)
+        last_bytes = [stored.get((address, index), stored.get((address + index, 0))) for index in range(step.length)]
+        written = bytes(byte for byte in last_bytes if byte is not None)
         if len(written) < step.length:
             raise ValueError(f"no earlier step wrote to {step.register}, so it cannot be verified")
         data = self._read(step)
@@ -186,9 +186,9 @@ class _Procedure:
 
     def _poll(self, step: Poll) -> None:
         """Read a register until its bits have the expected value. Raises TimeoutError after ``poll_s`` seconds."""
-        end = monotonic() + self.poll_s
+        deadline = monotonic() + self.poll_s
         while int.from_bytes(self._read(step), step.order) & step.mask != step.value:
-            if monotonic() > end:
+            if monotonic() > deadline:
                 raise TimeoutError(f"the register did not reach the expected value within {self.poll_s:g} s")
 
     def _send(self, step: Send) -> None:

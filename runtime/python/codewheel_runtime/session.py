@@ -233,18 +233,18 @@ class Session:
         """
         pending = self._make_pending(request)
         kind = pending.kind
-        end = self.clock() + _BUSY_S
+        deadline = self.clock() + _BUSY_S
         while True:
             reply = yield from self._send_with_retries(pending)
             frame = cast(Frame, pending.decode(reply))
             # The flags in the reply of a memory show that it is busy.
-            busy = kind.purpose in ("read", "write") and any(getattr(frame, name) for name in kind.flags)
-            if not busy:
-                differs = self._find_difference(pending, frame)
-                if differs:
-                    raise DisturbedError(differs)
+            is_busy = kind.purpose in ("read", "write") and any(getattr(frame, name) for name in kind.flags)
+            if not is_busy:
+                difference = self._find_difference(pending, frame)
+                if difference:
+                    raise DisturbedError(difference)
                 return frame
-            if self.clock() > end:
+            if self.clock() > deadline:
                 raise BusyError(f"the memory of {self.encoder.code} stayed busy for {_BUSY_S:g} s", reply)
             yield from self.pause(_BUSY_PAUSE_S)
 
@@ -276,8 +276,8 @@ class Session:
 
     def pause(self, seconds: float) -> Work[None]:
         """Wait, and discard all bytes that arrive. The last ones are searched for extra replies."""
-        end, discarded = self.clock() + seconds, b""
-        while (remaining_s := end - self.clock()) > 0:
+        deadline, discarded = self.clock() + seconds, b""
+        while (remaining_s := deadline - self.clock()) > 0:
             discarded = (discarded + (yield Ask(b"", remaining_s)))[-_MOST_BYTES:]
         self._discard(discarded)
 
@@ -376,7 +376,7 @@ class Session:
         Bytes that arrive after a reply start the search again, because they can belong to it or be another reply.
         """
         begin = self.clock()
-        end, is_measured = begin + self.timeout_s, False
+        deadline, is_measured = begin + self.timeout_s, False
         received = yield Ask(pending.data, self.timeout_s)
         while True:
             found = find_reply(received, pending, self.kinds)
@@ -384,14 +384,14 @@ class Session:
                 if not is_measured:
                     self._reply_times.append(self.clock() - begin)
                     is_measured = True
-                more = yield Ask(b"", self._find_quiet_s(received, found.reply, pending))
-                if not more:
+                further_bytes = yield Ask(b"", self._find_quiet_s(received, found.reply, pending))
+                if not further_bytes:
                     return self._take_reply(found, received, pending)
             else:
-                remaining_s = end - self.clock()
-                more = b"" if remaining_s <= 0 else (yield Ask(b"", remaining_s))
-            received += more
-            if not more or len(received) > _MOST_BYTES:
+                remaining_s = deadline - self.clock()
+                further_bytes = b"" if remaining_s <= 0 else (yield Ask(b"", remaining_s))
+            received += further_bytes
+            if not further_bytes or len(received) > _MOST_BYTES:
                 self._count_extra(len(split_replies(received[:_MOST_BYTES], pending, self.kinds)))
                 raise self._failure_error(received, pending)
 
@@ -432,9 +432,9 @@ class Session:
             self._single_replies = 0
             counted_replies = self._count_extra(len(extra_replies))
             # One of the unknown replies of this kind is the reply to this request, so all but one are foreign.
-            unknown = {*found.same_kind, found.reply}.difference(self._recent_replies)
-            foreign = [*self._find_foreign(found.other_kinds), *sorted(unknown)[1:]]
-            self._count_foreign(foreign[:counted_replies], received, _FOREIGN_REPLIES)
+            unknown_replies = {*found.same_kind, found.reply}.difference(self._recent_replies)
+            foreign_replies = [*self._find_foreign(found.other_kinds), *sorted(unknown_replies)[1:]]
+            self._count_foreign(foreign_replies[:counted_replies], received, _FOREIGN_REPLIES)
         else:
             self._single_replies += 1
         if not found.is_ambiguous:
@@ -476,27 +476,27 @@ class Session:
 
         Two requests in a row that got exactly one reply show that there is none, so its count starts again.
         """
-        last = self._last_request
-        replies = split_replies(data, last, self.kinds) if last is not None else []
+        last_request = self._last_request
+        replies = split_replies(data, last_request, self.kinds) if last_request is not None else []
         if replies:
             self._single_replies = 0
         # The reply of a second device to one request can arrive after the reply to the next one.
         if self._single_replies >= _SINGLE_REPLIES:
             self._foreign_replies = 0
         extra_count = self._count_extra(len(replies))
-        foreign = self._find_foreign(replies)[:extra_count]
-        self._count_foreign(foreign, data, _LATE_FOREIGN_REPLIES)
+        foreign_replies = self._find_foreign(replies)[:extra_count]
+        self._count_foreign(foreign_replies, data, _LATE_FOREIGN_REPLIES)
 
     def _count_extra(self, count: int) -> int:
         """Count replies beyond those that are used. Return their number without late replies to failed requests.
 
         As many of them as there are unanswered requests are late, and the others are extra.
         """
-        late = min(count, self._unanswered)
-        self._unanswered -= late
-        self.statistics.late_replies += late
-        self.statistics.extra_replies += count - late
-        return count - late
+        late_count = min(count, self._unanswered)
+        self._unanswered -= late_count
+        self.statistics.late_replies += late_count
+        self.statistics.extra_replies += count - late_count
+        return count - late_count
 
     def _failure_error(self, received: bytes, pending: PendingRequest) -> LinkError:
         """Return the error for bytes without a valid reply, of the class for the most likely cause.
@@ -546,8 +546,8 @@ class Session:
             text = f"incomplete reply to {request_text}: {len(received)} of {pending.kind.length} bytes, {bytes_text}"
             return DisturbedError(text, received)
         reply = received[-pending.kind.length :]
-        differs = self._find_difference(pending, pending.decode(reply)) if find_error(reply, pending) is None else ""
-        return DisturbedError(differs or f"no valid reply to {request_text} in {bytes_text}", received)
+        difference = self._find_difference(pending, pending.decode(reply)) if find_error(reply, pending) is None else ""
+        return DisturbedError(difference or f"no valid reply to {request_text} in {bytes_text}", received)
 
     def _find_sign_of_other_encoder(self, received: bytes, pending: PendingRequest) -> str:
         """Return why the bytes look like a reply from another kind of encoder, or an empty string.

@@ -208,13 +208,13 @@ def _encode_field(arrays: Mapping[str, Any], column: Column, first_error: FirstE
         case "text":
             yield from _encode_text(values, column, first_error)
         case "signed":
-            top = 1 << column.width >> 1
+            sign_bit = 1 << column.width >> 1
             # A field without bits has only the value 0.
-            high = max(top, 1) - 1
-            is_wrong = values > high if top else values != 0
+            highest = max(sign_bit, 1) - 1
+            is_wrong = values > highest if sign_bit else values != 0
             if values.dtype.kind == "i":
-                is_wrong = is_wrong | (values < -top)
-            first_error.add(is_wrong, column.name, values, f"{-top} to {top - 1}")
+                is_wrong = is_wrong | (values < -sign_bit)
+            first_error.add(is_wrong, column.name, values, f"{-sign_bit} to {sign_bit - 1}")
             yield column.low, column.width, values.astype(np.int64).view(np.uint64) & np.uint64((1 << column.width) - 1)
         case "number" | "choice":
             yield column.low, column.width, _encode_number(values, column, first_error)
@@ -283,13 +283,13 @@ def _insert_join(
     The latter are in ``limbs`` already. If they differ, the joined number is added to ``first_error``.
     """
     width = find_width(shape, join)
-    whole = _check_unsigned(arrays[join.name], first_error, join.name, (1 << width) - 1)
+    joined_numbers = _check_unsigned(arrays[join.name], first_error, join.name, (1 << width) - 1)
     by_name = {column.name: column for column in shape.columns}
     for name, place in join.fields:
         column = by_name[name]
         if not column.width:
             continue
-        bits = whole >> np.uint64(place) & np.uint64((1 << column.width) - 1)
+        bits = joined_numbers >> np.uint64(place) & np.uint64((1 << column.width) - 1)
         if all(field_name in arrays for field_name in list_names(column)):
             separate_bits = Chunk(limbs, shape.bits).take(column.low, column.width)
             first_error.add(separate_bits != bits, join.name, arrays[join.name], "equal to its fields")

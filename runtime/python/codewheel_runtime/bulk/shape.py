@@ -206,10 +206,10 @@ def list_column_types(shape: Shape) -> dict[str, str]:
 
     Plain parts of a joined number are not among them, because they are extracted on access. Nor is ``fault``.
     """
-    late = {name for join in shape.joins for name, _, _ in find_late_fields(shape, join)}
+    late_names = {name for join in shape.joins for name, _, _ in find_late_fields(shape, join)}
     types: dict[str, str] = {}
     for column in shape.columns:
-        if column.name not in late:
+        if column.name not in late_names:
             types |= _choose_types(column)
     for join in shape.joins:
         types[join.name] = "u8" if find_width(shape, join) == 64 else "i8"
@@ -291,12 +291,12 @@ def find_late_fields(shape: Shape, join: Join) -> list[tuple[str, int, int]]:
     by_name = {column.name: column for column in shape.columns}
     if find_width(shape, join) > 63 or join is not shape.joins[0]:
         return []
-    late: list[tuple[str, int, int]] = []
+    late_fields: list[tuple[str, int, int]] = []
     for name, low in join.fields:
         column = by_name[name]
         if column.kind == "number" and not column.zero_means:
-            late.append((name, low, column.width))
-    return late
+            late_fields.append((name, low, column.width))
+    return late_fields
 
 
 def measured(shape: Shape) -> frozenset[str]:
@@ -336,10 +336,7 @@ class QuickChecks(NamedTuple):
 
 @lru_cache(maxsize=256)
 def find_quick_checks(shape: Shape) -> QuickChecks:
-    """Return the checks of a shape, combined into one per byte and one for all constant bits.
-
-    Checks within one byte become its allowed values. Bits with only one possible value become constant bits.
-    """
+    """Return the checks of a shape, combined into allowed values of bytes and one check for all constant bits."""
     mask = values = 0
     remaining: list[Check] = []
     by_byte: dict[int, list[Check]] = {}
@@ -350,10 +347,10 @@ def find_quick_checks(shape: Shape) -> QuickChecks:
         if check.parity_of and shape.gray is not None:  # It is the parity of the bits before the conversion.
             remaining.append(check)
             continue
-        places = _split_into_bytes(check)
+        byte_indices = _split_into_bytes(check)
         fitting_values = [value for value in check.values if not value >> check.width]
-        if len(places) == 1:
-            by_byte.setdefault(places.pop(), []).append(check)
+        if len(byte_indices) == 1:
+            by_byte.setdefault(byte_indices.pop(), []).append(check)
         elif len(fitting_values) == 1:
             mask |= ((1 << check.width) - 1) << check.low
             values |= fitting_values[0] << check.low
@@ -381,10 +378,10 @@ def find_quick_checks(shape: Shape) -> QuickChecks:
 
 def _split_into_bytes(check: Check) -> set[int]:
     """Return the indices of the bytes in which the bits of a check, and of its parity, begin and end."""
-    places: set[int] = set()
+    byte_indices: set[int] = set()
     for low, width in ((check.low, check.width), *check.parity_of):
-        places |= {low // 8, (low + max(width, 1) - 1) // 8}
-    return places
+        byte_indices |= {low // 8, (low + max(width, 1) - 1) // 8}
+    return byte_indices
 
 
 def _are_all_met(number: int, checks: list[Check]) -> bool:

@@ -384,12 +384,12 @@ class Table(_TableOf[_Name, _Unit]):
         position = self.position.astype(np.int64)
         if not len(usable_rows):
             return np.full(len(position), previous or 0, np.int64)
-        used = position[usable_rows]
-        for extreme in (int(used.max()), int(used.min())):
+        usable_positions = position[usable_rows]
+        for extreme in (int(usable_positions.max()), int(usable_positions.min())):
             if not valid.lowest <= extreme <= valid.highest:
                 raise RangeError("position", extreme, f"{valid.lowest} to {valid.highest}")
-        start = int(used[0]) if previous is None else valid.unwrap(previous, int(used[0]))
-        steps = np.diff(used)
+        start = int(usable_positions[0]) if previous is None else valid.unwrap(previous, int(usable_positions[0]))
+        steps = np.diff(usable_positions)
         if valid.modulus is not None:
             # The shorter way around: from minus half of the modulus to half of it.
             steps = (steps + valid.modulus // 2) % valid.modulus - valid.modulus // 2
@@ -411,12 +411,12 @@ class Table(_TableOf[_Name, _Unit]):
             AttributeError: The frames have no position.
             ValueError: The encoder does not measure in this unit, or the manual does not give the size of a count.
         """
-        # One count is unit_size / parts. For angles, ``parts`` is the number of counts per turn.
+        # The size of one count. For angles, the denominator is the number of counts per turn.
         positions = self.position if counts is None else counts
-        unit_size, parts = self._find_unit_size(unit)
+        numerator, denominator = self._find_unit_size(unit)
         if unit in ("degrees", "radians"):
-            positions = positions % parts
-        values = positions * unit_size / parts
+            positions = positions % denominator
+        values = positions * numerator / denominator
         np: Any = load("numpy")
         return np.where(self.usable, values, np.nan) if counts is None else values
 
@@ -453,11 +453,11 @@ class Table(_TableOf[_Name, _Unit]):
             # The earlier frame comes first, so even the first usable row has a speed.
             rows_with_speed = usable_rows
             positions, times = np.insert(positions, 0, previous[0]), np.insert(times, 0, previous[1])
-        unit_size, parts = self._find_unit_size("turns" if unit == "rpm" else unit)
+        numerator, denominator = self._find_unit_size("turns" if unit == "rpm" else unit)
         per_minute = 60 if unit == "rpm" else 1
-        column = np.full(self.count, np.nan)
-        column[rows_with_speed] = np.diff(positions) * (per_minute * unit_size) / parts / np.diff(times)
-        return column
+        speeds = np.full(self.count, np.nan)
+        speeds[rows_with_speed] = np.diff(positions) * (per_minute * numerator) / denominator / np.diff(times)
+        return speeds
 
     def _check_times(self, seconds: Any) -> Any:
         """Return the time of each frame.

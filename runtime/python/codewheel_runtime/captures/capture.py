@@ -196,15 +196,7 @@ def _open_capture(
     answers: Mapping[str, Any],
     exchanged: bool = False,
 ) -> Generator[_CaptureFrames, None, None]:
-    """Open a capture, and yield its frames, which are found while they are read.
-
-    Args:
-        encoder: The encoder or the layout.
-        source: Files, or an array of samples.
-        probes: Connection and timing.
-        layout: Kind of the frames. Empty for the default.
-        answers: Answers to open questions.
-        exchanged: True to exchange the clock and the data line.
+    """Open a capture, and yield its frames. With ``exchanged``, the clock and the data line are exchanged.
 
     Raises:
         UsageError: Captures of this encoder are not read.
@@ -218,7 +210,6 @@ def _open_capture(
     is_serial = isinstance(encoder, Encoder) and encoder.interface is Interface.RS485
     names = probes.names(is_serial)._replace(exchanged=exchanged)
     name = "the array"
-    # Only an array has a ``dtype``.
     if hasattr(source, "dtype"):
         opening: Any = nullcontext(read_array(source, names, probes.rate))
     else:
@@ -478,10 +469,7 @@ def _decode_capture(
     progress: Callable[[int, int | None, int], None] | None,
     report_exchanged_lines: Callable[[], None],
 ) -> CaptureSummary:
-    """Decode a capture into a file, stretch by stretch.
-
-    ``report_exchanged_lines`` is called if there is no valid frame. It raises InputError if it finds the reason.
-    """
+    """Decode a capture into a file. If no frame is valid, ``report_exchanged_lines`` can raise InputError."""
     log = _Log(_SHOWN)
     with opening as opened, open_for_writing(output.target, sources, output.force) as file:
         time = opened.time
@@ -501,7 +489,6 @@ def _decode_capture(
             except InputError:
                 report_exchanged_lines()
                 raise
-        # All frames have an error, or there are none.
         if frames.frames == sum(frames.faults.values()):
             report_exchanged_lines()
     log.finish()

@@ -210,9 +210,9 @@ class _CycleFinder:
         """Set the time without an edge after which a cycle has ended, from the usual period of the clock."""
         # Within a cycle, two edges are one period, regardless of the duty cycle. Longer spans contain a pause.
         spans = self._clock[2:] - self._clock[:-2]
-        usual = spans[spans <= 2 * np.median(spans)]
+        spans_of_periods = spans[spans <= 2 * np.median(spans)]
         # Damaged files can have edges at the same time.
-        self._rest = max(self._chosen_pause or _REST * float(usual.mean()), _LEAST)
+        self._rest = max(self._chosen_pause or _REST * float(spans_of_periods.mean()), _LEAST)
 
     def _find_ends(self) -> Any:
         """Return the index after the last edge of each cycle, also of the last one, which may not be complete."""
@@ -281,18 +281,18 @@ class _CycleFinder:
         clock = self._clock
         # The first falling edge of each cycle. An edge with an even index starts from the first level.
         falls = starts + ((starts & 1) == self._levels[0])
-        after = np.append(clock[ends[:-1]], np.inf) if len(ends) else np.zeros(0)
+        next_edges = np.append(clock[ends[:-1]], np.inf) if len(ends) else np.zeros(0)
         if ends[-1] < len(clock):
-            after[-1] = clock[ends[-1]]
+            next_edges[-1] = clock[ends[-1]]
         # The end of a time-out is an edge without a cycle.
-        real = falls < ends
-        ends, falls, after = ends[real], falls[real], after[real]
+        has_fall = falls < ends
+        ends, falls, next_edges = ends[has_fall], falls[has_fall], next_edges[has_fall]
         begin, last = clock[falls], clock[ends - 1]
         rises = (ends - falls) // 2
         # The edges of a cycle are half a period apart on average. With one rising edge, it follows from the rest.
         period = np.where(rises > 1, 2 * (last - begin) / np.maximum(ends - 1 - falls, 1), self._rest / _REST)
         period = np.maximum(period, 1e-6 * self._rest)
-        return _Cycles(falls=falls, ends=ends, rises=rises, begin=begin, last=last, after=after, period=period)
+        return _Cycles(falls=falls, ends=ends, rises=rises, begin=begin, last=last, after=next_edges, period=period)
 
     def _find_biss_bits(self, cycles: _Cycles) -> _Bits:
         """Return the bits after the start bit, which is the first rise of the data line after its first fall.
@@ -300,28 +300,30 @@ class _CycleFinder:
         If several reasons apply to a cycle, the last one that is set below counts.
         """
         clock, falls, ends, last, period = self._clock, cycles.falls, cycles.ends, cycles.last, cycles.period
-        # The data line goes low as an acknowledgement (down), and rises with the start bit (up).
-        index = np.searchsorted(self._data, cycles.begin, "left")
-        level = self._levels[1] ^ (index & 1)
+        # The data line goes low as an acknowledgement, and rises with the start bit.
+        first_index = np.searchsorted(self._data, cycles.begin, "left")
+        level = self._levels[1] ^ (first_index & 1)
         padded = np.append(self._data, [np.inf, np.inf])
-        down, up = padded[index], padded[index + 1]
+        data_fall, data_rise = padded[first_index], padded[first_index + 1]
         # Number of the rising edge of the clock that shifts out the start bit, from 0. -1 if it comes before the first.
-        first = (np.searchsorted(clock, up, "right") - falls) // 2 - 1
+        start_rise = (np.searchsorted(clock, data_rise, "right") - falls) // 2 - 1
         # A delayed data line shifts the start bit by whole periods.
-        start_bit = falls + 1 + 2 * np.maximum(first, 0)
-        second = clock[np.minimum(falls + 3, ends - 1)]
+        start_bit = falls + 1 + 2 * np.maximum(start_rise, 0)
+        second_rise = clock[np.minimum(falls + 3, ends - 1)]
         # Whole periods by which the acknowledgement, and so the data line, is late.
-        late = np.maximum(np.floor((np.where(np.isfinite(down), down, 0) - second) / period), 0)
+        late_periods = np.maximum(np.floor((np.where(np.isfinite(data_fall), data_fall, 0) - second_rise) / period), 0)
         # CDS and the frame need this many rising edges after the start bit.
-        short = cycles.rises - 1 - (first - late) < self._bits + 1
+        is_short = cycles.rises - 1 - (start_rise - late_periods) < self._bits + 1
         reasons = np.zeros(len(falls), np.int64)
-        reasons[short] = _SHORT
-        reasons[(up > last + period * (late + 2)) | (up >= cycles.after) | (first < 0)] = _NO_START
-        reasons[down > np.minimum(cycles.after, last + _DELAY * period)] = _HIGH
+        reasons[is_short] = _SHORT
+        reasons[(data_rise > last + period * (late_periods + 2)) | (data_rise >= cycles.after) | (start_rise < 0)] = (
+            _NO_START
+        )
+        reasons[data_fall > np.minimum(cycles.after, last + _DELAY * period)] = _HIGH
         reasons[level == 0] = _LOW
-        delay = up - clock[np.minimum(start_bit, len(clock) - 1)]
-        sent = np.where(reasons == _SHORT, np.maximum(cycles.rises - 2 - (first - late), 0), cycles.rises)
-        return _Bits(reasons=reasons, skipped=first + 1, delay=delay, sent=sent)
+        delay = data_rise - clock[np.minimum(start_bit, len(clock) - 1)]
+        sent = np.where(reasons == _SHORT, np.maximum(cycles.rises - 2 - (start_rise - late_periods), 0), cycles.rises)
+        return _Bits(reasons=reasons, skipped=start_rise + 1, delay=delay, sent=sent)
 
     def _find_ssi_bits(self, cycles: _Cycles) -> _Bits:
         """Return the bits, one for each rising edge. The first change of the data line shows its delay."""
@@ -367,17 +369,17 @@ class _CycleFinder:
         delay = bits.delay[good]
         clock, data = self._clock, self._data
         # The rising edge of each bit. After the last one, the period of the clock continues.
-        order = bits.skipped[good][:, None] + np.arange(count)[None, :]
-        beyond = np.maximum(order - (rises - 1)[:, None], 0)
+        rise_numbers = bits.skipped[good][:, None] + np.arange(count)[None, :]
+        rises_beyond = np.maximum(rise_numbers - (rises - 1)[:, None], 0)
         # The edges after the first falling one are rising and falling in turn.
-        places = falls[:, None] + 1 + 2 * (order - beyond)
-        times = clock[places]
-        if beyond.any():
-            times += beyond * period[:, None]
+        edge_indices = falls[:, None] + 1 + 2 * (rise_numbers - rises_beyond)
+        times = clock[edge_indices]
+        if rises_beyond.any():
+            times += rises_beyond * period[:, None]
         # A bit changes up to one sample before its edge is seen.
         half = period / 2 - self._early
         if self._early and len(period) and period.min() < _COARSE:
-            times, delay, half = self._refine_delays(times, beyond == 0, delay, period)
+            times, delay, half = self._refine_delays(times, rises_beyond == 0, delay, period)
         times += (delay + half)[:, None]
         # An odd number of edges before a time inverts the first level.
         edge_counts = np.searchsorted(data, times.ravel(), "right").reshape(times.shape)
@@ -394,20 +396,22 @@ class _CycleFinder:
         x, weight = np.arange(times.shape[1], dtype=np.float64)[None, :], has_edge.astype(np.float64)
         count = np.maximum(weight.sum(axis=1), 1)
         mean_x, mean_y = (weight * x).sum(axis=1) / count, (weight * times).sum(axis=1) / count
-        off = (x - mean_x[:, None]) * weight
-        slope = (off * (times - mean_y[:, None])).sum(axis=1) / np.maximum((off * off).sum(axis=1), 1e-9)
+        x_offsets = (x - mean_x[:, None]) * weight
+        slope = (x_offsets * (times - mean_y[:, None])).sum(axis=1) / np.maximum(
+            (x_offsets * x_offsets).sum(axis=1), 1e-9
+        )
         line = mean_y[:, None] + slope[:, None] * (x - mean_x[:, None])
         is_even = (np.abs(line - times) * weight).max(axis=1) < 1.5
         # The first edge of the data line near each bit.
         expected = line + delay[:, None]
         data = np.append(self._data, np.inf)
         next_edges = np.searchsorted(self._data, (expected - slope[:, None] / 2).ravel())
-        near = data[next_edges].reshape(times.shape) - expected
-        is_near = near < slope[:, None] / 2
-        late = np.where(is_near, near, 0.0).sum(axis=1) / np.maximum(is_near.sum(axis=1), 1)
+        distances = data[next_edges].reshape(times.shape) - expected
+        is_near = distances < slope[:, None] / 2
+        mean_distance = np.where(is_near, distances, 0.0).sum(axis=1) / np.maximum(is_near.sum(axis=1), 1)
         return (
             np.where(is_even[:, None], line, times),
-            np.where(is_even, delay + late, delay),
+            np.where(is_even, delay + mean_distance, delay),
             np.where(is_even, slope / 2, period / 2 - self._early),
         )
 

@@ -101,11 +101,7 @@ _DAMAGED: Final = (zipfile.BadZipFile, zlib.error, struct.error, EOFError, OSErr
 
 
 def _read_session(stack: ExitStack, file: BinaryIO, path: str, names: Names, rate: float | None) -> Signals:
-    """Return the signals of a session: a ZIP file with metadata, and samples in files of a few megabytes.
-
-    The metadata name the channels ``probe1``, ``probe2`` and so on. Probe 1 is the lowest bit of a sample. An archive
-    of NumPy arrays is also a ZIP file, but without metadata.
-    """
+    """Return the signals of a session: a ZIP file with metadata, and samples in files of a few megabytes."""
     try:
         archive = stack.enter_context(zipfile.ZipFile(file))
         if "metadata" not in archive.namelist() and any(name.endswith(".npy") for name in archive.namelist()):
@@ -118,7 +114,6 @@ def _read_session(stack: ExitStack, file: BinaryIO, path: str, names: Names, rat
         device: dict[str, str] = devices[0] if devices else {}
         size, stem = _parse_small_number(device.get("unitsize", "1")), device.get("capturefile", "")
         probe_keys = [key for key in device if re.fullmatch(r"probe[0-9]{1,3}", key)]
-        # The number of each probe follows the word "probe".
         probes = {_parse_small_number(key[5:]): device[key] for key in probe_keys}
     except (KeyError, ConfigError, ValueError, *_DAMAGED):
         raise InputError(path, "", "this is not a valid sigrok session") from None
@@ -190,9 +185,9 @@ def _unpack_samples(
                     done += len(data)
                     data = remainder + data
                     # Number of bytes of complete samples.
-                    whole = len(data) // size * size
-                    remainder = data[whole:]
-                    yield np.frombuffer(data, f"<u{size}", whole // size), done, None
+                    whole_bytes = len(data) // size * size
+                    remainder = data[whole_bytes:]
+                    yield np.frombuffer(data, f"<u{size}", whole_bytes // size), done, None
     except _DAMAGED as error:
         raise InputError(path, f"offset {done}", f"the samples are damaged: {error or 'they end early'}") from None
 
@@ -362,23 +357,25 @@ class _Saleae:
 
         The first one has no edges, but shows the level at the beginning.
         """
-        last, level = -np.inf, self._ready[0]
+        last_time, level = -np.inf, self._ready[0]
         yield level, np.zeros(0), self._file.tell()
-        for place in range(self.chunks):
-            first, count = self._ready if not place else self._read_chunk()
-            if first != level:
+        for chunk_index in range(self.chunks):
+            first_level, count = self._ready if not chunk_index else self._read_chunk()
+            if first_level != level:
                 # The signal changed in the gap before this chunk.
-                level, last = first, self._start
+                level, last_time = first_level, self._start
                 # One edge at the beginning of the chunk, with the other level before it.
                 yield level ^ 1, np.array([self._start]), self._file.tell()
             while count:
                 # The time of each edge is a number of eight bytes.
-                part = np.frombuffer(self._read_exactly(8 * min(count, SAMPLES // 8)), "<f8")
-                if not (np.isfinite(part).all() and last <= part[0] and (np.diff(part) >= 0).all()):
+                edge_times = np.frombuffer(self._read_exactly(8 * min(count, SAMPLES // 8)), "<f8")
+                if not (
+                    np.isfinite(edge_times).all() and last_time <= edge_times[0] and (np.diff(edge_times) >= 0).all()
+                ):
                     raise InputError(self._path, "", "the times of this Saleae file are not in ascending order")
-                yield level, part, self._file.tell()
+                yield level, edge_times, self._file.tell()
                 # An odd number of edges inverts the level.
-                count, last, level = count - len(part), float(part[-1]), level ^ (len(part) & 1)
+                count, last_time, level = count - len(edge_times), float(edge_times[-1]), level ^ (len(edge_times) & 1)
 
 
 def _read_saleae(files: Sequence[BinaryIO], paths: Sequence[str]) -> Signals:

@@ -120,12 +120,7 @@ def read_table_signals(
 
 
 def _find_table_form(path: str, head: bytes) -> _TableForm:
-    """Return the form of a table according to its first lines.
-
-    Lines that begin with ``;`` or ``#`` are comments, which can contain the names of the channels and the sample rate.
-    One or two headers follow, or none. The first column has times or numbers of samples if its header or its cells say
-    so.
-    """
+    """Return the form of a table according to its first lines: comments, up to two headers, and rows."""
     if len(head) == HEADER and b"\n" not in head:
         raise InputError(path, "", "a line is too long: this is not a capture")
     lines = head.decode("utf-8-sig", "replace").splitlines()

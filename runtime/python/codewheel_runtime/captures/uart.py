@@ -45,9 +45,7 @@ def read_serial_bytes(signals: Signals, baud: float) -> Generator[_Bytes, None, 
         signals: The line, high at rest.
         baud: Bits per second, or per sample if the sample rate is unknown.
     """
-    # Length of a bit in the unit of the edges.
     bit = 1 / baud / (signals.seconds or 1.0)
-    # An edge can be up to one sample earlier than its time.
     early = 0.5 if signals.is_sampled else 0.0
     # Edges that are not used yet, the level before them, and the time from which a byte can begin.
     edges, level, earliest_start, end, done, is_new = np.zeros(0), 1, -np.inf, 0.0, 0, True
@@ -75,7 +73,6 @@ def read_serial_bytes(signals: Signals, baud: float) -> Generator[_Bytes, None, 
         earliest_start = float(starts[-1]) + (_BITS - 0.5) * bit
         # The middle of eight data bits and the stop bit.
         times = starts[:, None] + (bit * (1.5 + np.arange(9)) - early)[None, :]
-        # An odd number of edges before a time inverts the first level.
         levels = (np.searchsorted(edges, times.ravel(), "right").reshape(times.shape) & 1) ^ level
         values = (levels[:, :8] << np.arange(8)).sum(axis=1).astype(np.uint8)
         yield _Bytes(values, starts * (signals.seconds or 1.0), levels[:, 8] == 1, done)

@@ -211,10 +211,10 @@ class _Screen:
 
     def _measure_speed(self) -> str:
         """Return the speed over the recent readings, with its unit, or ``-`` with fewer than two usable positions."""
-        points = [(at, count) for at, count in self._recent if count is not None]
-        if len(points) < 2 or points[-1][0] <= points[0][0]:
+        timed_counts = [(at, count) for at, count in self._recent if count is not None]
+        if len(timed_counts) < 2 or timed_counts[-1][0] <= timed_counts[0][0]:
             return "-"
-        per_second = (points[-1][1] - points[0][1]) / (points[-1][0] - points[0][0])
+        per_second = (timed_counts[-1][1] - timed_counts[0][1]) / (timed_counts[-1][0] - timed_counts[0][0])
         encoder: Any = self._encoder
         if hasattr(encoder, "millimetres"):
             return f"{per_second * encoder.millimetres(1):.3f} mm/s"

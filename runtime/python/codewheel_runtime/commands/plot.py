@@ -162,8 +162,8 @@ def _draw_line(axes: Any, times: Any, values: Any, wraps: bool) -> None:
     times, values = _thin_out(times, values)
     if wraps and len(values):
         # Degrees jump by up to 360 where they wrap around. A NaN there interrupts the line.
-        jumps = np.flatnonzero(np.abs(np.diff(values)) > 180) + 1
-        times, values = np.insert(times, jumps, times[jumps]), np.insert(values, jumps, np.nan)
+        wraps_at = np.flatnonzero(np.abs(np.diff(values)) > 180) + 1
+        times, values = np.insert(times, wraps_at, times[wraps_at]), np.insert(values, wraps_at, np.nan)
     markers = {"marker": ".", "markersize": 4} if len(values) < 200 else {}
     axes.plot(times, values, linewidth=1, **markers)
 

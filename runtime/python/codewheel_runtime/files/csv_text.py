@@ -24,24 +24,18 @@ _LONGEST: Final = 1 << 20
 def read_csv_rows(file: BinaryIO, name: str, size: int | None, stored: Stored, shape: Shape, share: Share) -> Source:
     """Return the frames and the other columns of a CSV file.
 
-    Args:
-        file: The file.
-        name: Its name, for errors.
-        size: Its size in bytes, if known.
-        stored: Storage format of the frames.
-        shape: Description of the frames.
-        share: Function that returns the fraction of valid frames, for the check of the first ones.
+    ``name`` and ``size`` in bytes are those of the file. ``share`` returns the fraction of valid frames.
     """
     blocks = whole_lines(b"", file)
     head = next(blocks, b"")
     lines = _Lines(_text_of([head]), name)
     delimiter, rows = _open_rows(lines)
     # The first row decides about the header and the columns. Then the rows are read again from its block.
-    first = next(rows, None)
-    if first is None:
+    first_row = next(rows, None)
+    if first_row is None:
         return Source(_nothing(), size)
-    place, is_header = _place(first, name, stored, shape)
-    header = [cell.strip() for cell in first] if is_header else [""] * len(first)
+    place, is_header = _place(first_row, name, stored, shape)
+    header = [cell.strip() for cell in first_row] if is_header else [""] * len(first_row)
     names = [cell or f"column_{number}" for number, cell in enumerate(header, 1)]
     other_names = [(index, cell) for index, cell in enumerate(names) if index != place]
     empty_columns = kept_columns((cell for _, cell in other_names), stored, lambda _: [], name)
@@ -56,8 +50,8 @@ def read_csv_rows(file: BinaryIO, name: str, size: int | None, stored: Stored, s
         # the header itself.
         skipped, start = 0, 0
     table = _Table(lines, delimiter, place, columns, is_header and not start)
-    reading = reader(names, place, columns, delimiter, shape, stored.digits) if start or not is_header else None
-    parts = _read_parts(table, reading, chain([head[start:]], blocks), skipped, start, (name, stored, shape, share))
+    read_fast = reader(names, place, columns, delimiter, shape, stored.digits) if start or not is_header else None
+    parts = _read_parts(table, read_fast, chain([head[start:]], blocks), skipped, start, (name, stored, shape, share))
     return Source(parts, size, tuple(cell for _, cell in other_names), empty_columns)
 
 
@@ -222,11 +216,11 @@ def _open_rows(lines: _Lines, delimiter: str = "") -> tuple[str, Iterator[list[s
     and no comment.
     """
     texts = iter(lines)
-    first = next(texts, "")
-    while first and (not first.strip() or first.lstrip().startswith("#")):
-        first = next(texts, "")
-    delimiter = delimiter or max(",;\t", key=first.count)
-    return delimiter, _check_row(lines, chain([first], texts), delimiter) if first else iter(())
+    first_line = next(texts, "")
+    while first_line and (not first_line.strip() or first_line.lstrip().startswith("#")):
+        first_line = next(texts, "")
+    delimiter = delimiter or max(",;\t", key=first_line.count)
+    return delimiter, _check_row(lines, chain([first_line], texts), delimiter) if first_line else iter(())
 
 
 def _check_row(lines: _Lines, texts: Iterable[str], delimiter: str) -> Iterator[list[str]]:
@@ -255,18 +249,18 @@ def _place(first: list[str], name: str, stored: Stored, shape: Shape) -> tuple[i
     if wanted and wanted in names:
         return names.index(wanted), True
     if wanted:
-        place = int(wanted) - 1 if wanted.isascii() and wanted.isdigit() and len(wanted) < 9 else -1
-        if not 0 <= place < len(names):
+        index = int(wanted) - 1 if wanted.isascii() and wanted.isdigit() and len(wanted) < 9 else -1
+        if not 0 <= index < len(names):
             raise InputError(name, "line 1", f"no column {short(wanted)}; the columns are {listed(names)}")
     elif len(names) == 1:
-        place = 0
+        index = 0
     else:
-        named = named_place(names)
-        if named is None:
+        named_index = named_place(names)
+        if named_index is None:
             raise InputError(name, "line 1", f"choose the column with the frames; the columns are {listed(names)}")
-        return named, True
+        return named_index, True
     # An empty cell is a missing frame, not a header.
-    return place, bool(first[place].strip()) and not _is_frame(first[place], shape)
+    return index, bool(first[index].strip()) and not _is_frame(first[index], shape)
 
 
 def _is_frame(text: str, shape: Shape) -> bool:

@@ -100,8 +100,8 @@ def reader(
 ) -> Callable[[bytes], Block | None] | None:
     """Return a function that reads a block, or None if pyarrow is not installed.
 
-    The function returns None if a cell is missing, or is not a frame in the usual form. ``names`` are those of all
-    columns, ``place`` is the index of the column of frames, and ``kept_columns`` are index and name of the others.
+    The function returns None if a cell is missing, or is not a frame in the usual form. ``place`` is the index of the
+    column of frames, and ``kept_columns`` have the index and the name of each other column.
     """
     try:
         pa: Any = load("pyarrow")
@@ -109,7 +109,6 @@ def reader(
         csv: Any = load("pyarrow.csv")
     except ImportError:
         return None
-    # Columns are named by their index here, because names can occur twice.
     columns = [str(index) for index in range(len(names))]
     parse = csv.ParseOptions(delimiter=delimiter)
     wanted = [str(place), *(str(index) for index, _ in kept_columns)]

@@ -229,14 +229,14 @@ class CsvSink:
         # Cells as text take much memory, so only some rows are converted at once.
         for start in range(0, table.count, _ROWS):
             rows = slice(start, start + _ROWS)
-            part = table[rows]
+            table_rows = table[rows]
             columns = {name: other_columns[name][rows] for name in self._plan.source_columns}
-            text = formatter.format_rows(part, columns) if formatter is not None else None
-            if text is None:
+            csv_text = formatter.format_rows(table_rows, columns) if formatter is not None else None
+            if csv_text is None:
                 # There is no formatter, or a cell needs quotes.
-                self._write_rows(part, columns)
+                self._write_rows(table_rows, columns)
             else:
-                self._out.write(text)
+                self._out.write(csv_text)
 
     def _write_rows(self, table: Table, other_columns: Mapping[str, Any]) -> None:
         """Append rows with Python's CSV writer, which puts quotes where they are needed."""

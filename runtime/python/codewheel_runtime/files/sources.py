@@ -119,10 +119,10 @@ def _read_binary(
 
 def _incomplete_frame_error(name: str, size: int, length: int) -> InputError:
     """Return the error for a file that ends within a frame."""
-    whole, excess = divmod(size, length)
-    more = "1 more byte follows" if excess == 1 else f"{excess} more bytes follow"
-    problem = f"{whole} complete frames of {length} bytes end here, and {more}"
-    return InputError(name, f"offset {whole * length}", f"{problem}; use cut to ignore the rest")
+    whole_frames, excess = divmod(size, length)
+    rest_text = "1 more byte follows" if excess == 1 else f"{excess} more bytes follow"
+    problem = f"{whole_frames} complete frames of {length} bytes end here, and {rest_text}"
+    return InputError(name, f"offset {whole_frames * length}", f"{problem}; use cut to ignore the rest")
 
 
 def _read(file: BinaryIO, size: int) -> bytes:
