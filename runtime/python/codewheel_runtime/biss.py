@@ -708,6 +708,7 @@ class Slave:
             cds = self._take_id(upstream)
             if self._bit_count < ADDRESS_BITS:
                 return cds
+            # All 15 bits are here: CTS, ID and ADR, then the CRC. Other slaves and commands are not for this slave.
             head, received = self._received >> 4, self._received & 0xF
             if not head >> 10 or received != crc(head, 11) or head >> 7 & 0x7 != self.slave_id:
                 return self._leave(cds)

@@ -155,6 +155,7 @@ def _try_flipped_bits(
     decode = encoder.decode
     valid_flips = [(bit, flipped) for bit, flipped in enumerate(flipped_frames) if _is_valid(decode, flipped)]
     if valid_flips:
+        # All of them are valid, so the first one is as good as any.
         bit, frame = valid_flips[0]
         bit_text = name_of_bit(bit) if len(valid_flips) == 1 else f"one of {len(valid_flips)} bits"
         yield f"with {bit_text} inverted: a disturbed bit if only some frames fail", frame

@@ -257,7 +257,8 @@ def as_member(kind: type[_Choice], field: str, value: SupportsIndex) -> _Choice:
 def text_number(field: str, text: str, length: int) -> int:
     """Return ``length`` characters as one number, with the first one most significant.
 
-    Latin-1 has a character for each byte, so every decoded text can be encoded again.
+    Latin-1 has a character for each byte, so every decoded text can be encoded again. Raises RangeError for another
+    length or other characters.
     """
     try:
         data = text.encode("latin-1")

@@ -370,7 +370,8 @@ def wrong_encoder_error(
 ) -> Exception:
     """Return the error for an encoder that belongs to another family or does not have the interface ``interface``.
 
-    It is a TypeError if ``variant`` is not an encoder. For ``procedures``, see ``check_encoder``.
+    It is a TypeError if ``variant`` is not an encoder. ``kind`` is the class of all encoders of the family. For
+    ``procedures``, see ``check_encoder``.
     """
     if isinstance(variant, kind):
         variant_interface = variant.interface

@@ -142,7 +142,12 @@ class AsyncLink:
         await self.close()
 
     async def _carry_out(self, work: Work[_Result]) -> _Result:
-        """Carry out a task of the session: send its requests, and pass the received bytes on."""
+        """Carry out a task of the session: send its requests, and pass the received bytes on. Return its result.
+
+        Raises:
+            PortError: The transport failed.
+            LinkError: The session raised it.
+        """
         async with self._lock:
             try:
                 ask = next(work)

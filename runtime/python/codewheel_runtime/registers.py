@@ -23,7 +23,12 @@ class Encodable(Protocol):
 def encode_register(
     register: str, kind: type[Encodable], value: Encodable | SupportsIndex, length: int, order: Literal["little", "big"]
 ) -> bytes:
-    """Return the bytes of a register with several fields, given as an object of its class or as one number."""
+    """Return the bytes of a register with several fields, given as an object of its class or as one number.
+
+    Raises:
+        TypeError: ``value`` is neither.
+        RangeError: The number does not fit into ``length`` bytes.
+    """
     if isinstance(value, kind):
         return value.encode()
     if not isinstance(value, SupportsIndex):

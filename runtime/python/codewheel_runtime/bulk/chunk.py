@@ -55,11 +55,12 @@ class Chunk:
             return bits if out is None else np.copyto(out, bits)
         limb_index, shift = divmod(low, 64)
         number = np.right_shift(self.limbs[limb_index], np.uint64(shift), out=out)
-        # With bits above the field, they must be masked.
+        # Other bits above the field must be set to 0.
         if shift + width <= 64:
             # Nothing is above the last bits of a limb or of the frame.
             has_bits_above = shift + width not in (64, self.bits - 64 * limb_index)
         else:
+            # The field continues in the next limb.
             number |= self.limbs[limb_index + 1] << np.uint64(64 - shift)
             has_bits_above = low + width != self.bits and width != 64
         if has_bits_above:

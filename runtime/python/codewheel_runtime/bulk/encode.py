@@ -318,11 +318,12 @@ def _check_values(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, fir
     columns_by_place = {(column.low, column.width): column for column in shape.columns}
     for check in shape.checks:
         column = columns_by_place.get((check.low, check.width))
-        # Constants have no column, and parity bits are computed.
+        # Constants have no column at their place, and parity bits are computed.
         if column is None or check.parity_of:
             continue
         bits = Chunk(limbs, shape.bits).take(check.low, check.width)
         if check.limit is None:
+            # A value that needs more bits than the field never occurs in it.
             possible_values = [value for value in check.values if not value >> check.width]
             allowed = "one of " + ", ".join(map(str, check.values))
             values = arrays.get(column.name, bits)

@@ -220,7 +220,7 @@ class _CycleFinder:
         return np.append(gaps, len(self._clock)) if len(self._clock) else gaps
 
     def _take_cycles(self, ends: Any, is_last: bool = False) -> CapturedFrames:
-        """Return the frames in the cycles that end at ``ends``, and forget their edges."""
+        """Return the frames in the cycles that end before the edges ``ends``, and forget the edges of these cycles."""
         clock, levels = self._clock, self._levels
         if not len(ends):
             return CapturedFrames(np.zeros(0, np.uint64), np.zeros(0), [], self._done)
@@ -279,8 +279,10 @@ class _CycleFinder:
     def _find_cycles(self, starts: Any, ends: Any) -> _Cycles:
         """Return the cycles with edges from ``starts`` to ``ends``. Those without a falling edge are left out."""
         clock = self._clock
-        # The first falling edge of each cycle. An edge with an even index starts from the first level.
+        # The first falling edge of each cycle. The level before edge n is the first level, inverted if n is odd. If it
+        # is 0, the edge rises and the next one falls.
         falls = starts + ((starts & 1) == self._levels[0])
+        # Time of the first edge after each cycle. After the last cycle there may be none.
         next_edges = np.append(clock[ends[:-1]], np.inf) if len(ends) else np.zeros(0)
         if ends[-1] < len(clock):
             next_edges[-1] = clock[ends[-1]]
@@ -401,6 +403,7 @@ class _CycleFinder:
             (x_offsets * x_offsets).sum(axis=1), 1e-9
         )
         line = mean_y[:, None] + slope[:, None] * (x - mean_x[:, None])
+        # Sampling alone moves an edge by at most one sample.
         is_even = (np.abs(line - times) * weight).max(axis=1) < 1.5
         # The first edge of the data line near each bit.
         expected = line + delay[:, None]

@@ -378,7 +378,8 @@ class _Voltages:
         is_high, is_low = cells > self._threshold + self._margin, cells < self._threshold - self._margin
         if self._last is None:
             self._last = cells[0] > self._threshold
-        # A voltage near the threshold has the level of the last one that is not. 0 stands for the row before these.
+        # A voltage near the threshold has the level of the last one that is not. Rows are numbered from 1, and 0 stands
+        # for the row before these.
         rows = np.where(is_high | is_low, np.arange(1, count + 1)[:, None], 0)
         last_clear = np.maximum.accumulate(rows, axis=0)
         clear_levels = np.concatenate([self._last[None, :], is_high])

@@ -249,6 +249,7 @@ def merge_edges(
         index = min(sorted(unfinished), key=lambda signal_index: _find_last(waiting_times[signal_index]))
         part = next(signals[index], None)
         if part is None:
+            # All edges of this signal have been read.
             unfinished.remove(index)
         else:
             _, times, amounts_read[index] = part

@@ -157,11 +157,12 @@ class ArrowSink:
         return sum(converter.lost for converter in self._texts.values())
 
     def write(self, table: Table, other_columns: Mapping[str, Any]) -> None:
-        """Append the frames of a table, and the other columns of the same rows."""
+        """Append the frames of a table, and the other columns of the same rows, in the order of the plan."""
         arrays = arrow_columns(table, self._plan.decoded, self._plan.raw)
         for name in self._plan.source_columns:
             column = other_columns[name]
-            # A column is a NumPy array (only these have ``dtype``), an Arrow array, or texts.
+            # A column is a NumPy array, which has a ``dtype`` and must be converted, or an Arrow array, or a list of
+            # texts, for which there is a converter.
             is_array = hasattr(column, "dtype")
             if name in self._texts:
                 column = self._texts[name].array(column)
@@ -293,6 +294,7 @@ class _ArrowFormatter:
         try:
             self._csv.write_csv(self._pa.RecordBatch.from_arrays(columns, names), output, self._options)
         except self._pa.ArrowInvalid:
+            # Without quotes, pyarrow refuses cells that need them.
             return None
         return str(output.getvalue(), "utf-8")
 

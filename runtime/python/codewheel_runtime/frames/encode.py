@@ -40,12 +40,14 @@ def encode_number(fields: Any, shape: Shape, arguments: tuple[Any, ...]) -> int:
         bits = number >> check.low & (1 << check.width) - 1
         if not check.is_within(bits):
             raise _limit_error(shape, check, bits)
+    # A register can keep bits that belong to no field, at their places. Other unused bits are as in the manual.
     if shape.kept_mask is not None:
         number |= check_bits("unused", fields.unused, shape.kept_mask)
     elif shape.unused:
         number |= _encode_unused_bits(fields.unused, shape.unused)
     if shape.limited is not None:
         check_limits(shape.limited[0], getattr(fields, shape.limited[1]), fields.limits(*arguments))
+    # The parity covers the Gray code, and the CRC covers both.
     if shape.gray is not None:
         number = to_gray(number, *shape.gray, shape.excess)
     for check in shape.parities:

@@ -132,6 +132,7 @@ class _FunctionText:
     """
 
     def __init__(self, shape: Shape, fields: tuple[str, ...]) -> None:
+        # The name of each field's variable. The bits of all terms are joined by |, starting with the constant ones.
         self._fields = {name: f"field_{index}" for index, name in enumerate(fields)}
         self._conditions: list[str] = []
         self._terms: list[str] = [f"{shape.fixed:#x}"] if shape.fixed else []
