@@ -161,15 +161,15 @@ def compute_parity(chunk: Chunk, check: Check) -> Any:
     if len(fields) > 1:
         bits = np.bitwise_xor.reduce([field.astype(np.uint64) for field in fields])
     width = max(width for _, width in check.parity_of)
-    kind = bits.dtype.type
+    bits_type = bits.dtype.type
     if check.mask:
-        bits = bits & kind(check.mask & (1 << width) - 1)
+        bits = bits & bits_type(check.mask & (1 << width) - 1)
     # Fold the upper half of the bits onto the lower half until one bit is left.
     half = (1 << max(width - 1, 0).bit_length()) // 2
     while half:
-        bits = bits ^ bits >> kind(half)
+        bits = bits ^ bits >> bits_type(half)
         half //= 2
-    return bits & kind(1) ^ kind(check.odd)
+    return bits & bits_type(1) ^ bits_type(check.odd)
 
 
 def compare_crc(chunk: Chunk, crc: CrcOf) -> Any:

@@ -67,22 +67,23 @@ class Accesses:
     def feed(self, times: Any, cds: Any, cdm: Any) -> Iterator[Access]:
         """Yield the accesses that end in these cycles. Without a CDS bit (-1), a cycle was lost."""
         ones = np.flatnonzero(cdm)
-        place, count = 0, len(cdm)
-        while place < count:
+        cycle, count = 0, len(cdm)
+        while cycle < count:
             if self._is_free:
-                # Nothing happens until a bit is 1. ``following`` is its index in ``ones``.
-                following = np.searchsorted(ones, place)
-                if following == len(ones):
-                    self._zeros += count - place
+                # Nothing happens until a bit is 1. ``next_one`` is its index in ``ones``.
+                next_one = np.searchsorted(ones, cycle)
+                if next_one == len(ones):
+                    self._zeros += count - cycle
                     return
-                self._zeros += int(ones[following]) - place
-                place = int(ones[following])
+                self._zeros += int(ones[next_one]) - cycle
+                cycle = int(ones[next_one])
+                # A 1 after enough zeros is the S bit of a control frame.
                 if self._zeros >= ZEROS:
-                    self._begin_access(float(times[place]))
+                    self._begin_access(float(times[cycle]))
                 self._zeros = 0
             else:
-                yield from self._follow_cycle(int(cds[place]), int(cdm[place]))
-            place += 1
+                yield from self._follow_cycle(int(cds[cycle]), int(cdm[cycle]))
+            cycle += 1
 
     def finish(self) -> Iterator[Access]:
         """Yield the access that the end of the capture cuts off."""

@@ -186,7 +186,8 @@ class _CycleFinder:
         return None
 
     def _append(self, part: Edges) -> None:
-        """Append the edges of the next stretch of the capture."""
+        """Append the edges of the next stretch of the capture: those of the clock, then those of the data line."""
+        # Only the first stretch shows the levels at the beginning.
         if self._is_new:
             self._levels, self._begin = (part.levels[0], part.levels[1]), part.begin
             self._is_new = False

@@ -100,7 +100,7 @@ class ForEncoder(Coded):
         try:
             encode: Encode = fields[0].__dict__["_encoders"][self.__class__]
         except (AttributeError, KeyError):
-            # Raises an error if the first field is not an encoder.
+            # This class has not been encoded yet. Raises an error if the first field is not an encoder.
             encode = find_class_encoder(self)
             fields[0].__dict__.setdefault("_encoders", {})[self.__class__] = encode
         return encode
