@@ -79,6 +79,7 @@ IDS: Final = 8
 #: Number of registers that one control frame can reach: 00h to 3Fh or 40h to 7Fh.
 REGISTERS: Final = 64
 
+#: The bits R W S of a request as a word, in bits 16 to 14: 101 to read, 011 to write.
 _READS: Final = 0x00014000
 _WRITES: Final = 0x0000C000
 
@@ -116,8 +117,9 @@ def crc(value: int, bits: int) -> int:
         The CRC, 4 bits.
     """
     value, register = index(value), 0
-    for place in range(bits - 1, -1, -1):
-        feedback = (register >> 3 ^ value >> place) & 1
+    # The bits pass through a shift register of 4 bits, the highest bit first.
+    for bit in range(bits - 1, -1, -1):
+        feedback = (register >> 3 ^ value >> bit) & 1
         # The polynomial x^4 + x + 1 without its highest term is 0b0011.
         register = register << 1 & 0xF ^ feedback * 0x3
     # The CRC is sent inverted.
@@ -186,6 +188,7 @@ class Request:
             RangeError: The ID, the address or the value is out of range.
         """
         slave_id = check_width("slave_id", self.slave_id, 3)
+        # CTS, ID and ADR: 11 bits. The comment in decode() shows the whole word.
         head = 0x400 | slave_id << 7 | check_width("address", self.address, 7)
         access = _READS if self.value is None else _WRITES | encode_byte(self.value) << 2
         return head << 21 | crc(head, 11) << 17 | access
@@ -208,6 +211,10 @@ class Request:
         word = whole_number("word", word)
         if not 0 <= word < 1 << 32:
             raise LengthError(32, word.bit_length(), "bits")
+        # bit  31   30..28  27..21  20..17  16..14  13..6  5..2  1..0
+        #      CTS  ID      ADR     CRC     R W S   DATA   CRC   P and 0
+        #      `------- head ----'
+        # To read, bits 13 to 0 are all 0.
         head, received, access = word >> 21, word >> 17 & 0xF, word & (_READS | _WRITES)
         if received != crc(head, 11):
             raise CrcError(received, crc(head, 11))
@@ -224,21 +231,29 @@ class Request:
     def bits(self) -> tuple[int, ...]:
         """Return the CDM bits of the whole access, one for each BiSS frame, for a slave that is never busy."""
         word = self.encode()
-        return (0,) * ZEROS + (1,) + tuple(word >> place & 1 for place in range(31, -1, -1))
+        return (0,) * ZEROS + (1,) + tuple(word >> bit & 1 for bit in range(31, -1, -1))
 
     def _judge_echo(self, answers: int) -> Outcome:
         """Return the outcome of 18 answers, from IDL0 in bit 17 to W in bit 0. RUNNING if the slave participates."""
+        # With all answers 1, CDS never changes. With the IDL bit of the ID at 0, no slave has taken this ID.
         if answers == 0x3FFFF or not answers >> 17 - self.slave_id & 1:
             return Outcome.NO_ANSWER
+        # R and W, the last two answers:   accepted   refused (W inverted)
+        #                        to read   10         11
+        #                        to write  01         00
         expected = 0b10 if self.value is None else 0b01
         if answers & 0b11 == expected:
             return Outcome.RUNNING
         if answers & 0b11 == expected ^ 0b01:
             return Outcome.REFUSED
+        # Only a read gets here with 00.
         return Outcome.NO_ANSWER if answers & 0b11 == 0 else Outcome.BAD_ECHO
 
     def _judge_data(self, answers: int) -> tuple[Outcome, int | None]:
-        """Return the outcome of the 12 answers to DATA and CRC, and the byte that was read."""
+        """Return the outcome of the 12 answers to DATA and CRC, and the byte that was read, otherwise None.
+
+        A write is done if the slave has echoed the byte and its CRC.
+        """
         if self.value is not None:
             return (Outcome.DONE if answers == encode_byte(self.value) else Outcome.BAD_ECHO), None
         try:
@@ -282,6 +297,8 @@ class Answer:
         cds = whole_number("cds", cds)
         if not 0 <= cds < 1 << 32:
             raise LengthError(32, cds.bit_length(), "bits")
+        # bit  31..16   15  14  13  12..5  4..1  0
+        #      IDL0..15  R   W   S  DATA   CRC   P
         slaves = _count_slaves(cds >> 16)
         echo = request._judge_echo(cds >> 14)
         if echo is not Outcome.RUNNING:
@@ -294,6 +311,7 @@ class Answer:
 
 def _count_slaves(idl: int) -> int:
     """Return how many slaves have taken an ID, according to IDL0 (bit 15) to IDL15 (bit 0). 9 means more than 8."""
+    # Slaves take IDs from 0 on, so their number is that of the ones before the first 0.
     return min(9, 16 - (~idl & 0xFFFF).bit_length())
 
 
@@ -327,11 +345,16 @@ class Master:
         self.done = 0
         self.data = b""
         self._phase = _Phase.WAIT
+        #: One request for each register of the access.
         self._requests: tuple[Request, ...] = ()
+        #: Number of zeros that were sent since the last 1.
         self._zeros = 0
+        #: Number of CDS bits in ``_answers``, which are those of this phase, the last one in bit 0.
         self._bit_count = 0
+        #: Number of successive frames in which the slave was busy, and the allowed number.
         self._busy = 0
         self._busy_limit = 0
+        #: CDM bits of this phase, the first one highest: CTS to W, or a byte and its CRC.
         self._sending = 0
         self._answers = 0
 
@@ -382,6 +405,7 @@ class Master:
         self._phase = _Phase.WAIT
         self._requests = tuple(Request(slave_id, address + index, value) for index, value in enumerate(values))
         self._busy_limit = busy_limit
+        # The highest 17 of 32 bits: CTS to W.
         self._sending = head >> 15
 
     def abort(self) -> None:
@@ -408,6 +432,7 @@ class Master:
         elif self._phase is _Phase.BYTE:
             cdm = self._follow_byte(cds)
         else:
+            # Outside a control frame, zeros are sent. After enough of them, S = 1 starts the access.
             cdm = int(self.outcome is Outcome.RUNNING and self._zeros >= ZEROS)
             if cdm:
                 self._phase = _Phase.HEADER
@@ -415,6 +440,7 @@ class Master:
         return cdm
 
     def _end(self, outcome: Outcome) -> int:
+        """End the access with this outcome. Return the CDM bit 0, which ends the control frame."""
         self.outcome = outcome
         self._phase = _Phase.WAIT
         return 0
@@ -424,6 +450,7 @@ class Master:
         self._answers = self._answers << 1 | cds
         self._bit_count += 1
         if self._bit_count <= HEADER_BITS:
+            # The first call, with one answer, returns CTS, the highest bit.
             return self._sending >> HEADER_BITS - self._bit_count & 1
         self.slaves = _count_slaves(self._answers >> 2)
         echo = self._requests[0]._judge_echo(self._answers)
@@ -432,13 +459,16 @@ class Master:
         return self._look_up_register()
 
     def _look_up_register(self) -> int:
-        """Begin step 4."""
+        """Begin step 4: return S = 1, which asks the slave to look up a register."""
         self._phase = _Phase.START
         self._busy = 0
         return 1
 
     def _start(self, cds: int) -> int:
-        """Return the bit of step 4: S until it is answered, and then DATA7."""
+        """Return the CDM bit of step 4: S = 1 until the slave answers 1, and then DATA7.
+
+        An answer of 0 means that the slave is busy. After ``_busy_limit`` of them, the access ends.
+        """
         if not cds:
             if self._busy >= self._busy_limit:
                 return self._end(Outcome.BUSY)
@@ -453,6 +483,7 @@ class Master:
     def _follow_byte(self, cds: int) -> int:
         """Return the bits of steps 5 to 7: the rest of DATA and CRC, P, and S if a register follows."""
         if self._bit_count == BYTE_BITS:
+            # This answer is that to P: 1 refuses the next register.
             return self._end(Outcome.REFUSED) if cds else self._look_up_register()
         self._answers = self._answers << 1 | cds
         self._bit_count += 1
@@ -534,7 +565,7 @@ class RegisterBus:
         self._finish_access(address)
 
     def _finish_access(self, address: int) -> None:
-        """End the access with its outcome."""
+        """Carry out BiSS frames until the access ends. Raises AccessError if it fails."""
         while self._master.outcome is Outcome.RUNNING:
             received = self._exchange(self._cdm)
             self._cdm = self._master.next(received[0] if isinstance(received, tuple) else received)
@@ -566,11 +597,17 @@ class Slave:
         self.value = 0
         self.slave_id: int | None = None
         self._phase = _Phase.WAIT
+        #: True once this slave has taken an IDL bit.
         self._locked = False
+        #: True if the access is a write.
         self._writes = False
+        #: Byte to read and its CRC. None for a write, or until ``give`` is called.
         self._byte_to_send: int | None = None
+        #: Address of the register that is read or written next.
         self._current = 0
+        #: Number of zeros that were received since the last 1.
         self._zeros = 0
+        #: Number of CDM bits in ``_received``, which are those of this phase, the last one in bit 0.
         self._bit_count = 0
         self._received = 0
 
@@ -627,26 +664,35 @@ class Slave:
         return self._current in (self.writable if self._writes else self.readable)
 
     def _fetch(self) -> None:
-        """Request the byte from the current register, unless a previous write has not been stored yet."""
+        """In a read, request the byte of the current register.
+
+        Nothing is requested if the byte is known already, or while an earlier value is not stored.
+        """
         if not self._writes and self._byte_to_send is None and self.wants is Wants.NOTHING:
             self.wants = Wants.BYTE
             self.address = self._current
 
     def _leave(self, cds: int) -> int:
-        """Leave the control frame, because the rest of it is not for this slave."""
+        """Leave the control frame, because the rest of it is not for this slave. Return ``cds``.
+
+        The program need not fulfil a request for a byte any more, but a value that was received is still stored.
+        """
         self._phase = _Phase.WAIT
         if self.wants is Wants.BYTE:
             self.wants = Wants.NOTHING
         return cds
 
     def _await_start(self) -> None:
-        """Fetch the current register, after W or P, and wait for S."""
+        """Request the byte of the current register in a read, after W or P, and wait for S."""
         self._phase = _Phase.START
         self._byte_to_send = None
         self._fetch()
 
     def _take_id(self, upstream: int) -> int:
-        """Take the first IDL bit that no slave further from the master has taken."""
+        """Return the CDS bit of an IDL bit: 1 to take it as the ID, otherwise the bit that arrives at SLI.
+
+        A slave takes the first IDL bit that no slave further from the master has taken.
+        """
         if upstream or self._locked or self._bit_count > IDS:
             return upstream
         self._locked = True
@@ -655,13 +701,14 @@ class Slave:
         return 1
 
     def _follow_header(self, cdm: int, upstream: int) -> int:
-        """Return the answers of steps 2 and 3, after S."""
+        """Return the answer of steps 2 and 3 to a bit: first the IDL bits up to the CRC, then R and W."""
         self._received = self._received << 1 | cdm
         self._bit_count += 1
         if self._bit_count <= ADDRESS_BITS:
             cds = self._take_id(upstream)
             if self._bit_count < ADDRESS_BITS:
                 return cds
+            # All 15 bits are here: CTS, ID and ADR, then the CRC. Other slaves and commands are not for this slave.
             head, received = self._received >> 4, self._received & 0xF
             if not head >> 10 or received != crc(head, 11) or head >> 7 & 0x7 != self.slave_id:
                 return self._leave(cds)
@@ -679,7 +726,7 @@ class Slave:
         return cdm
 
     def _start(self, cdm: int, upstream: int) -> int:
-        """Return the result of step 4: S once every request is fulfilled."""
+        """Return the answer of step 4 to S: 1 once every request is fulfilled, 0 while the slave is busy."""
         if not cdm:
             return self._leave(upstream)
         self._fetch()
@@ -690,13 +737,18 @@ class Slave:
         return 1
 
     def _follow_byte(self, cdm: int) -> int:
-        """Return the answers of steps 5 and 6: the byte, then P."""
+        """Return the answer of steps 5 and 6 to a bit.
+
+        In a read, it is a bit of the byte and its CRC, in a write the received bit. Then P is 1 to refuse the next
+        register.
+        """
         self._received = self._received << 1 | cdm
         self._bit_count += 1
         if self._bit_count > BYTE_BITS:
-            last = self._current & 0x3F == 0x3F
-            self._current += not last
-            if cdm or last or not self._is_allowed():
+            # This bit is P. A control frame cannot go beyond 3Fh or 7Fh.
+            is_last = self._current & 0x3F == 0x3F
+            self._current += not is_last
+            if cdm or is_last or not self._is_allowed():
                 return self._leave(1)
             self._await_start()
             return 0

@@ -18,6 +18,7 @@ def why(encoder: Sender, frame: object) -> tuple[str, ...]:
     in 1 of 64 cases, and in most cases there is a bit whose inversion makes it correct. Check several frames, and look
     for the mistake that explains all of them.
     """
+    # Without a CRC or another check, every frame is valid, so nothing can be concluded.
     can_be_invalid = _can_be_invalid(encoder)
     if dead_line := _explain_dead_line(encoder, frame, can_be_invalid):
         return (dead_line,)
@@ -28,9 +29,10 @@ def why(encoder: Sender, frame: object) -> tuple[str, ...]:
 
 
 def hint(encoder: Sender, frame: object) -> str:
-    """Return the result of ``why`` as one sentence."""
+    """Return the result of ``why`` as one sentence, or an empty string."""
     changes = why(encoder, frame)
     if changes and _explain_dead_line(encoder, frame, _can_be_invalid(encoder)):
+        # The description of a dead line is a sentence already. Only its first letter changes.
         return changes[0][0].upper() + changes[0][1:]
     return f"The frame would be valid {'; or '.join(changes)}" if changes else ""
 
@@ -40,7 +42,10 @@ _LEAST_BITS: Final = 12
 
 
 def _explain_dead_line(encoder: Sender, frame: object, has_crc: bool) -> str:
-    """Return the description of a dead line, or an empty string if the line changes."""
+    """Return the description of a dead line, or an empty string if the line changes.
+
+    On a dead line nothing is received, or at least 12 bits that are all equal.
+    """
     received = _convert_to_number(frame, _count_frame_bits(encoder))
     if received is None:
         return ""
@@ -52,13 +57,13 @@ def _explain_dead_line(encoder: Sender, frame: object, has_crc: bool) -> str:
     level = 1 if number else 0
     if not has_crc:
         return f"every bit is {level}. A dead line looks the same, and there is no CRC to distinguish it"
-    cause = "a broken wire" if level else "a short circuit"
+    likely_cause = "a broken wire" if level else "a short circuit"
     other_wires = "wires A and B" if encoder.interface is Interface.RS485 else "the clock"
-    return f"every bit is {level}: the line never changes. Check for {cause}, the supply and {other_wires}"
+    return f"every bit is {level}: the line never changes. Check for {likely_cause}, the supply and {other_wires}"
 
 
 def _convert_to_number(frame: object, frame_bits: int) -> tuple[int, int] | None:
-    """Return a frame as a number, and its length. None if it is not one, such as a text of other digits.
+    """Return a frame as a number, and its length in bits. None if it is not one, such as a text of other digits.
 
     A number without its length has at least ``frame_bits`` bits.
     """
@@ -77,7 +82,10 @@ def _convert_to_number(frame: object, frame_bits: int) -> tuple[int, int] | None
 
 
 def _can_be_invalid(encoder: Sender) -> bool:
-    """Return whether some frames of the right length are invalid. If all are valid, a valid frame proves nothing."""
+    """Return whether some frames of the right length are invalid. If all are valid, a valid frame proves nothing.
+
+    Three frames are tried: 0, 1, and all bits 1. Frames of bytes, and of unknown length, are assumed to have a check.
+    """
     bits = _count_frame_bits(encoder)
     return not bits or not all(_is_valid(encoder.decode, word) for word in (0, 1, (1 << bits) - 1))
 
@@ -102,8 +110,9 @@ def _try_changes(encoder: Sender, frame: object) -> Iterator[tuple[str, object]]
 
 
 def _try_changed_bytes(encoder: Sender, data: bytes) -> Iterator[tuple[str, object]]:
-    """Yield the mistakes that could have changed a frame of bytes."""
+    """Yield each mistake that could have changed a frame of bytes in words, with the frame without this mistake."""
     number = int.from_bytes(data, "big")
+    # Bit 0 of the number is bit 0 of the last byte.
     flipped_frames = ((number ^ 1 << bit).to_bytes(len(data), "big") for bit in range(8 * len(data)))
     yield from _try_flipped_bits(
         encoder, flipped_frames, lambda bit: f"bit {bit % 8} of byte {len(data) - 1 - bit // 8}"
@@ -118,7 +127,7 @@ def _try_changed_bytes(encoder: Sender, data: bytes) -> Iterator[tuple[str, obje
 
 
 def _try_changed_words(encoder: Sender, frame: int, bits: int) -> Iterator[tuple[str, object]]:
-    """Yield the mistakes that could have changed a frame of bits."""
+    """Yield each mistake that could have changed a frame of bits in words, with the frame without this mistake."""
     highest = (1 << bits) - 1
     if frame <= highest:
         yield from _try_flipped_bits(encoder, (frame ^ 1 << bit for bit in range(bits)), lambda bit: f"bit {bit}")
@@ -139,10 +148,14 @@ def _try_changed_words(encoder: Sender, frame: int, bits: int) -> Iterator[tuple
 def _try_flipped_bits(
     encoder: Sender, flipped_frames: Iterable[object], name_of_bit: Callable[[int], str]
 ) -> Iterator[tuple[str, object]]:
-    """Yield a frame that becomes valid when one bit is inverted. The bit is named if only one is possible."""
+    """Yield a frame that is valid with one bit inverted, if there is one. The bit is named if only one is possible.
+
+    ``flipped_frames`` are the frames with bit 0, 1, … inverted, and ``name_of_bit`` returns the name of a bit.
+    """
     decode = encoder.decode
     valid_flips = [(bit, flipped) for bit, flipped in enumerate(flipped_frames) if _is_valid(decode, flipped)]
     if valid_flips:
+        # All of them are valid, so the first one is as good as any.
         bit, frame = valid_flips[0]
         bit_text = name_of_bit(bit) if len(valid_flips) == 1 else f"one of {len(valid_flips)} bits"
         yield f"with {bit_text} inverted: a disturbed bit if only some frames fail", frame

@@ -35,6 +35,7 @@ def by_class(kind: type[_Kind]) -> type[_Kind]:
     """Make objects of ``kind`` equal only to those of the same class, unlike a plain NamedTuple."""
 
     def equals(self: tuple[object, ...], other: object) -> object:
+        """Compare the items if the classes are the same. No other tuple is equal."""
         if self.__class__ is other.__class__:
             return _TUPLE.__eq__(self, other)
         return False if isinstance(other, tuple) else NotImplemented
@@ -95,7 +96,10 @@ def shorten(value: object) -> str:
 
 
 def require_answer(kind: type[_Answer], answer: _Answer | None) -> _Answer:
-    """Return the answer to a question that the manual leaves open. Raises TypeError unless it is a ``kind``."""
+    """Return ``answer``, which answers a question that the manual leaves open.
+
+    ``kind`` is the enumeration of the answers. Raises TypeError unless ``answer`` is one of them.
+    """
     if not isinstance(answer, kind):
         raise wrong_answer_error(kind, answer)
     return answer
@@ -136,10 +140,11 @@ def as_word(frame: Word, length: int, bits: int | None) -> int:
         # Underscores and spaces between digits are accepted: they make long frames readable.
         text = frame.strip().removeprefix("0b").replace("_", "").replace(" ", "")
         if set(text) - {"0", "1"}:
-            part = frame if len(frame) <= 80 else f"{frame[:80]}..."
-            raise RangeError("the frame", part, "a string of 0 and 1 (for hexadecimal text, use int(text, 16))")
+            shortened = frame if len(frame) <= 80 else f"{frame[:80]}..."
+            raise RangeError("the frame", shortened, "a string of 0 and 1 (for hexadecimal text, use int(text, 16))")
         if bits is not None and bits != len(text):
             raise LengthError(bits, len(text), "bits")
+        # From here on, the frame is a number. A text also shows how many bits were received.
         frame, bits = int(text or "0", 2), len(text)
     elif isinstance(frame, (bytes, bytearray, memoryview)):
         # As in files: as few bytes as possible, padded with zeros in front.
@@ -158,7 +163,7 @@ def too_long_error(word: int, length: int) -> FrameError:
 
 
 def as_bytes(data: Data) -> bytes:
-    """Return a frame or register as bytes. Only one-dimensional buffers of single bytes are accepted."""
+    """Return a frame or register as bytes. Raises TypeError unless it is a one-dimensional buffer of single bytes."""
     if isinstance(data, bytes):
         return data
     try:
@@ -180,6 +185,7 @@ def assert_never(kind: NoReturn) -> NoReturn:
 def check_width(field: str, value: SupportsIndex, bits: int) -> int:
     """Return ``value`` as an int. Raises RangeError unless it fits into ``bits`` bits."""
     number = value if type(value) is int else whole_number(field, value)
+    # A negative number keeps its sign when it is shifted, so it is not 0 either.
     if number >> bits:
         raise RangeError(field, number, f"0 to {(1 << bits) - 1}")
     return number
@@ -193,6 +199,7 @@ def check_flag(field: str, value: object) -> bool:
     """Return ``value`` as a bool. The numbers 0 and 1 are accepted, and so are the bools of NumPy."""
     if type(value) is bool:
         return value
+    # The bools of NumPy are not integers.
     if getattr(getattr(value, "dtype", None), "kind", "") == "b":
         return bool(value)
     try:
@@ -223,6 +230,7 @@ def check_limits(field: str, value: SupportsIndex, limits: tuple[int, int]) -> i
 def check_signed(field: str, value: SupportsIndex, bits: int) -> int:
     """Return ``value`` as an int. Raises RangeError unless it fits into ``bits`` bits as two's complement."""
     number = value if type(value) is int else whole_number(field, value)
+    # Without bits, only 0 fits.
     top = 1 << bits >> 1
     if not -top <= number < max(top, 1):
         raise RangeError(field, number, f"{-top} to {top - 1}")
@@ -232,12 +240,13 @@ def check_signed(field: str, value: SupportsIndex, bits: int) -> int:
 def check_power_of_two(field: str, value: SupportsIndex) -> None:
     """Raise RangeError unless ``value`` is a power of two."""
     number = whole_number(field, value)
+    # A power of two has a single bit, which subtracting 1 clears.
     if number < 1 or number & (number - 1):
         raise RangeError(field, number, "a power of two")
 
 
 def as_member(kind: type[_Choice], field: str, value: SupportsIndex) -> _Choice:
-    """Return ``value`` as a member of ``kind``."""
+    """Return ``value`` as a member of ``kind``. Raises RangeError unless it is the number of one."""
     number = value if type(value) is int else whole_number(field, value)
     try:
         return kind(number)
@@ -248,11 +257,13 @@ def as_member(kind: type[_Choice], field: str, value: SupportsIndex) -> _Choice:
 def text_number(field: str, text: str, length: int) -> int:
     """Return ``length`` characters as one number, with the first one most significant.
 
-    Latin-1 has a character for each byte, so every decoded text can be encoded again.
+    Latin-1 has a character for each byte, so every decoded text can be encoded again. Raises RangeError for another
+    length or other characters.
     """
     try:
         data = text.encode("latin-1")
     except UnicodeEncodeError:
+        # It has the wrong length, so the error below follows.
         data = b""
     if len(data) != length:
         raise RangeError(field, text, f"{length} Latin-1 characters")
@@ -265,7 +276,11 @@ def signed(value: int, bits: int) -> int:
 
 
 def zero_for(field: str, value: SupportsIndex, zero_means: int, bits: int) -> int:
-    """Return the bits for ``value`` in a field where 0 means ``zero_means``."""
+    """Return the bits for ``value`` in a field where 0 means ``zero_means``: with 16, the value 16 becomes 0.
+
+    Raises:
+        RangeError: ``value`` is 0, or does not fit into ``bits`` bits.
+    """
     number = whole_number(field, value)
     if number == 0:
         raise RangeError(field, number, f"1 to {zero_means}")
@@ -301,6 +316,7 @@ def unwrap(
     """
     limits = (lowest, modulus - 1 if highest is None else highest)
     previous, position = whole_number("previous", previous), check_limits("position", position, limits)
+    # The difference modulo ``modulus`` is moved to minus half to half of it, which is the nearest count.
     return previous + (position - previous + modulus // 2) % modulus - modulus // 2
 
 
@@ -340,12 +356,17 @@ class PositionRange(NamedTuple):
 def crc_of_bits(
     number: SupportsIndex, bits: int, *, width: int, poly: int, init: int, refout: bool, xorout: int
 ) -> int:
-    """Return the CRC over ``bits`` bits of ``number``, most significant first."""
+    """Return the CRC over ``bits`` bits of ``number``, most significant first.
+
+    ``poly`` is the polynomial without its highest term, and ``init`` the start value. ``refout`` reverses the bits of
+    the CRC, and ``xorout`` inverts some of them.
+    """
     number = check_width("number", number, bits)
     top, mask = 1 << (width - 1), (1 << width) - 1
     register = init
-    for place in range(bits - 1, -1, -1):
-        feedback = bool(register & top) != bool(number >> place & 1)
+    for bit in range(bits - 1, -1, -1):
+        # The highest bit of the register that is shifted out, XORed with the next bit of the number.
+        feedback = bool(register & top) != bool(number >> bit & 1)
         register = register << 1 & mask
         if feedback:
             register ^= poly
@@ -353,7 +374,10 @@ def crc_of_bits(
 
 
 def crc_of_bytes(data: Data, *, width: int, poly: int, init: int, refin: bool, refout: bool, xorout: int) -> int:
-    """Return the CRC over whole bytes, each least significant bit first if ``refin`` is set."""
+    """Return the CRC over whole bytes, each least significant bit first if ``refin`` is set.
+
+    See ``crc_of_bits`` for the other arguments.
+    """
     data, number = as_bytes(data), 0
     for byte in data:
         number = number << 8 | (_reverse_bits(byte, 8) if refin else byte)
@@ -387,13 +411,17 @@ def make_crc_tables(
     for low in range(0, 16 * count, 16):
         # The CRC of the word 0 is in one table only.
         first = zero_crc if low == 0 else 0
+        # An entry of at most 8 bits fits into a byte.
         table_of = _make_byte_table if width <= 8 else _make_table
         tables.append(table_of(first, changes[low : low + 16]))
     return tuple(tables)
 
 
 def _make_table(first: int, changes: Sequence[int]) -> Sequence[int]:
-    """Return the differences of all numbers, which double with each bit."""
+    """Return a table with an entry for each number: ``first``, XORed with the change of each bit that is 1.
+
+    Each bit doubles the table: its second half has the entries with this bit set.
+    """
     table = [first]
     for change in changes:
         table += [difference ^ change for difference in table]
@@ -401,7 +429,7 @@ def _make_table(first: int, changes: Sequence[int]) -> Sequence[int]:
 
 
 def _make_byte_table(first: int, changes: Sequence[int]) -> Sequence[int]:
-    """Return the same table as bytes, which take less memory."""
+    """Return the table of ``_make_table`` as bytes, which take less memory."""
     table = bytes([first])
     for change in changes:
         table += table.translate(bytes(byte ^ change for byte in range(256)))

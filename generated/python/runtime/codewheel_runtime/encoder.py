@@ -139,6 +139,7 @@ class Encoder:
             expected = ", ".join(self._parameters)
             unmatched = ", ".join(sorted(parameters.keys() ^ set(self._parameters)))
             raise TypeError(f"{type(self).__name__} takes {expected}; missing or unknown: {unmatched}")
+        # Encoders are immutable: setting an attribute would raise an error.
         self.__dict__.update(
             parameters,
             code=code,
@@ -151,6 +152,7 @@ class Encoder:
         )
 
     def __init_subclass__(cls, **keywords: Any) -> None:
+        """Replace the methods that decode frames by ``_BoundDecoder`` in a class that can make a decoder."""
         super().__init_subclass__(**keywords)
         if "_get_decoder" in vars(cls):
             for name in ("decode", "try_decode"):
@@ -300,10 +302,12 @@ class _BoundDecoder:
         self.__doc__ = method.__doc__
 
     def __get__(self, encoder: Any, kind: object = None) -> Any:
+        """Return the decoder of an encoder, or the method itself if it is accessed on the class."""
         if encoder is None:
             return self._method
         decode = encoder._get_decoder(raise_frame_error if self._name == "decode" else return_frame_error)
         decode.__doc__ = self._method.__doc__
+        # Later accesses find it there, before this descriptor.
         encoder.__dict__[self._name] = decode
         return decode
 
@@ -314,7 +318,11 @@ def _restore(kind: type[_Same], state: dict[str, Any]) -> _Same:
 
 
 def load_fact(module: str, name: str) -> object:
-    """Return a table of facts of a module. The first access loads all tables."""
+    """Return a table of facts of a family's module, which is in ``facts`` of its package. Their names are in capitals.
+
+    Raises:
+        AttributeError: There is no such table.
+    """
     package, _, family = module.rpartition(".")
     facts = import_module(f"{package}.facts.{family}") if name.isupper() else None
     if facts is None or name not in vars(facts):
@@ -337,6 +345,7 @@ def look_up(label: str, variants: Mapping[str, _Same], module: str) -> _Same:
     text = check_label(label)
     if text in variants:
         return variants[text]
+    # The label is not a listed code. It can have a tail, a suffix, unlisted values or another spelling.
     codes = {code: variant.parts for code, variant in variants.items()}
     family = next(iter(variants.values())).family
     parsed_label = cast(OrderCode, load_fact(module, "ORDER_CODE")).read(text, family.name.upper(), codes)
@@ -359,7 +368,11 @@ def wrong_encoder_error(
     interface: Interface,
     procedures: _Procedures = _NO_PROCEDURES,
 ) -> Exception:
-    """Return the error for an encoder that belongs to another family or does not have the interface ``interface``."""
+    """Return the error for an encoder that belongs to another family or does not have the interface ``interface``.
+
+    It is a TypeError if ``variant`` is not an encoder. ``kind`` is the class of all encoders of the family. For
+    ``procedures``, see ``check_encoder``.
+    """
     if isinstance(variant, kind):
         variant_interface = variant.interface
         instead = (
@@ -388,12 +401,16 @@ def check_encoder(
 
 
 def raise_frame_error(error: Exception, frame: object, encoder: Encoder) -> NoReturn:
-    """Raise the error of an encoder."""
+    """Raise an error with the frame and the encoder. This is the handler of ``decode``."""
     raise _find_encoder(error, frame, encoder)
 
 
 def _return_frame_error(error: Exception, frame: object, encoder: Encoder) -> Exception:
-    """Return the error of an encoder. Raises TypeError if the frame does not have the right type."""
+    """Return a frame error with the frame and the encoder. This is the handler of ``try_decode``.
+
+    Raises:
+        TypeError: The error is not a frame error, because the frame does not have the right type.
+    """
     error = _find_encoder(error, frame, encoder)
     if isinstance(error, FrameError):
         return error
@@ -404,7 +421,7 @@ return_frame_error: ErrorHandler = cast(ErrorHandler, _return_frame_error)
 
 
 def _find_encoder(error: Exception, frame: object, encoder: Encoder) -> Exception:
-    """Return the error with the frame and the encoder."""
+    """Return a frame error after the frame and the encoder are added to it. Others become a TypeError with the code."""
     if isinstance(error, FrameError):
         error.add(frame, encoder)
         return error

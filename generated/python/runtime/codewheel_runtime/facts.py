@@ -161,6 +161,8 @@ class Scale(NamedTuple):
     @property
     def places(self) -> int:
         """Number of decimals: as many as exact decimals need, otherwise enough for a tenth of a count."""
+        # Decimals end if the reduced denominator divides a power of ten, at the latest with as many decimals as it
+        # has bits.
         reduced = self.denominator // gcd(self.numerator, self.offset, self.denominator)
         for places in range(reduced.bit_length()):
             if 10**places % reduced == 0:
@@ -175,6 +177,7 @@ class Scale(NamedTuple):
         from decimal import Decimal
 
         counts = number * self.numerator + self.offset
+        # Rounded to the nearest number of units of the last decimal: adding half of the denominator, then dividing.
         size = (2 * abs(counts) * 10**self.places + self.denominator) // (2 * self.denominator)
         # Arithmetic with decimals would round to the precision of the context.
         return Decimal(f"{'-' if counts < 0 and size else ''}{size}E-{self.places}")

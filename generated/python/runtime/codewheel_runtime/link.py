@@ -159,10 +159,11 @@ class Link:
 
     def receive(self, length: int, /) -> bytes:
         """Return ``length`` bytes, or fewer after a time-out."""
-        data, end = b"", monotonic() + self.session.timeout_s
+        data, deadline = b"", monotonic() + self.session.timeout_s
+        # After the time-out, ``read`` returns what has arrived, without a wait. If that is nothing, the loop ends.
         with self.lock:
-            while len(data) < length and (more := self.transport.read(max(0.0, end - monotonic()))):
-                data += more
+            while len(data) < length and (further_bytes := self.transport.read(max(0.0, deadline - monotonic()))):
+                data += further_bytes
         return data
 
     def close(self) -> None:
@@ -178,7 +179,12 @@ class Link:
         self.close()
 
     def _carry_out(self, work: Work[_Result]) -> _Result:
-        """Carry out a task of the session: send its requests, and pass the received bytes on."""
+        """Carry out a task of the session: send its requests, and pass the received bytes on. Return its result.
+
+        Raises:
+            PortError: The transport failed.
+            LinkError: The session raised it.
+        """
         with self.lock:
             try:
                 ask = next(work)
@@ -187,6 +193,7 @@ class Link:
                         self.transport.write(ask.send)
                     ask = work.send(self.transport.read(ask.wait_s))
             except StopIteration as done:
+                # A generator returns its result in this exception.
                 result: _Result = done.value
                 return result
             except OSError as error:
@@ -245,6 +252,7 @@ class SerialTransport:
             return first + bytes(self._port.read(self._port.in_waiting)) if first else b""
         from select import select
 
+        # Without a wait (timeout=0), the port returns at most this many bytes that have arrived.
         return bytes(self._port.read(4096)) if select([handle], [], [], timeout_s)[0] else b""
 
     def close(self) -> None:
@@ -354,7 +362,7 @@ class Ports:
 
 
 def _cannot_open_error(port: str, error: Exception) -> str:
-    """Return the error for a port that cannot be opened."""
+    """Return the message for a port that cannot be opened. It lists the ports of this computer."""
     number = getattr(error, "errno", None)
     if number in (errno.EAGAIN, errno.EBUSY):
         return f"cannot open {port}: another program, or another link of this program, has it open"

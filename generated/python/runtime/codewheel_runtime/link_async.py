@@ -130,6 +130,7 @@ class AsyncLink:
 
     async def close(self) -> None:
         """Close the transport, if it can be closed."""
+        # A transport can have a function or a coroutine ``close``, or none.
         done = getattr(self.transport, "close", lambda: None)()
         if isawaitable(done):
             await done
@@ -141,7 +142,12 @@ class AsyncLink:
         await self.close()
 
     async def _carry_out(self, work: Work[_Result]) -> _Result:
-        """Carry out a task of the session: send its requests, and pass the received bytes on."""
+        """Carry out a task of the session: send its requests, and pass the received bytes on. Return its result.
+
+        Raises:
+            PortError: The transport failed.
+            LinkError: The session raised it.
+        """
         async with self._lock:
             try:
                 ask = next(work)
@@ -150,6 +156,7 @@ class AsyncLink:
                         await self.transport.write(ask.send)
                     ask = work.send(await self.transport.read(ask.wait_s))
             except StopIteration as done:
+                # A generator returns its result in this exception.
                 result: _Result = done.value
                 return result
             except OSError as error:
@@ -177,6 +184,7 @@ def open_async(
         InterfaceError: The encoder has a different interface.
         PortError: The port cannot be opened, or pyserial is not installed.
     """
+    # The result is not used. It raises InterfaceError before a port is opened.
     Session(encoder)
     line = ThreadTransport(serial_transport(port, encoder))
     return AsyncLink(encoder, line, timeout_s=timeout_s, retries=retries, settle_s=settle_s)

@@ -51,6 +51,7 @@ class Rotary(Encoder):
 
     def _find_limits(self) -> tuple[int, int] | None:
         """Return the lowest and the highest position in any frame, or None if the manual does not give them."""
+        # If the ranges of frames do not differ, there is one for all, and the name of the frame does not matter.
         try:
             ranges = [*self._position_ranges().values()] or [self._range_in("")]
         except ValueError:

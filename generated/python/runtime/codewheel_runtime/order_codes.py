@@ -12,7 +12,9 @@ from .reports import ReadOnly
 #: Highest number of characters in a label.
 LONGEST = 100
 
+#: Name of a part in a pattern, such as ``{bits}``.
 _BRACES = re.compile(r"\{([a-z][a-z0-9_]*)\}")
+#: Text that may follow a code: a tail after ``-``, and a suffix ``/Sxxx``.
 _AFTER = "(?P<tail_>-.*?)?(?P<special_>/S[A-Z0-9]+)?"
 _ALL_GO_WITH_IT: ReadOnly[tuple[str, ...]] = ReadOnly({})
 
@@ -93,7 +95,7 @@ class Spelling(NamedTuple):
     source: str = ""
 
     def listed_text(self, part: str, text: str) -> str:
-        """Return the text of a part in the usual spelling."""
+        """Return the text of a part in the usual spelling. Texts that are spelled alike are returned unchanged."""
         for spelled in self.values:
             if spelled.part == part and spelled.text.upper() == text.upper():
                 return spelled.value
@@ -103,9 +105,11 @@ class Spelling(NamedTuple):
 class Label(NamedTuple):
     """Label split into its parts.
 
-    ``listed`` contains the parts of the listed code used in place of the label. A value that the manual does not list
-    is replaced by the first listed value that can be combined with the others. ``special`` is the ``/Sxxx`` suffix of
-    the label. ``written_as_in`` is the document that uses the label's spelling, if it is not the usual one.
+    ``code`` and ``parts`` are those of the label in the usual spelling. ``listed`` contains the parts of the listed
+    code used in place of the label. A value that the manual does not list is replaced by the first listed value that
+    can be combined with the others. ``unlisted`` are the names of these parts. ``tail`` is the text that follows the
+    code, from its ``-`` on, and ``special`` the ``/Sxxx`` suffix of the label. ``written_as_in`` is the document that
+    uses the label's spelling, if it is not the usual one.
     """
 
     code: str
@@ -166,7 +170,18 @@ class OrderCode(NamedTuple):
     def _make_label(
         self, text: str, match: re.Match[str], texts: Mapping[str, str], codes: Mapping[str, tuple[str, ...]]
     ) -> Label:
-        """Return the label with these texts of its parts."""
+        """Return the label with these texts of its parts.
+
+        Args:
+            text: The label.
+            match: Match of the expression for the code, which has the tail and the suffix.
+            texts: Text of each part, by its name.
+            codes: Listed order codes with their parts.
+
+        Raises:
+            OrderCodeError: No listed code has these values together.
+        """
+        # The listed value of each part, or None if the manual does not list it.
         listed_values = {part.name: _find_listed(part, texts[part.name]) for part in self.parts}
         unlisted = tuple(name for name, value in listed_values.items() if value is None)
         part_texts = {name: value or texts[name] for name, value in listed_values.items()}
@@ -185,7 +200,10 @@ class OrderCode(NamedTuple):
     def _find_fitting_code(
         self, listed_values: Mapping[str, str | None], codes: Mapping[str, tuple[str, ...]]
     ) -> tuple[str, ...] | None:
-        """Return the parts of the first listed code with these values. None represents an unlisted value."""
+        """Return the parts of the first listed code with these values, or None if there is none.
+
+        A value of None is unlisted. Any value of the code fits it, if it can be combined with the other values.
+        """
         names = [part.name for part in self.parts]
         for values in codes.values():
             values_by_part = dict(zip(names, values, strict=False))
@@ -202,7 +220,10 @@ class OrderCode(NamedTuple):
         listed_values: Mapping[str, str | None],
         codes: Mapping[str, tuple[str, ...]],
     ) -> OrderCodeError:
-        """Return the error for valid parts that cannot be combined. It names the parts to change."""
+        """Return the error for valid parts that cannot be combined.
+
+        It names each part of which another listed value would make a listed code.
+        """
         names: list[str] = []
         for part in self.parts:
             replacements = ({**listed_values, part.name: value.text} for value in part.values)
@@ -213,14 +234,20 @@ class OrderCode(NamedTuple):
         return OrderCodeError(text, first_name, f"has {listed}, which cannot be combined", find_nearest(codes, text))
 
     def _make_expression(self, any_for: str = "") -> str:
-        """Return a regular expression for the whole code, with any text allowed for the part ``any_for``."""
+        """Return a regular expression for the whole code, with a named group for each part.
+
+        The part with the name ``any_for`` may have any text, also none.
+        """
         expressions = {part.name: _match_values(part) for part in self.parts}
         if any_for:
             expressions[any_for] = "[A-Z0-9]*"
         return _join_pattern(self.pattern, expressions)
 
     def _make_spelling_expression(self, spelling: Spelling) -> str:
-        """Return a regular expression for the whole code in another spelling."""
+        """Return a regular expression for the whole code in another spelling, with a named group for each part.
+
+        Parts without spelled values are as in the usual spelling.
+        """
         expressions = {part.name: _match_values(part) for part in self.parts}
         for name in {spelled.part for spelled in spelling.values}:
             expressions[name] = _match_any(spelled.text for spelled in spelling.values if spelled.part == name)
@@ -228,7 +255,12 @@ class OrderCode(NamedTuple):
         return _join_pattern(spelling.pattern, expressions) + then
 
     def _unknown_code_error(self, text: str, family: str, codes: Mapping[str, tuple[str, ...]]) -> OrderCodeError:
-        """Return the error for a text that is not an order code. It names the wrong part."""
+        """Return the error for a text that is not an order code.
+
+        It names the wrong part: with any text for this part, the label would be an order code. If there is no such
+        part, the message names none.
+        """
+        # Number of other parts with an unlisted value, the part, and its text in the label.
         candidates: list[tuple[int, Part, str]] = []
         for part in self.parts:
             match = re.fullmatch(f"{self._make_expression(part.name)}{_AFTER}", text, re.IGNORECASE)
@@ -267,13 +299,17 @@ def find_nearest(codes: Iterable[str], text: str) -> tuple[str, ...]:
     pieces = text.upper().split("-")
 
     def likeness(code: str) -> float:
+        """Return the similarity of a code, from 0 to 1, to as many pieces of the text as the code has."""
         return SequenceMatcher(None, code, "-".join(pieces[: code.count("-") + 1])).ratio()
 
     return tuple(sorted(codes, key=likeness, reverse=True)[:3])
 
 
 def _can_be_combined(part: Part, listed_values: Mapping[str, str | None]) -> bool:
-    """Return whether an unlisted value of a part can be combined with the values of the other parts."""
+    """Return whether an unlisted value of a part can be combined with the values of the other parts.
+
+    ``listed_values`` has the listed value of each part by name, None for an unlisted one, which is always accepted.
+    """
     for name, allowed in part.open_only_with.items():
         value = listed_values[name]
         if value is not None and value not in allowed:
@@ -298,7 +334,7 @@ def _match_any(texts: Iterable[str]) -> str:
 
 
 def _join_pattern(pattern: str, expressions: Mapping[str, str]) -> str:
-    """Return the pattern as a regular expression, with an expression for each part."""
+    """Return the pattern as a regular expression, with a named group for each part: ``X\\-(?P<bits>12|16)``."""
     pieces = _BRACES.split(pattern)
     # Every second piece is the name of a part.
     pieces[::2] = [re.escape(_remove_blanks(text)) for text in pieces[::2]]

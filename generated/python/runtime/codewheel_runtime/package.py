@@ -30,6 +30,7 @@ class Package(NamedTuple):
     def lookup(self, label: str) -> Encoder:
         """Return the encoder for a label, from any family. See ``lookup`` of the package."""
         text = check_label(label)
+        # Families of special models first. All that can have this label are tried.
         families = [family for family, special in self.specials if text.upper().endswith(f"/{special}")]
         families += [family for family, beginnings in self.beginnings.items() if text.startswith(beginnings)]
         best: Encoder | None = None
@@ -54,6 +55,7 @@ class Package(NamedTuple):
                 codes += self._import_module(family).identify(read)
             except ValueError as error:
                 errors.append(error)
+        # A family without these registers raises an error. If all do, the registers are wrong.
         if len(errors) == len(self.identified):
             raise errors[0]
         return tuple(codes)
@@ -68,6 +70,7 @@ class Package(NamedTuple):
             try:
                 module.lookup(text)
             except OrderCodeError as error:
+                # The error names the wrong part of a code of this family.
                 if error.part:
                     raise
         codes = [code for module in modules for code in module.VARIANTS]

@@ -23,7 +23,12 @@ class Encodable(Protocol):
 def encode_register(
     register: str, kind: type[Encodable], value: Encodable | SupportsIndex, length: int, order: Literal["little", "big"]
 ) -> bytes:
-    """Return the bytes of a register with several fields, given as an object of its class or as one number."""
+    """Return the bytes of a register with several fields, given as an object of its class or as one number.
+
+    Raises:
+        TypeError: ``value`` is neither.
+        RangeError: The number does not fit into ``length`` bytes.
+    """
     if isinstance(value, kind):
         return value.encode()
     if not isinstance(value, SupportsIndex):
@@ -60,6 +65,7 @@ class RegisterParameter(NamedTuple):
             RangeError: The register holds a code that is not allowed.
         """
         bits = int.from_bytes(data, self.order) >> self.low & ((1 << self.width) - 1)
+        # Bits of 0 stand for ``zero_means``, which is 0 itself if 0 has no other meaning.
         if not self.codes:
             return bits or self.zero_means
         codes = dict(self.codes)
@@ -72,6 +78,7 @@ class RegisterParameter(NamedTuple):
         mask = (1 << self.width) - 1
         number = int.from_bytes(self.default, self.order) & ~(mask << self.low)
         if self.codes:
+            # Without a code for the value, the bits are 0.
             bits = next((code for code, stands_for in self.codes if stands_for == value), 0)
         else:
             bits = 0 if value == self.zero_means else value
@@ -81,7 +88,15 @@ class RegisterParameter(NamedTuple):
 def read_parameters(
     parameters: tuple[RegisterParameter, ...], register_bytes: Mapping[int, int], variant: Encoder
 ) -> dict[str, int]:
-    """Return the parameters for bytes keyed by address. Missing bytes are taken from ``variant``."""
+    """Return the parameters by name, for bytes keyed by address.
+
+    If only some bytes of a parameter's register are given, the others are those for the parameter of ``variant``.
+    Parameters of other registers are left out.
+
+    Raises:
+        ValueError: A byte belongs to no parameter.
+        RangeError: A byte, a code or a parameter is not allowed.
+    """
     values: dict[str, int] = {}
     known_addresses: set[int] = set()
     own_parameters = _select_parameters(parameters, variant)
@@ -110,7 +125,10 @@ def _select_parameters(parameters: tuple[RegisterParameter, ...], variant: Encod
 
 
 def format_parameters(parameters: tuple[RegisterParameter, ...], variant: Encoder) -> str:
-    """Return the parameters that differ from the factory default, as text. Without a default, they are always shown."""
+    """Return the parameters that differ from the factory default, as text such as `` singleturn_bits=17``.
+
+    A parameter without a default is always included. Each text begins with a space.
+    """
     texts: list[str] = []
     for parameter in _select_parameters(parameters, variant):
         value = getattr(variant, parameter.parameter)
@@ -134,7 +152,14 @@ class Located(Protocol):
 
 
 def bytes_by_address(read: Mapping[int, int] | Mapping[str, Data], registers: Mapping[str, Located]) -> dict[int, int]:
-    """Return ``read`` as bytes keyed by address. It may also contain whole registers keyed by name."""
+    """Return ``read`` as bytes keyed by address. It may also contain whole registers keyed by name.
+
+    ``{0x44: 7, "SERIAL": b"AB"}`` becomes ``{0x44: 7, 0x50: 65, 0x51: 66}`` if the register is at 0x50.
+
+    Raises:
+        ValueError: There is no register of this name.
+        LengthError: A register has another number of bytes.
+    """
     bytes_by_address: dict[int, int] = {}
     value: Any
     for key, value in read.items():
@@ -154,7 +179,10 @@ def bytes_by_address(read: Mapping[int, int] | Mapping[str, Data], registers: Ma
 def is_consistent(
     register_bytes: Mapping[int, int], address: int, length: int, is_expected: Callable[[bytes], bool]
 ) -> bool:
-    """Return whether a register has the expected value. True if it was not read completely."""
+    """Return whether a register has the expected value. True if it was not read completely.
+
+    ``is_expected`` decides for its bytes. If they cannot be decoded, the value is not the expected one.
+    """
     data = [register_bytes[place] for place in range(address, address + length) if place in register_bytes]
     try:
         return len(data) < length or is_expected(bytes(data))

@@ -13,7 +13,11 @@ __all__ = ["FoundReply", "PendingRequest", "ReplyKind", "compute_xor", "find_err
 
 
 class ReplyKind(NamedTuple):
-    """Request, by its first byte, and its reply. ``flags`` are the names of the flags in the reply."""
+    """Request, by its first byte, and its reply.
+
+    ``control`` is the first byte of the request, and ``length`` the number of bytes of the reply. ``flags`` are the
+    names of the flags in the reply. ``repeats_first`` is True if the reply also begins with ``control``.
+    """
 
     name: str
     control: int
@@ -55,7 +59,11 @@ class FoundReply(NamedTuple):
 
 
 def find_reply(received: bytes, pending: PendingRequest, kinds: Mapping[int, ReplyKind]) -> FoundReply | None:
-    """Return the reply to a request in the received bytes, or None. Only complete replies may follow it."""
+    """Return the reply to a request in the received bytes, or None.
+
+    The reply has the length and the first byte of its kind, and no error. Any bytes may precede it, such as an echo,
+    but only complete replies may follow it. If several places fit, the last one is the reply.
+    """
     if not pending.kind.repeats_first:
         return _find_among_any_bytes(received, pending)
     length = pending.kind.length
@@ -64,15 +72,16 @@ def find_reply(received: bytes, pending: PendingRequest, kinds: Mapping[int, Rep
         reply = received[start : start + length]
         if reply[0] != pending.kind.control or find_error(reply, pending) is not None:
             continue
-        following = received[start + length :]
-        later_replies = split_replies(following, pending, kinds)
-        if sum(map(len, later_replies)) != len(following):
+        following_bytes = received[start + length :]
+        later_replies = split_replies(following_bytes, pending, kinds)
+        # With fewer bytes in replies than received, some bytes after the reply belong to none.
+        if sum(map(len, later_replies)) != len(following_bytes):
             continue
-        earlier = received[:start]
+        earlier_bytes = received[:start]
         if len(pending.data) == length:
             # The echo of a write can look like a reply to it.
-            earlier = earlier.removeprefix(pending.data)
-        replies = split_replies(earlier, pending, kinds) + later_replies
+            earlier_bytes = earlier_bytes.removeprefix(pending.data)
+        replies = split_replies(earlier_bytes, pending, kinds) + later_replies
         same_kind = tuple(other for other in replies if other[0] == pending.kind.control)
         other_kinds = tuple(other for other in replies if other[0] != pending.kind.control)
         return FoundReply(reply, same_kind, other_kinds)
@@ -80,7 +89,11 @@ def find_reply(received: bytes, pending: PendingRequest, kinds: Mapping[int, Rep
 
 
 def _find_among_any_bytes(received: bytes, pending: PendingRequest) -> FoundReply | None:
-    """Return a reply that can begin with any byte: there must be no other bytes than an echo, or the same reply."""
+    """Return a reply that can begin with any byte, or None.
+
+    The received bytes, with or without the echo of the request in front, must be exactly one reply, or several replies
+    and nothing between them. Of several, the last one is the reply, and the others are in ``same_kind``.
+    """
     length = pending.kind.length
     for candidate in (received, received.removeprefix(pending.data)):
         if len(candidate) == length and find_error(candidate, pending) is None:
@@ -93,7 +106,10 @@ def _find_among_any_bytes(received: bytes, pending: PendingRequest) -> FoundRepl
 
 
 def split_replies(data: bytes, pending: PendingRequest, kinds: Mapping[int, ReplyKind]) -> list[bytes]:
-    """Return the complete replies of all kinds in bytes, in order. Bytes between them are skipped."""
+    """Return the complete replies without an error in ``data``, in order. Bytes between them are skipped.
+
+    The first byte of a reply selects its kind in ``kinds``. Other bytes can only begin a reply to ``pending``.
+    """
     replies: list[bytes] = []
     start = 0
     while start < len(data):
@@ -109,7 +125,7 @@ def split_replies(data: bytes, pending: PendingRequest, kinds: Mapping[int, Repl
 
 
 def find_error(reply: bytes, pending: PendingRequest) -> FrameError | None:
-    """Return the error of bytes as a reply, or None."""
+    """Return the error that decoding raises if ``reply`` is a reply to ``pending``, or None if it is valid."""
     try:
         pending.decode(reply)
     except FrameError as error:

@@ -103,9 +103,11 @@ class _Procedure:
     def __init__(self, bus: object, poll_s: float, wait: Callable[[float], object]) -> None:
         self.bus, self.poll_s, self.wait = bus, poll_s, wait
         self.readings: list[Reading] = []
+        #: Addresses to which steps have written.
         self._written: set[int] = set()
         #: Last value of each byte, by its address, or by that of its register and its index there.
         self._stored: dict[tuple[int, int], int] = {}
+        #: Name and bytes of each modified register before its first change, by address.
         self._before: dict[int, tuple[str, bytes]] = {}
 
     def carry_out(self, steps: Sequence[Step], progress: Callable[[int, int, Step], object] | None) -> None:
@@ -120,6 +122,7 @@ class _Procedure:
                     progress(index, count, step)
                 self.do(step)
             except BaseException as error:
+                # An interruption, such as Ctrl-C, also restores registers, but is raised as it is.
                 left_open = self.restore(steps[index:])
                 open_text = left_open or "nothing"
                 logger.warning("step %d of %d failed: %r; left open: %s", index + 1, count, error, open_text)
@@ -143,6 +146,7 @@ class _Procedure:
         elif isinstance(step, Modify):
             data = self._read(step)
             number = int.from_bytes(data, step.order) & ~step.mask | step.value
+            # Of several changes, the first one has the original bytes.
             self._before.setdefault(step.address, (step.register, data))
             changed = number.to_bytes(step.length, step.order)
             self._store(step.address, changed, whole=step.whole)
@@ -153,15 +157,20 @@ class _Procedure:
             self._poll(step)
 
     def _store(self, address: int, data: bytes, *, whole: bool) -> None:
-        """Remember written bytes. Bytes of a whole register have no addresses of their own."""
+        """Remember written bytes, by two numbers.
+
+        These are the address of the register and the index of the byte if the register has a single address
+        (``whole``), and otherwise the address of the byte and 0.
+        """
         for index, byte in enumerate(data):
             self._stored[(address, index) if whole else (address + index, 0)] = byte
 
     def _verify(self, step: Verify) -> None:
-        """Raise VerifyError if a register does not contain what was written."""
+        """Raise VerifyError if a bit of the step's mask differs between a register and the bytes that were written."""
         stored, address = self._stored, step.address
-        last = [stored.get((address, index), stored.get((address + index, 0))) for index in range(step.length)]
-        written = bytes(byte for byte in last if byte is not None)
+        # The last bytes that were written, in either form of ``_store``.
+        last_bytes = [stored.get((address, index), stored.get((address + index, 0))) for index in range(step.length)]
+        written = bytes(byte for byte in last_bytes if byte is not None)
         if len(written) < step.length:
             raise ValueError(f"no earlier step wrote to {step.register}, so it cannot be verified")
         data = self._read(step)
@@ -169,7 +178,7 @@ class _Procedure:
             raise VerifyError(step.register, step.address, written, data, step.mask)
 
     def _read(self, step: Read | Modify | Poll | Verify) -> bytes:
-        """Return the bytes of a step's register."""
+        """Return the bytes of a step's register. Raises ValueError if the bus returns more or fewer."""
         data = bytes(cast(Bus, self.bus).read(step.address, step.length))
         if len(data) != step.length:
             raise ValueError(f"expected {step.length} bytes, read {len(data)}")
@@ -177,13 +186,13 @@ class _Procedure:
 
     def _poll(self, step: Poll) -> None:
         """Read a register until its bits have the expected value. Raises TimeoutError after ``poll_s`` seconds."""
-        end = monotonic() + self.poll_s
+        deadline = monotonic() + self.poll_s
         while int.from_bytes(self._read(step), step.order) & step.mask != step.value:
-            if monotonic() > end:
+            if monotonic() > deadline:
                 raise TimeoutError(f"the register did not reach the expected value within {self.poll_s:g} s")
 
     def _send(self, step: Send) -> None:
-        """Send a request as often as the step says, and check each reply."""
+        """Send a request as often as the step says, and check each reply if its length is known."""
         line = cast(Line, self.bus)
         for name in ("drain", "send", "receive"):
             if not callable(getattr(line, name, None)):
@@ -203,6 +212,7 @@ class _Procedure:
         """
         failed: list[str] = []
         for step in remaining:
+            # A register that has not been written was not opened.
             if isinstance(step, Write) and step.closes and step.address in self._written:
                 failed += self._try_to_write(step.register, step.address, step.data)
         for address, (register, data) in reversed(self._before.items()):
@@ -210,7 +220,7 @@ class _Procedure:
         return tuple(failed)
 
     def _try_to_write(self, register: str, address: int, data: bytes) -> list[str]:
-        """Write to a register. Return its name if this failed."""
+        """Write to a register. Return a list with its name if this failed, otherwise an empty one."""
         try:
             cast(Bus, self.bus).write(address, data)
         except Exception:  # The original error is the one to report.
@@ -219,7 +229,11 @@ class _Procedure:
 
 
 def _check_reply(step: Send, reply: bytes) -> None:
-    """Raise an error unless ``reply`` is a complete reply to the request of the step."""
+    """Raise an error unless ``reply`` is a complete reply to the request of the step.
+
+    It has the length in the step, the first byte of the request, and at its end the XOR of all other bytes, if the step
+    says so.
+    """
     reply_text = f"the reply to {step.request.hex(' ').upper()} is {reply.hex(' ').upper()}"
     if not reply:
         raise TimeoutError(f"no reply to {step.request.hex(' ').upper()}")

@@ -195,6 +195,7 @@ class Session:
         frame = yield from self.read(request)
         value = frame.usable_position
         if value is None:
+            # Reports with the verdict of the frame are the reasons for it. The first sentence of each is enough.
             meanings = (report.meaning for report in frame.reports if report.makes_position is frame.verdict)
             reasons = "; ".join(text.partition(". ")[0] for text in meanings) or frame.verdict.value
             raise NotUsableError(f"the position of {self.encoder.code} is not usable: {reasons}", frame)
@@ -206,7 +207,11 @@ class Session:
         return cast(PositionFrame, frame)
 
     def _make_position_request(self) -> Any:
-        """Return the request for the position, with factory defaults."""
+        """Return the request for the position, with factory defaults: its byte, or an object of its class.
+
+        Raises:
+            LinkError: A value of the request has no default, or no reply contains the position.
+        """
         if self._position is not None:
             return bytes([self._position.control])
         for exchange in self.exchanges:
@@ -219,25 +224,35 @@ class Session:
         raise LinkError(f"no reply of {self.encoder.code} contains the whole position")
 
     def exchange(self, request: Any) -> Work[Frame]:
-        """Send a request, and return the reply to it. A request to a busy memory is repeated."""
+        """Send a request, and return the reply to it. A request to a busy memory is repeated for one second.
+
+        Raises:
+            BusyError: The memory stayed busy.
+            DisturbedError: The reply has another value than the request, such as another address.
+            LinkError: There is no valid reply.
+        """
         pending = self._make_pending(request)
         kind = pending.kind
-        end = self.clock() + _BUSY_S
+        deadline = self.clock() + _BUSY_S
         while True:
             reply = yield from self._send_with_retries(pending)
             frame = cast(Frame, pending.decode(reply))
-            busy = kind.purpose in ("read", "write") and any(getattr(frame, name) for name in kind.flags)
-            if not busy:
-                differs = self._find_difference(pending, frame)
-                if differs:
-                    raise DisturbedError(differs)
+            # The flags in the reply of a memory show that it is busy.
+            is_busy = kind.purpose in ("read", "write") and any(getattr(frame, name) for name in kind.flags)
+            if not is_busy:
+                difference = self._find_difference(pending, frame)
+                if difference:
+                    raise DisturbedError(difference)
                 return frame
-            if self.clock() > end:
+            if self.clock() > deadline:
                 raise BusyError(f"the memory of {self.encoder.code} stayed busy for {_BUSY_S:g} s", reply)
             yield from self.pause(_BUSY_PAUSE_S)
 
     def _find_difference(self, pending: PendingRequest, frame: Frame) -> str:
-        """Return how a reply differs from the values of its request, such as an address, or an empty string."""
+        """Return how a reply differs from the values of its request, as text, or an empty string if it does not.
+
+        Fields and joined numbers of the same name are compared, such as an address, but no answers to open questions.
+        """
         fields = getattr(pending.request, "_fields", ())
         joins = find_any_shape(pending.request.__class__, self.encoder).joins if fields else ()
         for name in (*fields, *(join.name for join in joins)):
@@ -260,9 +275,9 @@ class Session:
                 raise StepError(step, index, tuple(steps[:index]), (), str(error)) from error
 
     def pause(self, seconds: float) -> Work[None]:
-        """Wait, and discard all bytes that arrive."""
-        end, discarded = self.clock() + seconds, b""
-        while (remaining_s := end - self.clock()) > 0:
+        """Wait, and discard all bytes that arrive. The last ones are searched for extra replies."""
+        deadline, discarded = self.clock() + seconds, b""
+        while (remaining_s := deadline - self.clock()) > 0:
             discarded = (discarded + (yield Ask(b"", remaining_s)))[-_MOST_BYTES:]
         self._discard(discarded)
 
@@ -271,7 +286,7 @@ class Session:
         yield from self._discard_waiting()
 
     def _send_series(self, step: Send) -> Work[None]:
-        """Send a request several times in succession, and start again after a failure."""
+        """Send a request several times in succession, and start again from the first one after a failure."""
         pending = self._make_pending(step.request)
         attempts_left = self.retries
         done = 0
@@ -294,6 +309,7 @@ class Session:
             try:
                 return (yield from self._send_in_step(pending))
             except SecondDeviceError:
+                # Another attempt would not help.
                 raise
             except LinkError:
                 if not attempts_left:
@@ -301,19 +317,27 @@ class Session:
                 attempts_left -= 1
 
     def _send_in_step(self, pending: PendingRequest, *, is_first: bool = True) -> Work[bytes]:
-        """Send a request once, after resynchronisation if the previous one failed, or if there is no time to settle."""
+        """Send a request once, and return the reply.
+
+        Before, resynchronise if the previous request failed. Also do so if ``settle_s`` is 0, unless the request
+        continues a series.
+        """
         control = pending.data[0]
         if self._failed:
             yield from self._resynchronise(self._failed)
         elif self.settle_s == 0 and is_first:
             yield from self._resynchronise(control)
+        # The request counts as failed until its reply has arrived.
         self._failed = control
         reply = yield from self._send_once(pending)
         self._failed = self._odd_replies = 0
         return reply
 
     def _resynchronise(self, control: int) -> Work[None]:
-        """Get a reply to a request of another kind than ``control``. All earlier replies come before it."""
+        """Get a reply to a request of another kind than ``control``. All earlier replies come before it.
+
+        The reply is discarded. Without one, wait for four time-outs.
+        """
         # The kinds take turns, so that a late reply to an earlier request of another kind is not taken for this one.
         self._capture_controls = self._capture_controls[1:] + self._capture_controls[:1]
         for other_control in self._capture_controls:
@@ -338,6 +362,7 @@ class Session:
             reply = yield from self._receive_reply(pending)
         except LinkError as error:
             self.statistics.failures += 1
+            # A reply that has not arrived can still do so.
             self._unanswered += isinstance(error, NoReplyError)
             raise
         self.statistics.replies += 1
@@ -346,9 +371,12 @@ class Session:
         return reply
 
     def _receive_reply(self, pending: PendingRequest) -> Work[bytes]:
-        """Send a request, and return the valid reply when the line is quiet."""
+        """Send a request, and return the valid reply when the line is quiet.
+
+        Bytes that arrive after a reply start the search again, because they can belong to it or be another reply.
+        """
         begin = self.clock()
-        end, is_measured = begin + self.timeout_s, False
+        deadline, is_measured = begin + self.timeout_s, False
         received = yield Ask(pending.data, self.timeout_s)
         while True:
             found = find_reply(received, pending, self.kinds)
@@ -356,19 +384,22 @@ class Session:
                 if not is_measured:
                     self._reply_times.append(self.clock() - begin)
                     is_measured = True
-                more = yield Ask(b"", self._find_quiet_s(received, found.reply, pending))
-                if not more:
+                further_bytes = yield Ask(b"", self._find_quiet_s(received, found.reply, pending))
+                if not further_bytes:
                     return self._take_reply(found, received, pending)
             else:
-                remaining_s = end - self.clock()
-                more = b"" if remaining_s <= 0 else (yield Ask(b"", remaining_s))
-            received += more
-            if not more or len(received) > _MOST_BYTES:
+                remaining_s = deadline - self.clock()
+                further_bytes = b"" if remaining_s <= 0 else (yield Ask(b"", remaining_s))
+            received += further_bytes
+            if not further_bytes or len(received) > _MOST_BYTES:
                 self._count_extra(len(split_replies(received[:_MOST_BYTES], pending, self.kinds)))
                 raise self._failure_error(received, pending)
 
     def _find_quiet_s(self, received: bytes, reply: bytes, pending: PendingRequest) -> float:
-        """Return the time for which the line must be quiet after a reply."""
+        """Return the time in seconds for which the line must be quiet after a reply.
+
+        It is the time to settle, but at least 2 ms unless the reply comes first and cannot be part of an echo.
+        """
         # In this time, the reply to this request would follow if the reply were an extra one to an earlier request.
         settle_s = self._settle_s(pending)
         # After other bytes, or an echo, part of the reply could look like a reply by chance. So could other bytes
@@ -378,7 +409,11 @@ class Session:
         return settle_s if is_clean else max(settle_s, _QUIET_S)
 
     def _settle_s(self, pending: PendingRequest) -> float:
-        """Return the time after which no other reply to an earlier request follows."""
+        """Return the time in seconds after which no other reply to an earlier request follows.
+
+        It is the chosen one, or else the time that request and reply take, or the usual time of the last replies if
+        that is longer.
+        """
         if self.settle_s is not None:
             return self.settle_s
         sent_bytes = len(pending.data) + pending.kind.length
@@ -396,10 +431,10 @@ class Session:
         if extra_replies:
             self._single_replies = 0
             counted_replies = self._count_extra(len(extra_replies))
-            # One of the unknown ones is the reply to this request.
-            unknown = {*found.same_kind, found.reply}.difference(self._recent_replies)
-            foreign = [*self._find_foreign(found.other_kinds), *sorted(unknown)[1:]]
-            self._count_foreign(foreign[:counted_replies], received, _FOREIGN_REPLIES)
+            # One of the unknown replies of this kind is the reply to this request, so all but one are foreign.
+            unknown_replies = {*found.same_kind, found.reply}.difference(self._recent_replies)
+            foreign_replies = [*self._find_foreign(found.other_kinds), *sorted(unknown_replies)[1:]]
+            self._count_foreign(foreign_replies[:counted_replies], received, _FOREIGN_REPLIES)
         else:
             self._single_replies += 1
         if not found.is_ambiguous:
@@ -411,11 +446,11 @@ class Session:
         raise DisturbedError(f"two different replies to {request_text}, so neither is used: {replies_text}", received)
 
     def _find_foreign(self, replies: Sequence[bytes]) -> list[bytes]:
-        """Return the replies that differ from all earlier ones."""
+        """Return the replies that equal none of the last replies to requests. They may be from a second device."""
         return [reply for reply in replies if reply not in self._recent_replies]
 
     def _count_foreign(self, replies: Sequence[bytes], received: bytes, limit: int) -> None:
-        """Count extra replies with other values. Raises an error if they show a second device."""
+        """Count extra replies with other values. Raises SecondDeviceError if there are ``limit`` of them in total."""
         self._foreign_replies += len(replies)
         # Without a time to settle, one copy can cause several of them.
         if replies and self._foreign_replies >= limit and self.settle_s != 0:
@@ -426,6 +461,7 @@ class Session:
 
     def _discard_waiting(self) -> Work[None]:
         """Discard the bytes that have arrived since the last request. Raises an error if a second device answers."""
+        # Bytes that have arrived are taken at once. If there are any, the line must then be quiet.
         waiting, quiet_s = b"", 0.0
         for _ in range(_MOST_BYTES):
             more = yield Ask(b"", quiet_s)
@@ -436,28 +472,38 @@ class Session:
         self._discard(waiting)
 
     def _discard(self, data: bytes) -> None:
-        """Count the replies in bytes that arrived without a request. Raises an error if a second device answers."""
-        last = self._last_request
-        replies = split_replies(data, last, self.kinds) if last is not None else []
+        """Count the replies in bytes that arrived without a request. Raises an error if a second device answers.
+
+        Two requests in a row that got exactly one reply show that there is none, so its count starts again.
+        """
+        last_request = self._last_request
+        replies = split_replies(data, last_request, self.kinds) if last_request is not None else []
         if replies:
             self._single_replies = 0
         # The reply of a second device to one request can arrive after the reply to the next one.
         if self._single_replies >= _SINGLE_REPLIES:
             self._foreign_replies = 0
         extra_count = self._count_extra(len(replies))
-        foreign = self._find_foreign(replies)[:extra_count]
-        self._count_foreign(foreign, data, _LATE_FOREIGN_REPLIES)
+        foreign_replies = self._find_foreign(replies)[:extra_count]
+        self._count_foreign(foreign_replies, data, _LATE_FOREIGN_REPLIES)
 
     def _count_extra(self, count: int) -> int:
-        """Count replies beyond those that are used. Return their number without late replies to failed requests."""
-        late = min(count, self._unanswered)
-        self._unanswered -= late
-        self.statistics.late_replies += late
-        self.statistics.extra_replies += count - late
-        return count - late
+        """Count replies beyond those that are used. Return their number without late replies to failed requests.
+
+        As many of them as there are unanswered requests are late, and the others are extra.
+        """
+        late_count = min(count, self._unanswered)
+        self._unanswered -= late_count
+        self.statistics.late_replies += late_count
+        self.statistics.extra_replies += count - late_count
+        return count - late_count
 
     def _failure_error(self, received: bytes, pending: PendingRequest) -> LinkError:
-        """Return the error for bytes without a valid reply."""
+        """Return the error for bytes without a valid reply, of the class for the most likely cause.
+
+        It is NoReplyError if nothing, only the echo or only another reply has arrived, WrongEncoderError if two
+        replies in a row look like those of another encoder, and otherwise DisturbedError.
+        """
         kind, request_text = pending.kind, f"the request {_format_hex(pending.data)} to {self.encoder.code}"
         bytes_text = _format_hex(received[:24]) + (" ..." if len(received) > 24 else "")
         if not received:
@@ -492,16 +538,23 @@ class Session:
     def _exchange_error(
         self, received: bytes, pending: PendingRequest, request_text: str, bytes_text: str
     ) -> LinkError:
-        """Return the error for bytes without a valid reply of an exchange."""
+        """Return the error for bytes without a valid reply of an encoder without data IDs.
+
+        It is that the reply is incomplete, or has another value than the request, or is invalid.
+        """
         if len(received) < pending.kind.length:
             text = f"incomplete reply to {request_text}: {len(received)} of {pending.kind.length} bytes, {bytes_text}"
             return DisturbedError(text, received)
         reply = received[-pending.kind.length :]
-        differs = self._find_difference(pending, pending.decode(reply)) if find_error(reply, pending) is None else ""
-        return DisturbedError(differs or f"no valid reply to {request_text} in {bytes_text}", received)
+        difference = self._find_difference(pending, pending.decode(reply)) if find_error(reply, pending) is None else ""
+        return DisturbedError(difference or f"no valid reply to {request_text} in {bytes_text}", received)
 
     def _find_sign_of_other_encoder(self, received: bytes, pending: PendingRequest) -> str:
-        """Return why the bytes look like a reply from another kind of encoder, or an empty string."""
+        """Return why the bytes look like a reply from another kind of encoder, or an empty string.
+
+        They begin like a reply and have a valid CRC, but another length, or values that this encoder does not send.
+        """
+        # The CRC is the XOR of the other bytes, so the XOR of all is 0.
         if received[0] != pending.kind.control or len(received) < 3 or compute_xor(received):
             return ""
         if len(received) != pending.kind.length:
@@ -509,11 +562,16 @@ class Session:
         return str(find_error(received, pending))
 
     def _make_pending(self, request: Any) -> PendingRequest:
-        """Return a request: bytes, an object of the encoder's module, or a member of its ``DataId``."""
+        """Return what is needed to send a request and to find its reply.
+
+        ``request`` is bytes, an object of the encoder's module, or a member of its ``DataId``. Raises LinkError if the
+        encoder has no such request.
+        """
         if self.exchanges:
             return self._make_pending_exchange(request)
         answers: dict[str, object] = {}
         if isinstance(request, IntEnum):
+            # A data ID: the request is its control byte.
             data = bytes(kind.control for kind in self.kinds.values() if kind.id == request)
         elif isinstance(request, (bytes, bytearray)):
             data = bytes(request)
@@ -532,7 +590,11 @@ class Session:
         return PendingRequest(request, data, request_kind, partial(decode, **answers), answers)
 
     def _make_pending_exchange(self, object_or_bytes: Any) -> PendingRequest:
-        """Return a request: bytes, or an object of the encoder's module."""
+        """Return what is needed to send a request of an encoder without data IDs, and to find its reply.
+
+        Bytes are decoded as each request of the encoder, until they are one. Raises LinkError if they fit none, or if
+        the encoder does not answer the request.
+        """
         data = bytes(object_or_bytes) if isinstance(object_or_bytes, (bytes, bytearray)) else b""
         for exchange in self.exchanges:
             request: Any = _decode_request(exchange, data) if data else object_or_bytes
@@ -569,7 +631,7 @@ def _decode_request(exchange: Exchanged, data: bytes) -> Any:
 
 
 def _find_request_kinds(encoder: Encoder) -> dict[int, ReplyKind]:
-    """Return the requests of an encoder by their first byte."""
+    """Return the requests of an encoder by their first byte, the control byte of their data ID."""
     module: Any = import_module(type(encoder).__module__)
     reply_classes = get_args(module.Reply) or (module.Reply,)
     replies = [(reply_class, find_any_shape(reply_class, encoder)) for reply_class in reply_classes]
@@ -593,7 +655,10 @@ def _find_request_kinds(encoder: Encoder) -> dict[int, ReplyKind]:
 
 
 def _may_begin(shape: Shape, data_id: Any) -> bool:
-    """Return whether a reply with this shape may begin with the control byte of a data ID."""
+    """Return whether a reply with this shape may begin with the control byte of a data ID.
+
+    The constants in its first byte must be those of the control byte, and a field of data IDs must allow this one.
+    """
     for check in shape.checks:
         is_in_first_byte = check.low + check.width <= 8
         if is_in_first_byte and not holds(data_id.control, check):

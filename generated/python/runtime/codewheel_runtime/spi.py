@@ -44,7 +44,7 @@ class Answer(NamedTuple):
 
 
 class _Sent(NamedTuple):
-    """Request that was sent in a word of this many bits, with the class of its register."""
+    """Request that was sent in a word of ``bits`` bits, with the class of its register if it reads or writes one."""
 
     request: Any
     register: type | None
@@ -81,7 +81,9 @@ class Pipeline:
             kind: cached_decoder(reply._make_decoder, encoder, raise_error) for kind, reply in replies.items()
         }
         self._read, self._write, self._registers = read, tuple(write), registers
+        #: Request whose word is on the bus: its received word has not been taken. None between ``take`` and ``ask``.
         self._sent: _Sent | None = None
+        #: Request before that one, to which a late reply belongs.
         self._before: _Sent | None = None
         self._bits = 0
 
@@ -163,6 +165,7 @@ class Pipeline:
         length = self._sent.bits
         self._before, self._sent = self._sent, None
         number = as_word(word, length, bits)
+        # A word of another length cannot hold a late reply.
         if answered_request is None or answered_request.bits != length:
             return None
         request, register, _ = answered_request
@@ -183,7 +186,10 @@ class Pipeline:
         return request
 
     def _make_write_requests(self, address: int, data: bytes) -> Iterator[Request]:
-        """Yield the requests that write bytes to the register at an address."""
+        """Yield the requests that write bytes to the register at an address, one of each class in ``write``.
+
+        A request has a field ``address``, a field ``data``, or both.
+        """
         values = {"address": address, "data": int.from_bytes(data, "big")}
         if not self._write:
             raise TypeError(f"{self._encoder.code} has no request that writes a register")
@@ -191,7 +197,10 @@ class Pipeline:
             yield kind(**{name: values[name] for name in kind._fields if name in values})
 
     def _start_request(self, request: Any, register: type | None) -> int:
-        """Return the word of a request, and remember the request."""
+        """Return the word of a request, and remember the request with its class of register, or None without one.
+
+        Raises TypeError if the encoder does not answer the request, and RuntimeError if a word has not been taken.
+        """
         if type(request) not in self._replies:
             request_names = ", ".join(kind.__name__ for kind in self._replies)
             raise TypeError(f"{self._encoder.code} answers {request_names}, not {type(request).__name__}")
@@ -204,7 +213,7 @@ class Pipeline:
         return word
 
     def _find_place(self, register: type) -> tuple[int, int]:
-        """Return the address and the length in bytes of a class of registers."""
+        """Return the address and the length in bytes of a class of registers. Raises TypeError for other classes."""
         if register not in self._registers:
             register_names = ", ".join(kind.__name__ for kind in self._registers) or "none"
             raise TypeError(
@@ -213,7 +222,7 @@ class Pipeline:
         return self._registers[register]
 
     def _decode_register(self, register: Any, reply: Any) -> Any:
-        """Return the register that a reply contains."""
+        """Return the register that a reply contains, as an object of the class ``register``."""
         data = reply.data.to_bytes(self._registers[register][1], "big")
         decode: Any = register.decode
         return decode(data, self._encoder) if issubclass(register, ByEncoder) else decode(data)
@@ -252,5 +261,5 @@ class RegisterBus:
             self._send_request(request)
 
     def _send_request(self, request: Request) -> Any:
-        """Send a request, and return the answer that arrives meanwhile."""
+        """Send a request, and return the answer that arrives meanwhile: with late replies, to the request before."""
         return self._line.take(self._exchange(self._line._start_request(request, None)))

@@ -39,6 +39,10 @@ def read_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, done: 
     """Convert an Arrow column to the form that ``decode_many`` expects. Missing items are masked or None.
 
     ``done`` is the number of earlier rows of a file. Most of its first frames must be readable.
+
+    Raises:
+        NoFrame: Most of the first cells of text are not frames.
+        TypeError: The type of the column does not fit the frames.
     """
     pa: Any = load("pyarrow")
     kinds = pa.types
@@ -69,7 +73,7 @@ def read_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, done: 
 
 
 def _read_integers(array: Any, shape: Shape) -> Any:
-    """Return integers as an array. Missing ones are masked."""
+    """Return integers as an array. Missing ones are masked. Raises TypeError if frames are bytes."""
     if shape.length:
         raise TypeError(f"expected rows of {shape.length} bytes, got numbers")
     if not array.null_count:
@@ -88,6 +92,7 @@ def _read_rows(array: Any, length: int) -> Any:
     if load("pyarrow").types.is_fixed_size_binary(kind):
         if kind.byte_width != length:
             return None
+        # The first byte of the first string, and the buffer. An array can be a slice of a longer one.
         start, data = array.offset * length, buffers[1]
     else:
         wide = load("pyarrow").types.is_large_binary(kind)
@@ -101,7 +106,7 @@ def _read_rows(array: Any, length: int) -> Any:
 def read_byte_cells(items: Iterable[bytes | None], shape: Shape) -> list[Any]:
     """Return rows of bytes in the form that ``decode_many`` expects: unchanged, or converted to integers.
 
-    None is kept.
+    None is kept. For frames of bits, a row without bytes also becomes None.
     """
     if shape.length:
         return list(items)
@@ -109,7 +114,11 @@ def read_byte_cells(items: Iterable[bytes | None], shape: Shape) -> list[Any]:
 
 
 def _read_each(items: Iterable[str | None], shape: Shape, digits: DigitKind | None, is_first: bool) -> list[Any]:
-    """Return the frame in each text cell, or None for a cell without a frame."""
+    """Return the frame in each text cell, or None for a cell without a frame.
+
+    Raises:
+        NoFrame: ``is_first`` is True, and most cells contain no frame.
+    """
     cells = Cells(shape, digits)
     frames = [cells.read(cell or "", row) for row, cell in enumerate(items)]
     if is_first and cells.are_mostly_unread:

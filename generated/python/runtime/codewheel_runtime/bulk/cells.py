@@ -17,7 +17,11 @@ _MISSING: Final = frozenset(("", "nan", "na", "n/a", "<na>", "null", "none"))
 
 
 def read_text(text: str, shape: Shape, digits: DigitKind | None) -> int | bytes:
-    """Return the frame that a string contains as hex bytes or as a number. Raises ValueError if there is none."""
+    """Return the frame that a string contains. Raises ValueError if there is none.
+
+    Spaces and underscores are ignored. A frame of bytes is a row of hexadecimal bytes, with or without ``0x`` in front.
+    A frame of bits is a number: ``0x`` and ``0b`` specify its base, and ``digits`` that of other texts.
+    """
     packed = text.replace(" ", "").replace("_", "")
     if shape.length:
         hex_digits = packed[2:] if packed[:2] in ("0x", "0X") else packed
@@ -42,8 +46,9 @@ def read_text(text: str, shape: Shape, digits: DigitKind | None) -> int | bytes:
 class Cells:
     """Reader of text cells that contain frames. An empty cell, or one without a frame, yields None.
 
-    ``seen`` is the number of cells that are not empty, and ``unread`` the number of those without a frame. ``place``
-    and ``error`` are the location and the error message of the first of these.
+    ``seen`` is the number of cells that are not empty, and ``unread`` the number of those without a frame. Words for a
+    missing value, such as ``nan``, count as empty. ``place`` and ``error`` are the location and the error message of
+    the first cell without a frame.
     """
 
     def __init__(self, shape: Shape, digits: DigitKind | None) -> None:
@@ -53,7 +58,7 @@ class Cells:
         self.error = ""
 
     def read(self, text: str, place: int) -> int | bytes | None:
-        """Return the frame in a cell, or None. ``place`` identifies the cell in errors."""
+        """Return the frame in a cell, or None if there is none. ``place`` identifies the cell in errors."""
         if text[:2] == "0x" and not self._shape.length and text.isascii():
             # This is a fast path for the usual form. Other forms are handled below.
             try:
@@ -78,5 +83,5 @@ class Cells:
 
     @property
     def are_mostly_unread(self) -> bool:
-        """True if most cells do not contain frames."""
+        """True if more than half of the cells that are not empty contain no frame."""
         return 2 * self.unread > self.seen

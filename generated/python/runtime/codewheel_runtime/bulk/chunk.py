@@ -15,7 +15,11 @@ np: Any = load("numpy")
 
 
 class Chunk:
-    """Chunk of frames. Each is a ``bits``-bit number in 64-bit limbs, lowest limb first. Higher bits are 0."""
+    """Chunk of frames. Each is a ``bits``-bit number in 64-bit limbs, lowest limb first. Higher bits are 0.
+
+    ``limbs`` is a list of arrays, each with an element for each frame. ``_bytes`` keeps the arrays of single bytes that
+    were extracted, by the index of the byte. ``_before_ungray`` is the chunk with Gray code, once it is converted.
+    """
 
     def __init__(self, limbs: list[Any], bits: int) -> None:
         self.limbs, self.bits = limbs, bits
@@ -29,7 +33,7 @@ class Chunk:
         return self._before_ungray or self
 
     def byte(self, place: int) -> Any:
-        """Return the eight bits that start at bit ``8 * place``."""
+        """Return the eight bits of each frame that start at bit ``8 * place``."""
         if place not in self._bytes:
             limb, shift = self.limbs[place // 8], 8 * (place % 8)
             self._bytes[place] = (limb >> np.uint64(shift) if shift else limb).astype(np.uint8)
@@ -42,16 +46,21 @@ class Chunk:
         return bits if mask == 0xFF >> low % 8 else bits & np.uint8(mask)
 
     def take(self, low: int, width: int, out: Any = None) -> Any:
-        """Return the ``width`` bits that start at ``low``, as 64-bit numbers in ``out`` if it is given."""
+        """Return the ``width`` bits of each frame that start at ``low``.
+
+        With ``out``, an array of 64-bit numbers, they are written there. Without it, the type can be smaller.
+        """
         if width == 0 or low % 8 + width <= 8:
             bits = self.small(low, (1 << width) - 1) if width else np.zeros(len(self.limbs[0]), np.uint8)
             return bits if out is None else np.copyto(out, bits)
         limb_index, shift = divmod(low, 64)
         number = np.right_shift(self.limbs[limb_index], np.uint64(shift), out=out)
+        # Other bits above the field must be set to 0.
         if shift + width <= 64:
             # Nothing is above the last bits of a limb or of the frame.
             has_bits_above = shift + width not in (64, self.bits - 64 * limb_index)
         else:
+            # The field continues in the next limb.
             number |= self.limbs[limb_index + 1] << np.uint64(64 - shift)
             has_bits_above = low + width != self.bits and width != 64
         if has_bits_above:
@@ -67,9 +76,10 @@ class Chunk:
         (np.not_equal if active else np.equal)(bit, 0, out=out)
 
     def ungray(self, low: int, width: int, excess: int) -> None:
-        """Convert bits from Gray code to binary, minus ``excess``."""
+        """Convert the ``width`` bits from ``low`` on from Gray code to binary, minus ``excess``. The others stay."""
         mask = np.uint64(((1 << width) - 1) << low)
         gray = self.limbs[0] & mask
+        # Bit n is the XOR of all Gray bits from n on, which doubling shifts collect.
         binary, shift = gray, 1
         while shift < width:
             binary = binary ^ binary >> np.uint64(shift) & mask
@@ -94,10 +104,12 @@ def limbs_of(rows: Any, shape: Shape) -> list[Any]:
         return [_take_from_bytes(rows, kind, is_little)]
     limbs: list[Any] = []
     for low in range(0, length, 8):
+        # Number of bytes of the highest limb that belong to the limb below.
         overlap = max(low + 8 - length, 0)
         first_byte = low - overlap
         # In the other byte order, the lowest byte is the last one of the row.
         offset = first_byte if is_little else length - 8 - first_byte
+        # A view: one number of eight bytes in each row, from this offset on.
         limb = np.ndarray((count,), kind, rows, offset, (length,)).astype(np.uint64)
         if overlap:
             limb >>= np.uint64(8 * overlap)
@@ -111,6 +123,7 @@ def _take_from_bytes(rows: Any, kind: str, is_little: bool) -> Any:
     Eight bytes are read for each row. Those of the last rows would be outside the array, so these rows are copied.
     """
     count, length = rows.shape
+    # After these rows, at least eight bytes follow.
     direct_count = max(count - 8, 0)
     limb = np.empty(count, np.uint64)
     if direct_count:
@@ -118,6 +131,7 @@ def _take_from_bytes(rows: Any, kind: str, is_little: bool) -> Any:
     padded = np.zeros((count - direct_count, 8), np.uint8)
     padded[:, :length] = rows[direct_count:]
     limb[direct_count:] = padded.view(kind)[:, 0]
+    # The bytes of the next row are the high ones in little-endian order, otherwise the low ones.
     if is_little:
         limb &= np.uint64((1 << 8 * length) - 1)
     else:
@@ -128,13 +142,17 @@ def _take_from_bytes(rows: Any, kind: str, is_little: bool) -> Any:
 def are_within(bits: Any, check: Check, limit: int) -> Any:
     """Return whether each number is from ``lowest`` to ``limit``. Negative ones are in two's complement."""
     kind, mask = bits.dtype.type, (1 << check.width) - 1
+    # Modulo 2**width, the numbers from ``lowest`` to ``limit`` become those from 0 on.
     if check.lowest:
         bits = bits - kind(check.lowest & mask) & kind(mask)
     return bits <= kind(limit - check.lowest)
 
 
 def compute_parity(chunk: Chunk, check: Check) -> Any:
-    """Return the parity bit of each frame, of the bits as they were sent, or 0 if the encoder does not send it."""
+    """Return the parity bit of each frame, of the bits as they were sent, or 0 if the encoder does not send it.
+
+    It is the XOR of the bits in ``parity_of``, inverted if ``odd`` is True.
+    """
     if not check.width:
         return np.zeros(len(chunk.limbs[0]), np.uint8)
     # The parity of several fields is the parity of their XOR.
@@ -143,15 +161,15 @@ def compute_parity(chunk: Chunk, check: Check) -> Any:
     if len(fields) > 1:
         bits = np.bitwise_xor.reduce([field.astype(np.uint64) for field in fields])
     width = max(width for _, width in check.parity_of)
-    kind = bits.dtype.type
+    bits_type = bits.dtype.type
     if check.mask:
-        bits = bits & kind(check.mask & (1 << width) - 1)
+        bits = bits & bits_type(check.mask & (1 << width) - 1)
     # Fold the upper half of the bits onto the lower half until one bit is left.
     half = (1 << max(width - 1, 0).bit_length()) // 2
     while half:
-        bits = bits ^ bits >> kind(half)
+        bits = bits ^ bits >> bits_type(half)
         half //= 2
-    return bits & kind(1) ^ kind(check.odd)
+    return bits & bits_type(1) ^ bits_type(check.odd)
 
 
 def compare_crc(chunk: Chunk, crc: CrcOf) -> Any:
@@ -159,12 +177,14 @@ def compare_crc(chunk: Chunk, crc: CrcOf) -> Any:
     if crc.steps:
         return _fold(chunk.limbs[0], crc, chunk.bits)
     if crc.is_xor:
+        # The XOR of all bytes, with the CRC among them: 64, 32, 16, then 8 bits.
         number = reduce(np.bitwise_xor, chunk.limbs)
         half = (number ^ number >> np.uint64(32)).astype(np.uint32)
         half ^= half >> np.uint32(16)
         half ^= half >> np.uint32(8)
         difference = half.astype(np.uint8)
         return difference ^ np.uint8(crc.xorout) if crc.xorout else difference
+    # For other CRCs, each byte of the frame contributes an entry of its table.
     tables = _tables_of_folds(crc.differs, chunk.bits)
     difference = tables[0][chunk.byte(0)]
     for place, table in enumerate(tables[1:], 1):
@@ -180,6 +200,7 @@ def _fold(number: Any, crc: CrcOf, bits: int) -> Any:
     remainder = number ^ np.uint64(crc.xorout) if crc.xorout else number
     word_type = np.uint64
     for step in crc.steps:
+        # The number has no bits that this step would fold.
         if bits <= step.shift:
             continue
         high = remainder >> word_type(step.shift)
@@ -206,6 +227,7 @@ def _tables_of_folds(differs: Callable[[int], int], bits: int) -> tuple[Any, ...
     tables: list[Any] = []
     for low in range(0, bits, 8):
         table = np.array([zero_difference if low == 0 else 0], np.uint64)
+        # Each bit doubles the table: its second half has the entries with this bit set.
         for place in range(low, low + 8):
             change = differs(1 << place) ^ zero_difference if place < bits else 0
             table = np.concatenate([table, table ^ np.uint64(change)])

@@ -45,12 +45,16 @@ def list_texts(column: Any) -> list[str]:
 
 
 def arrow_columns(table: Columns, names: Iterable[str], raw: bool = False) -> dict[str, Any]:
-    """Return columns as Arrow arrays, ``fault`` and ``verdict`` as strings. Positions can be null unless ``raw``."""
+    """Return columns as Arrow arrays, ``fault`` and ``verdict`` as strings.
+
+    Values without meaning, such as a position that is not usable, are null unless ``raw``.
+    """
     pa: Any = load("pyarrow")
     arrays: dict[str, Any] = {}
     for name in names:
         column, hidden = table[name], None if raw else table.hidden(name)
         if name in WORDS:
+            # The numbers of the column are indices of its words. They are small, so int8 is enough.
             arrays[name] = pa.DictionaryArray.from_arrays(pa.array(column.view("i1")), pa.array(WORDS[name]))
         elif (scale := table.scale(name)) is not None:
             arrays[name] = pa.array(column, pa.decimal128(_DIGITS, scale.places), mask=hidden)
@@ -68,7 +72,10 @@ def _arrow_array(pa: Any, column: Any, hidden: Any) -> Any:
 
 
 def pandas_columns(table: Columns, names: Iterable[str], raw: bool = False) -> dict[str, Any]:
-    """Return columns for pandas, with ``fault`` and ``verdict`` as categories. Positions can be null unless ``raw``."""
+    """Return columns for pandas, with ``fault`` and ``verdict`` as categories.
+
+    Values without meaning, such as a position that is not usable, are null unless ``raw``.
+    """
     pd: Any = load("pandas")
     columns: dict[str, Any] = {}
     for name in names:

@@ -34,7 +34,11 @@ CHUNK: Final = 32_768
 
 
 def decode_many(frames: object, shape: Shape, encoder: FrameSource | None) -> Table:
-    """Decode ``frames`` into columns. For the arguments, see ``decode_many`` of the frame's class."""
+    """Decode ``frames`` into columns, ``CHUNK`` frames at a time.
+
+    A frame with a wrong length gets the error LENGTH, and values that mean nothing. For the arguments, see
+    ``decode_many`` of the frame's class.
+    """
     if _is_arrow(frames):
         from .arrow import read_column
 
@@ -51,6 +55,7 @@ def decode_many(frames: object, shape: Shape, encoder: FrameSource | None) -> Ta
         fault[wrong_rows] = ErrorKind.LENGTH
     verdicts = out.pop("verdict", None)
     if verdicts is not None and len(wrong_rows):
+        # The verdict "not usable".
         verdicts[wrong_rows] = 0
     parts: dict[str, tuple[str, int, int]] = {}
     for join in shape.joins:
@@ -75,10 +80,14 @@ def _is_arrow(frames: object) -> bool:
 
 
 def _allocate_columns(count: int, wanted: Mapping[str, str]) -> dict[str, Any]:
-    """Return columns in one block of memory. The system uses larger pages for it than for many small blocks."""
+    """Return columns of ``count`` rows in one block of memory, in the order of ``wanted``: NumPy types by name.
+
+    The system uses larger pages for one block than for many small ones.
+    """
     size = {name: np.dtype(kind).itemsize for name, kind in wanted.items()}
     space = np.empty(count * sum(size.values()), np.uint8)
     columns, start = {}, 0
+    # The largest types come first, to align the columns of numbers.
     for name in sorted(wanted, key=lambda name: -size[name]):
         end = start + count * size[name]
         columns[name], start = space[start:end].view(wanted[name]), end
@@ -86,7 +95,10 @@ def _allocate_columns(count: int, wanted: Mapping[str, str]) -> dict[str, Any]:
 
 
 def read_rows(frames: Any, length: int) -> tuple[Any, Any]:
-    """Return frames as rows of bytes, and the indices of those with the wrong length."""
+    """Return frames as rows of bytes, and the indices of those with the wrong length.
+
+    A missing frame counts as one of 0 bytes. Zeros replace these frames. Arrays have frames of one length only.
+    """
     if isinstance(frames, (list, tuple)):
         rows = [b"" if _is_missing(frame) else as_bytes(frame) for frame in cast(Iterable[Any], frames)]
         wrong_rows = [index for index, row in enumerate(rows) if len(row) != length]
@@ -106,7 +118,7 @@ def read_rows(frames: Any, length: int) -> tuple[Any, Any]:
 
 
 def _read_words(frames: Any, bits: int) -> tuple[Any, Any]:
-    """Return frames as 64-bit numbers, and the indices of those that are longer or missing."""
+    """Return frames as 64-bit numbers, and the indices of those that are longer or missing. Zeros replace these."""
     if isinstance(frames, (bytes, bytearray, memoryview)):
         data = cast(Any, frames)
         if len(data) % 8:
@@ -137,12 +149,17 @@ def _is_missing(frame: object) -> bool:
     # This is a fast path for the usual types.
     if type(frame) is int or type(frame) is bytes:
         return False
+    # Only NaN differs from itself.
     is_nan = isinstance(frame, float) and frame != frame
     return frame is None or is_nan or type(frame).__name__ == "NAType"
 
 
 def _decode(source: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> None:
-    """Decode some frames into columns. Frames that fail the quick checks are examined for their errors."""
+    """Decode some frames into the columns ``out``, and their errors into ``fault``.
+
+    Frames that fail a quick check are examined for their errors. All frames are written, also those with an error.
+    """
+    # Arrays that are nonzero for frames that fail a check.
     doubts: list[Any] = []
     if shape.length:
         limbs = limbs_of(source, shape)
@@ -168,9 +185,13 @@ def _decode(source: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> No
 
 
 def _write_faults(source: Any, limbs: list[Any], where: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> None:
-    """Write the errors of the frames with the indexes ``where``. A frame with an error has no usable position."""
+    """Write the errors of the frames with the indexes ``where``.
+
+    ``source`` and ``limbs`` hold only these frames. One with an error gets verdict 0, so its position is not usable.
+    """
     fault[where] = _find_faults(source, limbs, shape)
     if shape.default_verdict is not None:
+        # In place: True and False multiply by 1 and 0.
         verdicts: Any = out["verdict"]
         verdicts *= fault == 0
 
@@ -182,6 +203,7 @@ def _find_doubts(chunk: Chunk, shape: Shape) -> list[Any]:
     for limb, (mask, value) in zip(chunk.limbs, checks.fixed, strict=False):
         if mask:
             doubts.append(limb & np.uint64(mask) ^ np.uint64(value))
+    # Here True is a frame whose byte has none of the allowed values.
     for place, values in checks.bytes:
         byte = chunk.byte(place)
         doubts.append(~reduce(np.logical_or, (byte == np.uint8(value) for value in values)))
@@ -189,7 +211,10 @@ def _find_doubts(chunk: Chunk, shape: Shape) -> list[Any]:
 
 
 def _find_faults(source: Any, limbs: list[Any], shape: Shape) -> Any:
-    """Return the error of each frame. If there are several, it is the one that ``decode`` checks first."""
+    """Return the error of each frame, or 0. If there are several, it is the one that ``decode`` checks first.
+
+    This is the one with the lowest ``ErrorKind``, because ``decode`` checks in the order of these numbers.
+    """
     chunk = Chunk(limbs, shape.bits)
     errors = [(ErrorKind.CRC, compare_crc(chunk, shape.crc) != 0)] if shape.crc is not None else []
     if shape.gray is not None:
@@ -198,6 +223,7 @@ def _find_faults(source: Any, limbs: list[Any], shape: Shape) -> Any:
     if not shape.length and shape.bits < 64:
         errors.append((ErrorKind.LENGTH, source >> np.uint64(shape.bits) != 0))
     fault = np.zeros(len(source), np.uint8)
+    # The highest kind comes first, so that lower ones replace it.
     for kind, where in sorted(errors, key=lambda error: -error[0]):
         fault *= np.logical_not(where)
         fault += where * np.uint8(kind)
@@ -212,6 +238,7 @@ def _is_met(chunk: Chunk, check: Check) -> Any:
     if check.limit is not None:
         return are_within(bits, check, check.limit)
     values = [value for value in check.values if not value >> check.width]
+    # For many values, a search takes less time than one comparison for each.
     if len(values) > 16:
         return np.isin(bits, np.array(values, bits.dtype))
     is_allowed = np.zeros(len(bits), bool)
@@ -223,6 +250,8 @@ def _is_met(chunk: Chunk, check: Check) -> Any:
 def _write(chunk: Chunk, shape: Shape, out: Mapping[str, Any]) -> None:
     """Write the columns of the fields, of the joined numbers and of unused bits."""
     columns_by_name = {column.name: column for column in shape.columns}
+    # Fields that are extracted from a joined number on access are not in ``out``. The columns of digits have names of
+    # their own.
     for column in shape.columns:
         if column.name in out or column.runs:
             _write_column(chunk, column, out)
@@ -233,11 +262,15 @@ def _write(chunk: Chunk, shape: Shape, out: Mapping[str, Any]) -> None:
 
 
 def _write_join(chunk: Chunk, shape: Shape, join: Join, columns: Mapping[str, Column], number: Any) -> None:
-    """Write a number that consists of several fields, the first of which has the lowest bits."""
+    """Write a number that consists of several fields into the array ``number``. The first has its lowest bits.
+
+    ``low`` is a place in the frame, and ``place`` one in the joined number.
+    """
     first_name, _ = join.fields[0]
     first = columns[first_name]
     are_adjacent = all(columns[name].low == first.low + place for name, place in join.fields)
     if are_adjacent:
+        # The fields have the same order in the frame, so they are one number there.
         chunk.take(first.low, find_width(shape, join), number)
         return
     chunk.take(first.low, first.width, number)
@@ -248,17 +281,21 @@ def _write_join(chunk: Chunk, shape: Shape, join: Join, columns: Mapping[str, Co
 
 
 def _write_unused(chunk: Chunk, shape: Shape, out: Any) -> None:
-    """Write the unused bits that differ from the manual, in as few bytes as possible."""
+    """Write the unused bits into ``out``: 1 where they differ from the manual.
+
+    Groups of bits are moved from ``low`` in the frame to ``place`` in ``out``, in as few bytes as possible.
+    """
     kind = np.dtype(choose_smallest_type(unused_bits(shape))).type
     number = kind(0)
     for low, mask, value, place in group_unused_bits(shape):
         width = mask.bit_length()
-        small = low % 8 + width <= 8
-        turned = chunk.small(low, mask) if small else chunk.take(low, width) & np.uint64(mask)
+        # Within a byte of the frame, the bits are taken from the byte.
+        is_in_one_byte = low % 8 + width <= 8
+        differing = chunk.small(low, mask) if is_in_one_byte else chunk.take(low, width) & np.uint64(mask)
         if value:
-            turned = turned ^ turned.dtype.type(value)
-        turned = turned.astype(kind, copy=False)
-        number = number | (turned << kind(place) if place else turned)
+            differing = differing ^ differing.dtype.type(value)
+        differing = differing.astype(kind, copy=False)
+        number = number | (differing << kind(place) if place else differing)
     out[:] = number
 
 
@@ -284,6 +321,7 @@ def _write_column(chunk: Chunk, column: Column, out: Mapping[str, Any]) -> None:
             number = out[column.name].view(np.uint64)
             chunk.take(column.low, column.width, number)
             if column.width:
+                # In two's complement, this extends the sign to 64 bits: n ^ top - top.
                 top = np.uint64(1 << column.width - 1)
                 number ^= top
                 number -= top
@@ -292,42 +330,48 @@ def _write_column(chunk: Chunk, column: Column, out: Mapping[str, Any]) -> None:
 
 
 def _read_text(chunk: Chunk, column: Column) -> Any:
-    """Return the strings of a field, whose first character is the most significant."""
+    """Return the strings of a field as bytes. The first character is the most significant."""
     length = column.width // 8
     rows = np.empty((len(chunk.limbs[0]), length), np.uint8)
-    for place in range(length):
-        rows[:, place] = chunk.take(column.low + 8 * (length - 1 - place), 8)
+    for index in range(length):
+        rows[:, index] = chunk.take(column.low + 8 * (length - 1 - index), 8)
     return rows.view(f"S{length}")[:, 0]
 
 
 def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
-    """Write the verdict on the position of each valid frame.
+    """Write the verdict on the position of each frame, as the index in ``VERDICTS``, as if it had no error.
 
-    The computation has no branches, so the time does not depend on the frames.
+    It is NOT_USABLE if any of the conditions for this is met. Otherwise it is USABLE_WITH_WARNING if any of those is
+    met, unless the default is UNKNOWN. Otherwise it is the default. The computation has no branches, so the time does
+    not depend on the frames.
     """
     default, verdicts = VERDICTS.index(shape.default_verdict), out["verdict"]
     unused: Any = out.get("unused")
     any_unused_differs = bool(shape.unused) and unused.any()
-    speaking: dict[Verdict, list[Any]] = {}
+    # For each verdict, an array for each condition that can apply: True for the frames to which it does.
+    active_by_verdict: dict[Verdict, list[Any]] = {}
     for condition in shape.verdict_causes:
         if condition.when:
-            where = all_match(out, condition.when)
+            is_active = all_match(out, condition.when)
         elif condition.flag:
-            where = out[condition.flag]
+            is_active = out[condition.flag]
             for name in condition.unless:
-                where = np.greater(where, out[name])
+                # For bools, this is "where and not out[name]".
+                is_active = np.greater(is_active, out[name])
         elif any_unused_differs:
-            where = unused & unused.dtype.type(condition.mask & (1 << 8 * unused.itemsize) - 1) != 0
+            is_active = unused & unused.dtype.type(condition.mask & (1 << 8 * unused.itemsize) - 1) != 0
         else:
             continue
-        speaking.setdefault(condition.verdict, []).append(where)
+        active_by_verdict.setdefault(condition.verdict, []).append(is_active)
     verdicts[:] = default
     # A warning does not improve on an unknown position.
-    if Verdict.USABLE_WITH_WARNING in speaking and shape.default_verdict is not Verdict.UNKNOWN:
-        less = np.uint8((default - VERDICTS.index(Verdict.USABLE_WITH_WARNING)) % 256)
-        verdicts -= reduce(np.logical_or, speaking[Verdict.USABLE_WITH_WARNING]).view(np.uint8) * less
-    if Verdict.NOT_USABLE in speaking:
-        verdicts *= np.logical_not(reduce(np.logical_or, speaking[Verdict.NOT_USABLE])).view(np.uint8)
+    if Verdict.USABLE_WITH_WARNING in active_by_verdict and shape.default_verdict is not Verdict.UNKNOWN:
+        # Subtracting this from the default gives the verdict of a warning.
+        decrease = np.uint8((default - VERDICTS.index(Verdict.USABLE_WITH_WARNING)) % 256)
+        verdicts -= reduce(np.logical_or, active_by_verdict[Verdict.USABLE_WITH_WARNING]).view(np.uint8) * decrease
+    # NOT_USABLE has the index 0.
+    if Verdict.NOT_USABLE in active_by_verdict:
+        verdicts *= np.logical_not(reduce(np.logical_or, active_by_verdict[Verdict.NOT_USABLE])).view(np.uint8)
 
 
 #: Verdicts in the order of their numbers in a column. The worst is 0.

@@ -30,14 +30,18 @@ class RowError(RangeError):
 
 
 class FirstError:
-    """First error in the rows: the first wrong field of the first row with an error."""
+    """First error in the rows: the first wrong field of the first row with an error.
+
+    Fields are checked one after another, each in all rows. ``row`` is the lowest row with an error so far, or None, and
+    ``_error`` the arguments of its ``RowError``: field, value and allowed values.
+    """
 
     def __init__(self) -> None:
         self.row: int | None = None
         self._error: tuple[str, object, str] = ("", 0, "")
 
     def add(self, is_wrong: Any, field: str, values: Any, allowed: str) -> None:
-        """Record the first row in which ``is_wrong`` is True."""
+        """Record the first row in which ``is_wrong`` is True, if no earlier or equal row has an error."""
         if not is_wrong.any():
             return
         row = int(is_wrong.argmax())
@@ -45,7 +49,7 @@ class FirstError:
             self.row, self._error = row, (field, values[row].item(), allowed)
 
     def raise_first(self, start: int) -> None:
-        """Raise RowError if there is an error. ``start`` is the number of the first row."""
+        """Raise RowError if there is an error. ``start`` is the index of the first of these rows among all rows."""
         if self.row is not None:
             raise RowError(start + self.row, *self._error)
 
@@ -64,12 +68,20 @@ def encode_many(columns: Mapping[str, Any] | Table, shape: Shape) -> Any:
         first_error = FirstError()
         limbs = _encode_rows({name: column[rows] for name, column in arrays.items()}, shape, first_error)
         first_error.raise_first(start)
+        # A frame of bits has at most 64 bits, so one limb.
         frames[rows] = _convert_to_rows(limbs, shape) if shape.length else limbs[0]
     return frames
 
 
 def _read_arrays(columns: Mapping[str, Any], shape: Shape, other_names: Iterable[str]) -> dict[str, Any]:
-    """Return the required columns as arrays of equal length. A single value applies to all rows."""
+    """Return the required columns as arrays of equal length. A single value applies to all rows.
+
+    ``other_names`` are the names of columns that do not belong to the frame and are ignored.
+
+    Raises:
+        TypeError: A column is missing, unknown or of the wrong type.
+        ValueError: The columns have different lengths.
+    """
     if not hasattr(columns, "keys"):
         raise TypeError(f"columns must be a mapping of names to arrays, got {type(columns).__name__}")
     fields: dict[str, Column] = {}
@@ -79,6 +91,7 @@ def _read_arrays(columns: Mapping[str, Any], shape: Shape, other_names: Iterable
     joined_names = [join.name for join in shape.joins]
     needed = [name for name in (*fields, *joined_names, "unused", "fault") if name in columns]
     arrays = {name: np.asarray(columns[name]) for name in needed}
+    # Single values become arrays without dimensions.
     row_count = max((array.size for array in arrays.values() if array.ndim), default=1)
     for name, array in arrays.items():
         kind = fields[name].kind if name in fields else "number"
@@ -87,25 +100,37 @@ def _read_arrays(columns: Mapping[str, Any], shape: Shape, other_names: Iterable
 
 
 def _check_array(name: str, array: Any, cells: Any, kind: str, row_count: int) -> None:
-    """Raise an error if a column, given as ``cells``, has the wrong length or does not fit a field of this kind."""
+    """Raise an error if a column does not have ``row_count`` rows, or if its type does not fit a field of this kind.
+
+    ``array`` has been made from ``cells``, which are the column as the caller passed it.
+
+    Raises:
+        ValueError: The length is wrong.
+        TypeError: The type is wrong.
+    """
     is_single_value = array.ndim == 0
     if not is_single_value and array.shape != (row_count,):
         raise ValueError(f"column {name} has the shape {array.shape}, but others have {row_count} rows")
     if array.dtype.kind not in ARRAY_KINDS.get(kind, "ui"):
         raise TypeError(f"column {name} has the type {array.dtype}, which does not fit the field")
-    # NumPy converts bools in a list with numbers.
+    # NumPy converts bools to numbers if the list also has numbers, so the type of the array does not show them.
     if not kind.endswith("flag") and isinstance(cells, (list, tuple)) and _has_bool(cells):
         raise TypeError(f"column {name} contains bools, which do not fit the field")
 
 
 def _has_bool(cells: Any) -> bool:
+    """Return whether a cell is a bool."""
     return any(type(cell) is bool for cell in cells)
 
 
 def _check_names(
     columns: Collection[str], fields: Mapping[str, Column], shape: Shape, other_names: Iterable[str]
 ) -> None:
-    """Raise TypeError if a column is missing or unknown. A joined number can replace its fields."""
+    """Raise TypeError if a column is missing or unknown.
+
+    Flags, fields without bits, and unused bits may be missing, as may the fields of a joined number that is present.
+    Columns that a decoded table has in addition to the fields are ignored.
+    """
     optional = {"unused"}
     for name, column in fields.items():
         if column.kind.endswith("flag") or not column.width:
@@ -127,7 +152,10 @@ def list_names(column: Column) -> tuple[str, ...]:
 
 
 def _encode_rows(arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> list[Any]:
-    """Return the frames as numbers, in 64-bit limbs."""
+    """Return the frames as numbers in 64-bit limbs: a list of arrays, the lowest limb first.
+
+    Each array has an element for each frame. Errors in the values are added to ``first_error``.
+    """
     count = len(next(iter(arrays.values())))
     limbs = [np.full(count, shape.fixed >> low & (1 << 64) - 1, np.uint64) for low in range(0, shape.bits, 64)]
     if "fault" in arrays:
@@ -137,6 +165,7 @@ def _encode_rows(arrays: Mapping[str, Any], shape: Shape, first_error: FirstErro
             for low, width, bits in _encode_field(arrays, column, first_error):
                 _insert(limbs, low, width, bits)
         elif column.kind == "not_flag":
+            # A missing flag is inactive. For an active-low one, the bit is 1.
             _insert(limbs, column.low, column.width, np.ones(count, np.uint64))
     for join in shape.joins:
         if join.name in arrays:
@@ -148,16 +177,20 @@ def _encode_rows(arrays: Mapping[str, Any], shape: Shape, first_error: FirstErro
 
 
 def _insert(limbs: list[Any], low: int, width: int, bits: Any) -> None:
-    """Insert bits at a position where all bits are still 0."""
+    """Insert ``width`` bits of each frame from bit ``low`` on, where all bits are still 0."""
     limb_index, shift = divmod(low, 64)
     if width:
         limbs[limb_index] |= bits << np.uint64(shift)
+    # The field can continue in the next limb.
     if shift + width > 64:
         limbs[limb_index + 1] |= bits >> np.uint64(64 - shift)
 
 
 def _encode_field(arrays: Mapping[str, Any], column: Column, first_error: FirstError) -> Iterator[tuple[int, int, Any]]:
-    """Yield the pieces of a field: lowest bit, width and bits."""
+    """Yield the pieces of a field: lowest bit in the frame, width, and an array with the bits of each frame.
+
+    A string has one piece for each character, and any other field one. Wrong values are added to ``first_error``.
+    """
     values = arrays[list_names(column)[0]]
     match column.kind:
         case "flag" | "not_flag":
@@ -175,12 +208,13 @@ def _encode_field(arrays: Mapping[str, Any], column: Column, first_error: FirstE
         case "text":
             yield from _encode_text(values, column, first_error)
         case "signed":
-            top = 1 << column.width >> 1
-            high = max(top, 1) - 1
-            is_wrong = values > high if top else values != 0
+            sign_bit = 1 << column.width >> 1
+            # A field without bits has only the value 0.
+            highest = max(sign_bit, 1) - 1
+            is_wrong = values > highest if sign_bit else values != 0
             if values.dtype.kind == "i":
-                is_wrong = is_wrong | (values < -top)
-            first_error.add(is_wrong, column.name, values, f"{-top} to {top - 1}")
+                is_wrong = is_wrong | (values < -sign_bit)
+            first_error.add(is_wrong, column.name, values, f"{-sign_bit} to {sign_bit - 1}")
             yield column.low, column.width, values.astype(np.int64).view(np.uint64) & np.uint64((1 << column.width) - 1)
         case "number" | "choice":
             yield column.low, column.width, _encode_number(values, column, first_error)
@@ -189,8 +223,12 @@ def _encode_field(arrays: Mapping[str, Any], column: Column, first_error: FirstE
 
 
 def _encode_number(values: Any, column: Column, first_error: FirstError) -> Any:
-    """Return the bits of an unsigned number."""
+    """Return the bits of an unsigned number as unsigned 64-bit numbers.
+
+    If 0 has another meaning in the field, such as 16, then 16 is sent as 0 and the value 0 is an error.
+    """
     if column.power_of_two:
+        # A power of two has a single bit, which subtracting 1 clears.
         is_wrong = (values < 1) | (values & (values - values.dtype.type(1)) != 0)
         first_error.add(is_wrong, column.name, values, "a power of two")
     if column.zero_means:
@@ -200,7 +238,7 @@ def _encode_number(values: Any, column: Column, first_error: FirstError) -> Any:
 
 
 def _check_unsigned(values: Any, first_error: FirstError, name: str, highest: int) -> Any:
-    """Return numbers that are at most ``highest`` as unsigned 64-bit numbers."""
+    """Return numbers as unsigned 64-bit numbers. Those outside 0 to ``highest`` are added to ``first_error``."""
     is_wrong = values < 0 if values.dtype.kind == "i" else np.zeros(len(values), bool)
     bits = values.astype(np.uint64)
     if highest < (1 << 64) - 1:
@@ -210,38 +248,48 @@ def _check_unsigned(values: Any, first_error: FirstError, name: str, highest: in
 
 
 def _check_fit(bits: Any, width: int, values: Any, first_error: FirstError, name: str) -> Any:
-    """Return bits after a check that they fit into ``width`` bits."""
+    """Return ``bits`` unchanged. If they do not fit into ``width`` bits, ``values`` are added to ``first_error``."""
     if width < 64:
         first_error.add(bits >> np.uint64(width) != 0, name, values, f"0 to {(1 << width) - 1}")
     return bits
 
 
 def _encode_text(values: Any, column: Column, first_error: FirstError) -> Iterator[tuple[int, int, Any]]:
-    """Yield the characters of a string, the first one most significant. Trailing NUL characters may be omitted."""
+    """Yield the characters of strings as pieces of 8 bits: lowest bit in the frame, 8, and a character of each frame.
+
+    The first character is the most significant. Trailing NUL characters may be omitted. A longer string, or one with a
+    character that is not Latin-1, is an error.
+    """
     length = column.width // 8
-    kind = np.dtype(np.uint8 if values.dtype.kind == "S" else np.uint32)
-    count = values.dtype.itemsize // kind.itemsize
-    letters = np.zeros((len(values), max(length, count)), kind)
-    native = np.ascontiguousarray(values, values.dtype.newbyteorder("="))
-    letters[:, :count] = native.view(kind).reshape(len(values), count)
+    # NumPy stores the characters of a bytes array (S) in one byte each, and those of a text array (U) in four.
+    character_type = np.dtype(np.uint8 if values.dtype.kind == "S" else np.uint32)
+    stored_count = values.dtype.itemsize // character_type.itemsize
+    # A row for each string and a column for each character, with NUL where the strings are shorter than the field.
+    letters = np.zeros((len(values), max(length, stored_count)), character_type)
+    # Without gaps and in the byte order of this machine, the memory of the strings can be viewed as characters.
+    contiguous_values = np.ascontiguousarray(values, values.dtype.newbyteorder("="))
+    letters[:, :stored_count] = contiguous_values.view(character_type).reshape(len(values), stored_count)
     is_wrong = (letters > 255).any(1) | letters[:, length:].any(1)
     first_error.add(is_wrong, column.name, values, f"{length} Latin-1 characters")
-    for place in range(length):
-        yield column.low + 8 * (length - 1 - place), 8, letters[:, place].astype(np.uint64)
+    for index in range(length):
+        yield column.low + 8 * (length - 1 - index), 8, letters[:, index].astype(np.uint64)
 
 
 def _insert_join(
     limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, join: Join, first_error: FirstError
 ) -> None:
-    """Insert the fields of a joined number. Fields that are also given separately must agree with it."""
+    """Insert the fields of a joined number. Fields that are also given separately must agree with it.
+
+    The latter are in ``limbs`` already. If they differ, the joined number is added to ``first_error``.
+    """
     width = find_width(shape, join)
-    whole = _check_unsigned(arrays[join.name], first_error, join.name, (1 << width) - 1)
+    joined_numbers = _check_unsigned(arrays[join.name], first_error, join.name, (1 << width) - 1)
     by_name = {column.name: column for column in shape.columns}
     for name, place in join.fields:
         column = by_name[name]
         if not column.width:
             continue
-        bits = whole >> np.uint64(place) & np.uint64((1 << column.width) - 1)
+        bits = joined_numbers >> np.uint64(place) & np.uint64((1 << column.width) - 1)
         if all(field_name in arrays for field_name in list_names(column)):
             separate_bits = Chunk(limbs, shape.bits).take(column.low, column.width)
             first_error.add(separate_bits != bits, join.name, arrays[join.name], "equal to its fields")
@@ -250,7 +298,10 @@ def _insert_join(
 
 
 def _insert_unused(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> None:
-    """Insert unused bits as in the manual, inverted where the column ``unused`` is 1."""
+    """Insert unused bits as in the manual, inverted where the column ``unused`` is 1.
+
+    The column has all unused bits side by side: ``place`` is a position in it, and ``low`` one in the frame.
+    """
     values = arrays.get("unused", np.zeros(len(limbs[0]), np.uint8))
     bits = values.astype(np.uint64)
     unused_mask = sum(((1 << unused.width) - 1) << unused.place for unused in shape.unused)
@@ -263,15 +314,16 @@ def _insert_unused(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, fi
 
 
 def _check_values(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> None:
-    """Check the fields that allow only some values or consist of decimal digits."""
+    """Add the first value to ``first_error`` that is not one of its field's values, or is outside its limits."""
     columns_by_place = {(column.low, column.width): column for column in shape.columns}
     for check in shape.checks:
         column = columns_by_place.get((check.low, check.width))
-        # Constants have no column, and parity bits are computed.
+        # Constants have no column at their place, and parity bits are computed.
         if column is None or check.parity_of:
             continue
         bits = Chunk(limbs, shape.bits).take(check.low, check.width)
         if check.limit is None:
+            # A value that needs more bits than the field never occurs in it.
             possible_values = [value for value in check.values if not value >> check.width]
             allowed = "one of " + ", ".join(map(str, check.values))
             values = arrays.get(column.name, bits)
@@ -285,23 +337,26 @@ def _check_values(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, fir
 
 
 def _finish(limbs: list[Any], shape: Shape) -> None:
-    """Apply Gray code, the parity bits and the CRC."""
+    """Apply Gray code, then insert the parity bits, which cover it, and the CRC, which covers both."""
     if shape.gray is not None:
         low, width = shape.gray
         if shape.excess:  # No position and its excess together are wider than the bits.
             limbs[0] += np.uint64(shape.excess << low)
+        # The Gray code of n is n ^ n >> 1.
         number = limbs[0] >> np.uint64(low) & np.uint64((1 << width) - 1)
         limbs[0] ^= number >> np.uint64(1) << np.uint64(low)
     chunk = Chunk(limbs, shape.bits)
     for check in shape.parities:
         _insert(limbs, check.low, check.width, compute_parity(chunk, check).astype(np.uint64))
     if shape.crc is not None:
+        # The CRC bits are still 0, so the difference from them is the CRC.
         crc_bits = compare_crc(Chunk(limbs, shape.bits), shape.crc).astype(np.uint64)
         _insert(limbs, shape.crc.low, shape.crc.width, crc_bits)
 
 
 def _convert_to_rows(limbs: list[Any], shape: Shape) -> Any:
     """Return the bytes of each frame in the order in which they are sent."""
+    # The bytes of all limbs, the lowest first. The highest limb can have more bytes than the frame.
     rows = np.stack([limb.astype("<u8").view(np.uint8).reshape(-1, 8) for limb in limbs], 1)
     rows = rows.reshape(len(limbs[0]), -1)[:, : shape.length]
     return rows if shape.order == "little" else rows[:, ::-1]

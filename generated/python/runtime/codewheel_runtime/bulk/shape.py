@@ -17,9 +17,11 @@ from ..reports import Report, Verdict
 class Column(NamedTuple):
     """Field of ``width`` bits that starts at bit ``low`` of the number that a frame forms.
 
-    ``kind`` is the type of value that the bits encode. ``runs`` contains the name, divisor and modulus of each group of
-    decimal digits. ``field`` is the name of the field in messages, if it differs from ``name``. ``values`` lists the
-    only allowed values of the field, if they are limited. ``scale`` has the first members of its ``Scale``.
+    ``kind`` is the type of value that the bits encode. ``not_flag`` is an active-low flag. If ``zero_means`` is not 0,
+    bits that are all 0 stand for this number. ``runs`` contains the name, divisor and modulus of each group of decimal
+    digits: its number is ``bits // divisor % modulus``. ``field`` is the name of the field in messages, if it differs
+    from ``name``. ``values`` lists the only allowed values of the field, if they are limited. ``scale`` has the first
+    members of its ``Scale``.
     """
 
     name: str
@@ -54,11 +56,13 @@ class Check(NamedTuple):
 
     def parity(self, number: int) -> int:
         """Return the parity bit for a frame, or 0 if the encoder does not send it."""
+        # A mask of 0 stands for all bits.
         ones = ((number >> low & (1 << width) - 1 & (self.mask or -1)).bit_count() for low, width in self.parity_of)
         return (sum(ones) & 1 ^ self.odd) & self.width
 
     def is_within(self, bits: int) -> bool:
         """Return whether the bits are at most ``limit``, and if they are signed, at least ``lowest``."""
+        # Modulo 2**width, the numbers from ``lowest`` to ``limit`` become those from 0 on.
         return self.limit is None or bits - self.lowest & (1 << self.width) - 1 <= self.limit - self.lowest
 
 
@@ -88,9 +92,13 @@ class CrcOf(NamedTuple):
 def compare_bytes(
     function: Callable[[bytes], int], length: int, width: int, order: Literal["little", "big"]
 ) -> Callable[[int], int]:
-    """Return a function that finds the wrong bits of the CRC in the last ``width`` of ``length`` bytes."""
+    """Return a function that finds the wrong bits of the CRC of a frame, which is its last ``width`` bytes.
+
+    Here ``width`` is a number of bytes. ``function`` computes the CRC of the ``length - width`` bytes before.
+    """
 
     def differs(number: int) -> int:
+        """Return the bits in which the CRC of a frame differs from the computed one."""
         data = number.to_bytes(length, order)
         return function(data[:-width]) ^ int.from_bytes(data[-width:], order)
 
@@ -100,7 +108,8 @@ def compare_bytes(
 def compare_bits(function: Callable[[int, int], int], covered: int, width: int, gap: int = 0) -> Callable[[int], int]:
     """Return a function that finds the wrong bits of the CRC in the last ``width`` bits of a number.
 
-    The CRC covers ``covered`` bits, and ``gap`` bits are between them and the CRC.
+    The CRC covers ``covered`` bits, and ``gap`` bits are between them and the CRC. ``function`` computes the CRC of a
+    number with a number of bits.
     """
     ones = (1 << covered) - 1
     return lambda number: function(number >> width + gap & ones, covered) ^ number & ((1 << width) - 1)
@@ -148,7 +157,7 @@ class ReportCause(NamedTuple):
     chosen_verdict: Verdict | None = None
 
     def of(self, reports: Mapping[str, Report]) -> Report:
-        """Return the report with its verdict."""
+        """Return the report of this cause from all reports by name. Your choice can replace its verdict."""
         report = reports[self.report]
         return report if self.chosen_verdict is None else report._replace(makes_position=self.chosen_verdict)
 
@@ -193,11 +202,14 @@ class Shape(NamedTuple):
 
 
 def list_column_types(shape: Shape) -> dict[str, str]:
-    """Return the columns that are written, with their NumPy types."""
-    late = {name for join in shape.joins for name, _, _ in find_late_fields(shape, join)}
+    """Return the columns that ``decode_many`` writes, with their NumPy types: ``{"position": "i8", "error": "?"}``.
+
+    Plain parts of a joined number are not among them, because they are extracted on access. Nor is ``fault``.
+    """
+    late_names = {name for join in shape.joins for name, _, _ in find_late_fields(shape, join)}
     types: dict[str, str] = {}
     for column in shape.columns:
-        if column.name not in late:
+        if column.name not in late_names:
             types |= _choose_types(column)
     for join in shape.joins:
         types[join.name] = "u8" if find_width(shape, join) == 64 else "i8"
@@ -209,7 +221,10 @@ def list_column_types(shape: Shape) -> dict[str, str]:
 
 
 def _choose_types(column: Column) -> dict[str, str]:
-    """Return the NumPy types of the columns that a field becomes."""
+    """Return the NumPy types of the columns that a field becomes, by name. Only decimal digits can be several columns.
+
+    Numbers are signed, unless they need all 64 bits.
+    """
     match column.kind:
         case "digits":
             return {name: "i8" for name, _, _ in column.runs}
@@ -240,7 +255,11 @@ def unused_bits(shape: Shape) -> int:
 
 @lru_cache(maxsize=256)
 def group_unused_bits(shape: Shape) -> tuple[tuple[int, int, int, int], ...]:
-    """Return groups of unused bits that are shifted together: lowest bit, mask, value and place of each."""
+    """Return groups of unused bits that are shifted together, as tuples of lowest bit, mask, value and place.
+
+    Bits with the same shift from the frame to ``unused`` form a group if they begin in the same byte of the frame. The
+    lowest bit is that of the group in the frame, the place that in ``unused``. Bit 0 of mask and value is this bit.
+    """
     by_shift: dict[tuple[int, int], list[Unused]] = {}
     for unused in shape.unused:
         by_shift.setdefault((unused.low - unused.place, unused.low // 8), []).append(unused)
@@ -264,20 +283,28 @@ def find_width(shape: Shape, join: Join) -> int:
 
 
 def find_late_fields(shape: Shape, join: Join) -> list[tuple[str, int, int]]:
-    """Return the fields that are plain bits of a joined number. They are extracted from it on access."""
+    """Return the fields that are plain bits of a joined number: name, lowest bit in this number, and width.
+
+    They are extracted from it on access. Only the first joined number of a shape has such fields, and only if it has
+    fewer than 64 bits.
+    """
     by_name = {column.name: column for column in shape.columns}
     if find_width(shape, join) > 63 or join is not shape.joins[0]:
         return []
-    late: list[tuple[str, int, int]] = []
+    late_fields: list[tuple[str, int, int]] = []
     for name, low in join.fields:
         column = by_name[name]
         if column.kind == "number" and not column.zero_means:
-            late.append((name, low, column.width))
-    return late
+            late_fields.append((name, low, column.width))
+    return late_fields
 
 
 def measured(shape: Shape) -> frozenset[str]:
-    """Return the columns of the position and its parts, or all numbers if the frame has only a part of the position."""
+    """Return the columns whose values have no meaning if the position is not usable.
+
+    These are the position and its parts. A frame without the whole position but with a verdict has only a part of it,
+    so all its numbers count. Other frames have none.
+    """
     if shape.position:
         parts = (name for join in shape.joins if join.name == shape.position for name, _ in join.fields)
         return frozenset((shape.position, *parts))
@@ -287,7 +314,10 @@ def measured(shape: Shape) -> frozenset[str]:
 
 
 def scales(shape: Shape) -> dict[str, tuple[str, Scale]]:
-    """Return the columns of quantities, each with the column of its number. No field can have such a name."""
+    """Return the name of each column of quantities, with the column of its number and the scale.
+
+    An example is ``{"temperature (°C)": ("temperature", Scale(…))}``. No field can have such a name.
+    """
     scaled = ((column.name, Scale(*column.scale)) for column in shape.columns if column.scale is not None)
     return {f"{name} ({scale.unit})": (name, scale) for name, scale in scaled}
 
@@ -295,8 +325,8 @@ def scales(shape: Shape) -> dict[str, tuple[str, Scale]]:
 class QuickChecks(NamedTuple):
     """Quick checks of a frame. Only frames that fail them are examined for their errors.
 
-    ``fixed`` contains a mask and the required bits of each 64-bit limb, ``bytes`` the allowed values of single bytes,
-    and ``remaining`` all other checks.
+    ``fixed`` contains a mask and the required bits of each 64-bit limb, lowest first. ``bytes`` contains the index of a
+    byte and its allowed values. ``remaining`` contains all other checks.
     """
 
     fixed: tuple[tuple[int, int], ...]
@@ -306,20 +336,21 @@ class QuickChecks(NamedTuple):
 
 @lru_cache(maxsize=256)
 def find_quick_checks(shape: Shape) -> QuickChecks:
-    """Return the checks of a shape, combined into one per byte and one for all constant bits."""
+    """Return the checks of a shape, combined into allowed values of bytes and one check for all constant bits."""
     mask = values = 0
     remaining: list[Check] = []
     by_byte: dict[int, list[Check]] = {}
     for check in shape.checks:
+        # A check of no bits that always holds is left out.
         if not check.width and not check.parity_of and holds(0, check):
             continue
         if check.parity_of and shape.gray is not None:  # It is the parity of the bits before the conversion.
             remaining.append(check)
             continue
-        places = _split_into_bytes(check)
+        byte_indices = _split_into_bytes(check)
         fitting_values = [value for value in check.values if not value >> check.width]
-        if len(places) == 1:
-            by_byte.setdefault(places.pop(), []).append(check)
+        if len(byte_indices) == 1:
+            by_byte.setdefault(byte_indices.pop(), []).append(check)
         elif len(fitting_values) == 1:
             mask |= ((1 << check.width) - 1) << check.low
             values |= fitting_values[0] << check.low
@@ -328,9 +359,11 @@ def find_quick_checks(shape: Shape) -> QuickChecks:
     byte_values: list[tuple[int, tuple[int, ...]]] = []
     for place, checks in by_byte.items():
         allowed = [byte for byte in range(256) if _are_all_met(byte << 8 * place, checks)]
+        # Bits that are the same in all allowed values.
         constant_bits = 255
         for byte in allowed:
             constant_bits &= ~(byte ^ allowed[0])
+        # If the other bits can have any value, the constant bits are the whole condition.
         if allowed and len(allowed) == 1 << 8 - constant_bits.bit_count():
             mask |= constant_bits << 8 * place
             values |= (allowed[0] & constant_bits) << 8 * place
@@ -344,14 +377,15 @@ def find_quick_checks(shape: Shape) -> QuickChecks:
 
 
 def _split_into_bytes(check: Check) -> set[int]:
-    """Return the indices of the bytes that a check looks at."""
-    places: set[int] = set()
+    """Return the indices of the bytes in which the bits of a check, and of its parity, begin and end."""
+    byte_indices: set[int] = set()
     for low, width in ((check.low, check.width), *check.parity_of):
-        places |= {low // 8, (low + max(width, 1) - 1) // 8}
-    return places
+        byte_indices |= {low // 8, (low + max(width, 1) - 1) // 8}
+    return byte_indices
 
 
 def _are_all_met(number: int, checks: list[Check]) -> bool:
+    """Return whether all conditions hold for one frame."""
     return all(holds(number, check) for check in checks)
 
 

@@ -115,6 +115,9 @@ class Table(_TableOf[_Name, _Unit]):
         other_columns: Mapping[str, Any] = _NOTHING,
         frame: str = "",
     ) -> None:
+        # _parts: for each column that is a part of a joined number, this number, the lowest bit in it, and the width.
+        # _scales: for each column of quantities, the column of its numbers, and their scale.
+        # _measured: names of the position and its parts, which are hidden where the position is not usable.
         self.encoder, self._measured, self._others = encoder, measured, other_columns
         self._report_causes = report_causes
         self._columns, self._scales, self._frame = columns, scales, frame
@@ -179,12 +182,16 @@ class Table(_TableOf[_Name, _Unit]):
         return reports
 
     def _find_active(self, condition: ReportCause) -> Any:
-        """Return an array that is True for the frames to which a report applies, valid or not."""
+        """Return an array that is True for the frames to which a report applies, valid or not.
+
+        Its condition is columns with certain values, or an active flag, or unused bits that differ from the manual.
+        """
         if condition.when:
             return all_match(self, condition.when)
         if condition.flag:
             return self._find_column(condition.flag)
         unused: Any = self._find_column("unused")
+        # The mask is limited to the width of the column, as NumPy requires.
         return unused & (condition.mask & (1 << 8 * unused.itemsize) - 1) != 0
 
     @property
@@ -229,7 +236,7 @@ class Table(_TableOf[_Name, _Unit]):
     def _replace_columns(
         self, columns: dict[str, Any], fault: Any, verdict: Any, other_columns: Mapping[str, Any]
     ) -> Table:
-        """Return a table of the same frames with these columns."""
+        """Return a table with these columns, for instance of other rows, and everything else as in this one."""
         return Table(
             encoder=self.encoder,
             columns=columns,
@@ -263,6 +270,7 @@ class Table(_TableOf[_Name, _Unit]):
         if isinstance(name, str):
             return self._find_column(name)
         index: int = name
+        # This raises IndexError, and counts negative indices from the end.
         place = range(self.count)[index]
         return next(self[place : place + 1].rows())
 
@@ -279,7 +287,10 @@ class Table(_TableOf[_Name, _Unit]):
                 yield dict(zip(self.names, row, strict=True))
 
     def _read_cells(self, name: str, rows: slice) -> list[Any]:
-        """Return the values of a column in some rows as objects of Python."""
+        """Return the values of a column in some rows as objects of Python.
+
+        Errors and verdicts become members of their enumerations, hidden values None, and bytes text.
+        """
         column = self._find_column(name)[rows]
         cells: list[Any] = column.tolist() if hasattr(column, "tolist") else list(column)
         if name == "fault":
@@ -303,6 +314,7 @@ class Table(_TableOf[_Name, _Unit]):
         if name in self._scales and name not in self._columns:
             self._columns[name] = self._convert_to_quantities(*self._scales[name])
         if name in self._parts and name not in self._columns:
+            # The part is computed once, and kept as a column.
             whole, low, width = self._parts[name]
             self._columns[name] = self._columns[whole] >> low & ((1 << width) - 1)
         if name not in self._columns:
@@ -310,7 +322,7 @@ class Table(_TableOf[_Name, _Unit]):
         return self._columns[name]
 
     def _unknown_column_error(self, name: str) -> str:
-        """Return the message for a column that the table does not have."""
+        """Return the message for a column that the table does not have, with the most similar name."""
         nearest = get_close_matches(name, self.names, n=1)
         suggestion = f"; did you mean {nearest[0]!r}?" if nearest else ""
         return f"no column {name[:40]!r}; the columns are {', '.join(self.names)}{suggestion}"
@@ -319,6 +331,7 @@ class Table(_TableOf[_Name, _Unit]):
         """Return a column of numbers in its unit, as decimals."""
         np: Any = load("numpy")
         # Numbers such as temperatures repeat, so only a few conversions are needed.
+        # ``places`` has the index in ``numbers`` of each value.
         numbers, places = np.unique(self._find_column(name), return_inverse=True)
         quantities = np.array([scale.decimal(number) for number in numbers.tolist()], object)
         return quantities[places]
@@ -371,14 +384,16 @@ class Table(_TableOf[_Name, _Unit]):
         position = self.position.astype(np.int64)
         if not len(usable_rows):
             return np.full(len(position), previous or 0, np.int64)
-        used = position[usable_rows]
-        for extreme in (int(used.max()), int(used.min())):
+        usable_positions = position[usable_rows]
+        for extreme in (int(usable_positions.max()), int(usable_positions.min())):
             if not valid.lowest <= extreme <= valid.highest:
                 raise RangeError("position", extreme, f"{valid.lowest} to {valid.highest}")
-        start = int(used[0]) if previous is None else valid.unwrap(previous, int(used[0]))
-        steps = np.diff(used)
+        start = int(usable_positions[0]) if previous is None else valid.unwrap(previous, int(usable_positions[0]))
+        steps = np.diff(usable_positions)
         if valid.modulus is not None:
+            # The shorter way around: from minus half of the modulus to half of it.
             steps = (steps + valid.modulus // 2) % valid.modulus - valid.modulus // 2
+        # Index 0 is the count before the first usable position, and index n that of the n-th one.
         counts = np.concatenate([[start if previous is None else previous, start], start + np.cumsum(steps)])
         return counts[np.cumsum(self.usable)].astype(np.int64)
 
@@ -396,11 +411,12 @@ class Table(_TableOf[_Name, _Unit]):
             AttributeError: The frames have no position.
             ValueError: The encoder does not measure in this unit, or the manual does not give the size of a count.
         """
+        # The size of one count. For angles, the denominator is the number of counts per turn.
         positions = self.position if counts is None else counts
-        unit_size, parts = self._find_unit_size(unit)
+        numerator, denominator = self._find_unit_size(unit)
         if unit in ("degrees", "radians"):
-            positions = positions % parts
-        values = positions * unit_size / parts
+            positions = positions % denominator
+        values = positions * numerator / denominator
         np: Any = load("numpy")
         return np.where(self.usable, values, np.nan) if counts is None else values
 
@@ -421,7 +437,10 @@ class Table(_TableOf[_Name, _Unit]):
         return self._compute_speed(seconds, unit, None)
 
     def _compute_speed(self, seconds: Any, unit: SpeedUnit, previous: tuple[int, float] | None) -> Any:
-        """Return speeds. ``previous`` is the unwrapped position and the time of the last usable frame before these."""
+        """Return the speed in each row, from the previous usable position. It is NaN where there is none.
+
+        ``previous`` is the unwrapped position and the time of the last usable frame before these, or None.
+        """
         np: Any = load("numpy")
         times = self._check_times(seconds)
         if unit not in (*_UNITS, "rpm"):
@@ -431,16 +450,23 @@ class Table(_TableOf[_Name, _Unit]):
         previous_position = previous[0] if previous is not None else None
         positions, times = self.unwrapped(previous_position)[usable_rows], times[usable_rows]
         if previous is not None:
+            # The earlier frame comes first, so even the first usable row has a speed.
             rows_with_speed = usable_rows
             positions, times = np.insert(positions, 0, previous[0]), np.insert(times, 0, previous[1])
-        unit_size, parts = self._find_unit_size("turns" if unit == "rpm" else unit)
+        numerator, denominator = self._find_unit_size("turns" if unit == "rpm" else unit)
         per_minute = 60 if unit == "rpm" else 1
-        column = np.full(self.count, np.nan)
-        column[rows_with_speed] = np.diff(positions) * (per_minute * unit_size) / parts / np.diff(times)
-        return column
+        speeds = np.full(self.count, np.nan)
+        speeds[rows_with_speed] = np.diff(positions) * (per_minute * numerator) / denominator / np.diff(times)
+        return speeds
 
     def _check_times(self, seconds: Any) -> Any:
-        """Return the time of each frame. ``seconds`` is the time between two frames, or an array of times."""
+        """Return the time of each frame.
+
+        ``seconds`` is the time between two frames, an array of times, or None for the column ``time``.
+
+        Raises:
+            ValueError: There is no such column, or the number of times is not that of the frames.
+        """
         np: Any = load("numpy")
         if seconds is None:
             if "time" not in self._others:
@@ -473,7 +499,12 @@ class Table(_TableOf[_Name, _Unit]):
         return self.with_columns(**columns)
 
     def _find_unit_size(self, unit: str) -> tuple[float, int]:
-        """Return the size of one count in a unit, as numerator and denominator."""
+        """Return the size of one count in a unit, as numerator and denominator: ``(360, 65536)`` for degrees.
+
+        Raises:
+            UnitError: The encoder measures lengths and not angles, or the other way round.
+            ValueError: This is not a unit of positions.
+        """
         if unit == "counts":
             return 1, 1
         encoder: Any = self.encoder
@@ -490,7 +521,7 @@ class Table(_TableOf[_Name, _Unit]):
         return micrometres.numerator, micrometres.denominator * _OF_A_LENGTH[unit]
 
     def _wrong_unit_error(self, unit: str, kind_of_unit: Mapping[str, float]) -> str:
-        """Return the message for a unit that the encoder does not measure in."""
+        """Return the message for a unit that the encoder does not measure in. ``kind_of_unit`` has all of this kind."""
         if self.encoder is None:
             return f"these frames belong to no encoder, so they have no {unit}: use counts"
         measured = "angles, not lengths" if kind_of_unit is _OF_A_LENGTH else "lengths, not angles"
@@ -503,6 +534,7 @@ class Table(_TableOf[_Name, _Unit]):
         A column that is the position or a part of it has no meaning in rows without a usable position, and a flag has
         none in rows of missing frames and of frames with a wrong length.
         """
+        # A quantity has no meaning where its number has none.
         if name in self._scales:
             return self.hidden(self._scales[name][0])
         if name in self._measured:

@@ -14,7 +14,7 @@ np: Any = load("numpy")
 WordKind = Literal["packed", "little", "big", "little32", "big32"]
 DigitKind = Literal["hex", "decimal"]
 
-#: Number of bytes and byte order of a word. Packed words have as many bytes as their bits need.
+#: Number of bytes and byte order of a word. 0 stands for packed words, which have as many bytes as their bits need.
 WORDS: Final[Mapping[WordKind, tuple[int, str]]] = MappingProxyType(
     {
         "packed": (0, ">"),
@@ -27,24 +27,31 @@ WORDS: Final[Mapping[WordKind, tuple[int, str]]] = MappingProxyType(
 
 
 def numbers(rows: Any, words: WordKind = "packed") -> Any:
-    """Return rows of at most eight bytes as numbers."""
+    """Return rows of bytes as 64-bit numbers.
+
+    Rows of ``packed`` words have one to eight bytes, most significant first. The rows of other words have the number of
+    bytes of the word.
+    """
+    # A length of 0 stands for packed words. Those of eight bytes need no zeros in front.
     length, order = WORDS[words]
     if length or rows.shape[1] == 8:
-        kind = f"{order}u{length or 8}"
-        return np.ascontiguousarray(rows).reshape(-1).view(kind).astype(np.uint64, copy=False)
-    wide = np.zeros((len(rows), 8), np.uint8)
-    wide[:, 8 - rows.shape[1] :] = rows
-    return wide.reshape(-1).view(">u8").astype(np.uint64)
+        word_type = f"{order}u{length or 8}"
+        return np.ascontiguousarray(rows).reshape(-1).view(word_type).astype(np.uint64, copy=False)
+    padded_rows = np.zeros((len(rows), 8), np.uint8)
+    padded_rows[:, 8 - rows.shape[1] :] = rows
+    return padded_rows.reshape(-1).view(">u8").astype(np.uint64)
 
 
 def read_floats(frames: Any, bits: int, done: int = 0) -> Any:
     """Return floating-point frames as integers, masked if they are NaN or out of range.
 
-    ``done`` is the number of earlier rows, to number the row in an error.
+    NaN, infinities, negative values, and values from 2**63 on stand for missing frames. ``done`` is the number of
+    earlier rows, to number the row in an error.
 
     Raises:
         TypeError: A value is not an integer, or the type cannot represent every frame of that length.
     """
+    # A float has one more significant bit than its stored mantissa.
     if bits > np.finfo(frames.dtype).nmant + 1:
         raise TypeError(f"{frames.dtype} cannot represent every frame of {bits} bits: use integers or text")
     is_frame = (frames >= 0) & (frames < 2.0**63)

@@ -51,7 +51,12 @@ class Access(NamedTuple):
 
 
 class Accesses:
-    """Finder of accesses. It follows the bits of successive cycles on both sides, master and slave."""
+    """Finder of accesses. It follows the bits of successive cycles on both sides, master and slave.
+
+    ``_state`` is the method that follows the next cycle. ``_is_free`` is True outside a control frame. ``_zeros`` is
+    the number of CDM zeros since the last 1. ``_sent`` and ``_answers`` are the CDM and CDS bits of the header or byte,
+    the last one in bit 0, and ``_bit_count`` is the number of its cycles so far. ``_head`` has CTS, ID and address.
+    """
 
     def __init__(self) -> None:
         self._zeros = self._bit_count = self._sent = self._answers = 0
@@ -60,24 +65,25 @@ class Accesses:
         self._is_write, self._is_free = False, True
 
     def feed(self, times: Any, cds: Any, cdm: Any) -> Iterator[Access]:
-        """Yield the accesses that end in these cycles."""
+        """Yield the accesses that end in these cycles. Without a CDS bit (-1), a cycle was lost."""
         ones = np.flatnonzero(cdm)
-        place, count = 0, len(cdm)
-        while place < count:
+        cycle, count = 0, len(cdm)
+        while cycle < count:
             if self._is_free:
-                # Nothing happens until a bit is 1.
-                following = np.searchsorted(ones, place)
-                if following == len(ones):
-                    self._zeros += count - place
+                # Nothing happens until a bit is 1. ``next_one`` is its index in ``ones``.
+                next_one = np.searchsorted(ones, cycle)
+                if next_one == len(ones):
+                    self._zeros += count - cycle
                     return
-                self._zeros += int(ones[following]) - place
-                place = int(ones[following])
+                self._zeros += int(ones[next_one]) - cycle
+                cycle = int(ones[next_one])
+                # A 1 after enough zeros is the S bit of a control frame.
                 if self._zeros >= ZEROS:
-                    self._begin_access(float(times[place]))
+                    self._begin_access(float(times[cycle]))
                 self._zeros = 0
             else:
-                yield from self._follow_cycle(int(cds[place]), int(cdm[place]))
-            place += 1
+                yield from self._follow_cycle(int(cds[cycle]), int(cdm[cycle]))
+            cycle += 1
 
     def finish(self) -> Iterator[Access]:
         """Yield the access that the end of the capture cuts off."""
@@ -99,7 +105,10 @@ class Accesses:
         self._is_free, self._state = True, self._follow_idle
 
     def _follow_cycle(self, cds: int, cdm: int) -> Iterator[Access]:
-        """Follow one cycle within a control frame. Yield the access if it ends."""
+        """Follow one cycle within a control frame. Yield the access if it ends.
+
+        A lost cycle (CDS -1) and 14 zeros of CDM also end it. It is yielded if its address is known.
+        """
         self._zeros = 0 if cdm else self._zeros + 1
         if cds < 0:
             if self._is_known():
@@ -113,13 +122,16 @@ class Accesses:
             yield from self._state(cds, cdm)
 
     def _is_known(self) -> bool:
-        """Return whether the address of an unfinished access has been transmitted."""
+        """Return whether an access is not finished, but its address has been transmitted.
+
+        After all bits of a byte, its access has been yielded, and the next one has not begun.
+        """
         if self._state == self._follow_byte:
             return self._bit_count < BYTE_BITS
         return self._state != self._follow_header or self._bit_count >= ADDRESS_BITS
 
     def _make_access(self, value: int | None, result: str, done: bool = False) -> Access:
-        """Return the access with the ID and the address that were transmitted."""
+        """Return the access with the ID and the address that were transmitted, and this value and result."""
         is_head_complete = self._state != self._follow_header or self._bit_count > ADDRESS_BITS
         head = self._head if is_head_complete else self._sent >> 4
         return Access(
@@ -133,7 +145,10 @@ class Accesses:
         )
 
     def _follow_header(self, cds: int, cdm: int) -> Iterator[Access]:
-        """Follow the header: start bit, CTS, ID, address, CRC and the kind of access."""
+        """Follow the header: CTS, ID, address, CRC and the kind of access. Then the answer to W decides.
+
+        The CDS bit of a cycle answers the CDM bit of the cycle before, so the header ends one cycle after W.
+        """
         self._bit_count += 1
         self._answers = self._answers << 1 | cds
         if self._bit_count <= HEADER_BITS:
@@ -146,12 +161,14 @@ class Accesses:
         elif self._bit_count == HEADER_BITS:
             self._is_write = self._sent & 0b11 == 0b01
         elif self._bit_count == HEADER_BITS + 1:
+            # The value is not known yet. Any value makes it a write.
             request = Request(self._head >> 7 & 7, self._head & 0x7F, 0 if self._is_write else None)
             outcome = request._judge_echo(self._answers)
             if outcome is not Outcome.RUNNING:
                 yield self._make_access(None, outcome.value)
                 self._end_access()
             else:
+                # The master continues with S, or ends the control frame.
                 self._state = self._follow_start
                 if not cdm:
                     self._end_access()
@@ -159,13 +176,17 @@ class Accesses:
     def _follow_start(self, cds: int, cdm: int) -> Iterator[Access]:
         """Follow the bits before a byte. The slave is busy until its start bit."""
         if cds:
+            # This CDM bit is the first one of the byte.
             self._state, self._bit_count, self._sent, self._answers = self._follow_byte, 0, cdm, 0
         elif not cdm:
             yield self._make_access(None, Outcome.BUSY.value)
             self._end_access()
 
     def _follow_byte(self, cds: int, cdm: int) -> Iterator[Access]:
-        """Follow a byte on both sides: eight bits and their CRC, which the other side repeats, and a stop bit."""
+        """Follow a byte on both sides: eight bits, their CRC, and a bit P, after which S can start the next register.
+
+        The slave sends them in a read, the master in a write, which the slave repeats.
+        """
         self._bit_count += 1
         if self._bit_count < BYTE_BITS:
             self._answers, self._sent = self._answers << 1 | cds, self._sent << 1 | cdm
@@ -178,6 +199,7 @@ class Accesses:
             else:
                 outcome = Outcome.DONE if value is not None else Outcome.BAD_CRC
             yield self._make_access(value, outcome.value, outcome is Outcome.DONE)
+            # This CDM bit is P. The control frame ends if it is 1.
             if outcome is not Outcome.DONE or cdm:
                 self._end_access()
         elif cdm:

@@ -57,6 +57,7 @@ class BissLayout(NamedTuple):
 
     @property
     def _no_size(self) -> str:
+        """Message if the counts per turn are needed, but not known."""
         bits = self.modulus.bit_length() - 1
         return f"the layout does not give the counts per turn: use singleturn={bits} instead of position={bits}"
 
@@ -106,6 +107,7 @@ def biss_layout(text: str) -> BissLayout:
     """
     fields = [_parse_field(field_text) for field_text in text.split(",")]
     _check_fields(fields)
+    # Widths of the columns by name. The number joined from multiturn and singleturn is one of them.
     widths = {field.name: field.width for field in fields if field.name not in ("crc", *_FILLERS)}
     joins: tuple[Join, ...] = ()
     if "singleturn" in widths and "position" not in widths:
@@ -121,7 +123,7 @@ def biss_layout(text: str) -> BissLayout:
 
 
 def _check_fields(fields: Sequence[_Field]) -> None:
-    """Raise UsageError if the fields together are not a frame."""
+    """Raise UsageError if the fields together are not a frame: wrong length, names used twice, or a misplaced CRC."""
     bits = sum(field.width for field in fields)
     names = [field.name for field in fields if field.name not in _FILLERS]
     if not 0 < bits <= 64:
@@ -140,6 +142,7 @@ def _make_shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tupl
     checks: list[Check] = []
     unused: list[Unused] = []
     crc = None
+    # Width of the unused bits so far, which are side by side in the column ``unused``.
     unused_width = 0
     low = bits = sum(field.width for field in fields)
     for field in fields:
@@ -169,10 +172,15 @@ def _make_shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tupl
 
 
 def _parse_field(text: str) -> _Field:
-    """Return the field that a part of a layout describes."""
+    """Return the field that a part of a layout describes, such as ``position=32``, ``error`` or ``crc=6:0x43``.
+
+    Raises:
+        UsageError: The text is not a field.
+    """
     not_a_field = UsageError(f"{short(text)} is not a field; {_HELP}")
     name, equals, numbers_text = text.strip().partition("=")
     try:
+        # A flag without a width has 1 bit.
         numbers = [_parse_number(number_text) for number_text in numbers_text.split(":")] if equals else [1]
     except ValueError:
         raise not_a_field from None
@@ -192,7 +200,11 @@ def _parse_field(text: str) -> _Field:
 
 
 def _parse_crc_field(text: str, width: int, numbers: Sequence[int]) -> _Field:
-    """Return the CRC. ``numbers`` are its polynomial and, if it is not 0, its start value."""
+    """Return the CRC. ``numbers`` are its polynomial and, if it is not 0, its start value.
+
+    Raises:
+        UsageError: A number does not fit the width, the polynomial is even, or there are more numbers.
+    """
     top_bit = 1 << width
     poly = numbers[0] if numbers else 0
     init = numbers[1] if len(numbers) > 1 else 0

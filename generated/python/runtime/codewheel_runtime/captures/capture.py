@@ -142,9 +142,11 @@ class _Log:
     """Lost cycles, accesses and other frames found during decoding."""
 
     def __init__(self, limit: int | None) -> None:
+        # At most this number of lost cycles and of accesses is kept, or all of them if it is None.
         self._limit = limit
         self.lost: list[Lost] = []
         self.accesses: list[Access] = []
+        #: Number of all accesses, of all lost cycles by reason, and of frames of other kinds by name.
         self.access_count = 0
         self.reasons: dict[str, int] = {}
         self.others: dict[str, int] = {}
@@ -156,6 +158,7 @@ class _Log:
             # After the colon, a reason quotes the received bytes, which differ each time.
             reason = cycle.reason.partition(":")[0]
             self.reasons[reason] = self.reasons.get(reason, 0) + 1
+        # Number of lost cycles that can still be kept. None: all.
         free = None if self._limit is None else max(self._limit - len(self.lost), 0)
         self.lost += stretch.lost[:free]
         for name, count in stretch.others.items():
@@ -164,6 +167,7 @@ class _Log:
             self._add_accesses(self._finder.feed(*stretch.control))
 
     def finish(self) -> None:
+        """Add the access that the end of the capture cuts off."""
         self._add_accesses(self._finder.finish())
 
     def _add_accesses(self, accesses: Any) -> None:
@@ -192,7 +196,11 @@ def _open_capture(
     answers: Mapping[str, Any],
     exchanged: bool = False,
 ) -> Generator[_CaptureFrames, None, None]:
-    """Open a capture, and find its frames."""
+    """Open a capture, and yield its frames. With ``exchanged``, the clock and the data line are exchanged.
+
+    Raises:
+        UsageError: Captures of this encoder are not read.
+    """
     if isinstance(encoder, Encoder) and encoder.interface is Interface.SPI:
         how = "let the analyser's own SPI decoder export the words, and decode them as a file of frames"
         raise UsageError(f"{encoder.code} has the interface SPI, whose captures are not read here: {how}")
@@ -219,7 +227,7 @@ def _open_capture(
 
 
 def _find_exported_columns(paths: Sequence[str]) -> tuple[int, int] | None:
-    """Return the columns of the times and of the bytes if the capture is an export of serial bytes, or None."""
+    """Return the indices of the columns of times and bytes if a capture is an export of serial bytes, or None."""
     if len(paths) != 1:
         return None
     with open(paths[0], "rb") as file:
@@ -229,7 +237,13 @@ def _find_exported_columns(paths: Sequence[str]) -> tuple[int, int] | None:
 def _find_replies(
     encoder: Encoder, line: Any, name: str, probes: Probes, layout: str, answers: Mapping[str, Any]
 ) -> _CaptureFrames:
-    """Return the replies among the bytes on a serial line."""
+    """Return the replies among the bytes on a serial line.
+
+    The first stretch is read at once, because it shows the kind of the replies, and so their shape.
+
+    Raises:
+        InputError: There is no valid reply.
+    """
     kinds = _find_frame_kinds(encoder, layout, answers)
     stretches = find_replies(line, name, _find_baud_rate(encoder, probes), kinds)
     first = next(stretches)
@@ -246,7 +260,7 @@ def _find_frames(
     layout: str,
     answers: Mapping[str, Any],
 ) -> _CaptureFrames:
-    """Return the frames in the signals of a capture."""
+    """Return the frames in the signals of a capture, with the column ``time``, or ``sample`` without a sample rate."""
     time = "sample" if signals.seconds is None else "time"
     if isinstance(encoder, Encoder) and encoder.interface is Interface.RS485:
         line = read_serial_bytes(signals, _find_baud_rate(encoder, probes))
@@ -271,7 +285,10 @@ def _prepend(
 
 
 def _find_frame_kinds(encoder: Encoder, layout: str, answers: Mapping[str, Any]) -> Kinds:
-    """Return all kinds of frames on a serial line. Those with unanswered questions are left out, unless requested."""
+    """Return all kinds of frames on a serial line.
+
+    A kind whose description needs answers to open questions is left out, unless it is the one that ``layout`` requests.
+    """
     wanted = find_layout(encoder, layout).name if layout else ""
     shapes: dict[str, dict[str, Shape]] = {"encoder": {}, "master": {}}
     for frame_layout in list_layouts(encoder):
@@ -398,7 +415,7 @@ class Captures(NamedTuple):
 def _read_capture(
     encoder: Encoder | BissLayout, source: Captured, probes: Probes, layout: str, answers: Mapping[str, Enum | str]
 ) -> Capture:
-    """Decode a capture into one table."""
+    """Decode a capture into one table. Raises InputError if no frame is valid because the lines are exchanged."""
     log = _Log(None)
     frames: list[Any] = []
     times: list[Any] = []
@@ -422,7 +439,10 @@ def _read_capture(
 def _report_exchanged_lines(
     encoder: Encoder | BissLayout, source: Captured, probes: Probes, layout: str, answers: Mapping[str, Enum | str]
 ) -> None:
-    """Raise InputError if a capture has valid frames only if the clock and the data line are exchanged."""
+    """Raise InputError if a capture has valid frames with the clock and the data line exchanged.
+
+    The caller has found none without the exchange. With it, more than nine in ten of the first cycles must be valid.
+    """
     if isinstance(encoder, Encoder) and encoder.interface not in (Interface.BISS, Interface.SSI):
         return
     frame_count = valid_count = lost_count = 0
@@ -449,7 +469,7 @@ def _decode_capture(
     progress: Callable[[int, int | None, int], None] | None,
     report_exchanged_lines: Callable[[], None],
 ) -> CaptureSummary:
-    """Decode a capture into a file, stretch by stretch."""
+    """Decode a capture into a file. If no frame is valid, ``report_exchanged_lines`` can raise InputError."""
     log = _Log(_SHOWN)
     with opening as opened, open_for_writing(output.target, sources, output.force) as file:
         time = opened.time
@@ -483,7 +503,7 @@ def _decode_capture(
 
 
 def _list_paths(source: str | os.PathLike[str] | Sequence[str]) -> list[str]:
-    """Return the paths of one or more files."""
+    """Return the paths of one or more files. Raises UsageError if there is none."""
     if isinstance(source, (str, os.PathLike)):
         return [os.fspath(source)]
     if not source:
@@ -492,7 +512,7 @@ def _list_paths(source: str | os.PathLike[str] | Sequence[str]) -> list[str]:
 
 
 def _convert_stretches(opened: _CaptureFrames, log: _Log) -> Generator[Part, None, None]:
-    """Yield the frames with the column of their times."""
+    """Yield the frames with the column of their times, and add each stretch to the log."""
     for stretch in opened.stretches:
         log.add(stretch)
         yield Part(stretch.frames, stretch.done, {opened.time: stretch.times})

@@ -98,6 +98,7 @@ def find_clocked_frames(
         unit=unit,
     )
     for part in signals.edges:
+        # None: no cycle is complete yet.
         stretch = finder.feed(part, name)
         if stretch is not None:
             yield stretch
@@ -132,10 +133,10 @@ class _Bits(NamedTuple):
     """Bits of each cycle: arrays with an element for each cycle.
 
     Attributes:
-        reasons: Reason why the cycle has no frame, or 0.
+        reasons: Reason why the cycle has no frame, such as ``_SHORT``, or 0.
         skipped: Number of rising edges before the first bit.
-        delay: Delay of the data line.
-        sent: Number of bits that were sent.
+        delay: Delay of the data line after the rising edge that shifts out a bit.
+        sent: Number of bits that were sent, for the message about a cycle that is too short.
     """
 
     reasons: Any
@@ -151,6 +152,7 @@ class _CycleFinder:
         self._is_biss = kind == "biss"
         self._bits = bits
         self._chosen_pause = pause
+        #: Time by which an edge can be earlier than its time on average, and length of a unit of time in seconds.
         self._early = early
         self._unit = unit
         #: Edges of the cycles that are not complete, and the levels of both lines before these edges.
@@ -165,7 +167,7 @@ class _CycleFinder:
         self.is_clocked, self._is_new = False, True
 
     def feed(self, part: Edges, name: str) -> CapturedFrames | None:
-        """Return the frames that the next stretch of the capture completes."""
+        """Return the frames that the next stretch of the capture completes, or None if it completes no cycle."""
         self._append(part)
         count = len(self._clock)
         if not self._rest:
@@ -184,7 +186,8 @@ class _CycleFinder:
         return None
 
     def _append(self, part: Edges) -> None:
-        """Append the edges of the next stretch of the capture."""
+        """Append the edges of the next stretch of the capture: those of the clock, then those of the data line."""
+        # Only the first stretch shows the levels at the beginning.
         if self._is_new:
             self._levels, self._begin = (part.levels[0], part.levels[1]), part.begin
             self._is_new = False
@@ -194,7 +197,7 @@ class _CycleFinder:
         self.is_clocked = self.is_clocked or len(self._clock) > 0
 
     def finish(self) -> CapturedFrames:
-        """Return the frames at the end of the capture."""
+        """Return the frames at the end of the capture. All cycles end here, even if the clock has not rested."""
         if not self._rest and len(self._clock) > 2:
             self._set_rest()
         if not self._rest:
@@ -205,20 +208,20 @@ class _CycleFinder:
         return self._take_cycles(ends, is_last=True)
 
     def _set_rest(self) -> None:
-        # Within a cycle, two edges are one period, regardless of the duty cycle.
         """Set the time without an edge after which a cycle has ended, from the usual period of the clock."""
+        # Within a cycle, two edges are one period, regardless of the duty cycle. Longer spans contain a pause.
         spans = self._clock[2:] - self._clock[:-2]
-        usual = spans[spans <= 2 * np.median(spans)]
+        spans_of_periods = spans[spans <= 2 * np.median(spans)]
         # Damaged files can have edges at the same time.
-        self._rest = max(self._chosen_pause or _REST * float(usual.mean()), _LEAST)
+        self._rest = max(self._chosen_pause or _REST * float(spans_of_periods.mean()), _LEAST)
 
     def _find_ends(self) -> Any:
-        """Return the index after the last edge of each cycle."""
+        """Return the index after the last edge of each cycle, also of the last one, which may not be complete."""
         gaps = np.flatnonzero(np.diff(self._clock) > self._rest) + 1
         return np.append(gaps, len(self._clock)) if len(self._clock) else gaps
 
     def _take_cycles(self, ends: Any, is_last: bool = False) -> CapturedFrames:
-        """Return the frames in the cycles that end at ``ends``, and forget their edges."""
+        """Return the frames in the cycles that end before the edges ``ends``, and forget the edges of these cycles."""
         clock, levels = self._clock, self._levels
         if not len(ends):
             return CapturedFrames(np.zeros(0, np.uint64), np.zeros(0), [], self._done)
@@ -229,18 +232,23 @@ class _CycleFinder:
         until = np.inf if is_last else clock[cycle_end - 1] + self._rest
         if cycle_end < len(clock):
             until = clock[cycle_end]
-        gone = int(np.searchsorted(self._data, until, "left"))
-        self._levels = (levels[0] ^ (cycle_end & 1), levels[1] ^ (gone & 1))
-        self._clock, self._data = clock[cycle_end:], self._data[gone:]
+        used_count = int(np.searchsorted(self._data, until, "left"))
+        # An odd number of forgotten edges inverts the level before the remaining ones.
+        self._levels = (levels[0] ^ (cycle_end & 1), levels[1] ^ (used_count & 1))
+        self._clock, self._data = clock[cycle_end:], self._data[used_count:]
         self._begin = -np.inf
         return frames
 
     def _find_frames(self, starts: Any, ends: Any, is_last: bool) -> CapturedFrames:
-        """Return the frames in cycles with edges from ``starts`` to ``ends``."""
+        """Return the frames in cycles with edges from ``starts`` to ``ends``, and the lost cycles with their reasons.
+
+        ``is_last`` is True at the end of the capture, which may cut off the last cycle.
+        """
         cycles = self._find_cycles(starts, ends)
         if not len(cycles.falls):
             return CapturedFrames(np.zeros(0, np.uint64), np.zeros(0), [], self._done)
         bits = self._find_biss_bits(cycles) if self._is_biss else self._find_ssi_bits(cycles)
+        # A glitch on the clock takes precedence over other reasons.
         bits.reasons[self._find_shortest_gaps(cycles) < _SPIKE * cycles.period] = _SPIKED
         good = np.flatnonzero(bits.reasons == 0)
         # Over BiSS, CDS is in front of the frame.
@@ -270,54 +278,67 @@ class _CycleFinder:
         return cycles.begin * self._unit, cds, timeout_level ^ 1
 
     def _find_cycles(self, starts: Any, ends: Any) -> _Cycles:
-        """Return the cycles with edges from ``starts`` to ``ends``."""
+        """Return the cycles with edges from ``starts`` to ``ends``. Those without a falling edge are left out."""
         clock = self._clock
-        # The first falling edge of each cycle. An edge with an even index starts from the first level.
+        # The first falling edge of each cycle. The level before edge n is the first level, inverted if n is odd. If it
+        # is 0, the edge rises and the next one falls.
         falls = starts + ((starts & 1) == self._levels[0])
-        after = np.append(clock[ends[:-1]], np.inf) if len(ends) else np.zeros(0)
+        # Time of the first edge after each cycle. After the last cycle there may be none.
+        next_edges = np.append(clock[ends[:-1]], np.inf) if len(ends) else np.zeros(0)
         if ends[-1] < len(clock):
-            after[-1] = clock[ends[-1]]
+            next_edges[-1] = clock[ends[-1]]
         # The end of a time-out is an edge without a cycle.
-        real = falls < ends
-        ends, falls, after = ends[real], falls[real], after[real]
+        has_fall = falls < ends
+        ends, falls, next_edges = ends[has_fall], falls[has_fall], next_edges[has_fall]
         begin, last = clock[falls], clock[ends - 1]
         rises = (ends - falls) // 2
+        # The edges of a cycle are half a period apart on average. With one rising edge, it follows from the rest.
         period = np.where(rises > 1, 2 * (last - begin) / np.maximum(ends - 1 - falls, 1), self._rest / _REST)
         period = np.maximum(period, 1e-6 * self._rest)
-        return _Cycles(falls=falls, ends=ends, rises=rises, begin=begin, last=last, after=after, period=period)
+        return _Cycles(falls=falls, ends=ends, rises=rises, begin=begin, last=last, after=next_edges, period=period)
 
     def _find_biss_bits(self, cycles: _Cycles) -> _Bits:
-        """Return the bits after the start bit, which is the first rise of the data line after its first fall."""
+        """Return the bits after the start bit, which is the first rise of the data line after its first fall.
+
+        If several reasons apply to a cycle, the last one that is set below counts.
+        """
         clock, falls, ends, last, period = self._clock, cycles.falls, cycles.ends, cycles.last, cycles.period
-        # The data line goes low as an acknowledgement (down), and rises with the start bit (up).
-        index = np.searchsorted(self._data, cycles.begin, "left")
-        level = self._levels[1] ^ (index & 1)
+        # The data line goes low as an acknowledgement, and rises with the start bit.
+        first_index = np.searchsorted(self._data, cycles.begin, "left")
+        level = self._levels[1] ^ (first_index & 1)
         padded = np.append(self._data, [np.inf, np.inf])
-        down, up = padded[index], padded[index + 1]
-        first = (np.searchsorted(clock, up, "right") - falls) // 2 - 1
+        data_fall, data_rise = padded[first_index], padded[first_index + 1]
+        # Number of the rising edge of the clock that shifts out the start bit, from 0. -1 if it comes before the first.
+        start_rise = (np.searchsorted(clock, data_rise, "right") - falls) // 2 - 1
         # A delayed data line shifts the start bit by whole periods.
-        start_bit = falls + 1 + 2 * np.maximum(first, 0)
-        second = clock[np.minimum(falls + 3, ends - 1)]
-        late = np.maximum(np.floor((np.where(np.isfinite(down), down, 0) - second) / period), 0)
-        short = cycles.rises - 1 - (first - late) < self._bits + 1
+        start_bit = falls + 1 + 2 * np.maximum(start_rise, 0)
+        second_rise = clock[np.minimum(falls + 3, ends - 1)]
+        # Whole periods by which the acknowledgement, and so the data line, is late.
+        late_periods = np.maximum(np.floor((np.where(np.isfinite(data_fall), data_fall, 0) - second_rise) / period), 0)
+        # CDS and the frame need this many rising edges after the start bit.
+        is_short = cycles.rises - 1 - (start_rise - late_periods) < self._bits + 1
         reasons = np.zeros(len(falls), np.int64)
-        reasons[short] = _SHORT
-        reasons[(up > last + period * (late + 2)) | (up >= cycles.after) | (first < 0)] = _NO_START
-        reasons[down > np.minimum(cycles.after, last + _DELAY * period)] = _HIGH
+        reasons[is_short] = _SHORT
+        reasons[(data_rise > last + period * (late_periods + 2)) | (data_rise >= cycles.after) | (start_rise < 0)] = (
+            _NO_START
+        )
+        reasons[data_fall > np.minimum(cycles.after, last + _DELAY * period)] = _HIGH
         reasons[level == 0] = _LOW
-        delay = up - clock[np.minimum(start_bit, len(clock) - 1)]
-        sent = np.where(reasons == _SHORT, np.maximum(cycles.rises - 2 - (first - late), 0), cycles.rises)
-        return _Bits(reasons=reasons, skipped=first + 1, delay=delay, sent=sent)
+        delay = data_rise - clock[np.minimum(start_bit, len(clock) - 1)]
+        sent = np.where(reasons == _SHORT, np.maximum(cycles.rises - 2 - (start_rise - late_periods), 0), cycles.rises)
+        return _Bits(reasons=reasons, skipped=start_rise + 1, delay=delay, sent=sent)
 
     def _find_ssi_bits(self, cycles: _Cycles) -> _Bits:
         """Return the bits, one for each rising edge. The first change of the data line shows its delay."""
         clock, falls, ends, period = self._clock, cycles.falls, cycles.ends, cycles.period
         # The first change of the data line after the first rising edge of the clock, and the rising edge before it.
+        # The index after the last edge finds infinity: the data line does not change any more.
         padded = np.append(self._data, [np.inf, np.inf])
         first_rise = clock[np.minimum(falls + 1, ends - 1)]
         change = padded[np.searchsorted(self._data, first_rise, "left")]
         rises_before = (np.searchsorted(clock, change, "right") - falls) // 2
         nearest_rise = falls + 1 + 2 * np.maximum(rises_before - 1, 0)
+        # Without a change in the cycle, or with one more than a period after its edge, the delay is not known.
         delay = np.where(change < cycles.last + period, change - clock[np.minimum(nearest_rise, ends - 1)], 0.0)
         delay = np.where(delay < period, delay, 0.0)
         reasons = np.zeros(len(falls), np.int64)
@@ -325,14 +346,14 @@ class _CycleFinder:
         return _Bits(reasons=reasons, skipped=np.zeros(len(falls), np.int64), delay=delay, sent=cycles.rises)
 
     def _find_shortest_gaps(self, cycles: _Cycles) -> Any:
-        """Return the shortest time between two edges of each cycle."""
+        """Return the shortest time between two successive edges of each cycle, from its first falling edge on."""
         gaps = np.append(np.diff(self._clock), np.inf)
         # A gap after the last edge of a cycle is a rest.
         gaps[cycles.ends - 1] = np.inf
         return np.minimum.reduceat(gaps, cycles.falls)
 
     def _list_lost_cycles(self, cycles: _Cycles, bits: _Bits) -> list[Lost]:
-        """Return the cycles without a frame."""
+        """Return the cycles without a frame, with their reasons."""
         lost: list[Lost] = []
         is_first_cut = cycles.begin[0] - self._begin < self._rest
         for index in np.flatnonzero(bits.reasons):
@@ -343,21 +364,25 @@ class _CycleFinder:
         return lost
 
     def _read_levels(self, cycles: _Cycles, bits: _Bits, good: Any, count: int) -> Any:
-        """Return the levels of the data line in the middle of each bit, as an array with a row for each good cycle."""
+        """Return the levels of the data line in the middle of each bit, as an array with a row for each good cycle.
+
+        ``good`` are the indices of these cycles, and ``count`` the number of bits to read, which are the columns.
+        """
         falls, rises, period = cycles.falls[good], cycles.rises[good], cycles.period[good]
         delay = bits.delay[good]
         clock, data = self._clock, self._data
         # The rising edge of each bit. After the last one, the period of the clock continues.
-        order = bits.skipped[good][:, None] + np.arange(count)[None, :]
-        beyond = np.maximum(order - (rises - 1)[:, None], 0)
-        places = falls[:, None] + 1 + 2 * (order - beyond)
-        times = clock[places]
-        if beyond.any():
-            times += beyond * period[:, None]
+        rise_numbers = bits.skipped[good][:, None] + np.arange(count)[None, :]
+        rises_beyond = np.maximum(rise_numbers - (rises - 1)[:, None], 0)
+        # The edges after the first falling one are rising and falling in turn.
+        edge_indices = falls[:, None] + 1 + 2 * (rise_numbers - rises_beyond)
+        times = clock[edge_indices]
+        if rises_beyond.any():
+            times += rises_beyond * period[:, None]
         # A bit changes up to one sample before its edge is seen.
         half = period / 2 - self._early
         if self._early and len(period) and period.min() < _COARSE:
-            times, delay, half = self._refine_delays(times, beyond == 0, delay, period)
+            times, delay, half = self._refine_delays(times, rises_beyond == 0, delay, period)
         times += (delay + half)[:, None]
         # An odd number of edges before a time inverts the first level.
         edge_counts = np.searchsorted(data, times.ravel(), "right").reshape(times.shape)
@@ -367,30 +392,35 @@ class _CycleFinder:
         """Refine the times of the clock's edges, the delay, and half a bit, if there are few samples per period.
 
         A straight line through all edges of a cycle, and the mean of the delays of all bits, are exact to a fraction of
-        a sample.
+        a sample. ``has_edge`` is False for times after the last edge. Where edges are not on a line, because the clock
+        is uneven, all three stay unrefined.
         """
+        # Least squares: the time of an edge (y) over its number (x).
         x, weight = np.arange(times.shape[1], dtype=np.float64)[None, :], has_edge.astype(np.float64)
         count = np.maximum(weight.sum(axis=1), 1)
         mean_x, mean_y = (weight * x).sum(axis=1) / count, (weight * times).sum(axis=1) / count
-        off = (x - mean_x[:, None]) * weight
-        slope = (off * (times - mean_y[:, None])).sum(axis=1) / np.maximum((off * off).sum(axis=1), 1e-9)
+        x_offsets = (x - mean_x[:, None]) * weight
+        slope = (x_offsets * (times - mean_y[:, None])).sum(axis=1) / np.maximum(
+            (x_offsets * x_offsets).sum(axis=1), 1e-9
+        )
         line = mean_y[:, None] + slope[:, None] * (x - mean_x[:, None])
+        # Sampling alone moves an edge by at most one sample.
         is_even = (np.abs(line - times) * weight).max(axis=1) < 1.5
         # The first edge of the data line near each bit.
         expected = line + delay[:, None]
         data = np.append(self._data, np.inf)
         next_edges = np.searchsorted(self._data, (expected - slope[:, None] / 2).ravel())
-        near = data[next_edges].reshape(times.shape) - expected
-        is_near = near < slope[:, None] / 2
-        late = np.where(is_near, near, 0.0).sum(axis=1) / np.maximum(is_near.sum(axis=1), 1)
+        distances = data[next_edges].reshape(times.shape) - expected
+        is_near = distances < slope[:, None] / 2
+        mean_distance = np.where(is_near, distances, 0.0).sum(axis=1) / np.maximum(is_near.sum(axis=1), 1)
         return (
             np.where(is_even[:, None], line, times),
-            np.where(is_even, delay + late, delay),
+            np.where(is_even, delay + mean_distance, delay),
             np.where(is_even, slope / 2, period / 2 - self._early),
         )
 
     def _explain_loss(self, reason: int, bits_sent: int, is_cut: bool) -> str:
-        """Return the reason why a cycle was lost."""
+        """Return the reason why a cycle was lost. ``is_cut`` is True if the capture may begin within it."""
         if is_cut and reason in (_SHORT, _NO_START, _LOW):
             return "the capture begins within this cycle"
         if reason == _SHORT:

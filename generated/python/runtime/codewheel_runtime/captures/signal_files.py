@@ -51,6 +51,7 @@ def open_signals(
         for file in files:
             file.seek(0)
         is_saleae = [head.startswith(_SALEAE) for head in heads]
+        # A serial line has no clock, so it is the only signal.
         wanted = 1 if names.clock is None else 2
         if any(is_saleae):
             if not all(is_saleae) or len(files) != wanted:
@@ -72,7 +73,10 @@ def open_signals(
 def _open_single_file(
     stack: ExitStack, file: BinaryIO, path: str, names: Names, rate: float | None, threshold: float | None
 ) -> Signals:
-    """Return the signals of a file, whose format its first bytes show."""
+    """Return the signals of a file, whose format its first bytes show.
+
+    The formats are a ZIP file (sigrok or NumPy), a NumPy file, a VCD file, and a table of text.
+    """
     head = file.read(HEADER)
     file.seek(0)
     if head.startswith(b"PK"):
@@ -124,6 +128,7 @@ def _read_session(stack: ExitStack, file: BinaryIO, path: str, names: Names, rat
         clock=_find_numbered_probe(names.clock, probes, numbers, path),
         data=_find_numbered_probe(names.data, probes, numbers, path),
     )
+    # Places are those in ``channels``. The lowest bit is probe 1.
     masks = tuple(1 << numbers[place] - 1 for place in numbered_names.places(channels, path))
     entries = _list_sample_files(archive, stem)
     if not entries:
@@ -138,7 +143,14 @@ def _read_session(stack: ExitStack, file: BinaryIO, path: str, names: Names, rat
 
 
 def _find_numbered_probe(name: Any, probes: dict[int, str], numbers: list[int], path: str) -> Any:
-    """Return the place of a probe that is chosen by its number, or the name unchanged."""
+    """Return a name that ``Names`` understands for a chosen channel.
+
+    A number is that of a probe, as in the session. It becomes the place among the probes in use, from 1: with the
+    probes 2 and 5, ``"5"`` becomes ``"2"``. Any other name, or None, is returned unchanged.
+
+    Raises:
+        InputError: No probe in use has this number.
+    """
     text = name or ""
     if not (text.isascii() and text.isdigit() and len(text) < 4) or text in probes.values():
         return name
@@ -148,7 +160,7 @@ def _find_numbered_probe(name: Any, probes: dict[int, str], numbers: list[int], 
 
 
 def _list_sample_files(archive: zipfile.ZipFile, stem: str) -> list[zipfile.ZipInfo]:
-    """Return the files of samples in order: ``logic-1`` or ``logic-1-1``, ``logic-1-2`` and so on."""
+    """Return the files of samples in order: ``logic-1`` (the stem), or ``logic-1-1``, ``logic-1-2`` and so on."""
     named = {info.filename: info for info in archive.infolist()}
     if stem in named:
         return [named[stem]]
@@ -161,7 +173,10 @@ def _list_sample_files(archive: zipfile.ZipFile, stem: str) -> list[zipfile.ZipI
 def _unpack_samples(
     archive: zipfile.ZipFile, entries: list[zipfile.ZipInfo], size: int, path: str
 ) -> Generator[tuple[Any, int, Any], None, None]:
-    """Yield the samples of a session as numbers, and the amount read."""
+    """Yield the samples of a session as numbers, the amount read, and None, because samples have no times.
+
+    A sample has ``size`` bytes, and can begin in one file and end in the next.
+    """
     done, remainder = 0, b""
     try:
         for info in entries:
@@ -169,15 +184,16 @@ def _unpack_samples(
                 while data := file.read(SAMPLES * size):
                     done += len(data)
                     data = remainder + data
-                    whole = len(data) // size * size
-                    remainder = data[whole:]
-                    yield np.frombuffer(data, f"<u{size}", whole // size), done, None
+                    # Number of bytes of complete samples.
+                    whole_bytes = len(data) // size * size
+                    remainder = data[whole_bytes:]
+                    yield np.frombuffer(data, f"<u{size}", whole_bytes // size), done, None
     except _DAMAGED as error:
         raise InputError(path, f"offset {done}", f"the samples are damaged: {error or 'they end early'}") from None
 
 
 def _parse_small_number(text: str) -> int:
-    """Return a decimal number of less than 10 digits."""
+    """Return a decimal number of less than 10 digits. Raises ValueError for other texts."""
     if not (text.isascii() and text.isdigit() and len(text) < 10):
         raise ValueError(text)
     return int(text)
@@ -187,14 +203,17 @@ def _parse_small_number(text: str) -> int:
 
 
 class _ArrayForm(NamedTuple):
-    """Form of an array of samples. Without ``channels``, each number is a sample whose bits are the channels."""
+    """Form of an array of samples: its NumPy type, and the number of channels.
+
+    If ``channels`` is None, each number is a sample whose bits are the channels.
+    """
 
     kind: Any
     channels: int | None
 
 
 def _read_array_form(file: BinaryIO, path: str) -> _ArrayForm:
-    """Read the header of a NumPy file."""
+    """Read the header of a NumPy file, and leave the file at its first sample."""
     form = np.lib.format
     try:
         version = form.read_magic(file)
@@ -217,6 +236,7 @@ def _read_array_file(file: BinaryIO, path: str, names: Names, rate: float | None
     kind, channels = _read_array_form(file, path)
     channel_count = 8 * kind.itemsize if channels is None else channels
     places = names.places([str(number) for number in range(1, channel_count + 1)], path)
+    # Bits of the signals in a sample. The chosen columns of rows are packed, so their bits are numbered from 0.
     bits = places if channels is None else range(len(places))
     parts = _read_array_parts(file, kind, channels, places)
     edges = read_samples(parts, tuple(1 << bit for bit in bits))
@@ -226,29 +246,38 @@ def _read_array_file(file: BinaryIO, path: str, names: Names, rate: float | None
 def _read_array_parts(
     file: BinaryIO, kind: Any, channels: int | None, places: Sequence[int]
 ) -> Generator[tuple[Any, int, Any], None, None]:
-    """Yield the samples of some rows as unsigned numbers, and the amount read."""
+    """Yield the samples of some rows as unsigned numbers, the amount read, and None, because samples have no times.
+
+    ``places`` are the columns of the signals. Only these are read, unless ``channels`` is None.
+    """
     row_width = 1 if channels is None else channels
     row_bytes = row_width * kind.itemsize
     done = 0
     while data := file.read(max(SAMPLES // row_width, 1) * row_bytes):
         done += len(data)
+        # An incomplete row at the end is ignored.
         samples = np.frombuffer(data, kind, len(data) // row_bytes * row_width)
         if channels is not None:
             yield pack_bits(samples.reshape(-1, row_width)[:, places]), done, None
             continue
         byte_order = kind.byteorder if kind.itemsize > 1 else ""
+        # Signed numbers are read as unsigned ones of the same bits, and then in the byte order of this machine.
         samples = samples.view(f"{byte_order}u{kind.itemsize}")
         yield samples.astype(f"u{kind.itemsize}", copy=False), done, None
 
 
 def _read_array_archive(archive: zipfile.ZipFile, path: str, names: Names, rate: float | None) -> Signals:
-    """Return the signals of an ``.npz`` file: one array of samples, or an array of 0 and 1 for each channel."""
+    """Return the signals of an ``.npz`` file: one array of samples, or an array of 0 and 1 for each channel.
+
+    The names of the arrays are those of the channels. A single number can give the sample rate, see ``_RATES``.
+    """
     total = sum(info.file_size for info in archive.infolist())
     if total > _MOST_UNPACKED:
         raise InputError(path, "", f"the samples have {total / 1e9:.1f} GB unpacked: save a shorter capture")
     arrays: dict[str, Any] = {}
     for file_name in archive.namelist():
         name, array = file_name.removesuffix(".npy"), _read_array_in(archive, file_name, path)
+        # An array without dimensions is a single number.
         if array.ndim:
             arrays[name] = array
         elif name.lower() in _RATES and array.dtype.kind in "uif" and array > 0:
@@ -284,10 +313,16 @@ _RATES: Final = ("rate", "samplerate", "sample_rate", "fs")
 
 
 class _Saleae:
-    """Binary file of one digital channel, version 0 or 1. Version 1 has several chunks with gaps between them."""
+    """Binary file of one digital channel, version 0 or 1. Version 1 has several chunks with gaps between them.
+
+    ``chunks`` is their number. ``end`` is the latest end of the chunks read so far, in seconds. ``_start`` is the
+    beginning of the last one. ``_ready`` has the first level and the number of edges of the first chunk, whose header
+    is read when the file is opened.
+    """
 
     def __init__(self, file: BinaryIO, path: str) -> None:
         self._file, self._path = file, path
+        # Eight bytes of identification, then two numbers. Kind 0 is a digital channel.
         version, kind = struct.unpack("<8xii", self._read_exactly(16))
         if kind != 0:
             raise InputError(path, "", "this Saleae file has analog values: export the digital channels")
@@ -295,19 +330,20 @@ class _Saleae:
             raise InputError(path, "", f"Saleae's binary format {version} is not supported: export as CSV")
         self._has_rate = version == 1
         self.chunks = struct.unpack("<Q", self._read_exactly(8))[0] if version == 1 else 1
+        # The latest end of a chunk so far, in seconds. The first level and the number of edges of the first chunk.
         self.end, self._ready = 0.0, (0, 0)
         if self.chunks:
             self._ready = self._read_chunk()
 
     def _read_exactly(self, size: int) -> bytes:
-        """Return the next ``size`` bytes."""
+        """Return the next ``size`` bytes. Raises InputError if there are fewer."""
         data = self._file.read(size)
         if len(data) != size:
             raise InputError(self._path, "", "this Saleae file ends early")
         return data
 
     def _read_chunk(self) -> tuple[int, int]:
-        """Return the first level and the number of edges of the next chunk."""
+        """Read the header of the next chunk. Return its first level and the number of its edges, which follow."""
         # First level, sample rate in version 1, begin, end and number of edges.
         header = struct.Struct("<IdddQ" if self._has_rate else "<IddQ")
         level, *_, begin, end, count = header.unpack(self._read_exactly(header.size))
@@ -317,21 +353,29 @@ class _Saleae:
         return int(level), int(count)
 
     def edges(self) -> Generator[tuple[int, Any, int], None, None]:
-        """Yield the level before some edges, their times, and the amount read so far."""
-        last, level = -np.inf, self._ready[0]
+        """Yield the level before some edges, their times, and the amount read so far.
+
+        The first one has no edges, but shows the level at the beginning.
+        """
+        last_time, level = -np.inf, self._ready[0]
         yield level, np.zeros(0), self._file.tell()
-        for place in range(self.chunks):
-            first, count = self._ready if not place else self._read_chunk()
-            if first != level:
+        for chunk_index in range(self.chunks):
+            first_level, count = self._ready if not chunk_index else self._read_chunk()
+            if first_level != level:
                 # The signal changed in the gap before this chunk.
-                level, last = first, self._start
+                level, last_time = first_level, self._start
+                # One edge at the beginning of the chunk, with the other level before it.
                 yield level ^ 1, np.array([self._start]), self._file.tell()
             while count:
-                part = np.frombuffer(self._read_exactly(8 * min(count, SAMPLES // 8)), "<f8")
-                if not (np.isfinite(part).all() and last <= part[0] and (np.diff(part) >= 0).all()):
+                # The time of each edge is a number of eight bytes.
+                edge_times = np.frombuffer(self._read_exactly(8 * min(count, SAMPLES // 8)), "<f8")
+                if not (
+                    np.isfinite(edge_times).all() and last_time <= edge_times[0] and (np.diff(edge_times) >= 0).all()
+                ):
                     raise InputError(self._path, "", "the times of this Saleae file are not in ascending order")
-                yield level, part, self._file.tell()
-                count, last, level = count - len(part), float(part[-1]), level ^ (len(part) & 1)
+                yield level, edge_times, self._file.tell()
+                # An odd number of edges inverts the level.
+                count, last_time, level = count - len(edge_times), float(edge_times[-1]), level ^ (len(edge_times) & 1)
 
 
 def _read_saleae(files: Sequence[BinaryIO], paths: Sequence[str]) -> Signals:

@@ -29,7 +29,7 @@ _PREFIXES: Final = {"": 1.0, "k": 1e3, "K": 1e3, "M": 1e6, "G": 1e9}
 
 
 def parse_rate(text: str) -> float | None:
-    """Return a sample rate such as ``24 MHz`` in samples per second, or None if the text is not one."""
+    """Return a sample rate such as ``24 MHz`` in samples per second, or None if the text is not one or is 0."""
     match = _RATE.fullmatch(text)
     if match is None:
         return None
@@ -38,9 +38,10 @@ def parse_rate(text: str) -> float | None:
 
 def measure_size(file: BinaryIO) -> int:
     """Return the size of a file in bytes."""
-    at = file.tell()
+    offset = file.tell()
     size = file.seek(0, io.SEEK_END)
-    file.seek(at)
+    # Reading continues where it was.
+    file.seek(offset)
     return size
 
 
@@ -48,7 +49,10 @@ def measure_size(file: BinaryIO) -> int:
 
 
 def _read_blocks(file: BinaryIO, path: str, kind: str) -> Generator[tuple[bytes, int], None, None]:
-    """Yield blocks of whole lines, and the amount read."""
+    """Yield blocks of whole lines, and the amount read. The last line gets a line end if it has none.
+
+    ``kind`` is the format, for the error about a line that is longer than a block.
+    """
     remainder, done = b"", 0
     while data := file.read(_BLOCK):
         done += len(data)
@@ -104,6 +108,7 @@ def read_table_signals(
     """
     form = _find_table_form(path, head)
     places = names.places(form.channels, path)
+    # A column of times or of numbers is in front of the channels.
     offset = int(form.unit is not None)
     parts = _read_table_parts(file, path, form, [offset + place for place in places], threshold)
     edges = read_samples(parts, tuple(1 << index for index in range(len(places))))
@@ -115,7 +120,7 @@ def read_table_signals(
 
 
 def _find_table_form(path: str, head: bytes) -> _TableForm:
-    """Return the form of a table according to its first lines."""
+    """Return the form of a table according to its first lines: comments, up to two headers, and rows."""
     if len(head) == HEADER and b"\n" not in head:
         raise InputError(path, "", "a line is too long: this is not a capture")
     lines = head.decode("utf-8-sig", "replace").splitlines()
@@ -132,6 +137,7 @@ def _find_table_form(path: str, head: bytes) -> _TableForm:
     header_count = has_header + has_units
     if has_header and len(rows) > header_count and not _is_row(_split_cells(rows[header_count], delimiter)):
         raise InputError(path, "", f"this is not a capture: {HINT}")
+    # Four rows are enough to recognise numbers of samples.
     first_rows = [_split_cells(row, delimiter) for row in rows[header_count : header_count + 4]]
     is_stamped = bool(first_rows) and bool(first_rows[0]) and _is_stamp(first_rows[0][0])
     unit = _find_unit(unit_cells[0].lower() if has_units else cells[0]) if has_header else None
@@ -140,7 +146,7 @@ def _find_table_form(path: str, head: bytes) -> _TableForm:
     elif unit is None and _are_numbered(first_rows):
         unit = 0.0
     if not has_header:
-        # The column of times or of numbers is not a channel.
+        # Channels are numbered from 1. The column of times or of numbers is not a channel, so it gets 0.
         cells = [str(number) for number in range(int(unit is None), len(cells) + int(unit is None))]
     channels = cells[unit is not None :]
     labels = [label.strip() for label in _find_comment(comments, "Channels").split(",") if label.strip()]
@@ -160,11 +166,12 @@ def _is_row(cells: list[str]) -> bool:
 
 
 def _is_stamp(cell: str) -> bool:
+    """Return whether a cell begins with a time stamp."""
     return _STAMP.match(cell.encode()) is not None
 
 
 def _are_numbered(rows: list[list[str]]) -> bool:
-    """Return whether the first cells of some rows are the numbers of samples."""
+    """Return whether the first cells of four or more rows are successive numbers, such as those of samples."""
     first_cells = [row[0] for row in rows if len(row) > 1]
     if len(first_cells) < 4 or not all(cell.isascii() and cell.isdigit() for cell in first_cells):
         return False
@@ -173,14 +180,18 @@ def _are_numbered(rows: list[list[str]]) -> bool:
 
 
 def _find_comment(comments: list[str], name: str) -> str:
-    """Return the text after the colon of a comment, or an empty string."""
+    """Return the text after the colon of the first comment that begins with ``name``, or an empty string."""
     return next((comment.partition(":")[2] for comment in comments if comment.startswith(name)), "")
 
 
 def _read_table_parts(
     file: BinaryIO, path: str, form: _TableForm, columns: list[int], threshold: float | None
 ) -> Generator[tuple[Any, int, Any], None, None]:
-    """Yield the levels of some rows, the amount read, and their times or None."""
+    """Yield the levels of some rows, the amount read, and their times, or None if the table has no times.
+
+    Raises:
+        InputError: The times are not in ascending order, or a cell is wrong.
+    """
     last_time = -np.inf
     reader = _RowReader(form, columns, path)
     reader.find_voltages(file, threshold)
@@ -194,17 +205,22 @@ def _read_table_parts(
 
 
 def _start(head: bytes, header_count: int) -> int:
-    """Return the offset after the comments and the headers of a table."""
-    at = 0
+    """Return the offset in bytes after the comments and the headers of a table.
+
+    ``header_count`` is the number of header lines. Comments and empty lines before and between them are also passed.
+    """
+    offset = 0
     for line in io.BytesIO(head):
+        # A byte order mark can precede the first line.
         is_comment = not line.strip() or line.lstrip(b"\xef\xbb\xbf")[:1] in (b";", b"#")
         if not is_comment and not header_count:
-            return at
-        at += len(line)
+            return offset
+        offset += len(line)
+        # From here on, it is the number of header lines that are left.
         header_count -= not is_comment
         if not is_comment and not header_count:
-            return at
-    return at
+            return offset
+    return offset
 
 
 def _split_cells(line: str, delimiter: str | None) -> list[str]:
@@ -223,7 +239,11 @@ def _is_number(text: str) -> bool:
 
 
 def _find_unit(name: str) -> float | None:
-    """Return the unit of a time column in seconds, or None if its name is not the name of one."""
+    """Return the unit of the first column in seconds, according to its header, such as ``Time [ms]``.
+
+    It is 0 for a column of sample numbers, and for a column ``Time`` without a unit, whose times are not used. It is
+    None for a channel.
+    """
     if name.strip().lower() in _NUMBERS:
         return 0.0
     match = _TIME.fullmatch(name.strip())
@@ -236,7 +256,11 @@ def _find_unit(name: str) -> float | None:
 
 
 class _RowReader:
-    """Reader of the times and the levels of rows."""
+    """Reader of the times and the levels of rows.
+
+    ``_first_stamp`` is the first time stamp, from which times are counted, and ``_voltages`` the converter from
+    voltages to levels. Both are None if the table has none.
+    """
 
     def __init__(self, form: _TableForm, columns: list[int], path: str) -> None:
         self._form, self._columns, self._path = form, columns, path
@@ -244,7 +268,11 @@ class _RowReader:
         self._voltages: _Voltages | None = None
 
     def find_voltages(self, file: BinaryIO, threshold: float | None) -> None:
-        """Read the range of the columns if they have voltages, as the first rows show."""
+        """Read the whole file for the range of its voltages, then go back to its beginning.
+
+        It stops at the first rows if they have no voltages: all cells are whole numbers, or some are not finite. With
+        ``threshold``, the columns have voltages in any case.
+        """
         ranges: list[Any] = []
         for block, line, _ in self.blocks_of_rows(file):
             cells = self._read_numbers(block, line, self._columns)
@@ -262,6 +290,7 @@ class _RowReader:
         line = 1
         for data, done in _read_blocks(file, self._path, "CSV"):
             block, first_line = data, line
+            # The headers are in the first block.
             if line == 1 and self._form.skipped:
                 block = data.split(b"\n", self._form.skipped)[-1]
                 first_line += self._form.skipped
@@ -270,7 +299,7 @@ class _RowReader:
                 yield block, first_line, done
 
     def _read_numbers(self, block: bytes, line: int, columns: list[int]) -> Any:
-        """Return the numbers in these columns."""
+        """Return the numbers in these columns, with a row for each line. Raises InputError for other cells."""
         try:
             text = io.BytesIO(block)
             return np.loadtxt(text, delimiter=self._form.delimiter, usecols=columns, ndmin=2, comments=None)
@@ -282,6 +311,7 @@ class _RowReader:
 
     def read(self, block: bytes, line: int) -> tuple[Any, Any]:
         """Return the times and the levels of some rows. Without a time column, the times are None."""
+        # A unit of 0 means that times are not used.
         has_time = bool(self._form.unit)
         if not has_time:
             if self._voltages is None:
@@ -299,7 +329,11 @@ class _RowReader:
         return times, self._levels(table[:, 1:], line)
 
     def _levels(self, cells: Any, line: int) -> Any:
-        """Return the levels of some rows as numbers."""
+        """Return the levels of some rows, each as one number whose lowest bit is the first column.
+
+        Raises:
+            InputError: The cells are neither 0 and 1 nor voltages.
+        """
         if self._voltages is not None and np.isfinite(cells).all():
             return pack_bits(self._voltages.levels(cells))
         if not ((cells == 0) | (cells == 1)).all():
@@ -328,7 +362,10 @@ class _RowReader:
 
 
 class _Voltages:
-    """Converter from voltages to levels. Noise near the threshold is ignored: a voltage must pass it by a margin."""
+    """Converter from voltages to levels. Noise near the threshold is ignored: a voltage must pass it by a margin.
+
+    ``_last`` has the level of each column in the last row that was converted, or None before the first.
+    """
 
     def __init__(self, lowest: Any, highest: Any, threshold: float | None) -> None:
         self._threshold = (lowest + highest) / 2 if threshold is None else np.full(len(lowest), threshold)
@@ -336,12 +373,13 @@ class _Voltages:
         self._last: Any = None
 
     def levels(self, cells: Any) -> Any:
-        """Return the level of each voltage, 0 or 1."""
+        """Return the level of each voltage, 0 or 1. Successive calls must have successive rows."""
         count = len(cells)
         is_high, is_low = cells > self._threshold + self._margin, cells < self._threshold - self._margin
         if self._last is None:
             self._last = cells[0] > self._threshold
-        # A voltage near the threshold has the level of the last one that is not.
+        # A voltage near the threshold has the level of the last one that is not. Rows are numbered from 1, and 0 stands
+        # for the row before these.
         rows = np.where(is_high | is_low, np.arange(1, count + 1)[:, None], 0)
         last_clear = np.maximum.accumulate(rows, axis=0)
         clear_levels = np.concatenate([self._last[None, :], is_high])
@@ -351,7 +389,11 @@ class _Voltages:
 
 
 def _read_regular_rows(block: bytes, delimiter: str | None, columns: list[int]) -> Any:
-    """Return the levels if all rows have the same form, or None."""
+    """Return the levels of rows in which every cell is at the same place, each row as one number, or None.
+
+    This is much faster than parsing numbers. It works if all rows have the length of the first one, the same
+    separators, and a single 0 or 1 in each of ``columns``.
+    """
     first_row = block[: block.index(b"\n") + 1]
     row_bytes = len(first_row)
     if len(block) % row_bytes:
@@ -366,6 +408,7 @@ def _read_regular_rows(block: bytes, delimiter: str | None, columns: list[int]) 
         offsets.append(next_offset)
         next_offset += len(cell) + 1
     rows = np.frombuffer(block, np.uint8).reshape(-1, row_bytes)
+    # The byte before each cell, and that at the end of the row.
     for fixed_offset in (*(offset - 1 for offset in offsets[1:]), row_bytes - 1):
         if not (rows[:, fixed_offset] == first_row[fixed_offset]).all():
             return None
@@ -381,7 +424,7 @@ _SCALE: Final = re.compile(r"\$timescale\s+(1|10|100)\s*(s|ms|us|ns|ps|fs)\s+\$e
 
 
 def read_vcd_signals(file: BinaryIO, path: str, names: Names) -> Signals:
-    """Return the signals of a value change dump."""
+    """Return the signals of a value change dump. Only its variables of one bit are channels."""
     size = measure_size(file)
     head = file.read(_BLOCK)
     end = re.search(rb"\$enddefinitions\s+\$end", head)
@@ -419,6 +462,7 @@ class _ValueChanges:
 
     def __init__(self, path: str, codes: Sequence[bytes]) -> None:
         self._path = path
+        # The signal and its new level, by the token of a change, such as ``1!`` for the code ``!``.
         self._changes: dict[bytes, tuple[int, int]] = {}
         for signal, code in enumerate(codes):
             self._changes |= {b"0" + code: (signal, 0), b"1" + code: (signal, 1)}
@@ -426,7 +470,7 @@ class _ValueChanges:
         self._begin = self._now = _NO_TIME
 
     def edges_in(self, block: bytes, done: int) -> Edges:
-        """Return the edges in a block of whole lines."""
+        """Return the edges in a block of whole lines. The first level of a signal is not an edge."""
         changes, levels = self._changes, self._levels
         first_levels = [level or 0 for level in levels]
         times: list[list[int]] = [[] for _ in levels]
@@ -437,6 +481,7 @@ class _ValueChanges:
                 signal, level = changes[token]
                 last_level = levels[signal]
                 if last_level is None:
+                    # The level was not known before, so it also holds for the time before.
                     first_levels[signal] = level
                 elif last_level != level:
                     times[signal].append(self._now)
@@ -462,4 +507,5 @@ class _ValueChanges:
 
 
 def _shown(token: bytes) -> str:
+    """Return a token for a message."""
     return short(token.decode("ascii", "replace"))

@@ -71,7 +71,12 @@ class Names(NamedTuple):
         return places[::-1] if self.exchanged else places
 
     def _places(self, channels: Sequence[str], file: str) -> tuple[int, ...]:
-        """Return the index of each signal, the clock first, without an exchange of them."""
+        """Return the index of each signal, the clock first, without an exchange of them.
+
+        A signal without a chosen name has the channel with a usual name. If no name is chosen, a usual name is missing,
+        and there are as many channels as signals, they are taken in order. If only one of two signals has a channel,
+        the other gets the remaining one of two channels.
+        """
         signals: list[_Signal] = [(self.data, _SERIAL, "--data")]
         if self.clock is not None:
             signals = [(self.clock, _CLOCKS, "--clock"), (self.data, _DATA, "--data")]
@@ -94,7 +99,10 @@ class Names(NamedTuple):
 
 
 def _add_remaining_channel(signals: Sequence[_Signal], places: list[int | None]) -> list[int | None]:
-    """Return the places of two signals among two channels. If one is known, the other has the remaining channel."""
+    """Return the places of two signals among two channels. If one is known, the other has the remaining channel.
+
+    A place is None if it is not known. It stays None if the chosen name of the signal does not exist.
+    """
     known = [place for place in places if place is not None]
     has_unknown_name = any(signal[0] and place is None for signal, place in zip(signals, places, strict=True))
     if len(known) != 1 or has_unknown_name:
@@ -121,7 +129,10 @@ def _find_place(channels: Sequence[str], name: str) -> int | None:
 
 
 def _find_usual_place(channels: Sequence[str], names: Iterable[str]) -> int | None:
-    """Return the index of the channel with the first of these names that is unique. None if there is none."""
+    """Return the index of the channel with the first of these names that is unique. None if there is none.
+
+    A single channel is taken, whatever its name.
+    """
     if len(channels) == 1:
         return 0
     lower = [channel.lower() for channel in channels]
@@ -139,6 +150,7 @@ def read_samples(parts: Iterable[tuple[Any, int, Any]], masks: tuple[int, ...]) 
     numbered from 0. ``masks`` contains the bit of each signal in a sample.
     """
     signals_mask = sum(masks)
+    # The number of the first sample of a part, and the last sample of the previous part.
     first_number, last_sample = 0, None
     for samples, done, times in parts:
         if not len(samples):
@@ -146,8 +158,10 @@ def read_samples(parts: Iterable[tuple[Any, int, Any]], masks: tuple[int, ...]) 
         kind = samples.dtype.type
         changes = np.bitwise_xor(samples[1:], samples[:-1])
         changes &= kind(signals_mask)
+        # Index i shows the change from sample i to i + 1, whose edge is at sample i + 1.
         places = np.flatnonzero(changes != 0)
         changed_bits, places = changes[places], places + 1
+        # The bits before the first edge of this part.
         levels = int(samples[0]) if last_sample is None else last_sample
         changed_between = (levels ^ int(samples[0])) & signals_mask
         if changed_between:
@@ -166,11 +180,11 @@ def read_samples(parts: Iterable[tuple[Any, int, Any]], masks: tuple[int, ...]) 
 
 
 def pack_bits(columns: Any) -> Any:
-    """Return rows of levels as one number per sample, the first column in the lowest bit."""
+    """Return rows of levels as one number per sample, the first column in the lowest bit. Any number but 0 is 1."""
     columns = np.asarray(columns)
     levels = np.zeros(len(columns), np.uint8)
-    for place in range(columns.shape[1]):
-        levels |= (columns[:, place] != 0).astype(np.uint8) << np.uint8(place)
+    for column_index in range(columns.shape[1]):
+        levels |= (columns[:, column_index] != 0).astype(np.uint8) << np.uint8(column_index)
     return levels
 
 
@@ -192,13 +206,17 @@ def read_array(samples: Any, names: Names, rate: float | None = None) -> Signals
         raise TypeError(f"expected whole numbers in one or two dimensions, got {array.dtype} {array.shape}")
     channel_count = array.shape[1] if has_rows else 8 * array.dtype.itemsize
     places = names.places([str(number) for number in range(1, channel_count + 1)], "the array")
+    # Bits of the signals in a sample. The chosen columns of rows are packed, so their bits are numbered from 0.
     bits = range(len(places)) if has_rows else places
     edges = read_samples(_split_array(array, places), tuple(1 << bit for bit in bits))
     return Signals(edges, 1 / rate if rate else None, True, len(array))
 
 
 def _split_array(array: Any, places: tuple[int, ...]) -> Generator[tuple[Any, int, Any], None, None]:
-    """Yield some samples as unsigned numbers, and the number of samples so far. ``places`` are channels in rows."""
+    """Yield some samples as unsigned numbers, the number of samples so far, and None, because they have no times.
+
+    ``places`` are the columns of the signals. Only these are kept, if the array has rows.
+    """
     for start in range(0, len(array), SAMPLES):
         part = array[start : start + SAMPLES]
         if array.ndim == 2:
@@ -217,7 +235,8 @@ def merge_edges(
     """Yield the edges of signals that are stored separately.
 
     Each generator yields the level before some edges, their times, and the amount read so far. ``end`` returns the end
-    of the capture once all of them are exhausted.
+    of the capture once all of them are exhausted. ``waiting_times`` holds the edges of each signal that were read but
+    not yielded yet, because those of another signal at the same time are not known.
     """
     first_parts = [next(signal) for signal in signals]
     levels = [level for level, _, _ in first_parts]
@@ -230,6 +249,7 @@ def merge_edges(
         index = min(sorted(unfinished), key=lambda signal_index: _find_last(waiting_times[signal_index]))
         part = next(signals[index], None)
         if part is None:
+            # All edges of this signal have been read.
             unfinished.remove(index)
         else:
             _, times, amounts_read[index] = part
@@ -240,9 +260,11 @@ def merge_edges(
         edge_times = tuple(times[:count] for times, count in zip(waiting_times, counts, strict=True))
         yield Edges(tuple(levels), edge_times, begin, until, sum(amounts_read))
         begin = until
+        # An odd number of edges inverts the level.
         levels = [level ^ (count & 1) for level, count in zip(levels, counts, strict=True)]
         waiting_times = [times[count:] for times, count in zip(waiting_times, counts, strict=True)]
 
 
 def _find_last(times: Any) -> float:
+    """Return the last time, or minus infinity if there is none."""
     return float(times[-1]) if len(times) else -np.inf

@@ -47,34 +47,37 @@ def read_serial_bytes(signals: Signals, baud: float) -> Generator[_Bytes, None, 
     """
     bit = 1 / baud / (signals.seconds or 1.0)
     early = 0.5 if signals.is_sampled else 0.0
-    edges, level, free, end, done, is_new = np.zeros(0), 1, -np.inf, 0.0, 0, True
+    # Edges that are not used yet, the level before them, and the time from which a byte can begin.
+    edges, level, earliest_start, end, done, is_new = np.zeros(0), 1, -np.inf, 0.0, 0, True
     for part in _split_parts(signals):
         if part is not None:
             level, is_new = (part.levels[0], False) if is_new else (level, False)
             edges, end, done = np.concatenate([edges, part.times[0]]), part.end, part.done
         # An edge with an even index starts from the first level.
         falls = edges[1 - level :: 2]
-        whole = int(np.searchsorted(falls, end - _BITS * bit, "right")) if part is not None else len(falls)
-        falls = falls[:whole]
+        # Falling edges whose byte is complete. At the end of the capture (None), all are used.
+        complete_count = int(np.searchsorted(falls, end - _BITS * bit, "right")) if part is not None else len(falls)
+        falls = falls[:complete_count]
         if not len(falls):
             continue
         # The stop bit lasts at least half a bit, and the next byte may follow at once.
-        following = np.searchsorted(falls, falls + (_BITS - 0.5) * bit, "left").tolist()
-        chosen: list[int] = []
-        place = int(np.searchsorted(falls, free, "left"))
-        while place < whole:
-            chosen.append(place)
-            place = following[place]
-        if not chosen:
+        next_places = np.searchsorted(falls, falls + (_BITS - 0.5) * bit, "left").tolist()
+        start_places: list[int] = []
+        place = int(np.searchsorted(falls, earliest_start, "left"))
+        while place < complete_count:
+            start_places.append(place)
+            place = next_places[place]
+        if not start_places:
             continue
-        starts = falls[chosen]
-        free = float(starts[-1]) + (_BITS - 0.5) * bit
+        starts = falls[start_places]
+        earliest_start = float(starts[-1]) + (_BITS - 0.5) * bit
+        # The middle of eight data bits and the stop bit.
         times = starts[:, None] + (bit * (1.5 + np.arange(9)) - early)[None, :]
         levels = (np.searchsorted(edges, times.ravel(), "right").reshape(times.shape) & 1) ^ level
         values = (levels[:, :8] << np.arange(8)).sum(axis=1).astype(np.uint8)
         yield _Bytes(values, starts * (signals.seconds or 1.0), levels[:, 8] == 1, done)
-        gone = int(np.searchsorted(edges, free, "left"))
-        edges, level = edges[gone:], level ^ (gone & 1)
+        used_count = int(np.searchsorted(edges, earliest_start, "left"))
+        edges, level = edges[used_count:], level ^ (used_count & 1)
 
 
 #: Headers of the tables that Saleae's serial analyser exports, with the columns of the times and of the bytes.
@@ -88,7 +91,10 @@ _ROWS: Final = 1 << 16
 
 
 def find_exported_columns(head: bytes) -> tuple[int, int] | None:
-    """Return the columns of the times and of the bytes if a file is an export of serial bytes, or None."""
+    """Return the indices of the columns of times and of bytes if a file is an export of serial bytes, or None.
+
+    ``head`` are the first bytes of the file. Its first line must begin with the header of one of ``_EXPORTS``.
+    """
     first_line = head.decode("utf-8-sig", "replace").partition("\n")[0]
     cells = [cell.strip().strip('"').lower() for cell in first_line.split(",")]
     for names, time, value in _EXPORTS:
@@ -106,27 +112,30 @@ def read_exported_bytes(file: BinaryIO, path: str, columns: tuple[int, int]) -> 
     time, value = columns
     text = io.TextIOWrapper(file, "utf-8-sig", "replace", newline="")
     rows = enumerate(csv.reader(text), 1)
+    # The header.
     next(rows)
     line = 1
-    while chunk := [numbered_row for numbered_row in islice(rows, _ROWS) if numbered_row[1]]:
-        values, times = np.zeros(len(chunk), np.uint8), np.zeros(len(chunk))
-        has_stop_bit = np.ones(len(chunk), bool)
-        for place, (line, row) in enumerate(chunk):
+    # Rows with their line numbers, without empty rows.
+    while numbered_rows := [numbered_row for numbered_row in islice(rows, _ROWS) if numbered_row[1]]:
+        values, times = np.zeros(len(numbered_rows), np.uint8), np.zeros(len(numbered_rows))
+        has_stop_bit = np.ones(len(numbered_rows), bool)
+        for index, (line, row) in enumerate(numbered_rows):
             if len(row) <= max(time, value):
                 raise InputError(path, f"line {line}", "the row ends early")
-            values[place] = _read_byte(row[value], path, line)
+            values[index] = _read_byte(row[value], path, line)
             try:
-                times[place] = float(row[time])
+                times[index] = float(row[time])
             except ValueError:
                 reason = f"{short(row[time])} is not a time in seconds: export without time stamps of ISO 8601"
                 raise InputError(path, f"line {line}", reason) from None
-            has_stop_bit[place] = not any("framing" in cell.lower() for cell in row)
+            has_stop_bit[index] = not any("framing" in cell.lower() for cell in row)
         yield _Bytes(values, times, has_stop_bit, line)
 
 
 def _read_byte(cell: str, path: str, line: int) -> int:
-    """Return the byte in a cell: hexadecimal such as ``0x1A``, or decimal."""
+    """Return the byte in a cell: hexadecimal such as ``0x1A``, or decimal. Raises InputError for other cells."""
     match = _BYTE.fullmatch(cell.strip())
+    # 256 is not a byte. A valid cell replaces it.
     number = 256
     if match is not None:
         number = int(match[1], 16) if match[1] else int(match[2])
@@ -173,6 +182,7 @@ def find_replies(
     for part in line:
         is_silent = False
         first.append(finder.feed(part))
+        # Until the kind is known, the frames wait.
         if finder.wanted:
             yield from map(finder.with_kind, first)
             first.clear()
@@ -182,7 +192,11 @@ def find_replies(
 
 
 class _Replies:
-    """Finder of replies in bytes. It keeps the last bytes until more arrive."""
+    """Finder of replies in bytes. It keeps the last bytes until more arrive.
+
+    ``wanted`` is the name of the kind of replies to return, empty until it is known. Three arrays hold the bytes, their
+    times, and True for each with a stop bit. ``duration`` is that of a byte, in the unit of the times.
+    """
 
     def __init__(self, kinds: Kinds, duration: float) -> None:
         self._kinds, self._pause = kinds, _PAUSE * duration
@@ -195,6 +209,7 @@ class _Replies:
         self._times = np.concatenate([self._times, part.times])
         self._has_stop_bit = np.concatenate([self._has_stop_bit, part.has_stop_bit])
         self._done = part.done
+        # A reply that begins in the last bytes may not be complete.
         return self._find(max(len(self._values) - _KEPT, 0))
 
     def finish(self) -> CapturedFrames:
@@ -202,7 +217,10 @@ class _Replies:
         return self._find(len(self._values))
 
     def with_kind(self, stretch: CapturedFrames) -> CapturedFrames:
-        """Return the frames with the kind of the replies, which is not known at first."""
+        """Return a stretch with the name of the kind of replies, which may not have been known when it was found.
+
+        A stretch with frames has it already. In others, the empty array gets the length of this kind.
+        """
         if not self.wanted or len(stretch.frames):
             return stretch
         return stretch._replace(
@@ -210,7 +228,10 @@ class _Replies:
         )
 
     def _find_valid_starts(self, shape: Shape) -> Any:
-        """Return whether a valid frame begins at each byte."""
+        """Return an array that is True for each byte at which a valid frame begins, and for the end False.
+
+        A valid frame has no error and no pause between its bytes, and each byte has its stop bit.
+        """
         count, length = len(self._values), shape.length
         is_valid = np.zeros(count + 1, bool)
         if count < length:
@@ -218,7 +239,7 @@ class _Replies:
         windows = np.lib.stride_tricks.sliding_window_view(self._values, length)
         start_count = len(windows)
         has_no_error = decode_many(np.ascontiguousarray(windows), shape, None).fault == 0
-        # The bytes of a frame follow each other without a pause, and each has its stop bit.
+        # There are none in a frame if their number is the same before its first and after its last byte.
         pauses_before = _count_before(np.diff(self._times) > self._pause)
         has_no_pause = pauses_before[length - 1 :] == pauses_before[:start_count]
         damaged_before = _count_before(~self._has_stop_bit)
@@ -227,7 +248,10 @@ class _Replies:
         return is_valid
 
     def _find(self, until: int) -> CapturedFrames:
-        """Return the replies that begin before the byte ``until``, and forget their bytes."""
+        """Return the replies that begin before the byte ``until``, and forget their bytes.
+
+        If no kind is requested, the first call that finds a reply with a position chooses the most frequent kind.
+        """
         shapes = self._kinds.replies
         # At each byte, the longest reply counts.
         names = sorted(shapes, key=lambda name: (-shapes[name].length, name))
@@ -245,13 +269,14 @@ class _Replies:
     def _find_reply_kinds(self, names: Sequence[str]) -> list[int]:
         """Return the index in ``names`` of the reply that begins at each byte, or -1."""
         kinds = np.full(len(self._values) + 1, -1)
+        # The first names are set last, so they take precedence.
         for index, name in reversed([*enumerate(names)]):
             kinds[self._find_valid_starts(self._kinds.replies[name])] = index
         reply_kinds: list[int] = kinds.tolist()
         return reply_kinds
 
     def _find_request_lengths(self) -> list[int]:
-        """Return the length of the request that begins at each byte, or 0."""
+        """Return the length of the longest valid request that begins at each byte, or 0."""
         longest = np.zeros(len(self._values) + 1, np.int64)
         for shape in self._kinds.requests.values():
             longest = np.maximum(longest, shape.length * self._find_valid_starts(shape))
@@ -261,38 +286,47 @@ class _Replies:
     def _walk(
         self, until: int, names: Sequence[str], reply_kinds: list[int], request_lengths: list[int]
     ) -> tuple[dict[str, list[int]], list[tuple[int, int]], int]:
-        """Return the starts of the replies by name, the bytes between them, and the end of the bytes seen."""
+        """Return the starts of the replies by name, the gaps between them, and the end of the bytes that are done.
+
+        A gap has the index of its first byte and the index after its last one. A request directly before its reply is
+        in no gap.
+        """
         count = len(self._values)
         starts: dict[str, list[int]] = {name: [] for name in names}
         gaps: list[tuple[int, int]] = []
-        place = first = 0
+        place = gap_start = 0
         while place < until:
+            # A reply after a request takes precedence over one that seems to begin at the request, such as its echo.
             reply_start = place + request_lengths[place]
             if not (place < reply_start < count and reply_kinds[reply_start] >= 0):
                 reply_start = place
             if reply_kinds[reply_start] < 0:
                 place += 1
                 continue
-            if first < place:
-                gaps.append((first, place))
+            if gap_start < place:
+                gaps.append((gap_start, place))
             name = names[reply_kinds[reply_start]]
             starts[name].append(reply_start)
-            first = place = reply_start + self._kinds.replies[name].length
-        end = min(max(place, first), count)
+            gap_start = place = reply_start + self._kinds.replies[name].length
+        end = min(max(place, gap_start), count)
         # The last bytes may begin a reply that is not complete yet, unless the capture ends.
-        if until != count and first < end <= first + 4 * _KEPT:
-            end = first
-        if first < end:
-            gaps.append((first, end))
+        if until != count and gap_start < end <= gap_start + 4 * _KEPT:
+            end = gap_start
+        if gap_start < end:
+            gaps.append((gap_start, end))
         return starts, gaps, end
 
     def _collect_frames(
         self, starts: dict[str, list[int]], gaps: Sequence[tuple[int, int]], request_lengths: list[int]
     ) -> CapturedFrames:
-        """Return the replies of the wanted kind, and the bytes that belong to no reply."""
+        """Return the replies of the wanted kind, and the gaps as lost bytes. ``starts`` and ``gaps`` are of ``_walk``.
+
+        A gap with exactly one reply that has a CRC error, after a request or not, is a frame with an error instead.
+        """
         lost: list[Lost] = []
         reply_starts = starts.pop(self.wanted, [])
         for first, end in gaps:
+            # The bytes after the request, if the gap begins with one and goes on.
             after_request = first + request_lengths[first] if request_lengths[first] < end - first else first
             if self._is_damaged_reply(first, after_request, end):
                 reply_starts.append(after_request)
@@ -315,7 +349,10 @@ class _Replies:
         )
 
     def _is_damaged_reply(self, first: int, start: int, end: int) -> bool:
-        """Return whether the bytes from ``start`` to ``end`` are a reply of the wanted kind with a CRC error."""
+        """Return whether the bytes from ``start`` to ``end`` are a reply of the wanted kind with a CRC error.
+
+        All bytes from ``first`` on, those of a request before the reply too, must have a stop bit.
+        """
         shape = self._kinds.replies.get(self.wanted)
         if shape is None or not self._has_stop_bit[first:end].all() or end - start != shape.length:
             return False
@@ -323,7 +360,7 @@ class _Replies:
         return bool(fault == ErrorKind.CRC)
 
     def _explain_loss(self, first: int, end: int, request_lengths: list[int]) -> str:
-        """Return the reason why bytes belong to no reply."""
+        """Return the reason why the bytes from ``first`` to ``end`` belong to no reply, with at most 12 of them."""
         data = self._values[first:end].tobytes()
         bytes_text = data[:12].hex(" ").upper() + (" ..." if len(data) > 12 else "")
         if not self._has_stop_bit[first:end].all():
@@ -334,5 +371,5 @@ class _Replies:
 
 
 def _count_before(conditions: Any) -> Any:
-    """Return how many of the conditions before each index are true."""
+    """Return how many of the conditions before each index are true, from index 0 (none) to the end (all)."""
     return np.concatenate([[0], np.cumsum(conditions)])

@@ -71,7 +71,7 @@ def plot(package: str, chosen: argparse.Namespace) -> None:
 
 
 def _has_frames(path: str) -> bool:
-    """Return whether a file has a column of frames, and is not a capture."""
+    """Return whether a file has a column of frames: Parquet, or CSV with ``word`` or ``frame``. Others are captures."""
     kind = find_kind(path)
     if kind != "csv":
         return kind == "parquet"
@@ -89,6 +89,7 @@ def _read_frames(encoder: Encoder | BissLayout, chosen: argparse.Namespace) -> T
     path = chosen.files[0]
     frames: list[Any] = []
     times: list[Any] = []
+    # Nothing checks the first frames here, so the function for their valid fraction does not matter.
     with open_source(path, Stored(digits=chosen.digits, wanted=("time",)), shape, lambda frames: 1.0) as read:
         if "time" not in read.empty_columns:
             raise InputError(path, "", "no column 'time'; a plot needs the time of each frame in seconds")
@@ -148,7 +149,11 @@ def monitor(package: str, chosen: argparse.Namespace) -> None:
 
 
 def _take_encoder(package: str, chosen: argparse.Namespace) -> Encoder | BissLayout:
-    """Return the encoder or the layout, and remove its label from ``files``."""
+    """Return the encoder or the layout. Without ``--biss``, the first of ``files`` is its label, and is removed.
+
+    Raises:
+        Failed: The layout or the label is wrong, or there is no file.
+    """
     if chosen.biss is not None:
         try:
             return biss_layout(chosen.biss)
@@ -168,7 +173,7 @@ def _take_encoder(package: str, chosen: argparse.Namespace) -> Encoder | BissLay
 
 
 def _read_probes(chosen: argparse.Namespace) -> dict[str, Any]:
-    """Return the arguments that both commands have."""
+    """Return the arguments for a capture that the commands ``capture`` and ``plot`` pass on, by name."""
     names = ("clock", "data", "rate", "rest", "baud", "threshold", "layout")
     return {**{name: getattr(chosen, name) for name in names}, "answers": dict(chosen.choose)}
 
@@ -198,12 +203,12 @@ def _print_summary(summary: CaptureSummary, chosen: argparse.Namespace) -> None:
 
 
 def _name_layout(chosen: argparse.Namespace) -> str:
-    """Return a description of the frames for a message."""
+    """Return the argument that describes the frames, for a message."""
     return "the order code" if chosen.biss is None else "the layout (--biss)"
 
 
 def _explain_no_frames(lost: Any, chosen: argparse.Namespace) -> str:
-    """Return the message for a capture without a frame."""
+    """Return the message for a capture without a frame, with the reason of the first lost cycle."""
     first: Lost | None = next(iter(lost), None)
     reason = f": {first.reason}" if first else ""
     return f"the capture contains no frame{reason}; check the channels (--clock, --data) and {_name_layout(chosen)}"

@@ -34,7 +34,7 @@ def distribution(package: str) -> str:
 
 
 def find_encoder(package: str, chosen: argparse.Namespace) -> Encoder:
-    """Return the encoder that the arguments select."""
+    """Return the encoder that the arguments select. Raises Failed if they are wrong."""
     try:
         return _select_encoder(package, chosen)
     except ValueError as error:
@@ -42,7 +42,11 @@ def find_encoder(package: str, chosen: argparse.Namespace) -> Encoder:
 
 
 def _select_encoder(package: str, chosen: argparse.Namespace) -> Encoder:
-    """Return the encoder for the arguments: order code, interface and registers."""
+    """Return the encoder for the arguments: order code, interface, registers and answers.
+
+    Raises:
+        ValueError: The encoder has another interface, or no registers that affect its frames.
+    """
     encoder: Encoder = import_module(package).lookup(str(chosen.order_code))
     if chosen.interface is not None and encoder.interface.value != chosen.interface:
         wanted = Interface(chosen.interface).title
@@ -56,7 +60,14 @@ def _select_encoder(package: str, chosen: argparse.Namespace) -> Encoder:
 
 
 def _add_optional_answers(encoder: Encoder, chosen: argparse.Namespace) -> Encoder:
-    """Return the encoder with the answers that have a default, and remove them from ``chosen.choose``."""
+    """Return the encoder with those answers of ``chosen.choose`` that it keeps, and remove them from there.
+
+    These are the parameters of ``with_answers``, if the encoder has this method. Those that are not chosen get their
+    first value. The remaining answers of ``chosen.choose`` are for the decoder of the frames.
+
+    Raises:
+        ValueError: A parameter does not have the chosen value.
+    """
     with_answers: Callable[..., Encoder] | None = getattr(encoder, "with_answers", None)
     if with_answers is None:
         return encoder
@@ -75,7 +86,11 @@ def _add_optional_answers(encoder: Encoder, chosen: argparse.Namespace) -> Encod
 
 @contextmanager
 def show_progress(package: str, source: str) -> Generator[Callable[[int, int | None, int], None] | None, None, None]:
-    """Show progress on a terminal, and convert the errors of long work to one line."""
+    """Show progress on a terminal, and convert the errors of long work to ``Failed``, which is printed in one line.
+
+    The context yields the function to call with the amount done, the total if known, and the number of frames. It
+    yields None if standard error is not a terminal. ``source`` is the file to name if an error does not name one.
+    """
     from ..errors import InputError, UsageError
 
     progress = Progress(sys.stderr)
@@ -85,6 +100,7 @@ def show_progress(package: str, source: str) -> Generator[Callable[[int, int | N
     except UsageError as error:
         raise Failed(error, USAGE) from None
     except BrokenPipeError:
+        # It is an OSError, but ``main`` handles it.
         raise
     except OSError as error:
         raise Failed(f"{error.filename or source}: {error.strerror or error}") from None
@@ -103,7 +119,7 @@ _PACKAGES: Final = {"serial": "pyserial"}
 
 
 def missing_package_error(error: ImportError) -> Failed:
-    """Return the error for a Python package that is not installed."""
+    """Return the error for a Python package that is not installed, with the command that installs it."""
     if not isinstance(error, ModuleNotFoundError) or not error.name:
         return Failed(error)
     module = error.name.partition(".")[0]
@@ -135,17 +151,19 @@ class Progress:
         self._out, self._started, self._shown = out, monotonic(), 0.0
 
     def show(self, done: int, total: int | None, frames: int) -> None:
-        """Show the progress."""
+        """Show the progress, at most ``RATE`` times per second. Without a total, there is no bar."""
         now = monotonic()
         if now - self._shown < 1 / self.RATE:
             return
         self._shown = now
         text = f"{frames:,} frames, {now - self._started:.0f} s"
         if total:
-            part = min(done / total, 1.0)
-            filled = round(30 * part)
-            text = f"[{'#' * filled}{' ' * (30 - filled)}] {part:4.0%} {text}"
+            # The bar has 30 characters.
+            fraction = min(done / total, 1.0)
+            filled = round(30 * fraction)
+            text = f"[{'#' * filled}{' ' * (30 - filled)}] {fraction:4.0%} {text}"
         columns = shutil.get_terminal_size().columns
+        # The whole line is replaced. Its last column stays empty, because some terminals would begin a new line.
         self._out.write(f"\r{text[: columns - 1]:<{columns - 1}}")
         self._out.flush()
 

@@ -135,6 +135,7 @@ def main(package: str, arguments: Sequence[str] | None = None) -> int:
 
 
 def _print_failure(package: str, message: object, code: int) -> int:
+    """Print a message to standard error, and return the exit code."""
     print(f"{distribution(package)}: {message}", file=sys.stderr)
     return code
 
@@ -211,7 +212,7 @@ def _add_monitor(add_command: Callable[..., Any]) -> None:
 
 
 def _add_capture_command(add_command: Callable[..., Any], name: str, summary: str) -> None:
-    """Add the command ``capture``."""
+    """Add the command ``capture`` or ``plot``, which have the same arguments."""
     parser = add_command(name, partial(_run_bench_command, name), summary, epilog=_BENCH)
     parser.add_argument(
         "files",
@@ -225,7 +226,7 @@ def _add_capture_command(add_command: Callable[..., Any], name: str, summary: st
 
 
 def _run_bench_command(name: str, package: str, chosen: argparse.Namespace) -> int | None:
-    """Run a command that needs NumPy."""
+    """Run the function of this name in ``bench``, which needs NumPy."""
     try:
         from . import bench
     except ImportError as error:
@@ -235,7 +236,10 @@ def _run_bench_command(name: str, package: str, chosen: argparse.Namespace) -> i
 
 
 def _decode(package: str, chosen: argparse.Namespace) -> int | None:
-    """Decode the frames in the arguments, or a file."""
+    """Decode the frame in the arguments and print it, or decode a file. Return the exit code.
+
+    Without a file of this name, an argument is a frame, if it can be one.
+    """
     encoder = find_encoder(package, chosen)
     if chosen.file != ["-"] and not os.path.exists(chosen.file[0]):
         frame = _parse_frame(" ".join(chosen.file), encoder)
@@ -251,7 +255,10 @@ def _decode(package: str, chosen: argparse.Namespace) -> int | None:
 
 
 def _parse_frame(text: str, encoder: Encoder) -> int | bytes | str | None:
-    """Return the frame that the arguments contain, or None if they are the name of a file."""
+    """Return the frame that the arguments contain, or None if they are the name of a file.
+
+    Over RS-485 it is hexadecimal bytes. A frame of bits is a number in hexadecimal, or text of 0 and 1 with ``0b``.
+    """
     packed = re.sub("[ _,:]", "", text)
     if encoder.interface is Interface.RS485:
         packed = packed.removeprefix("0x")
@@ -267,6 +274,7 @@ def _parse_frame(text: str, encoder: Encoder) -> int | bytes | str | None:
 
 def _list_others(encoder: Encoder, frame: int | bytes | str, result: Any) -> str:
     """Return the other frames that a frame can be, in words, or an empty string. ``result`` can be its error."""
+    # Its return type is a union of the classes of frames that it decodes, and of FrameError.
     hint = get_type_hints(type(encoder).try_decode)["return"]
     decoded = [kind for kind in get_args(hint) or (hint,) if not issubclass(kind, FrameError)]
     names = [kind.__name__ for kind in find_kinds(encoder) if _can_be(kind, decoded, encoder, frame, result)]
@@ -277,7 +285,10 @@ def _list_others(encoder: Encoder, frame: int | bytes | str, result: Any) -> str
 
 
 def _can_be(kind: Any, decoded: Sequence[type], encoder: Encoder, frame: int | bytes | str, result: Any) -> bool:
-    """Return whether a frame is a valid one of another class than those in ``decoded``."""
+    """Return whether a frame is also a valid frame of ``kind``, another class than that in ``decoded``.
+
+    ``decoded`` are the classes that the encoder's ``try_decode`` returns, and ``result`` is what it has returned.
+    """
     # An encoder with several classes identifies its frames by a field.
     if len(decoded) != 1 or kind in decoded:
         return False
@@ -293,7 +304,11 @@ def _can_be(kind: Any, decoded: Sequence[type], encoder: Encoder, frame: int | b
 
 
 def _show(encoder: Encoder, frame: int | bytes | str, chosen: argparse.Namespace) -> int:
-    """Print one frame. This needs no other packages."""
+    """Print one frame, and return the exit code. This needs no other packages.
+
+    Raises:
+        Failed: The frame has an error, unless the output is JSON, which contains the error.
+    """
     result = _add_answers(encoder, frame, dict(chosen.choose))
     values: dict[str, Any] = result.to_dict()
     other_frames = _list_others(encoder, frame, result)
@@ -316,7 +331,7 @@ def _show(encoder: Encoder, frame: int | bytes | str, chosen: argparse.Namespace
 
 
 def _convert_to_plain(value: Any) -> str:
-    """Return a value as it is printed."""
+    """Return a value as it is printed: ``-`` for None, the items of a list or ``none``, and bools in lower case."""
     if value is None:
         return "-"
     if isinstance(value, list):
@@ -325,7 +340,11 @@ def _convert_to_plain(value: Any) -> str:
 
 
 def _add_answers(encoder: Encoder, frame: int | bytes | str, answers: dict[str, str]) -> Any:
-    """Return the frame or its error. Answers to open questions are keyword arguments."""
+    """Return the decoded frame or its error. ``answers`` are answers to open questions, by name.
+
+    Raises:
+        Failed: An answer does not apply, or one is missing.
+    """
     open_answers: dict[str, Any] = {}
     hints = get_type_hints(encoder.try_decode)
     for name, answer in answers.items():
@@ -371,7 +390,7 @@ def _decode_file(package: str, encoder: Encoder, chosen: argparse.Namespace) -> 
 
 
 def _report(summary: Summary, chosen: argparse.Namespace) -> None:
-    """Print the summary, to standard error if the table goes to standard output."""
+    """Print the summary, to standard error if the table goes to standard output. Raises Failed for too many errors."""
     out = sys.stderr if chosen.output == "-" else sys.stdout
     print(json.dumps(summary.to_dict()) if chosen.json else summary, file=out)
     if 100 * summary.error_rate > chosen.max_errors:

@@ -90,10 +90,14 @@ class _Screen:
         self._encoder, self._place, self._out, self._recorder = encoder, place, out, recorder
         self._is_live = is_shown and out.isatty()
         self._frame: Any = None
+        #: Last unwrapped position, and the range with which it was unwrapped.
         self._count: int | None = None
         self._range: PositionRange | None = None
+        #: Time and unwrapped position of each reading in the last half second. None: the position is not usable.
         self._recent: deque[tuple[float, int | None]] = deque()
+        #: Number of failures by kind, such as "no reply".
         self._errors: Counter[str] = Counter()
+        #: Time of the last drawing, number of its lines, and text of the last error.
         self._drawn_at, self._height, self._last_error = 0.0, 0, ""
         self._began = monotonic()
         self.frames = self.failures = 0
@@ -108,7 +112,7 @@ class _Screen:
                 raise
 
     def add(self, frame: Any) -> None:
-        """Add a frame."""
+        """Add a frame, record it, and show it."""
         self.frames += 1
         self._frame, now = frame, monotonic()
         position = frame.usable_position
@@ -123,7 +127,7 @@ class _Screen:
         self._update(now)
 
     def fail(self, error: RuntimeError) -> None:
-        """Add a failure."""
+        """Add a failure, record it, and show it."""
         self.failures += 1
         kind, now = _name_error(error), monotonic()
         self._errors[kind] += 1
@@ -133,7 +137,7 @@ class _Screen:
         self._update(now)
 
     def end(self) -> None:
-        """Show the last state."""
+        """Show the last state on a terminal, or write the number of failures elsewhere."""
         if self._is_live:
             self._draw()
         elif self.frames + self.failures:
@@ -142,7 +146,10 @@ class _Screen:
             self._out.flush()
 
     def _unwrap(self, kind: type, position: int) -> int:
-        """Return the count of a position. It starts again if the range of the positions has changed."""
+        """Return the count of a position in a frame of class ``kind``, which continues when the position wraps around.
+
+        It starts again if the range of the positions has changed. Without a known range, it is the position.
+        """
         try:
             valid = self._encoder.range_of(kind)
         except ValueError:
@@ -162,6 +169,7 @@ class _Screen:
         columns = shutil.get_terminal_size().columns - 1
         head = f"{self._encoder.code}, {self._encoder.interface.title}, {self._place}    Ctrl-C ends"
         lines = [head, *(f"{name:<10}{value}" for name, value in (*self._list_values(), *self._list_state()))]
+        # Escape sequences: move up by some lines, and clear a line.
         up = f"\x1b[{self._height}A" if self._height else ""
         text = "".join(f"\r\x1b[2K{line[:columns]}\n" for line in lines)
         self._out.write(up + text)
@@ -169,7 +177,7 @@ class _Screen:
         self._height = len(lines)
 
     def _list_values(self) -> list[tuple[str, str]]:
-        """Return the rows of the last frame: labels and texts."""
+        """Return the rows of the last frame: labels and texts, such as ``("position", "4711 counts")``."""
         frame = self._frame
         if frame is None:
             return [("position", "-"), ("angle", "-"), ("speed", "-"), ("verdict", "-")]
@@ -185,7 +193,8 @@ class _Screen:
     def _list_state(self) -> list[tuple[str, str]]:
         """Return the rows of alarms, rate and errors: labels and texts."""
         reports = self._frame.reports if self._frame is not None else ()
-        times = [at for at, _ in self._recent]
+        times = [time for time, _ in self._recent]
+        # Between n times there are n - 1 readings.
         rate = (len(times) - 1) / (times[-1] - times[0]) if len(times) > 1 and times[-1] > times[0] else 0.0
         return [
             ("alarms", ", ".join(report.name for report in reports) or "none"),
@@ -195,17 +204,17 @@ class _Screen:
         ]
 
     def _count_failures(self) -> str:
-        """Return the number of failures of each kind as text."""
+        """Return the number of failures of each kind as text: ``2 of 9 readings failed: 2 no reply``."""
         total = self.frames + self.failures
         kinds = ", ".join(f"{count} {kind}" for kind, count in self._errors.most_common())
         return f"{self.failures} of {total} readings failed" + (f": {kinds}" if kinds else "")
 
     def _measure_speed(self) -> str:
-        """Return the speed over the recent readings, with its unit."""
-        points = [(at, count) for at, count in self._recent if count is not None]
-        if len(points) < 2 or points[-1][0] <= points[0][0]:
+        """Return the speed over the recent readings, with its unit, or ``-`` with fewer than two usable positions."""
+        timed_counts = [(at, count) for at, count in self._recent if count is not None]
+        if len(timed_counts) < 2 or timed_counts[-1][0] <= timed_counts[0][0]:
             return "-"
-        per_second = (points[-1][1] - points[0][1]) / (points[-1][0] - points[0][0])
+        per_second = (timed_counts[-1][1] - timed_counts[0][1]) / (timed_counts[-1][0] - timed_counts[0][0])
         encoder: Any = self._encoder
         if hasattr(encoder, "millimetres"):
             return f"{per_second * encoder.millimetres(1):.3f} mm/s"
@@ -215,7 +224,10 @@ class _Screen:
 
 
 def _convert_to_unit(encoder: Any, position: int | None) -> tuple[str, str]:
-    """Return the name and the value of a position in a unit."""
+    """Return the name and the value of a position in a unit, such as ``("angle", "12.34500°")``.
+
+    The value is ``-`` for None, and for encoders whose manual gives no size of a count.
+    """
     if hasattr(encoder, "millimetres"):
         return "length", "-" if position is None else f"{encoder.millimetres(position):.4f} mm"
     if hasattr(encoder, "degrees"):
@@ -227,6 +239,7 @@ def _name_error(error: RuntimeError) -> str:
     """Return the text for an error class: 'no reply' for NoReplyError."""
     words: list[str] = []
     for character in type(error).__name__.removesuffix("Error"):
+        # Each capital letter begins a word.
         if character.isupper() or not words:
             words.append("")
         words[-1] += character.lower()

@@ -120,8 +120,8 @@ def _names(text: str) -> tuple[str, ...]:
 
 
 def _parse_number(text: str) -> int:
-    # Longer numbers are out of range anyway, and Python refuses to parse very long ones.
     """Return a number of an option."""
+    # Longer numbers are out of range anyway, and Python refuses to parse very long ones.
     if len(text) > 20 or not text.isascii():
         raise ValueError
     return int(text, 0)
@@ -165,6 +165,7 @@ def _parse_rate(text: str) -> float:
     match = _RATE.fullmatch(text.strip())
     if match is None or not float(match[1]):
         raise ValueError
+    # The index of the prefix is the power of 1000: none, k, M, G.
     return float(match[1]) * 1000.0 ** " kMG".index(match[2] or " ")
 
 

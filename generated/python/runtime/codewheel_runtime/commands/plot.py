@@ -37,7 +37,7 @@ class _Units(NamedTuple):
     speed_label: str
 
 
-#: Units to try.
+#: Units to try, in this order.
 _UNITS: Final = (
     _Units("millimetres", "position in mm", "millimetres", "speed in mm/s"),
     _Units("degrees", "angle in degrees", "rpm", "speed in rpm"),
@@ -99,7 +99,7 @@ def _draw_speed(axes: Any, table: Table, times: Any, unit: SpeedUnit) -> None:
 
 
 def _list_marks(table: Table, times: Any, lost: Sequence[Lost]) -> Iterator[tuple[Any, str, str]]:
-    """Yield the times to mark, with their label and colour."""
+    """Yield the times to mark, with their label and colour: ``(times, "CRC error", "tab:red")``. There may be none."""
     for kind, colour in _ERROR_COLOURS.items():
         yield times[table.fault == kind], _name_error(kind), colour
     yield times[table.ok & ~table.usable], "position not usable", "tab:orange"
@@ -139,11 +139,13 @@ def save(
 
 
 def _choose_units(table: Table) -> _Units:
-    """Return the first units that the encoder supports."""
+    """Return the first units that the encoder supports. Raises ValueError if the frames have no position."""
     for units in _UNITS:
         try:
+            # The result does not matter. It raises an error if the unit does not apply.
             table[:0].in_units(units.position)
         except (AttributeError, ValueError):
+            # Every position is in counts.
             if units.position == "counts":
                 raise ValueError("these frames have no position") from None
             continue
@@ -159,14 +161,18 @@ def _draw_line(axes: Any, times: Any, values: Any, wraps: bool) -> None:
     """Draw values over time. The line has a gap where the position wraps around."""
     times, values = _thin_out(times, values)
     if wraps and len(values):
-        jumps = np.flatnonzero(np.abs(np.diff(values)) > 180) + 1
-        times, values = np.insert(times, jumps, times[jumps]), np.insert(values, jumps, np.nan)
+        # Degrees jump by up to 360 where they wrap around. A NaN there interrupts the line.
+        wraps_at = np.flatnonzero(np.abs(np.diff(values)) > 180) + 1
+        times, values = np.insert(times, wraps_at, times[wraps_at]), np.insert(values, wraps_at, np.nan)
     markers = {"marker": ".", "markersize": 4} if len(values) < 200 else {}
     axes.plot(times, values, linewidth=1, **markers)
 
 
 def _thin_out(times: Any, values: Any) -> tuple[Any, Any]:
-    """Return at most a few thousand points that look the same: the extremes of each stretch."""
+    """Return at most about 20,000 points that look the same: the lowest and highest of each stretch, and the last.
+
+    Values that are NaN are left out.
+    """
     is_finite = np.isfinite(values)
     times, values = times[is_finite], values[is_finite]
     if len(values) <= _POINTS:
@@ -184,6 +190,7 @@ def _thin_out(times: Any, values: Any) -> tuple[Any, Any]:
 def _draw_marks(axes: Sequence[Any], times: Any, label: str, colour: str) -> None:
     """Mark times with thin vertical lines."""
     # Where lines are too close to be distinguished, only some are drawn.
+    # The quotient is rounded up.
     every = max(-(-len(times) // (_POINTS // 10)), 1)
     lines_at = [[(time, 0), (time, 1)] for time in times[::every]]
     for index, plot_axes in enumerate(axes):
@@ -193,6 +200,7 @@ def _draw_marks(axes: Sequence[Any], times: Any, label: str, colour: str) -> Non
             colors=colour,
             linewidths=1,
             alpha=0.6,
+            # One entry in the legend for both plots.
             label=label if index == 0 else None,
         )
         plot_axes.add_collection(lines, autolim=False)

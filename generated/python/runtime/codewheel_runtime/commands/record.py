@@ -60,7 +60,10 @@ class Recorder(Protocol):
 
 
 class _Csv:
-    """CSV with a header. Each row is written at once, so that another program can follow."""
+    """CSV with a header. Each row is written at once, so that another program can follow.
+
+    Without a file, rows go to standard output. ``_own`` is the text layer over a file, which the caller closes.
+    """
 
     def __init__(self, file: Any) -> None:
         self._own = io.TextIOWrapper(file, "utf-8", newline="") if file is not None else None

@@ -22,43 +22,54 @@ _LONGEST: Final = 1 << 20
 
 
 def read_csv_rows(file: BinaryIO, name: str, size: int | None, stored: Stored, shape: Shape, share: Share) -> Source:
-    """Return the frames and the other columns of a CSV file."""
+    """Return the frames and the other columns of a CSV file.
+
+    ``name`` and ``size`` in bytes are those of the file. ``share`` returns the fraction of valid frames.
+    """
     blocks = whole_lines(b"", file)
     head = next(blocks, b"")
     lines = _Lines(_text_of([head]), name)
     delimiter, rows = _open_rows(lines)
-    first = next(rows, None)
-    if first is None:
+    # The first row decides about the header and the columns. Then the rows are read again from its block.
+    first_row = next(rows, None)
+    if first_row is None:
         return Source(_nothing(), size)
-    place, is_header = _place(first, name, stored, shape)
-    header = [cell.strip() for cell in first] if is_header else [""] * len(first)
+    place, is_header = _place(first_row, name, stored, shape)
+    header = [cell.strip() for cell in first_row] if is_header else [""] * len(first_row)
     names = [cell or f"column_{number}" for number, cell in enumerate(header, 1)]
     other_names = [(index, cell) for index, cell in enumerate(names) if index != place]
     empty_columns = kept_columns((cell for _, cell in other_names), stored, lambda _: [], name)
     columns = [(index, cell) for index, cell in other_names if cell in empty_columns]
+    # Lines before the first row of frames: comments, empty lines and the header. ``start`` is their length in bytes.
     skipped = lines.number if is_header else lines.number - 1
     start = 0
     for _ in range(skipped):
         start = head.find(b"\n", start) + 1 or len(head)
     if b"\r" in head[:start].replace(b"\r\n", b""):
-        # Old line ends, which only the reader of rows counts.
+        # A line ends with a single CR, which only the reader of rows counts. It reads from the beginning, so it skips
+        # the header itself.
         skipped, start = 0, 0
     table = _Table(lines, delimiter, place, columns, is_header and not start)
-    reading = reader(names, place, columns, delimiter, shape, stored.digits) if start or not is_header else None
-    parts = _read_parts(table, reading, chain([head[start:]], blocks), skipped, start, (name, stored, shape, share))
+    read_fast = reader(names, place, columns, delimiter, shape, stored.digits) if start or not is_header else None
+    parts = _read_parts(table, read_fast, chain([head[start:]], blocks), skipped, start, (name, stored, shape, share))
     return Source(parts, size, tuple(cell for _, cell in other_names), empty_columns)
 
 
 def _text_of(blocks: Iterable[bytes]) -> io.TextIOWrapper:
+    """Return blocks as one text file."""
     return io.TextIOWrapper(io.BufferedReader(Joined(blocks)), "utf-8-sig", "replace", newline="")
 
 
 def _nothing() -> Generator[Part, None, None]:
+    """Yield no frames."""
     yield from ()
 
 
 class _Table:
-    """Rows of a CSV file, read one by one: the delimiter, the column of frames, and the other columns to keep."""
+    """Rows of a CSV file, read one by one: the delimiter, the column of frames, and the other columns to keep.
+
+    ``place`` is the index of the column of frames, and ``count`` the number of rows that ``take`` returns at once.
+    """
 
     def __init__(
         self, lines: _Lines, delimiter: str, place: int, columns: list[tuple[int, str]], skips_header: bool
@@ -67,6 +78,7 @@ class _Table:
         self._skips_header = skips_header
         # Cells take memory, so more columns mean fewer rows at once.
         self.count = max(inputs.ROWS // (1 + len(columns)), 1)
+        #: Frame in the last row that was read, as text.
         self._before = ""
         self._rows: Iterator[list[str]] = iter(())
 
@@ -79,7 +91,10 @@ class _Table:
             self._skips_header = False
 
     def take(self) -> tuple[list[str], list[int], dict[str, list[str]]]:
-        """Return the cells of some frames, their lines, and the cells of other columns in the same rows."""
+        """Return the cells of some frames, their line numbers, and the cells of other columns in the same rows by name.
+
+        At the end of the blocks, all of them are empty.
+        """
         cells: list[str] = []
         numbers: list[int] = []
         # Only cells are kept, because rows are lists, which the garbage collector would traverse repeatedly.
@@ -91,6 +106,7 @@ class _Table:
             numbers.append(lines.number)
             for index, append in appenders:
                 append(row[index] if len(row) > index else "")
+        # The row before the last one can be in the previous batch.
         if lines.is_cut and cells and len(cells[-1]) < len(cells[-2] if len(cells) > 1 else self._before):
             # The last line is not terminated and is shorter than the previous one, so digits may be missing.
             cells[-1] = ""
@@ -102,6 +118,7 @@ class _Table:
         self._before = last
 
 
+#: Name of the file for errors, storage format, description of the frames, and fraction of valid frames.
 _Where = tuple[str, Stored, Shape, Share]
 
 
@@ -113,7 +130,11 @@ def _read_parts(
     done: int,
     where: _Where,
 ) -> Generator[Part, None, None]:
-    """Yield the frames of blocks. ``lines`` and ``done`` are the numbers of lines and bytes before the first block."""
+    """Yield the frames of blocks. ``lines`` and ``done`` are the numbers of lines and bytes before the first block.
+
+    ``read`` is the fast reader of a block, or None if there is none. It returns None for blocks with unusual content.
+    ``table`` reads these row by row, and the rest of the file with them if a row may continue in the next block.
+    """
     name, stored, shape, share = where
     cells, is_first = Cells(shape, stored.digits), True
     for block in blocks:
@@ -125,6 +146,7 @@ def _read_parts(
             if is_first and len(parsed.frames):
                 _check_first(cells, parsed.first, name, stored, shape, share)
                 is_first = False
+            # The next block can end with an incomplete row, which is compared with this cell.
             table.skip(parsed.last)
             yield Part(parsed.frames, done, parsed.other_columns)
             continue
@@ -138,11 +160,16 @@ def _read_parts(
                 _check_first(cells, texts[:FIRST], name, stored, shape, share)
                 is_first = False
             yield Part(frames, table.lines.read, other_columns)
+        # If the table has read all blocks, this was the last one.
         lines, done = lines + block.count(b"\n"), done + len(block)
 
 
 def _check_first(cells: Cells, texts: list[str], name: str, stored: Stored, shape: Shape, share: Share) -> None:
-    """Raise InputError if the first cells are not frames, or if they are valid frames only in another base."""
+    """Raise InputError if most of the first cells are not frames, or if they fit the other base much better.
+
+    The base is checked only if ``--digits`` chose one: ``check_form`` compares the fraction of valid frames, which
+    ``share`` returns, in both bases. ``cells`` has read the cells already, and ``texts`` are up to 1000 of them.
+    """
     if cells.are_mostly_unread:
         raise InputError(name, f"line {cells.place}", cells.error)
     if stored.digits is not None and not shape.length:
@@ -153,18 +180,22 @@ def _check_first(cells: Cells, texts: list[str], name: str, stored: Stored, shap
 
 
 def _read(texts: list[str], shape: Shape, digits: DigitKind) -> list[int | bytes]:
-    """Return the frames in cells. Cells without a frame are skipped."""
+    """Return the frames in cells, read in this base. Cells without a frame are skipped."""
     cells = Cells(shape, digits)
     return [frame for text in texts if (frame := cells.read(text, 0)) is not None]
 
 
 class _Lines:
-    """Lines of a text, counted and limited in length. ``is_cut`` is True if the last one is not terminated."""
+    """Lines of a text, counted and limited in length. ``is_cut`` is True if the last one is not terminated.
+
+    ``number`` is the number of the line, from 1, and ``read`` the number of characters so far.
+    """
 
     def __init__(self, file: io.TextIOWrapper, name: str, number: int = 0, read: int = 0) -> None:
         self._file, self.name, self.number, self.read, self.is_cut = file, name, number, read, False
 
     def __iter__(self) -> Iterator[str]:
+        """Yield the lines. Raises InputError if one is too long."""
         while line := self._file.readline(_LONGEST):
             self.number += 1
             self.read += len(line)
@@ -174,23 +205,29 @@ class _Lines:
             yield line
 
     def wrong(self, message: str) -> InputError:
+        """Return an error in the current line."""
         return InputError(self.name, f"line {self.number}", message)
 
 
 def _open_rows(lines: _Lines, delimiter: str = "") -> tuple[str, Iterator[list[str]]]:
-    """Return the delimiter and the rows of a CSV file. By default, the first line determines the delimiter."""
+    """Return the delimiter and the rows of a CSV file.
+
+    By default, the delimiter is the most frequent one of comma, semicolon and tab in the first line that is not empty
+    and no comment.
+    """
     texts = iter(lines)
-    first = next(texts, "")
-    while first and (not first.strip() or first.lstrip().startswith("#")):
-        first = next(texts, "")
-    delimiter = delimiter or max(",;\t", key=first.count)
-    return delimiter, _check_row(lines, chain([first], texts), delimiter) if first else iter(())
+    first_line = next(texts, "")
+    while first_line and (not first_line.strip() or first_line.lstrip().startswith("#")):
+        first_line = next(texts, "")
+    delimiter = delimiter or max(",;\t", key=first_line.count)
+    return delimiter, _check_row(lines, chain([first_line], texts), delimiter) if first_line else iter(())
 
 
 def _check_row(lines: _Lines, texts: Iterable[str], delimiter: str) -> Iterator[list[str]]:
     """Yield rows, without empty ones and # comments."""
     try:
         for row in csv.reader(texts, delimiter=delimiter):
+            # The row counts if its first cell is not empty and no comment, or if any other cell is not empty.
             start = row[0].lstrip() if row else ""
             if start[:1] != "#" and (start or any(cell.strip() for cell in row)):
                 yield row
@@ -199,28 +236,35 @@ def _check_row(lines: _Lines, texts: Iterable[str], delimiter: str) -> Iterator[
 
 
 def _place(first: list[str], name: str, stored: Stored, shape: Shape) -> tuple[int, bool]:
-    """Return the index of the column of frames, and whether the first row is a header."""
+    """Return the index of the column of frames, and whether the first row is a header.
+
+    The column is the requested one, by name or by number from 1, or the only one, or one named ``frame`` or ``word``.
+    Names are those of a header. Otherwise the first row is a header if its cell in the column is not a frame.
+
+    Raises:
+        InputError: There is no such column.
+    """
     names = [cell.strip() for cell in first]
     wanted = stored.column
     if wanted and wanted in names:
         return names.index(wanted), True
     if wanted:
-        place = int(wanted) - 1 if wanted.isascii() and wanted.isdigit() and len(wanted) < 9 else -1
-        if not 0 <= place < len(names):
+        index = int(wanted) - 1 if wanted.isascii() and wanted.isdigit() and len(wanted) < 9 else -1
+        if not 0 <= index < len(names):
             raise InputError(name, "line 1", f"no column {short(wanted)}; the columns are {listed(names)}")
     elif len(names) == 1:
-        place = 0
+        index = 0
     else:
-        named = named_place(names)
-        if named is None:
+        named_index = named_place(names)
+        if named_index is None:
             raise InputError(name, "line 1", f"choose the column with the frames; the columns are {listed(names)}")
-        return named, True
+        return named_index, True
     # An empty cell is a missing frame, not a header.
-    return place, bool(first[place].strip()) and not _is_frame(first[place], shape)
+    return index, bool(first[index].strip()) and not _is_frame(first[index], shape)
 
 
 def _is_frame(text: str, shape: Shape) -> bool:
-    """Return whether the text can be a frame, and is not a header."""
+    """Return whether the text can be a frame: a number in hexadecimal with at least one decimal digit."""
     try:
         read_text(text, shape, "hex")
     except ValueError:

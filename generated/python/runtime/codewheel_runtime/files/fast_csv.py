@@ -16,6 +16,7 @@ np: Any = load("numpy")
 
 #: Number of bytes that are read at once. It is also the limit for a line.
 BLOCK: Final = 1 << 21
+#: Value of each hexadecimal digit by its character code. Other characters have 255.
 _HEX: Final = np.full(256, 255, np.uint8)
 for _digit in range(16):
     _HEX[[ord(f"{_digit:x}"), ord(f"{_digit:X}")]] = _digit
@@ -32,7 +33,10 @@ class Block(NamedTuple):
 
 
 def whole_lines(data: bytes, file: BinaryIO) -> Iterator[bytes]:
-    """Yield blocks that end with a line. The last block may not. ``data`` was read before."""
+    """Yield blocks of whole lines. The last block may end within one. ``data`` was read from the file before.
+
+    A line that is longer than a block ends the blocks, because the file is not CSV.
+    """
     while more := file.read(BLOCK):
         data += more
         end = data.rfind(b"\n") + 1
@@ -52,6 +56,7 @@ def is_plain(block: bytes) -> bool:
     """
     if b"#" in block or (b'"' in block and block.count(b'"') % 2):
         return False
+    # A single CR would also end a line.
     return b"\r" not in block or block.count(b"\r") == block.count(b"\r\n")
 
 
@@ -60,12 +65,13 @@ def ends_with_row(block: bytes, delimiter: str) -> bool:
     if b'"' not in block:
         return True
     escaped = re.escape(delimiter.encode())
+    # Cells in quotes, in which quotes are doubled, between delimiters or line ends. Without them, no quote is left.
     cells_in_quotes = rb'(?<![^%b\r\n])"(?:[^"]|"")*"(?=[%b\r\n])' % (escaped, escaped)
     return b'"' not in re.sub(cells_in_quotes, b"", block)
 
 
 class Joined(io.RawIOBase):
-    """Bytes that were read before, and the rest of a file."""
+    """Blocks of bytes as one file."""
 
     def __init__(self, blocks: Iterable[bytes]) -> None:
         super().__init__()
@@ -76,7 +82,7 @@ class Joined(io.RawIOBase):
         return True
 
     def readinto(self, buffer: Any) -> int:
-        """Fill the buffer, and return the number of bytes."""
+        """Put bytes into the buffer, and return their number: 0 at the end of the blocks."""
         if not self._data:
             self._data = next(self._blocks, b"")
         part, self._data = self._data[: len(buffer)], self._data[len(buffer) :]
@@ -94,7 +100,8 @@ def reader(
 ) -> Callable[[bytes], Block | None] | None:
     """Return a function that reads a block, or None if pyarrow is not installed.
 
-    The function returns None if a cell is missing, or is not a frame in the usual form.
+    The function returns None if a cell is missing, or is not a frame in the usual form. ``place`` is the index of the
+    column of frames, and ``kept_columns`` have the index and the name of each other column.
     """
     try:
         pa: Any = load("pyarrow")
@@ -126,15 +133,20 @@ def reader(
             return None
         other_columns = {name: table.column(index).combine_chunks() for index, (_, name) in enumerate(kept_columns, 1)}
         last = cells[-1].as_py() if len(cells) else ""
+        # The first 1000 cells are for the check of the first frames.
         return Block(frames, other_columns, cells.slice(0, 1000).to_pylist(), last, line_count)
 
     return read
 
 
 def _read_words(cells: Any, digits: DigitKind | None, pa: Any, pc: Any) -> Any:
-    """Return numbers, or None if a cell is not a number in the usual form."""
+    """Return numbers, or None if they need the slower reader. The conversion raises ArrowInvalid for other cells.
+
+    Cells without ``0x`` are in the base ``digits``. If this is hexadecimal, all cells or none must have ``0x``.
+    """
 
     def begins(text: str) -> Any:
+        """Return whether each cell begins with ``text``, regardless of case."""
         return pc.starts_with(cells, text, ignore_case=True)
 
     if not pc.all(begins("0x"), min_count=0).as_py():
@@ -151,11 +163,13 @@ def _read_bytes(cells: Any, length: int, pc: Any) -> Any:
     """Return rows of bytes, or None if a cell has a different length or is not hexadecimal."""
     cells = pc.replace_substring(cells, " ", "")
     count = len(cells)
+    # Arrow stores the cells one after another in ``data``, and the start of each in ``offsets``.
     _, offsets, data = cells.buffers()
     starts = np.frombuffer(offsets, np.int32)[cells.offset : cells.offset + count + 1]
     if not count or (np.diff(starts) != 2 * length).any():
         return None
     digits = _HEX[np.frombuffer(data, np.uint8, 2 * length * count, int(starts[0]))]
+    # 255 stands for a character that is not a hexadecimal digit.
     if digits.max() > 15:
         return None
     return (digits[::2] << 4 | digits[1::2]).reshape(count, length)

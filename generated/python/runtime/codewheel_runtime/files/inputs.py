@@ -18,7 +18,7 @@ ROWS: Final = 1 << 16
 FIRST: Final = 1000
 
 FileKind = Literal["binary", "csv", "parquet"]
-#: Function that returns the fraction of valid frames.
+#: Function that decodes frames and returns the fraction of valid ones, from 0 to 1. It must get at least one frame.
 Share = Callable[[Any], float]
 
 #: Default names of the column that contains the frames.
@@ -76,7 +76,11 @@ class Source(NamedTuple):
 
 
 def kept_columns(names: Iterable[str], stored: Stored, empty: Callable[[str], Any], file: str) -> dict[str, Any]:
-    """Return an empty column for each of the other columns to keep."""
+    """Return an empty column, made by ``empty``, for each of the other columns to keep, by name.
+
+    Raises:
+        UsageError: Two of these columns have the same name.
+    """
     columns: dict[str, Any] = {}
     for name in filter(stored.keeps, names):
         if name in columns:
@@ -86,7 +90,11 @@ def kept_columns(names: Iterable[str], stored: Stored, empty: Callable[[str], An
 
 
 def find_column(names: list[str], wanted: str, file: str) -> str:
-    """Return the name of the column with the frames: the requested one, the only one, or one with a default name."""
+    """Return the name of the column with the frames: the requested one, the only one, or one with a default name.
+
+    Raises:
+        InputError: There is no such column, or there are several.
+    """
     if wanted:
         if names.count(wanted) == 1:
             return wanted
@@ -99,7 +107,7 @@ def find_column(names: list[str], wanted: str, file: str) -> str:
 
 
 def named_place(names: list[str]) -> int | None:
-    """Return the index of the only column, or of the only one with a default name for the frames."""
+    """Return the index of the only column, or of the only one named ``frame`` or ``word``. None if there is none."""
     named = [place for place, name in enumerate(names) if len(names) == 1 or name.lower() in _NAMES]
     return named[0] if len(named) == 1 else None
 

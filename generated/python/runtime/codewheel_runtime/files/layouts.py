@@ -15,7 +15,11 @@ from ..errors import UsageError
 
 
 class Layout(NamedTuple):
-    """Kind of frame that an encoder sends or receives. ``answers`` are the questions that the manual leaves open."""
+    """Kind of frame that an encoder sends or receives.
+
+    ``sender`` is ``encoder`` or ``master``. ``answers`` are the questions that the manual leaves open, each with the
+    enumeration of its answers. ``make`` is the function that returns the shape.
+    """
 
     name: str
     sender: str
@@ -24,16 +28,19 @@ class Layout(NamedTuple):
 
     def shape(self, encoder: Encoder, answers: Mapping[str, object]) -> Shape:
         """Return the shape of these frames for an encoder and the answers to its questions."""
+        # Only some shapes depend on the encoder.
         variant = {"variant": encoder} if "variant" in signature(self.make).parameters else {}
         return self.make(**variant, **answers)
 
 
 def list_layouts(encoder: Encoder) -> tuple[Layout, ...]:
     """Return all kinds of frames of an encoder's interface. Those that it sends come first."""
+    # FRAMES of the family has functions for shapes by the name of the frame, by interface and sender.
     package, _, module = type(encoder).__module__.rpartition(".")
     frames: Mapping[tuple[str, str], Mapping[str, Callable[..., Shape]]]
     frames = import_module(f"{package}._shapes.{module}").FRAMES
     layouts: list[Layout] = []
+    # Sorted by sender: "encoder" comes before "master".
     for interface, sender in sorted(frames, key=lambda interface_and_sender: interface_and_sender[1]):
         if interface == encoder.interface.value:
             for name, make in frames[interface, sender].items():
@@ -48,7 +55,9 @@ def _list_answers(make: Callable[..., Shape]) -> dict[str, type[Enum]]:
 
 
 def find_layout(encoder: Encoder, name: str = "") -> Layout:
-    """Return the kind of frame with this name, which is the name in the manual or the name of the class.
+    """Return the kind of frame with this name, or without one, the only kind that the encoder sends.
+
+    Case and underscores are ignored, so the name can be that in the manual or that of the class.
 
     Raises:
         UsageError: There is no such frame, or a name is needed to choose one.
@@ -67,7 +76,11 @@ def find_layout(encoder: Encoder, name: str = "") -> Layout:
 
 
 def find_shape(encoder: Encoder, layout: str, answers: Mapping[str, Any]) -> Shape:
-    """Return the shape of frames. Raises UsageError if an answer is missing or not needed."""
+    """Return the shape of frames. ``answers`` are members of an enumeration or their names, by question.
+
+    Raises:
+        UsageError: An answer is missing, wrong or not needed, or there is no such layout.
+    """
     frame_layout = find_layout(encoder, layout)
     for name in answers:
         if name not in frame_layout.answers:

@@ -39,7 +39,7 @@ class PartitionDecoder(NamedTuple):
     raw: bool
 
     def decode(self, partition: Any) -> Any:
-        """Return the partition with the fields in place of the column of frames."""
+        """Return the partition with the fields in place of the column of frames. Raises TypeError for other objects."""
         library, kind = type(partition).__module__.partition(".")[0], type(partition).__name__
         if library == "pyarrow" and kind in ("Table", "RecordBatch"):
             return self._decode_arrow(partition)
@@ -50,7 +50,7 @@ class PartitionDecoder(NamedTuple):
         raise TypeError(f"expected a table of Arrow, pandas, polars or DuckDB, got {kind}")
 
     def _decode_arrow(self, partition: Any) -> Any:
-        """Return a table of Arrow with the decoded columns in place of the frames."""
+        """Return a table of Arrow: the columns other than that of the frames, then the decoded ones."""
         names = list(partition.schema.names)
         column = find_column(names, self.column, _NAME)
         try:
@@ -65,7 +65,7 @@ class PartitionDecoder(NamedTuple):
         return partition.__class__.from_arrays([*columns.values()], names=[*columns])
 
     def _decode_pandas(self, partition: Any) -> Any:
-        """Return a table of pandas with the decoded columns in place of the frames."""
+        """Return a table of pandas: the columns other than that of the frames, then the decoded ones."""
         names = list(map(str, partition.columns))
         column = find_column(names, self.column, _NAME)
         try:
@@ -80,7 +80,14 @@ class PartitionDecoder(NamedTuple):
 
 
 def _read_series(series: Any, shape: Shape, digits: DigitKind | None) -> Any:
-    """Convert a pandas column to the form that ``decode_many`` expects. Missing items are None or NaN."""
+    """Convert a pandas column to the form that ``decode_many`` expects. Missing items are None or NaN.
+
+    Numbers stay an array. Other columns become a list of cells.
+
+    Raises:
+        ValueError: Most cells of text contain no frame.
+        TypeError: A cell is not a frame.
+    """
     frames: Any = series.to_numpy()
     if frames.dtype.kind in "ui" or (frames.dtype.kind == "f" and not shape.length):
         return frames
@@ -95,7 +102,11 @@ def _read_series(series: Any, shape: Shape, digits: DigitKind | None) -> Any:
 
 
 def _read_cell(cell: object, shape: Shape, cells: Cells, row: int) -> Any:
-    """Return a frame from a column of objects."""
+    """Return the frame in a cell of text, bytes or an integer. ``cells`` reads text, and returns None if there is none.
+
+    Raises:
+        TypeError: The cell is something else, or a number for a frame of bytes.
+    """
     if isinstance(cell, str):
         return cells.read(cell, row)
     if isinstance(cell, (bytes, bytearray, memoryview)):
@@ -107,7 +118,7 @@ def _read_cell(cell: object, shape: Shape, cells: Cells, row: int) -> Any:
 
 
 def check_apart(source_columns: Iterable[str], decoded_columns: Iterable[str], source: str) -> None:
-    """Raise UsageError if another column has the same name as a decoded one."""
+    """Raise UsageError if another column of ``source`` has the same name as a decoded one."""
     shared = sorted({*source_columns} & {*decoded_columns})
     if shared:
         raise UsageError(

@@ -43,7 +43,8 @@ class Plan(NamedTuple):
 
     Attributes:
         names: Names of the columns, in order.
-        source_columns: Columns of the source that are also written, each as an empty column.
+        source_columns: Columns of the source that are also written, each as an empty column: a list, or an array of
+            Arrow or NumPy.
         empty: A table without frames.
         raw: True to write positions that are not usable.
     """
@@ -78,7 +79,11 @@ class Sink(Protocol):
 
 
 class Texts:
-    """Converter from a text column to Arrow arrays of text, or of numbers if the first chunk has only numbers."""
+    """Converter from a text column to Arrow arrays of text, or of numbers if the first chunk has only numbers.
+
+    ``kind`` is the Arrow type, which the first chunk determines, and None before. ``lost`` is the number of cells that
+    became null because they are not numbers.
+    """
 
     def __init__(self) -> None:
         self._pa: Any = load("pyarrow")
@@ -92,7 +97,7 @@ class Texts:
                 try:
                     return cells.cast(self.kind)
                 except self._pa.ArrowInvalid:
-                    pass  # Some cells are empty or have no number.
+                    pass  # Some cells are empty or not numbers. They are examined below.
             compute: Any = load("pyarrow.compute")
             texts = compute.utf8_trim_whitespace(cells)
             texts = compute.if_else(compute.equal(texts, ""), None, texts)
@@ -104,11 +109,12 @@ class Texts:
             return texts.cast(self.kind)
         except self._pa.ArrowInvalid:
             numbers = [self._cast_cell(cell) for cell in texts]
+            # Cells that were null before are empty, not lost.
             self.lost += sum(cell is None for cell in numbers) - texts.null_count
             return self._pa.array(numbers, self.kind)
 
     def _find_type(self, texts: Any) -> Any:
-        """Return the type of a column of texts: integers, floats or texts."""
+        """Return the first type that fits all texts: integers, floats or texts. Without any text, it is texts."""
         for kind in (self._pa.int64(), self._pa.float64()) if texts.null_count < len(texts) else ():
             try:
                 texts.cast(kind)
@@ -126,7 +132,7 @@ class Texts:
 
 
 class ArrowSink:
-    """Parquet or Arrow file."""
+    """Parquet or Arrow file. It is opened by the first ``write``, whose cells determine the types of the columns."""
 
     def __init__(self, file: Any, plan: Plan, parquet: bool) -> None:
         self._pa: Any = load("pyarrow")
@@ -140,6 +146,7 @@ class ArrowSink:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         if kind is None and self._writer is None:
+            # Nothing was written: the file has the columns, but no rows.
             self.write(self._plan.empty, self._plan.source_columns)
         if self._writer is not None:
             self._writer.close()
@@ -150,10 +157,12 @@ class ArrowSink:
         return sum(converter.lost for converter in self._texts.values())
 
     def write(self, table: Table, other_columns: Mapping[str, Any]) -> None:
-        """Append the frames of a table, and the other columns of the same rows."""
+        """Append the frames of a table, and the other columns of the same rows, in the order of the plan."""
         arrays = arrow_columns(table, self._plan.decoded, self._plan.raw)
         for name in self._plan.source_columns:
             column = other_columns[name]
+            # A column is a NumPy array, which has a ``dtype`` and must be converted, or an Arrow array, or a list of
+            # texts, for which there is a converter.
             is_array = hasattr(column, "dtype")
             if name in self._texts:
                 column = self._texts[name].array(column)
@@ -165,7 +174,7 @@ class ArrowSink:
         self._writer.write(self._pa.RecordBatch.from_arrays([*columns.values()], schema=self._writer_schema))
 
     def _open_writer(self, schema: Any) -> Any:
-        """Return the writer of a file with these columns."""
+        """Return the writer of a file with these columns, and keep their schema for later tables."""
         self._writer_schema = schema
         if not self._parquet:
             return self._pa.ipc.new_file(self._file, schema)
@@ -215,21 +224,23 @@ class CsvSink:
 
     def write(self, table: Table, other_columns: Mapping[str, Any]) -> None:
         """Append the frames of a table, and the other columns of the same rows."""
-        # An empty cell that is alone in its row needs quotes. For a few rows, it does not pay to load pyarrow.
+        # The formatter writes no quotes, which an empty cell that is alone in its row needs. For a few rows, it does
+        # not pay to load pyarrow.
         formatter = self._formatter if len(self._plan.names) > 1 and table.count > _FEW_ROWS else None
         # Cells as text take much memory, so only some rows are converted at once.
         for start in range(0, table.count, _ROWS):
             rows = slice(start, start + _ROWS)
-            part = table[rows]
+            table_rows = table[rows]
             columns = {name: other_columns[name][rows] for name in self._plan.source_columns}
-            text = formatter.format_rows(part, columns) if formatter is not None else None
-            if text is None:
-                self._write_rows(part, columns)
+            csv_text = formatter.format_rows(table_rows, columns) if formatter is not None else None
+            if csv_text is None:
+                # There is no formatter, or a cell needs quotes.
+                self._write_rows(table_rows, columns)
             else:
-                self._out.write(text)
+                self._out.write(csv_text)
 
     def _write_rows(self, table: Table, other_columns: Mapping[str, Any]) -> None:
-        """Append the rows one by one, with quotes where they are needed."""
+        """Append rows with Python's CSV writer, which puts quotes where they are needed."""
         columns: list[list[Any]] = []
         for name in self._plan.names:
             if name in self._plan.source_columns:
@@ -241,8 +252,9 @@ class CsvSink:
 
 
 def _format_cells(name: str, column: Any, hidden: Any) -> list[Any]:
-    """Return the cells of a decoded column for CSV."""
+    """Return the cells of a decoded column for CSV. ``hidden`` is True in rows whose cell is empty, or None."""
     cells: list[Any] = column.tolist()
+    # The kind of an array's type: O is objects, b bools, f floats, and S bytes.
     if column.dtype.kind == "O":
         # Decimals, without an exponent.
         cells = [f"{cell:f}" for cell in cells]
@@ -251,6 +263,7 @@ def _format_cells(name: str, column: Any, hidden: Any) -> list[Any]:
     if hidden is not None:
         return ["" if is_hidden else cell for cell, is_hidden in zip(cells, hidden.tolist(), strict=False)]
     if name in WORDS:
+        # Faults and verdicts are stored as the index of their word.
         words = WORDS[name]
         return [words[index] for index in cells]
     if column.dtype.kind == "f":
@@ -276,15 +289,17 @@ class _ArrowFormatter:
             else:
                 columns.append(self._convert_decoded(name, table))
         output = self._pa.BufferOutputStream()
+        # The names do not appear in the output.
         names = [str(index) for index in range(len(columns))]
         try:
             self._csv.write_csv(self._pa.RecordBatch.from_arrays(columns, names), output, self._options)
         except self._pa.ArrowInvalid:
+            # Without quotes, pyarrow refuses cells that need them.
             return None
         return str(output.getvalue(), "utf-8")
 
     def _convert_decoded(self, name: str, table: Table) -> Any:
-        """Return a decoded column for CSV."""
+        """Return a decoded column for CSV, as an Arrow array."""
         column, hidden = table[name], None if self._plan.raw else table.hidden(name)
         if name in WORDS:
             # A fault or a verdict is the index of its word.
@@ -295,19 +310,23 @@ class _ArrowFormatter:
         return self._format_texts(_format_cells(name, column, hidden))
 
     def _convert_source(self, column: Any) -> Any:
-        """Return another column for CSV."""
+        """Return a column of the source for CSV, as an Arrow array.
+
+        Integers, bools and texts of Arrow stay as they are. Others become texts, as without pyarrow.
+        """
         kinds, kind = self._pa.types, getattr(column, "type", None)
         if kind is not None and (kinds.is_integer(kind) or kinds.is_boolean(kind) or kinds.is_string(kind)):
             return column
         return self._format_texts(_convert_to_plain(column))
 
     def _format_texts(self, cells: list[Any]) -> Any:
-        """Return cells as a column of texts."""
+        """Return cells as an Arrow array of texts."""
         return self._pa.array([str(cell) for cell in cells], self._pa.string())
 
 
 def _convert_to_plain(column: Any) -> list[Any]:
-    """Return the cells of another column for CSV: text unchanged, other values in their plainest form."""
+    """Return the cells of a column of the source for CSV: a list, an Arrow array or a NumPy array."""
+    # Only Arrow arrays have ``to_pylist``, and only NumPy arrays have ``tolist`` but not that.
     if hasattr(column, "to_pylist"):
         return [_convert_cell(cell) for cell in column.to_pylist()]
     cells: list[Any] = column.tolist() if hasattr(column, "tolist") else column
@@ -315,7 +334,7 @@ def _convert_to_plain(column: Any) -> list[Any]:
 
 
 def _convert_cell(cell: Any) -> Any:
-    """Return a cell for CSV: an empty text for None, and bytes in hexadecimal."""
+    """Return a cell for CSV: an empty text for None, ``true`` or ``false``, bytes in hexadecimal, others unchanged."""
     if cell is None:
         return ""
     if isinstance(cell, bool):

@@ -38,7 +38,11 @@ def find_kind(path: str) -> FileKind:
 
 @contextmanager
 def open_source(path: str, stored: Stored, shape: Shape, share: Share) -> Generator[Source, None, None]:
-    """Open a file of frames, or standard input for ``-``. ``share`` returns the fraction of valid frames."""
+    """Open a file of frames, or standard input for ``-``. ``share`` returns the fraction of valid frames.
+
+    Raises:
+        UsageError: The frames do not fit into the words of the file, or the format cannot be read from standard input.
+    """
     kind = stored.kind or find_kind(path)
     if not shape.length:
         if shape.bits > 64:
@@ -74,7 +78,7 @@ def _close_after(source: Source) -> Generator[Source, None, None]:
 def _choose_source(
     file: BinaryIO, name: str, size: int | None, kind: FileKind, stored: Stored, shape: Shape, share: Share
 ) -> Source:
-    """Return the source of frames in a file of this kind."""
+    """Return the source of frames in a file of this kind. ``size`` is its size in bytes, if known."""
     if kind == "parquet":
         return read_parquet_batches(file, name, stored, shape)
     if kind == "csv":
@@ -85,10 +89,17 @@ def _choose_source(
 def _read_binary(
     file: BinaryIO, name: str, size: int | None, stored: Stored, shape: Shape, share: Share
 ) -> Generator[Part, None, None]:
-    """Yield the frames of a binary file, and the amount read."""
+    """Yield the frames of a binary file, and the amount read.
+
+    ``check_form`` compares the first frames in the chosen form of words with those in the other forms.
+
+    Raises:
+        InputError: The frames fit another form, or the file ends within a frame and ``stored.cut`` is False.
+    """
     length, done = shape.length or _check_length(stored.words, shape), 0
     while data := _read(file, length * inputs.CHUNK):
         if not done and not shape.length:
+            # Enough for the first 1000 frames in every form.
             head = data[: 8 * FIRST]
             forms = (
                 (f"--words {words}", _find_first(head, words, shape))
@@ -98,6 +109,7 @@ def _read_binary(
         if not done and size is not None and size % length and not stored.cut:
             raise _incomplete_frame_error(name, size, length)
         done += len(data)
+        # Only the last block can end within a frame.
         excess = len(data) % length
         if excess and not stored.cut:
             raise _incomplete_frame_error(name, done, length)
@@ -107,10 +119,10 @@ def _read_binary(
 
 def _incomplete_frame_error(name: str, size: int, length: int) -> InputError:
     """Return the error for a file that ends within a frame."""
-    whole, excess = divmod(size, length)
-    more = "1 more byte follows" if excess == 1 else f"{excess} more bytes follow"
-    problem = f"{whole} complete frames of {length} bytes end here, and {more}"
-    return InputError(name, f"offset {whole * length}", f"{problem}; use cut to ignore the rest")
+    whole_frames, excess = divmod(size, length)
+    rest_text = "1 more byte follows" if excess == 1 else f"{excess} more bytes follow"
+    problem = f"{whole_frames} complete frames of {length} bytes end here, and {rest_text}"
+    return InputError(name, f"offset {whole_frames * length}", f"{problem}; use cut to ignore the rest")
 
 
 def _read(file: BinaryIO, size: int) -> bytes:
@@ -136,7 +148,7 @@ def _list_other_forms(words: WordKind, shape: Shape) -> Iterator[WordKind]:
 
 
 def _find_first(head: bytes, words: WordKind, shape: Shape) -> Any:
-    """Return the first frames of a file in a form."""
+    """Return the first frames of a file as numbers, read in the form ``words``: at most 1000."""
     length = _check_length(words, shape)
     count = min(len(head) // length, FIRST)
     return numbers(np.frombuffer(head, np.uint8, count * length).reshape(-1, length), words)

@@ -60,7 +60,10 @@ class Summary(NamedTuple):
         return sum(self.faults.values()) / self.frames if self.frames else 0.0
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the counts as plain values for JSON."""
+        """Return the counts as plain values for JSON.
+
+        An example is ``{"frames": 9, "faults": {"crc": 1}, "verdicts": {"usable": 8}, "lost_cells": 0}``.
+        """
         faults = {kind.name.lower(): count for kind, count in self.faults.items()}
         verdicts = {kind.value: count for kind, count in self.verdicts.items()}
         return {"frames": self.frames, "faults": faults, "verdicts": verdicts, "lost_cells": self.lost}
@@ -68,12 +71,12 @@ class Summary(NamedTuple):
     def __str__(self) -> str:
         valid = self.frames - sum(self.faults.values())
         verdicts = ", ".join(f"{count} {kind.value.replace('_', ' ')}" for kind, count in self.verdicts.items())
-        parts = [count_units(self.frames, "frame"), f"{valid} valid" + (f" ({verdicts})" if verdicts else "")]
+        phrases = [count_units(self.frames, "frame"), f"{valid} valid" + (f" ({verdicts})" if verdicts else "")]
         for kind, count in self.faults.items():
-            parts.append(f"{count} with a {'CRC' if kind is ErrorKind.CRC else kind.name.lower()} error")
+            phrases.append(f"{count} with a {'CRC' if kind is ErrorKind.CRC else kind.name.lower()} error")
         if self.lost:
-            parts.append(f"{count_units(self.lost, 'cell')} of other columns left empty")
-        return ", ".join(parts)
+            phrases.append(f"{count_units(self.lost, 'cell')} of other columns left empty")
+        return ", ".join(phrases)
 
 
 def count_units(count: int, word: str) -> str:
@@ -151,6 +154,7 @@ class Files(NamedTuple):
         encoder = self._find_encoder(encoder)
         shape = find_shape(encoder, layout, answers)
         output = Output(os.fspath(target), find_target_format(target, to), columns, raw, force, si)
+        # Speeds need the times, even if the column is not written.
         wanted = (*columns, "time") if si and columns else columns
         stored = Stored(kind, words, column, digits, cut, wanted)
         return _decode_file(encoder, shape, os.fspath(source), stored, output, limit, progress)
@@ -225,7 +229,11 @@ class Output(NamedTuple):
 
 
 def find_target_format(target: str | os.PathLike[str], to: TargetKind | None) -> TargetKind:
-    """Return the format to write: the requested one, or that of the file name."""
+    """Return the format to write: the requested one, or that of the file name. ``-`` stands for standard output.
+
+    Raises:
+        UsageError: Another format than CSV is requested for standard output.
+    """
     kind = to or find_target_kind(os.fspath(target))
     if os.fspath(target) == "-" and kind != "csv":
         raise UsageError("only CSV can be written to standard output")
@@ -241,12 +249,18 @@ def _decode_file(
     limit: int | None,
     progress: Callable[[int, int | None, int], None] | None,
 ) -> Summary:
-    """Decode a file into a file of columns, part by part."""
+    """Decode a file into a file of columns, part by part.
+
+    Raises:
+        UsageError: Speeds are requested, but the source has no column ``time``, or has a column of the same name.
+    """
+    # A table without frames shows which columns the result has.
     empty = decode_many([], shape, encoder)
     derived = Derived("time", source) if output.si else None
     fields = empty if derived is None else derived.check(empty.with_columns(time=np.zeros(0)))
 
     def share(frames: Any) -> float:
+        """Return the fraction of valid frames."""
         return float(decode_many(frames, shape, encoder).ok.mean())
 
     with (
@@ -271,9 +285,20 @@ def decode_parts(
     progress: Callable[[int, int | None, int], None] | None = None,
     derived: Callable[[Table, Mapping[str, Any]], Table] | None = None,
 ) -> Summary:
-    """Decode the frames of a source into a file, and return the counts. ``derived`` adds columns to each table."""
+    """Decode the frames of a source into a file, and return the counts.
+
+    Args:
+        read: The source.
+        shape: Description of the frames.
+        encoder: Encoder of the frames, if known.
+        sink: The file.
+        limit: Maximum number of frames to decode.
+        progress: Called after each part with the amount read, the total if known, and the number of frames.
+        derived: Function that adds columns to a table. It also gets the other columns of the same rows.
+    """
     counts = _Counts()
     for part in read.parts:
+        # As many rows as the limit leaves.
         rows = slice(None if limit is None else limit - counts.frames)
         table = decode_many(part.frames[rows], shape, encoder)
         counts.add(table)
@@ -288,14 +313,23 @@ def decode_parts(
 
 
 class Derived:
-    """Position and speed in SI units. The first speed in a table uses the last frame of the previous table."""
+    """Function that adds the position and the speed in SI units to each table of a file.
+
+    ``_time`` is the name of the column of times. ``_last`` holds the unwrapped position and the time of the last usable
+    frame so far, or None before the first. The first speed in the next table is computed from it.
+    """
 
     def __init__(self, time: str, source: str) -> None:
         self._time, self._source = time, source
         self._last: tuple[int, float] | None = None
 
     def check(self, empty: Table) -> Table:
-        """Return the columns of a table without frames. Raises UsageError if there are no SI units."""
+        """Return a table without frames with the added columns.
+
+        Raises:
+            UsageError: The times are not in seconds, or the encoder has no SI units.
+        """
+        # Without a sample rate, a capture has a column of sample numbers in place of ``time``.
         if self._time != "time":
             raise UsageError("speeds need the sample rate: give it with --rate")
         try:
@@ -304,17 +338,24 @@ class Derived:
             raise UsageError(f"no SI units: {error}") from None
 
     def __call__(self, table: Table, other_columns: Mapping[str, Any]) -> Table:
+        """Return a table with the times and the added columns, and remember its last usable frame."""
         times = read_seconds(other_columns[self._time], self._source)
         extended = table.with_columns(**{self._time: times}).in_si(self._last)
         usable_rows = np.flatnonzero(table.usable)
         if len(usable_rows):
+            # Unwrapping continues from the last position of the previous table.
             previous = None if self._last is None else self._last[0]
             self._last = (int(table.unwrapped(previous)[-1]), float(times[usable_rows[-1]]))
         return extended
 
 
 def read_seconds(cells: Any, source: str) -> Any:
-    """Return the cells of a column of times as an array of seconds. An empty cell becomes NaN."""
+    """Return the cells of a column of times as an array of seconds. An empty cell becomes NaN.
+
+    Raises:
+        InputError: A cell is not a number.
+    """
+    # It is a NumPy array already. Others are lists or Arrow arrays.
     if hasattr(cells, "dtype"):
         return cells
     cells = cells.to_pylist() if hasattr(cells, "to_pylist") else cells
@@ -325,7 +366,7 @@ def read_seconds(cells: Any, source: str) -> Any:
 
 
 class _Counts:
-    """Running counts of frames."""
+    """Running counts of frames, by error and by the index of the verdict in ``Verdict``."""
 
     def __init__(self) -> None:
         self.frames = 0
@@ -336,22 +377,29 @@ class _Counts:
         """Count the frames of a table."""
         self.frames += len(table.fault)
         for kind, count in table.faults().items():
+            # The kind of valid frames is 0.
             if kind:
                 self._faults[kind] = self._faults.get(kind, 0) + count
         if "verdict" in table:
-            sound = table.verdict[table.ok]
-            for place in range(len(Verdict)):
-                self._verdicts[place] = self._verdicts.get(place, 0) + int((sound == place).sum())
+            valid_verdicts = table.verdict[table.ok]
+            for index in range(len(Verdict)):
+                self._verdicts[index] = self._verdicts.get(index, 0) + int((valid_verdicts == index).sum())
 
     def summary(self, lost: int) -> Summary:
-        """Return the counts. ``lost`` is the number of cells that were left empty."""
+        """Return the counts, without verdicts that no frame has. ``lost`` is the number of cells left empty."""
         order = [*Verdict]
         verdicts = {order[place]: count for place, count in self._verdicts.items() if count}
         return Summary(self.frames, dict(sorted(self._faults.items())), verdicts, lost)
 
 
 def make_plan(empty: Table, read: Source, columns: Sequence[str], source: str, raw: bool) -> Plan:
-    """Return the columns to write: the requested ones, or the other columns of the file and all fields."""
+    """Return the columns to write: the requested ones, or the other columns of the file and all fields.
+
+    ``empty`` is a table without frames, which shows the fields.
+
+    Raises:
+        UsageError: A requested column does not exist, or a column of the file has the name of a field.
+    """
     unknown = [name for name in columns if name not in (*read.names, *empty.names)]
     if unknown:
         known_columns = ", ".join([*read.names, *empty.names])
@@ -362,28 +410,34 @@ def make_plan(empty: Table, read: Source, columns: Sequence[str], source: str, r
 
 @contextmanager
 def open_for_writing(target: str, sources: Iterable[str | os.PathLike[str]], force: bool) -> Generator[Any, None, None]:
-    """Open a temporary file. It is renamed to ``target`` when complete, and removed after an error."""
+    """Open a temporary file. It is renamed to ``target`` when complete, and removed after an error.
+
+    The context yields the file, or None for standard output (``-``).
+
+    Raises:
+        UsageError: ``target`` exists and is not to be replaced, is a source, or is not a regular file.
+    """
     if target == "-":
         yield None
         return
-    place = os.path.realpath(target)
-    if os.path.lexists(place):
-        if not os.path.isfile(place):
+    real_path = os.path.realpath(target)
+    if os.path.lexists(real_path):
+        if not os.path.isfile(real_path):
             raise UsageError(f"{target} is not a regular file, so it cannot be replaced")
-        if any(os.fspath(source) != "-" and os.path.samefile(place, source) for source in sources):
+        if any(os.fspath(source) != "-" and os.path.samefile(real_path, source) for source in sources):
             raise UsageError(f"{target} is also the source; write to another file")
         if not force:
             raise UsageError(f"{target} already exists; use force to replace it")
-    folder, name = os.path.split(place)
-    neighbour = os.path.join(folder, f".{name[:100]}.{os.getpid()}.part")
-    file = open(neighbour, "xb")  # noqa: SIM115 (closed below)
+    folder, name = os.path.split(real_path)
+    temporary_path = os.path.join(folder, f".{name[:100]}.{os.getpid()}.part")
+    file = open(temporary_path, "xb")  # noqa: SIM115 (closed below)
     try:
         with file:
             yield file
-        os.replace(neighbour, place)
+        os.replace(temporary_path, real_path)
     except BaseException:
         # Writing the rest of the buffer may fail on a full disk.
         with suppress(OSError):
             file.close()
-        os.unlink(neighbour)
+        os.unlink(temporary_path)
         raise

@@ -72,7 +72,7 @@ class Coded:
 
     @classmethod
     def _frame_name(cls, encoder: Encoder) -> str:
-        """Return the name of the frame, if its range of positions differs from that of other frames."""
+        """Return the name of the frame if its range of positions differs from that of other frames, otherwise empty."""
         return find_any_shape(cls, encoder).frame
 
     def _arguments(self) -> tuple[Any, ...]:
@@ -81,7 +81,7 @@ class Coded:
         return values[: len(find_description(kind)[1])]
 
     def _encoder(self) -> Encode:
-        """Return the function that encodes such frames."""
+        """Return the function that encodes such frames. It is made once for each class."""
         try:
             return _ENCODERS[self.__class__]
         except KeyError:
@@ -95,12 +95,12 @@ class ForEncoder(Coded):
     __slots__ = ()
 
     def _encoder(self) -> Encode:
-        """Return the function that encodes such frames of the same encoder."""
+        """Return the function that encodes such frames of the same encoder, which stores it by class."""
         fields: Any = self
         try:
             encode: Encode = fields[0].__dict__["_encoders"][self.__class__]
         except (AttributeError, KeyError):
-            # Raises an error if the first field is not an encoder.
+            # This class has not been encoded yet. Raises an error if the first field is not an encoder.
             encode = find_class_encoder(self)
             fields[0].__dict__.setdefault("_encoders", {})[self.__class__] = encode
         return encode
@@ -323,6 +323,7 @@ class Limited(InBytes):
         Raises:
             RangeError: A value does not fit its field, or may not be written.
         """
+        # Only ``keep_bytes`` sets these, for a decoded register.
         data: bytes | None = self.__dict__.get("_bytes")
         return super().encode() if data is None else data
 
@@ -358,7 +359,7 @@ def decode_many(frames: object, kind: type, /, *, variant: Encoder | None, **ans
 def encode_many(
     columns: Mapping[str, Any] | Table, kind: type, /, *, variant: Encoder | None, **answers: object
 ) -> Any:
-    """Encode many frames of one class. See ``decode_many`` for the arguments."""
+    """Encode many frames of one class, given as columns by name. See ``decode_many`` for the other arguments."""
     shape = shape_of(kind, *decoding_arguments(kind, variant=variant, **answers))
     from ..bulk import encode as bulk_encode
 

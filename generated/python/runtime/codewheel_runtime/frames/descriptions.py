@@ -16,18 +16,24 @@ if TYPE_CHECKING:
 
 
 def shape_of(kind: type, *arguments: object) -> Shape:
-    """Return the description of a class for an encoder and for answers to questions that the manual leaves open."""
+    """Return the description of a class. ``arguments`` are the encoder and the answers that it needs, in this order.
+
+    Raises:
+        TypeError: An argument is not an encoder, or not an answer to the question.
+        FamilyError, InterfaceError: The encoder belongs to another family, or has another interface.
+    """
     make, needed = find_description(kind)
     for wanted, value in zip(needed, arguments, strict=False):
         if not isinstance(value, wanted):
             if issubclass(wanted, Encoder):
                 raise wrong_encoder_error(value, wanted.__base__ or Encoder, wanted.interface)
+            # This raises the error, because the value is not an answer.
             require_answer(cast(Any, wanted), cast(Any, value))
     return make(*arguments)
 
 
 def find_any_shape(kind: type, encoder: Encoder) -> Shape:
-    """Return the description of a class for an encoder, with any answer to each open question."""
+    """Return the description of a class for an encoder, with the first possible answer to each open question."""
     make, needed = find_description(kind)
     arguments: list[object] = []
     for argument_type in needed:
@@ -37,7 +43,9 @@ def find_any_shape(kind: type, encoder: Encoder) -> Shape:
 
 
 def find_kinds(encoder: Encoder) -> tuple[type, ...]:
-    """Return the classes of the frames that an encoder sends."""
+    """Return the classes of the frames that an encoder sends over its interface."""
+    # FRAMES has the functions for shapes by the name of the frame, by interface and sender. SHAPES has the functions by
+    # class.
     package, _, family = type(encoder).__module__.rpartition(".")
     module = import_module(f"{package}._shapes.{family}")
     makers = module.FRAMES.get((encoder.interface.value, "encoder"), {}).values()
@@ -46,7 +54,11 @@ def find_kinds(encoder: Encoder) -> tuple[type, ...]:
 
 @cache
 def find_description(kind: type) -> tuple[Callable[..., Shape], tuple[type, ...]]:
-    """Return the function that creates the description of a class, and the types of its arguments."""
+    """Return the function that creates the description of a class, and the types of its arguments.
+
+    The arguments are an encoder, unless all encoders have the same description, and the answers to open questions. A
+    class derived from a class of frames has the description of that.
+    """
     shapes: Mapping[type, Callable[..., Shape]] = module_of(kind, "_shapes").SHAPES
     make = next(shapes[base] for base in kind.__mro__ if base in shapes)
     hints = get_type_hints(make)
@@ -54,14 +66,18 @@ def find_description(kind: type) -> tuple[Callable[..., Shape], tuple[type, ...]
 
 
 def module_of(kind: type, folder: str) -> Any:
-    """Return the module in ``folder`` that belongs to the family of a class."""
+    """Return the module in ``folder``, such as ``facts``, that belongs to the family of a class."""
+    # The base that has the fields is in the module of the family. A class derived from it can be elsewhere.
     fields = next(base for base in kind.__mro__ if "_fields" in vars(base))
     package, _, family = fields.__module__.rpartition(".")
     return import_module(f"{package}.{folder}.{family}")
 
 
 def decoding_arguments(kind: type, /, **arguments: object) -> tuple[object, ...]:
-    """Return the encoder, ``variant``, and the answers that a class of frames needs, in the order of its fields."""
+    """Return those of ``arguments`` that a class of frames needs, in the order of its first fields.
+
+    They are ``variant``, which is the encoder, and the answers to open questions. Others are ignored.
+    """
     fields: tuple[str, ...] = cast(Any, kind)._fields
     needed_fields = fields[: len(find_description(kind)[1])]
     return tuple(arguments[name] for name in needed_fields)

@@ -40,12 +40,14 @@ def encode_number(fields: Any, shape: Shape, arguments: tuple[Any, ...]) -> int:
         bits = number >> check.low & (1 << check.width) - 1
         if not check.is_within(bits):
             raise _limit_error(shape, check, bits)
+    # A register can keep bits that belong to no field, at their places. Other unused bits are as in the manual.
     if shape.kept_mask is not None:
         number |= check_bits("unused", fields.unused, shape.kept_mask)
     elif shape.unused:
         number |= _encode_unused_bits(fields.unused, shape.unused)
     if shape.limited is not None:
         check_limits(shape.limited[0], getattr(fields, shape.limited[1]), fields.limits(*arguments))
+    # The parity covers the Gray code, and the CRC covers both.
     if shape.gray is not None:
         number = to_gray(number, *shape.gray, shape.excess)
     for check in shape.parities:
@@ -56,7 +58,7 @@ def encode_number(fields: Any, shape: Shape, arguments: tuple[Any, ...]) -> int:
 
 
 def _limit_error(shape: Shape, check: Check, bits: int) -> RangeError:
-    """Return the error for a field whose bits are outside its limits."""
+    """Return the error for the field at the place of a check whose bits are outside its limits."""
     place = (check.low, check.width)
     column = next(candidate for candidate in shape.columns if (candidate.low, candidate.width) == place)
     field = column.field or column.name
@@ -66,7 +68,10 @@ def _limit_error(shape: Shape, check: Check, bits: int) -> RangeError:
 
 
 def _encode_unused_bits(differing: Any, places: tuple[Unused, ...]) -> int:
-    """Return the unused bits in a frame: as in the manual, inverted where ``differing`` is 1."""
+    """Return the unused bits in a frame: as in the manual, inverted where ``differing`` is 1.
+
+    ``differing`` has all unused bits side by side: ``place`` is a position in it, and ``low`` one in the frame.
+    """
     mask = sum((1 << unused.width) - 1 << unused.place for unused in places)
     differing_bits = check_bits("unused", differing, mask)
     number = 0
@@ -90,6 +95,7 @@ def _encode_field(fields: Any, column: Column) -> int:
             is_active = check_flag(name, value)
             if not width and is_active:
                 raise RangeError(name, is_active, NO_SUCH_FLAG)
+            # True is the bit 1. Without a bit, it is 0.
             return (is_active == (column.kind == "flag")) & width
         case "text":
             return text_number(name, value, width // 8)
@@ -102,7 +108,7 @@ def _encode_field(fields: Any, column: Column) -> int:
 
 
 def _encode_number(name: str, value: Any, column: Column) -> int:
-    """Return the bits of an unsigned number, which may be limited to certain values."""
+    """Return the bits of an unsigned number. Raises RangeError if it does not fit, or is not a value of the field."""
     width = column.width
     if isinstance(column.values, type):
         return as_member(column.values, name, value)
@@ -121,6 +127,7 @@ def _encode_number(name: str, value: Any, column: Column) -> int:
 def compute_crc(number: int, crc: CrcOf) -> int:
     """Return the CRC of a number whose CRC bits are 0."""
     if not crc.steps:
+        # The CRC bits are 0, so the difference from them is the CRC.
         return crc.differs(number)
     # Each step folds the high bits of the number onto lower ones. The remainder is the CRC.
     for step in crc.steps:

@@ -1,7 +1,8 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
 """Encoders of one frame: a function for each class and encoder, made from the description of the frame.
 
-The function handles fields of the usual types that fit. ``encode_number`` handles all others, and raises the errors.
+The function handles values that fit their fields and have exactly the usual type, such as ``int`` and no subclass.
+``encode_number`` handles all others, and raises the errors.
 """
 
 from __future__ import annotations
@@ -24,10 +25,15 @@ _TABLE_WIDTH: Final = 8
 
 
 def find_class_encoder(frame: Any) -> Encode:
-    """Return the function that encodes frames of the same class for the same encoder and the same answers."""
+    """Return the function that encodes frames of the class of ``frame`` for its encoder.
+
+    The first members of a frame are the encoder and the answers to open questions, in the order of ``needed``. The
+    function compiles one encoder for each combination of answers, when a frame first has it.
+    """
     kind = cast(type, frame.__class__)
     needed = find_description(kind)[1]
-    # The encoder is the same in all frames that the function encodes. The answers can differ.
+    # The answers are frame[first:count]. frame[:first] is the encoder, which is the same in all frames that the
+    # function encodes, or empty if the class needs none.
     first, count = sum(issubclass(argument_type, Encoder) for argument_type in needed), len(needed)
     # Raises an error if a field is not an encoder or an answer.
     encode_first = make_encoder(kind, frame[:count])
@@ -41,7 +47,7 @@ def find_class_encoder(frame: Any) -> Encode:
         try:
             encode_frame = by_answers[answers]
         except (KeyError, TypeError):
-            # Raises an error if a field is not an answer.
+            # The answers are new, or not hashable. This raises an error if a field is not an answer.
             encode_frame = make_encoder(kind, frame[:count])
             by_answers[answers] = encode_frame
         return encode_frame(frame)
@@ -50,7 +56,11 @@ def find_class_encoder(frame: Any) -> Encode:
 
 
 def make_encoder(kind: type, arguments: tuple[Any, ...]) -> Encode:
-    """Return a function that encodes frames of a class. ``arguments`` are the encoder and the answers."""
+    """Return a function that encodes frames of a class. ``arguments`` are the encoder and the answers.
+
+    The function is compiled for this class. If a field is of a kind without a fast path, or has limits of the encoder,
+    it is ``encode_any`` instead, which reads the description of the frame each time.
+    """
     shape = shape_of(kind, *arguments)
 
     def encode_any(frame: Any) -> int | bytes:
@@ -69,7 +79,11 @@ def make_encoder(kind: type, arguments: tuple[Any, ...]) -> Encode:
 
 
 class _Bits(NamedTuple):
-    """Condition for a field whose value is usual and fits, and its bits as an expression. ``{0}`` is the value."""
+    """Two texts of code for a field, in which ``{0}`` stands for the variable of the value.
+
+    ``condition`` is True if the value has the usual type and fits, and ``bits`` is an expression for its bits. For a
+    number of 20 bits: ``"type({0}) is int and not {0} >> 20"`` and ``"{0}"``.
+    """
 
     condition: str
     bits: str
@@ -78,7 +92,8 @@ class _Bits(NamedTuple):
 def _describe_usual_bits(column: Column) -> _Bits | None:
     """Return the condition and the bits of a field, or None if ``encode_number`` must handle it.
 
-    They are texts of code, in which ``{0}`` stands for the variable of the value.
+    ``encode_number`` handles strings, decimal digits, numbers with a list of values, powers of two, numbers whose value
+    0 has another meaning, and signed numbers without bits.
     """
     width = column.width
     if column.zero_means or column.power_of_two:
@@ -89,6 +104,7 @@ def _describe_usual_bits(column: Column) -> _Bits | None:
         case "not_flag":
             return _Bits("type({0}) is bool", "(not {0})") if width else _Bits("{0} is False", "0")
         case "signed" if width:
+            # The double braces leave {0} in the text.
             top = 1 << width >> 1
             return _Bits(f"type({{0}}) is int and {-top} <= {{0}} < {top}", f"({{0}} & {(1 << width) - 1:#x})")
         case "number" if not column.values:
@@ -110,9 +126,13 @@ class _FunctionText:
                 number = field_0 << 1 | (not field_1)
                 return number
             return encode_any(frame)
+
+    ``_conditions`` and ``_terms`` hold the expressions that are joined by ``and`` and by ``|``, and ``_statements`` the
+    lines after them. ``names`` are the global variables of the function.
     """
 
     def __init__(self, shape: Shape, fields: tuple[str, ...]) -> None:
+        # The name of each field's variable. The bits of all terms are joined by |, starting with the constant ones.
         self._fields = {name: f"field_{index}" for index, name in enumerate(fields)}
         self._conditions: list[str] = []
         self._terms: list[str] = [f"{shape.fixed:#x}"] if shape.fixed else []
@@ -123,6 +143,7 @@ class _FunctionText:
         self._add_unused(shape)
         self._add_limits(shape)
         if shape.gray is not None:
+            # The Gray code of n is n ^ n >> 1, within its bits of the frame.
             low, width = shape.gray
             if shape.excess:
                 self._statements.append(f"number += {shape.excess << low:#x}")
@@ -131,19 +152,29 @@ class _FunctionText:
         self._add_result(shape)
 
     def _add_column(self, column: Column) -> None:
-        """Add the condition on a field, and its bits, as code."""
+        """Add the condition on a field, and its bits at their place in the frame, as code.
+
+        The first field, a number of 20 bits from bit 1 on, adds ``type(field_0) is int and not field_0 >> 20`` to the
+        conditions, and ``field_0 << 1`` to the terms.
+        """
         usual = _describe_usual_bits(column)
         if usual is None:
+            # For type checkers only: with such a field, no function is compiled.
             return
         name = self._fields[column.name]
         self._conditions.append(usual.condition.format(name))
         bits = usual.bits.format(name)
         self._terms.append(f"{bits} << {column.low}" if column.low else bits)
         if column.kind == "choice":
+            # The condition of a choice compares the type of the value with this enumeration.
             self.names[f"kind_of_{name}"] = column.values
 
     def _add_unused(self, shape: Shape) -> None:
-        """Add the condition on unused bits, and their values in the manual, as code."""
+        """Add the condition on the field ``unused``, and the unused bits, as code.
+
+        In a register that keeps its other bits, ``unused`` holds these bits at their places. Otherwise a bit of
+        ``unused`` is 1 where the sent bit differs from the manual, so 0 stands for the values in the manual.
+        """
         if shape.kept_mask is None and not shape.unused:
             return
         name = self._fields["unused"]
@@ -155,7 +186,7 @@ class _FunctionText:
         self._terms += [f"{unused.value << unused.low:#x}" for unused in shape.unused if unused.value]
 
     def _add_limits(self, shape: Shape) -> None:
-        """Add the checks of the limits of fields, as code."""
+        """Add the checks of fields with a highest value, as code: ``encode_any`` raises the error if one fails."""
         for index, check in enumerate(shape.checks):
             if check.limit is not None:
                 self.names[f"is_within_{index}"] = check.is_within
@@ -163,19 +194,23 @@ class _FunctionText:
                 self._statements.append(f"if not is_within_{index}({bits}): return encode_any(frame)")
 
     def _add_parities(self, shape: Shape) -> None:
-        """Add the parity bits, which are those of the bits as they are sent."""
+        """Add the parity bits as code. They come after Gray code, because they cover the bits as they are sent."""
         for index, check in enumerate(shape.parities):
             self.names[f"parity_{index}"] = check.parity
             self._statements.append(f"number |= parity_{index}(number) << {check.low}")
 
     def _add_result(self, shape: Shape) -> None:
-        """Add the CRC, by tables for 16 bits each if they are small, and the conversion to bytes."""
+        """Add the CRC and the conversion to bytes as code.
+
+        A CRC of at most 8 bits, which are the lowest of the frame, is the XOR of one table entry for each 16 bits.
+        """
         crc = shape.crc
         if crc is None:
             result = "number"
         elif crc.low == 0 and crc.width <= _TABLE_WIDTH:
             tables = _make_tables(crc, shape.bits)
             self.names.update({f"table_{index}": table for index, table in enumerate(tables)})
+            # The CRC bits of the number are still 0, so the XOR inserts the CRC.
             entries = [f"table_{index}[number >> {16 * index} & 0xFFFF]" for index in range(len(tables))]
             result = f"number ^ {' ^ '.join(entries)}"
         else:
@@ -199,7 +234,7 @@ class _FunctionText:
 
 
 def _make_tables(crc: CrcOf, bits: int) -> tuple[Any, ...]:
-    """Return tables for 16 bits of a frame each. The XOR of their entries is the CRC."""
+    """Return one table for each 16 bits of a frame, lowest bits first. The XOR of their entries is the CRC."""
 
     def crc_of_number(covered: int, _: int) -> int:
         return compute_crc(covered << crc.width, crc)
