@@ -25,16 +25,17 @@ SPEED = (
     "  - {{name: speed, address: 0x50, length: 1, access: read_write, source: '6.3', fields: "
     "[{{name: speed, at: 3:0, {}}}], other_bits: zero}}\n"
 )
+FAST = '\n    note: "It runs at 12,000,000 baud."'
 STORE = "write, register: command, field: command, value: store"
 GO = "write, register: command, field: command, value: go"
 WRITE = "write, register: preset, value: preset"
 Change = tuple[str, str]
 
 
-def rs485(baud: int) -> Change:
+def rs485(baud: int, keys: str = "") -> Change:
     """Return the change that adds a serial interface with this rate."""
     text = f"""  rs485:
-    source: "6"
+    source: "6"{keys}
     port: {{baud: {baud}, data_bits: 8, parity: none, stop_bits: 1, source: "6"}}
     layouts:
       - {{name: reply, from: encoder, byte_order: low_byte_first, source: "6", fields: [{{name: position, bits: 16}}]}}
@@ -48,6 +49,16 @@ def serial_bit(sender: str) -> Change:
     old, new = rs485(1_000_000)
     request = f"{{name: bit, from: {sender}, byte_order: low_byte_first, source: '6', fields: [{{name: error, bits: 1}}"
     return old, new.replace("registers:", f"      - {request}, {{name: fill, bits: 7}}]}}\nregisters:")
+
+
+def signals(name: str) -> Change:
+    return LAYOUTS, f"    signals: {name} lines\n{LAYOUTS}"
+
+
+def lost_figures(numbers: str) -> list[Change]:
+    """Return the changes that list these figures as lost, and add a text about Figure 3."""
+    lost = f'lost_figures: [{{content: "Figures {numbers}", source: "6"}}]\nregisters:\n'
+    return [(LAYOUTS, f"    note: See Figure 3.\n{LAYOUTS}"), ("registers:\n", lost)]
 
 
 def timeout(rule: str) -> Change:
@@ -181,6 +192,24 @@ LIMITS: dict[str, tuple[list[list[Change]], list[list[Change]], str, str]] = {
         [[(CLOCK, "clock: {min_hz: 999, max_hz: 10000000,")]],
         "implausible-rate",
         "'min_hz' is 999 Hz, which is implausible; if the manual means 999 kHz, write 999000",
+    ),
+    "highest baud rate": (
+        [[rs485(10_000_000)], [rs485(12_000_000, FAST)]],
+        [[rs485(12_000_000)], [rs485(12_000_000, FAST.replace("12,000,000", "1,200,000"))]],
+        "implausible-rate",
+        "say in a 'note' of the interface that it is 12000000 baud$",
+    ),
+    "standards of lines": (
+        [[signals(name)] for name in ("RS-644", "RS-485", "TIA-899")],
+        [[signals(name)] for name in ("RS-458", "RS 899")],
+        "unknown-standard",
+        "is not a usual standard, such as RS-422 or RS-485",
+    ),
+    "figures in a text": (
+        [lost_figures("1 to 3"), lost_figures("1 to 99999999999, 3")],
+        [lost_figures("1 to 2"), lost_figures("1 to 99999999999")],
+        "figure-number",
+        "'lost_figures' has no Figure 3; correct the number, or add the figure$",
     ),
     "lowest baud rate": ([[rs485(300)]], [[rs485(299)]], "implausible-rate", "'baud' is 299 baud"),
     "rates near a standard baud rate": (

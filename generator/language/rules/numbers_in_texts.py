@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 
 from ...model.expressions import Expression, ExpressionError
 from ..document import Path
-from ..problems import DocumentReport, listed, quoted
+from ..problems import DocumentReport, quoted
 from ..schema_files import PROSE
 from ..written_codes import WrittenCodeValue, WrittenParameter
 from ..written_parts import WrittenSpec
@@ -25,8 +25,10 @@ _EQUAL = re.compile(rf"(?<![\w.,+])({_NUMBER}) (?:is|=) (0x[0-9A-Fa-f]+|[0-9A-F]
 _EQUAL_HEX = re.compile(rf"\b(0x[0-9A-Fa-f]+|[0-9][0-9A-F]*h) (?:is|=) ({_NUMBER})(?![\w.,]*\d| bits?\b)")
 _SECTION_OF_BITS = re.compile(r"\bbits (\d+):(\d+), which are (\d+) bits")
 _STANDARD = re.compile(r"\bRS[- ]?(\d{2,4})\b")
-_STANDARDS = ("232", "422", "423", "485")
+_STANDARDS = ("232", "422", "423", "449", "485", "530", "562", "644")
 _FIGURES = re.compile(r"\bFigures? (\d+(?:(?:, | and | to )\d+)*)\b")
+#: A longer range of figures is compared only by its first and its last one.
+_MOST_FIGURES = 1000
 #: Texts that quote the manual, or are about other documents.
 _ELSEWHERE = frozenset(("documents", "editions", "evidence"))
 _QUOTED = frozenset(("printed", "title", "why"))
@@ -194,14 +196,17 @@ def _own_texts(spec: WrittenSpec, report: DocumentReport) -> Iterator[tuple[Path
 
 
 def standards(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a text names an existing standard, such as RS-485. Printed texts of errata are quoted as they are."""
+    """Check that a text names a usual standard of lines, such as RS-485. Printed texts of errata may name any.
+
+    Others are accepted by their full names, such as TIA-899.
+    """
     for path, text in leaves_of(spec.data, report):
         if not isinstance(text, str) or path[-1] == "printed" or path[0] in _ELSEWHERE:
             continue
         unknown_numbers = [number for number in _STANDARD.findall(text) if number not in _STANDARDS]
         if unknown_numbers:
-            names = listed([f"RS-{number}" for number in _STANDARDS], "or")
-            message = f"there is no standard RS-{unknown_numbers[0]}; write {names}"
+            problem = f"RS-{unknown_numbers[0]} is not a usual standard, such as RS-422 or RS-485"
+            message = f"{problem}; correct the number, or write TIA-{unknown_numbers[0]}"
             report.add("unknown-standard", path, message)
 
 
@@ -223,5 +228,6 @@ def _figure_numbers(text: str) -> Iterator[int]:
     """Yield the numbers of the figures that a text names: 2, 3, 4 and 7 for ``Figures 2 to 4 and 7``."""
     for listed_numbers in _FIGURES.findall(text):
         for numbers in re.split(", | and ", listed_numbers):
-            first, _, last = numbers.partition(" to ")
-            yield from range(int(first), int(last or first) + 1)
+            first_text, _, last_text = numbers.partition(" to ")
+            first, last = int(first_text), int(last_text or first_text)
+            yield from range(first, last + 1) if last - first < _MOST_FIGURES else (first, last)

@@ -40,12 +40,17 @@ def round_rates(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
             digits = len(str(rate).rstrip("0"))
             is_standard = unit == "baud" and rate % _STANDARD_BAUD == 0
             is_high = rate >= _LOWEST_HZ
-            if digits > _DIGITS and is_high and not is_standard and str(rate) not in interface.note.replace(",", ""):
+            if digits > _DIGITS and is_high and not is_standard and not _gives_rate(interface.note, rate):
                 message = (
                     f"{rate} {unit} has {digits} significant digits, which is implausible; correct it, or say in a"
                     f" 'note' of the interface that it is {rate} {unit}"
                 )
                 report.add("implausible-rate", path, message)
+
+
+def _gives_rate(note: str, rate: int) -> bool:
+    """Return whether a note has the digits of a rate, with or without commas."""
+    return str(rate) in note.replace(",", "")
 
 
 def _rates(interface: WrittenInterface) -> Iterator[tuple[Path, int, str]]:
@@ -65,20 +70,22 @@ def _rates(interface: WrittenInterface) -> Iterator[tuple[Path, int, str]]:
 
 
 def rates_of_lines(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that no clock or baud rate is above the 10 MHz of RS-422 and RS-485, unless an erratum explains it.
+    """Check that no clock or baud rate over RS-422 or RS-485 is above 10 MHz, unless a note of the interface gives it.
 
     An interface has such lines if it is RS-485 or its signals say so. Clocks for cables have a rule of their own.
     """
+    if is_second(report.document.file):  # It has no notes.
+        return
     for _, interface in interfaces(spec):
         if isinstance(interface, WrittenSpi):
             continue
         has_such_lines = isinstance(interface, WrittenRs485) or _LINES.search(interface.signals) is not None
         for path, rate, unit in _rates(interface) if has_such_lines else ():
-            is_limit, place = path[-1] != "below_hz", ".".join(map(str, path))
-            if is_limit and rate > _HIGHEST_HZ and not explained(report.document, place):
+            is_limit = path[-1] != "below_hz"
+            if is_limit and rate > _HIGHEST_HZ and not _gives_rate(interface.note, rate):
                 message = (
-                    f"{rate} {unit} is above the {_HIGHEST_HZ} {unit} of RS-422 and RS-485; correct it. If this is"
-                    f" what the manual says, add an erratum that affects {place}"
+                    f"{rate} {unit} is above {_HIGHEST_HZ} {unit}, which is implausible over RS-422 or RS-485; correct"
+                    f" it, or say in a 'note' of the interface that it is {rate} {unit}"
                 )
                 report.add("implausible-rate", path, message)
 
@@ -125,12 +132,15 @@ def _shortest(timing: Located[Timing]) -> tuple[int | None, str]:
 def cable_clocks(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that each clock limit for cables is within the limits of the clock, unless an erratum explains it."""
     ssi = spec.interfaces.ssi
-    if ssi is None or explained(report.document, "interfaces", "ssi", "clock", "min_hz"):
+    if ssi is None:
         return
     lowest_hz, highest_hz = ssi.clock.part.min_hz or 0, ssi.clock.part.max_hz
     for row in ssi.cable_lengths:
         below_hz = row.part.below_hz
         is_too_high = highest_hz is not None and below_hz > highest_hz
+        place = "interfaces.ssi.clock.max_hz" if is_too_high else "interfaces.ssi.clock.min_hz"
+        if explained(report.document, place):
+            continue
         if row.is_valid("below_hz") and (below_hz < lowest_hz or is_too_high):
             message = (
                 f"no clock is below {below_hz} Hz for cables shorter than {row.part.shorter_than_m} m: the clock is"
@@ -139,7 +149,7 @@ def cable_clocks(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
             if is_too_high:
                 message = f"{below_hz} Hz is above 'max_hz: {highest_hz}'"
             remedy = "correct one of the two. If this is what the manual says, add an erratum that affects"
-            report.add("clock-range", (*row.path, "below_hz"), f"{message}; {remedy} interfaces.ssi.clock.min_hz")
+            report.add("clock-range", (*row.path, "below_hz"), f"{message}; {remedy} {place}")
 
 
 def timeouts_and_clocks(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
