@@ -39,10 +39,9 @@ from ..model import (
     Variant,
     number_to_bytes,
 )
-from ..model.expressions import Expression, ExpressionError
+from ..model.expressions import Expression, ExpressionError, resolve_parameters
 from ..model.registers import bounded, bounded_width, bounds, representable
 from ..order_codes.labels import combinations
-from ..order_codes.parameters import resolve_parameters
 from ..reference.bits import join_value
 from ..reference.codec import EncodeError, encode
 from .crc_rules import check_settings_of_crcs

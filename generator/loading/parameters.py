@@ -13,8 +13,8 @@ from ..language.rules.walk import by_name, expanded, field_lists, interface_of, 
 from ..language.schema_files import is_second
 from ..language.written_parts import WrittenSpec
 from ..model import Alternative, CodedValue, Device, Interface, Layout, Parameter, Variant
-from ..model.expressions import Expression, ExpressionError
-from ..order_codes.parameters import State, coded_states, corners, resolve_parameters
+from ..model.expressions import Expression, ExpressionError, resolve_parameters
+from ..order_codes.parameters import State, coded_states, corners
 from .fields import Context, bit_range
 from .from_mapping import Raw
 

@@ -9,6 +9,7 @@ import itertools
 import re
 from collections.abc import Mapping
 from functools import cache
+from types import MappingProxyType
 
 from .record import dataclass
 
@@ -242,3 +243,22 @@ def _value(factor: Factor, parameters: Mapping[str, int]) -> int:
     if not 0 <= number <= LARGEST_EXPONENT:
         raise ExpressionError(f"2^{factor.parameter} is too large with {factor.parameter} = {number}")
     return 1 << number
+
+
+def resolve_parameters(known_values: Mapping[str, int], definitions: Mapping[str, Expression]) -> Mapping[str, int]:
+    """Return ``known_values`` together with all parameters that can be calculated from them.
+
+    Definitions with a missing parameter, such as one that an answer sets, are omitted.
+    """
+    parameters = dict(known_values)
+    pending = {name: definition for name, definition in definitions.items() if name not in parameters}
+    while pending:
+        ready = [name for name, definition in pending.items() if parameters.keys() >= set(definition.parameters)]
+        if not ready:
+            break
+        for name in ready:
+            try:
+                parameters[name] = pending.pop(name).value(parameters)
+            except ExpressionError:
+                parameters[name] = 0  # out of range, reported where the width is used
+    return MappingProxyType(parameters)

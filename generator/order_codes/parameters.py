@@ -7,10 +7,9 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations, product
 from math import prod
-from types import MappingProxyType
 
 from ..model import Device, Layout, Measurement, Parameter, Register, Variant, number_from_bytes
-from ..model.expressions import Expression, ExpressionError
+from ..model.expressions import Expression, resolve_parameters
 
 
 def parameters_of(device: Device, kind: str) -> tuple[Parameter, ...]:
@@ -126,25 +125,6 @@ def _expressions_of_measurement(measurement: Measurement) -> Iterator[Expression
 
 class RegisterError(ValueError):
     """A register is unknown, or its bytes or value are invalid."""
-
-
-def resolve_parameters(known_values: Mapping[str, int], definitions: Mapping[str, Expression]) -> Mapping[str, int]:
-    """Return ``known_values`` together with all parameters that can be calculated from them.
-
-    Definitions with a missing parameter, such as one that an answer sets, are omitted.
-    """
-    parameters = dict(known_values)
-    pending = {name: definition for name, definition in definitions.items() if name not in parameters}
-    while pending:
-        ready = [name for name, definition in pending.items() if parameters.keys() >= set(definition.parameters)]
-        if not ready:
-            break
-        for name in ready:
-            try:
-                parameters[name] = pending.pop(name).value(parameters)
-            except ExpressionError:
-                parameters[name] = 0  # out of range, reported where the width is used
-    return MappingProxyType(parameters)
 
 
 def with_changed(device: Device, variant: Variant, changed: Mapping[str, int]) -> Mapping[str, int]:

@@ -69,6 +69,7 @@ FOUNDATIONS: tuple[Rule, ...] = (
     position_verdicts.verdicts_by_answer,
     expressions,
     order_code.parameter_cycle,
+    parameters.long_sums,
     order_code.order_code_pattern,
 )
 

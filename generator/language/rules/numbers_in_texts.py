@@ -5,11 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 
-from ...model.expressions import Expression, ExpressionError
+from ...model.expressions import Expression, ExpressionError, resolve_parameters
 from ..document import Path
 from ..problems import DocumentReport, quoted
 from ..schema_files import PROSE
-from ..written_codes import WrittenCodeValue, WrittenParameter
 from ..written_parts import WrittenSpec
 from .parts import field_lists, measurements
 from .walk import leaves_of
@@ -68,14 +67,15 @@ def counts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
 
     They are computed by the formulas of the measurement, if the value sets all their parameters.
     """
-    formulas = dict(_formulas(spec))
+    formulas, definitions = dict(_formulas(spec)), _definitions(spec)
     for part in spec.order_code.parts:
         for value in part.values.values():
             if value.meaning_differs:
                 continue
+            parameters = resolve_parameters(value.sets, definitions)
             for number_text, words in _COUNTS.findall(value.meaning):
                 formula = formulas.get("counts" if words.startswith("counts") else "turns")
-                number = _number(formula, value, spec.parameters) if formula is not None else None
+                number = _value(formula, parameters) if formula is not None else None
                 if number is not None and number_text not in (str(number), f"{number:,}"):
                     message = (
                         f"the meaning says {number_text} {words}, but the value sets {number}; one of the two is wrong."
@@ -84,42 +84,37 @@ def counts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
                     report.add("meaning-mismatch", value.place_of("meaning"), message)
 
 
-def _formulas(spec: WrittenSpec) -> Iterator[tuple[str, str]]:
-    """Yield the formulas of measurements, as ``("counts", "2^bits")`` per turn and ``("turns", "4096")``."""
+def _formulas(spec: WrittenSpec) -> Iterator[tuple[str, Expression]]:
+    """Yield the formulas of measurements, as ``("counts", 2^bits)`` per turn and ``("turns", 4096)``."""
     for measurement in measurements(spec):
         for kind, key in (("counts", "counts_per_turn"), ("turns", "turns")):
-            if measurement.has(key):
-                yield kind, str(measurement.data[key])
+            formula = _parsed(measurement.data[key]) if measurement.has(key) else None
+            if formula is not None:
+                yield kind, formula
 
 
-def _number(formula: str, value: WrittenCodeValue, parameters: Mapping[str, WrittenParameter]) -> int | None:
-    """Return the number of a formula for an order code value, or None if the value does not decide it."""
-    # A chain of derived parameters without a cycle has at most all of them.
-    return _value_of(formula, value.sets, parameters, depth=len(parameters))
+def _definitions(spec: WrittenSpec) -> dict[str, Expression]:
+    """Return the formulas of the parameters that are calculated, by name."""
+    formulas = {name: _parsed(parameter.equals) for name, parameter in spec.parameters.items()}
+    return {name: formula for name, formula in formulas.items() if formula is not None}
 
 
-def _value_of(
-    formula: object, numbers: Mapping[str, int], parameters: Mapping[str, WrittenParameter], depth: int
-) -> int | None:
-    """Return the value of a formula, or None if it needs a number that is neither given nor derived.
-
-    ``numbers`` has those of parameters. Others are derived by their ``equals``. The depth limits cycles.
-    """
-    if not isinstance(formula, (int, str)) or depth < 0:
+def _parsed(formula: object) -> Expression | None:
+    """Return a number or formula as an expression, or None for anything else. Another rule reports a wrong one."""
+    if not isinstance(formula, (int, str)) or formula == "":
         return None
     try:
-        expression = Expression.parse(formula)
-    except ExpressionError:  # Reported by the rule on expressions.
+        return Expression.parse(formula)
+    except ExpressionError:
         return None
-    known_numbers: dict[str, int] = {}
-    for name in expression.parameters:
-        definition = parameters[name].equals if name in parameters else None
-        number = numbers[name] if name in numbers else _value_of(definition, numbers, parameters, depth - 1)
-        if number is None:
-            return None
-        known_numbers[name] = number
+
+
+def _value(formula: Expression, parameters: Mapping[str, int]) -> int | None:
+    """Return the number of a formula, or None if a parameter is missing or the number is out of range."""
+    if not parameters.keys() >= set(formula.parameters):
+        return None
     try:
-        return expression.value(known_numbers)
+        return formula.value(parameters)
     except ExpressionError:  # The exponent is out of range. Another rule reports it.
         return None
 
@@ -130,16 +125,16 @@ def widths(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     The order codes set the parameter, or those from which it is derived. Its bounds are those with all at their lowest
     and with all at their highest.
     """
-    ranges = _ranges_set(spec)
+    ranges, definitions = _ranges_set(spec), _definitions(spec)
+    parameters_at_bounds = []
+    for bound in (0, 1):
+        set_numbers = {name: bounds_of_name[bound] for name, bounds_of_name in ranges.items()}
+        parameters_at_bounds.append(resolve_parameters(set_numbers, definitions))
     for name, parameter in spec.parameters.items():
         printed_ranges = _BITS_RANGE.findall(parameter.meaning)
         if len(printed_ranges) != 1 or parameter.unit != "bits":
             continue
-        formula = name if name in ranges else parameter.equals
-        bounds = []
-        for bound in (0, 1):
-            # The depth of 64 only limits cycles.
-            bounds.append(_value_of(formula, {key: pair[bound] for key, pair in ranges.items()}, spec.parameters, 64))
+        bounds = [parameters_at_bound.get(name) for parameters_at_bound in parameters_at_bounds]
         low, high = map(int, printed_ranges[0])
         if None not in bounds and bounds != [low, high]:
             message = (

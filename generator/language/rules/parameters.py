@@ -152,6 +152,10 @@ def _of_field(field: WrittenField, path: Path) -> _Expressions:
     return (((*path, key), field.data[key]) for key in keys if key in field.data)
 
 
+#: Most terms of a sum of parameters, with all definitions inserted.
+_MOST_TERMS = 256
+
+
 def all_parameters(text: object, parameters: Mapping[str, WrittenParameter]) -> Iterator[str]:
     """Yield the parameters in an expression, and those in the expressions that define them, each once."""
     factors_to_visit = _factors(text)
@@ -174,6 +178,30 @@ def _factors(text: object) -> list[Factor]:
     except ExpressionError:  # Reported by the rule on expressions.
         return []
     return [factor for term in terms for factor in term.factors]
+
+
+def long_sums(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no parameter becomes a long sum when the definitions of its parameters are inserted.
+
+    Definitions that use others twice each would fill the memory: 30 of them are a sum of 2^30 terms.
+    """
+    counts: dict[str, int] = {}
+    for name, parameter in spec.parameters.items():
+        count = _count_of_terms(name, spec.parameters, counts)
+        has_long_parameter = any(counts.get(factor.parameter, 0) > _MOST_TERMS for factor in _factors(parameter.equals))
+        if count > _MOST_TERMS and not has_long_parameter:
+            problem = f"{quoted(name)} is a sum of {count} terms with the definitions of its parameters"
+            report.add("bad-expression", parameter.place_of("equals"), f"{problem}; the limit is {_MOST_TERMS}")
+
+
+def _count_of_terms(name: str, parameters: Mapping[str, WrittenParameter], counts: dict[str, int]) -> int:
+    """Return the number of terms of a parameter with all definitions inserted, which ``counts`` keeps by name."""
+    if name not in counts:
+        counts[name] = 1  # This ends a cycle, which another rule reports.
+        factors = _factors(parameters[name].equals) if name in parameters else []
+        if factors:
+            counts[name] = sum(_count_of_terms(factor.parameter, parameters, counts) for factor in factors)
+    return counts[name]
 
 
 def parameter_origin(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
