@@ -148,7 +148,7 @@ def _at_best_unknown(verdict: Verdict) -> Verdict:
 
 
 def check_frame_kinds(device: Device, report: DocumentReport) -> None:
-    """Report numbers and positions by which frames of different layouts cannot be told apart.
+    """Report numbers and positions that do not distinguish frames of different layouts.
 
     A number must not have the place of a constant of another frame or of the request. Over RS-485, only the request
     tells the frames of the encoder apart.

@@ -54,6 +54,13 @@ def test_what_belongs_to_an_interface_is_on_its_pages(library: Library, pages: F
             assert [name for name in names if f'<a id="{name}"></a>' not in page] == []
 
 
+def test_the_title_of_a_page_names_only_what_it_has(pages: Files) -> None:
+    """AM36, section 4: no LEDs, and two inputs over SSI. AMM5, sections 6.2 and 9: LEDs."""
+    assert "# AM36: BiSS C-mode, wiring\n" in pages["docs/am36/biss-wiring.md"]
+    assert "# AMM5: BiSS C-mode, wiring and LEDs\n" in pages["docs/amm5/biss-wiring.md"]
+    assert "# AM36: SSI, inputs\n" in pages["docs/am36/ssi-procedures.md"]
+
+
 def test_an_erratum_is_told_where_it_first_bites_and_named_where_it_does_again(pages: Files) -> None:
     """AMM5 7.5 p.46: it is open which bit is MEM BUSY. This affects four frames."""
     page = pages["docs/amm5/rs485.md"]

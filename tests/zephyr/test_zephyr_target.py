@@ -1,6 +1,6 @@
 """The target for Zephyr: its drivers against their emulators, its bindings in edtlib and its settings in kconfiglib.
 
-No Zephyr is built here. The headers in ``include`` stand in for it.
+No Zephyr is built here. The headers in ``include`` replace its own.
 """
 
 from __future__ import annotations

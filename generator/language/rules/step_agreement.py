@@ -122,7 +122,7 @@ def wait_at_end(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
         steps = procedure.steps
         if len(steps) < 2 or (steps[-2].do, steps[-1].do) != ("wait", "write"):
             continue
-        # Without a step before the wait, the wait itself stands in. It has no register, so it needs no wait.
+        # Without a step before the wait, the wait itself is used. It has no register, so it needs no wait.
         earlier_register, last_register = (
             registers.get(step.register) for step in (steps[-3] if len(steps) > 2 else steps[-2], steps[-1])
         )

@@ -40,7 +40,7 @@ from ...say.markdown import STYLE, cited, code, joined, link, text
 from ...say.names_and_places import Named, addresses, title, words
 from ...say.order_code import PURPOSES, initial
 from ...say.register import measurement, own_ranges, position_range
-from ...say.text import Code, Statement, statement, volts
+from ...say.text import Code, Statement, listed, statement, volts
 from . import fact_tables, inline_errata, layout_tables, order_code_tables, verdict_page
 from .layout_tables import has_value_table
 from .order_code_tables import order_codes
@@ -321,44 +321,39 @@ class InterfacePage(Sections, InterfaceValues):
 
 
 class SubjectPage(InterfacePage):
-    subject: Annotated[str, "what the page is about: `registers`, `procedures`, `wiring` or `examples`"]
-    subject_title: Annotated[str, "the subject as a title"]
-    subject_summary: Annotated[str, "a sentence about the page"]
-
-
-#: Title of the page about each subject, and a sentence about it.
-_TITLES_AND_SUMMARIES = {
-    "registers": ("Registers", "Registers over {}, with their addresses, fields, access and defaults."),
-    "procedures": (
-        "Procedures, errors and inputs",
-        "What to send over {}, step by step, with the errors, warnings and inputs of the encoder.",
-    ),
-    "wiring": ("Wiring and LEDs", "Pins, wires and LEDs of the encoders with {}."),
-    "examples": ("Worked examples", "Worked examples for {}, which the tests decode and encode."),
-}
+    subject: Annotated[str, "subject of the page: `registers`, `procedures`, `wiring` or `examples`"]
+    contents: Annotated[str, "contents of the page, such as `wiring and LEDs`"]
 
 
 def subjects(device: Device, kind: str) -> list[str]:
     """Return the subjects for which an interface has any content. Each has a page of its own."""
-    interface_device = for_interface(device, kind)
-    contents = {
-        "registers": interface_device.registers,
-        "procedures": (*interface_device.procedures, *interface_device.alarms, *interface_device.inputs),
-        "wiring": (*interface_device.connectors, *interface_device.leds),
-        "examples": interface_device.examples,
-    }
-    return [subject for subject, content in contents.items() if content]
+    return list(_contents_by_subject(for_interface(device, kind)))
+
+
+def _contents_by_subject(device: Device) -> dict[str, list[str]]:
+    """Return the contents of the page about each subject, such as ``{"wiring": ["wiring", "LEDs"]}``.
+
+    ``device`` is reduced to one interface. A subject without content is left out.
+    """
+    contents: dict[str, list[str]] = {}
+    for subject, content, parts in (
+        ("registers", "registers", device.registers),
+        ("procedures", "procedures", device.procedures),
+        ("procedures", "errors", device.alarms),
+        ("procedures", "inputs", device.inputs),
+        ("wiring", "wiring", device.connectors),
+        ("wiring", "LEDs", device.leds),
+        ("examples", "worked examples", device.examples),
+    ):
+        if parts:
+            contents.setdefault(subject, []).append(content)
+    return contents
 
 
 def subject_values(subject: str, page: InterfacePage) -> SubjectPage:
     """Return the values of the page about a subject. ``page`` has those of the page of its interface."""
-    subject_title, summary = _TITLES_AND_SUMMARIES[subject]
-    return {
-        **page,
-        "subject": subject,
-        "subject_title": subject_title,
-        "subject_summary": summary.format(page["interface"].title),
-    }
+    contents = _contents_by_subject(page["device"])[subject]
+    return {**page, "subject": subject, "contents": STYLE.phrase(statement(*listed(contents)))}
 
 
 def interface_values(
