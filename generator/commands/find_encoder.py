@@ -258,7 +258,7 @@ def find_requested(arguments: argparse.Namespace, specs: Specs, cache: Cache) ->
     if arguments.edition is None:
         return device, match, register_bytes
     refuse_line(arguments.order_code, "has no editions")
-    from .encoder_options import in_requested_edition
+    from .edition_devices import in_requested_edition
 
     device, match_in_edition, register_bytes = in_requested_edition(
         paths, device, match, arguments.edition, arguments.order_code, register_bytes

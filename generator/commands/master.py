@@ -140,8 +140,8 @@ def _requested_record(arguments: argparse.Namespace) -> tuple[Device, Match, Rec
     from ..masters.frame_parts import NoRecord
     from ..masters.record import Undecided, record
     from ..order_codes.parameters import RegisterError, with_registers
-    from .encoder_options import answers_of, open_questions
     from .find_encoder import find_requested
+    from .open_questions import answers_of, open_questions
     from .read_specs import specs_to_read
 
     cache = cache_for(arguments)

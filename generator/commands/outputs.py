@@ -17,7 +17,7 @@ from ..render import unused_templates
 from ..say.plain_text import first_of
 from ..targets import Library, OptionError, Options, Target, TargetError
 from ..targets.registry import PackageMissing, files_of, load_target, problems_of, target_names
-from .encoder_options import edition_devices
+from .edition_devices import edition_devices
 from .terminal import Stop
 
 _MOST_FAMILIES = 8

@@ -14,6 +14,7 @@ from pathlib import Path as File
 from typing import Any
 
 from .document import (
+    Affected,
     Document,
     MissingPath,
     Path,
@@ -380,15 +381,16 @@ def _with_existing_affects(data: dict[str, Any], before: dict[str, Any]) -> dict
     errata = data.get("errata")
     if not isinstance(errata, list):
         return data
-    return {**data, "errata": [_affects_existing(erratum, data, before) for erratum in errata]}
+    places, places_before = Affected(data), Affected(before)
+    return {**data, "errata": [_affects_existing(erratum, places, places_before) for erratum in errata]}
 
 
-def _affects_existing(erratum: Any, data: dict[str, Any], before: dict[str, Any]) -> Any:
-    """Return an erratum without the affected paths that exist in ``before`` but no longer in ``data``."""
+def _affects_existing(erratum: Any, places: Affected, places_before: Affected) -> Any:
+    """Return an erratum without the affected paths that led somewhere before the layer and no longer do."""
     affects = erratum.get("affects") if isinstance(erratum, dict) else None
     if not isinstance(affects, list):
         return erratum
-    removed_paths = {path for path in affects if leads_somewhere(before, path) and not leads_somewhere(data, path)}
+    removed_paths = {path for path in affects if places_before.at(path) and not places.at(path)}
     if not removed_paths:
         return erratum
     return {**erratum, "affects": [path for path in affects if path not in removed_paths]}

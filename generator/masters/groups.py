@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -50,13 +51,16 @@ class GroupSheets:
 
 
 def sheets_of(device: Device, masters: Sequence[Master]) -> tuple[GroupSheets, ...]:
-    """Return the sheets of each interface whose position masters can read. Those of the last family are remembered."""
+    """Return the sheets of each interface whose position masters can read. Those of the last families are remembered.
+
+    The pages and the files of the masters both need them.
+    """
     master_ids = tuple(map(id, masters))
-    for last_sheets in _SHEETS_OF_LAST_FAMILY:
-        if last_sheets.device is device and last_sheets.master_ids == master_ids:
-            return last_sheets.sheets
+    for family_sheets in _SHEETS_OF_LAST_FAMILIES:
+        if family_sheets.device is device and family_sheets.master_ids == master_ids:
+            return family_sheets.sheets
     sheets = tuple(_compute_sheets(device, masters))
-    _SHEETS_OF_LAST_FAMILY[:] = [_FamilySheets(device=device, master_ids=master_ids, sheets=sheets)]
+    _SHEETS_OF_LAST_FAMILIES.append(_FamilySheets(device=device, master_ids=master_ids, sheets=sheets))
     return sheets
 
 
@@ -68,9 +72,9 @@ class _FamilySheets(NamedTuple):
     sheets: tuple[GroupSheets, ...]
 
 
-#: Sheets of the last family, or nothing before the first.
+#: Sheets of the last families.
 #: Families are compared by identity, because comparing their members takes longer than making the sheets.
-_SHEETS_OF_LAST_FAMILY: list[_FamilySheets] = []
+_SHEETS_OF_LAST_FAMILIES: deque[_FamilySheets] = deque(maxlen=32)
 
 
 def _compute_sheets(device: Device, masters: Sequence[Master]) -> Iterator[GroupSheets]:

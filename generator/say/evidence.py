@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from enum import Enum
+from functools import lru_cache
 
 from ..model import LEFT_OUT, NOT_KNOWN, Device, EditionTest, Interface
 from .errata import erratum
@@ -163,8 +164,14 @@ def mentions(device: Device, interface: Interface, subject: Subject) -> bool:
 
     The texts are those about times, characteristics, tables and notes, not about frames and registers.
     """
+    return _has_words(subject, tuple(_texts(device, interface)))
+
+
+@lru_cache
+def _has_words(subject: Subject, manual_texts: tuple[str, ...]) -> bool:
+    """Return whether one of the texts has words of the subject. The order codes of a family share their texts."""
     words_of_subject = re.compile(subject.value)
-    return any(words_of_subject.search(manual_text) for manual_text in _texts(device, interface))
+    return any(map(words_of_subject.search, manual_texts))
 
 
 def _texts(device: Device, interface: Interface) -> Iterator[str]:

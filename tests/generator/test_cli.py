@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shlex
 import subprocess
 import sys
@@ -274,6 +275,17 @@ def test_only_the_targets_that_run_are_imported(arguments: str, imported: set[st
     targets = {name.split(".")[2] for name in modules if name.startswith("codewheel.targets.")}
     assert targets == imported, done.stderr
     assert ("jinja2" in modules) == arguments.startswith("generate")
+
+
+@pytest.mark.parametrize("arguments", ["show AMM5A17/1SC1", "decode AMM5A17/1SC1 0x3F"])
+def test_an_encoder_from_the_cache_needs_no_rules(arguments: str, tmp_path: Path) -> None:
+    script = "import sys; from codewheel.commands.cli import main; main(sys.argv[1:]); print(*sorted(sys.modules))"
+    command = [sys.executable, "-c", script, *arguments.split()]
+    environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path)}
+    for imports_rules in (True, False):
+        done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT, env=environment)
+        modules = done.stdout.splitlines()[-1].split()
+        assert ("codewheel.language.rules" in modules) is imports_rules, done.stderr
 
 
 def test_problems_go_to_standard_error_and_exit_1(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

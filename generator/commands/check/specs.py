@@ -33,7 +33,7 @@ from ...readings.second_readings import (
 )
 from ...say.plain_text import counted
 from ...targets import Target
-from ..encoder_options import check_editions
+from ..edition_devices import check_editions
 from ..outputs import report_unfit_parts
 from ..terminal import Stop
 

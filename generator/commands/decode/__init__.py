@@ -93,8 +93,8 @@ def _request_of(arguments: argparse.Namespace) -> Request:
     from ...order_codes.parameters import RegisterError, with_answers, with_registers
     from ...order_codes.reduction import reduced_to_codes
     from ...reference.findings import compare_held, fixed_addresses
-    from ..encoder_options import answers_of
     from ..find_encoder import find_requested
+    from ..open_questions import answers_of
     from ..read_specs import specs_to_read
     from .decoding import Request
 

@@ -16,7 +16,7 @@ from ...order_codes.parameters import RegisterError
 from ...reference import codec
 from ...reference.findings import Difference, Findings, Report, findings, strange_values
 from ...why import MOST_FRAMES
-from ..encoder_options import UndecidedError, refuse_undecided
+from ..open_questions import UndecidedError, refuse_undecided
 from .frames import (
     FrameTextError,
     Line,

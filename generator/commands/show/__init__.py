@@ -40,7 +40,7 @@ def run(arguments: argparse.Namespace) -> int:
     device, match, paths = find_family_or_code(specs, arguments.what, cache)
     if arguments.edition is not None:
         refuse_line(arguments.what, "has no editions")
-        from ..encoder_options import in_requested_edition
+        from ..edition_devices import in_requested_edition
 
         device, match, _ = in_requested_edition(paths, device, match, arguments.edition, arguments.what, {})
     if arguments.json:

@@ -1,91 +1,18 @@
-"""``--choose`` and ``--edition``: answers to questions that the manual leaves open, and another edition of it."""
+"""``--edition``: another edition of the manual, named or inferred from the label or from registers."""
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-from ..language.problems import Report, quoted, visible
+from ..language.problems import Report
 from ..loading.editions import UnknownEdition, revision_for
 from ..loading.library import in_edition, load_families
 from ..loading.overlays import Family
-from ..model import Alternative, Device, Layout, Variant
+from ..model import Device
 from ..order_codes.labels import Match, UnknownOrderCode, edition_by_label, find
-from ..order_codes.reduction import for_interface, reduced_to_codes
 from ..reference.findings import edition_by_registers, without_tests
 from .terminal import Stop, problems
-
-
-class UndecidedError(ValueError):
-    """A frame cannot be decoded until the user answers a question. The message lists the question and all answers."""
-
-
-def answers_of(device: Device, variant: Variant, pairs: Sequence[str]) -> dict[str, str]:
-    """Return pairs such as ``eeprom_address=as_printed`` as ``{"eeprom_address": "as_printed"}``.
-
-    An alternative is a question that the manual leaves open, here for this order code. Each pair has its name and an
-    answer.
-
-    Raises:
-        Stop: This order code has no such alternative or answer, or an alternative has two. The exit code is 2.
-    """
-    reduced_device = reduced_to_codes(for_interface(device, variant.interface), [variant.code])
-    alternatives = {alternative.name: alternative for alternative in reduced_device.alternatives}
-    answers: dict[str, str] = {}
-    for pair in pairs:
-        name, _, answer_name = pair.partition("=")
-        if not alternatives:
-            raise Stop(f"{variant.code} has nothing to choose", 2)
-        if name not in alternatives:
-            options: list[str] = []
-            for alternative in alternatives.values():
-                options += _options(alternative)
-            raise Stop(f"{variant.code} has no choice {quoted(visible(name))}; write {' or '.join(options)}", 2)
-        if answer_name not in (answer.name for answer in alternatives[name].answers):
-            choices = " or ".join(_options(alternatives[name]))
-            raise Stop(f"{quoted(name)} has no answer {quoted(visible(answer_name))}; write {choices}", 2)
-        if answers.setdefault(name, answer_name) != answer_name:
-            raise Stop(f"{quoted(name)} is chosen twice, as {quoted(answers[name])} and as {quoted(answer_name)}", 2)
-    return answers
-
-
-def refuse_undecided(device: Device, layout: Layout, answers: Container[str]) -> None:
-    """Refuse to decode a frame while a question about it is open.
-
-    Raises:
-        UndecidedError: The layout needs an answer that is not among ``answers``.
-    """
-    message = open_questions(device, layout, answers)
-    if message:
-        raise UndecidedError(message)
-
-
-def open_questions(
-    device: Device, layout: Layout, answers: Container[str], predicate: str = "cannot be decoded"
-) -> str:
-    """Return a message with the questions of a layout that ``answers`` does not answer, or "" if there are none.
-
-    ``answers`` has the names of the answered questions. ``predicate`` follows the name of the layout in the message:
-    ``'position' cannot be decoded until you decide. …``
-    """
-    unanswered = [alternative for alternative in device.alternatives_of(layout) if alternative.name not in answers]
-    if not unanswered:
-        return ""
-    questions = " ".join(_question_with_options(alternative) for alternative in unanswered)
-    return f"{quoted(layout.name)} {predicate} until you decide. {questions}".removesuffix(".")
-
-
-def _question_with_options(alternative: Alternative) -> str:
-    """Return a question, and the option for each answer with its meaning."""
-    options = zip(_options(alternative), alternative.answers, strict=True)
-    explained_options = [f"{option} ({answer.meaning})" for option, answer in options]
-    return f"{alternative.meaning}: add {' or '.join(explained_options)}."
-
-
-def _options(alternative: Alternative) -> list[str]:
-    """Return the option for each answer, such as ``--choose eeprom_address=as_printed``."""
-    return [f"--choose {alternative.name}={answer.name}" for answer in alternative.answers]
-
 
 #: Words that ask to infer the edition instead of naming it.
 BY_LABEL, BY_REGISTERS = "label", "registers"
