@@ -277,6 +277,7 @@ def test_only_the_targets_that_run_are_imported(arguments: str, imported: set[st
     assert ("jinja2" in modules) == arguments.startswith("generate")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arguments", ["show AMM5A17/1SC1", "decode AMM5A17/1SC1 0x3F"])
 def test_an_encoder_from_the_cache_needs_no_rules(arguments: str, tmp_path: Path) -> None:
     script = "import sys; from codewheel.commands.cli import main; main(sys.argv[1:]); print(*sorted(sys.modules))"
