@@ -2452,48 +2452,6 @@
   /** A name that may wrap after each of its words. */
   const breakable = (name) => name.split("_").flatMap((word, place) => (place ? ["_", element("wbr"), word] : [word]));
 
-  /** The colour of a field as in the pictures. An active flag has its own. */
-  const colourOf = (item) => (item.value === true ? "active" : item.colour);
-
-  /** The bits of a frame as a row of its fields. Pointed at or focused, a field shows its value and source below. */
-  function bitsOf(found, table) {
-    const { layout } = found.at;
-    const drawn = found.fields.filter((item, place, all) =>
-      item.high >= 0 && all.findIndex((one) => one.high === item.high && one.low === item.low) === place);
-    const isLowFirst = layout.order === "little";
-    drawn.sort((one, other) => (isLowFirst ? one.low - other.low : other.high - one.high));
-    const about = part("p", "about", "Point at a field, or move to it with the Tab key, to see its value and source.");
-    about.setAttribute("aria-hidden", "true");
-    const rows = [...table.querySelectorAll("tbody tr")];
-    const cells = drawn.map((item) => {
-      const size = item.high - item.low + 1;
-      const place = placeOf(found.at, item);
-      const where = layout.order ? place : `bit${size > 1 ? "s" : ""} ${place}`;
-      const raw = size > 1 ? ` (${hex(item.raw)})` : ` (${item.raw})`;
-      const explanation = meaningOf(found.at, item);
-      const meaning = explanation ? ` ${sentence(explanation)}` : "";
-      const told = `: ${where}, ${inUnits(item)}${raw}.${meaning}`;
-      const from = layout.source ? ` Manual ${layout.source}` : "";
-      const name = found.fields.filter((one) => one.high === item.high && one.low === item.low).length > 1
-        ? item.name : breakable(item.name);
-      const longest = size > 2 ? Math.max(...item.name.split("_").map((word) => word.length)) : 0;
-      const cell = element("button", {
-        type: "button", class: `${CLASS}-cell ${CLASS}-cell-${colourOf(item)}`,
-        "aria-label": `${item.name}${told}${from}`,
-      }, part("span", "bits", item.raw.toString(2).padStart(size, "0")), size > 2 ? part("span", "name", name) : "");
-      // The policy of the page allows this, but no attribute.
-      cell.style.flex = `${size} 1 ${Math.max(size, longest) + 1}ch`;
-      const point = () => {
-        about.replaceChildren(element("b", {}, item.name), told, from && part("span", "source", from));
-        rows.forEach((row, at) => row.classList.toggle(`${CLASS}-lit`, found.fields[at] === item));
-        cells.forEach((one) => one.classList.toggle(`${CLASS}-lit`, one === cell));
-      };
-      for (const event of ["pointerenter", "focus", "click"]) cell.addEventListener(event, point);
-      return cell;
-    });
-    return [element("div", { class: `${CLASS}-drawing`, role: "group", "aria-label": "Bits of the frame" }, cells), about];
-  }
-
   function fieldTable(found) {
     const rows = found.fields.map((item) => {
       const isOneBit = item.high >= 0 && item.high === item.low;
@@ -2629,7 +2587,7 @@
       ...(found.differences.length ? [list(found.differences.map((text) => `differs from the manual: ${text}`))] : []),
       ...reportsOf(found),
       ...(table && angle ? [part("p", "angle", angle)] : []),
-      ...(table ? [...bitsOf(found, table), table] : []),
+      ...(table ? [bitsOf(found, table), table] : []),
       ...(found.crc ? [crcLine(found.crc)] : []),
       ...othersOf(found, others),
       ...doubtsOf(found, measure),
@@ -2660,6 +2618,80 @@
       return [element("p", {}, text), codeButtons(group.codes, (code) => pick(code, group.sender))];
     });
     return [element("p", {}, "Valid frame of these order codes. Select the one on the label:"), list(rows)];
+  }
+
+  /** How to see the subject of the line below the drawing: the value or the meaning of a field. */
+  const howToPoint = (subject) => `Point at a field, or move to it with the Tab key, to see its ${subject} and source.`;
+
+  /** The bits of a frame as a row of its fields. Pointed at or focused, a field shows its value and source below. */
+  function bitsOf(found, table) {
+    const { at, fields } = found;
+    const rows = [...table.querySelectorAll("tbody tr")];
+    const cells = fields.filter((field) => field.high >= 0 && firstAtItsPlace(field, fields) === field).map((field) => {
+      const size = field.high - field.low + 1;
+      const raw = size > 1 ? `${hex(field.raw)}` : `${field.raw}`;
+      const explanation = meaningOf(at, field);
+      return {
+        name: field.name, high: field.high, low: field.low,
+        colour: field.value === true ? "active" : field.colour,
+        isOneName: fields.filter((other) => other.high === field.high && other.low === field.low).length === 1,
+        text: field.raw.toString(2).padStart(size, "0"),
+        says: `${inUnits(field)} (${raw}).${explanation ? ` ${sentence(explanation)}` : ""}`,
+        light: () => rows.forEach((row, place) => row.classList.toggle(`${CLASS}-lit`, fields[place] === field)),
+      };
+    });
+    return rowOf(at, cells, "value");
+  }
+
+  /** The fields of a frame without its bits, as in the pictures of the pages. */
+  function emptyFrame(at) {
+    return rowOf(at, at.fields.map(({ field, name, low, width }) => {
+      const high = low + width - 1;
+      const active = { flag: "1 = active.", not_flag: "0 = active." }[field.kind] ?? "";
+      const meaning = field.meaning || field.on || "";
+      return {
+        name, high, low, colour: field.colour, isOneName: true,
+        text: high === low ? `${low}` : `${high}:${low}`,
+        says: [active, meaning && sentence(meaning)].filter(Boolean).join(" "),
+        light: () => {},
+      };
+    }), "meaning");
+  }
+
+  const firstAtItsPlace = (field, fields) =>
+    fields.find((other) => other.high === field.high && other.low === field.low);
+
+  /** A row with a button for each field in the order sent, and a line with the ``subject`` of the chosen one. */
+  function rowOf(at, cells, subject) {
+    const { layout } = at;
+    const isLowFirst = layout.order === "little";
+    cells.sort((one, other) => (isLowFirst ? one.low - other.low : other.high - one.high));
+    const about = part("p", "about", howToPoint(subject));
+    about.setAttribute("aria-hidden", "true");
+    const source = layout.source ? ` Manual ${layout.source}` : "";
+    const buttons = cells.map((cell) => {
+      const size = cell.high - cell.low + 1;
+      const place = placeOf(at, cell);
+      const where = layout.order ? place : `bit${size > 1 ? "s" : ""} ${place}`;
+      const words = `: ${where}${cell.says ? `, ${cell.says}` : "."}`;
+      const shownName = cell.isOneName ? breakable(cell.name) : cell.name;
+      const button = element("button", {
+        type: "button", class: `${CLASS}-cell ${CLASS}-cell-${cell.colour}${size > 2 ? "" : ` ${CLASS}-narrow`}`,
+        "aria-label": `${cell.name}${words}${source}`,
+      }, part("span", "bits", cell.text), part("span", "name", shownName));
+      const longestWord = size > 2 ? Math.max(...cell.name.split("_").map((word) => word.length)) : 0;
+      // The policy of the page allows this, but no attribute.
+      button.style.flex = `${size} 1 ${Math.max(size, longestWord, cell.text.length) + 1}ch`;
+      const point = () => {
+        about.replaceChildren(element("b", {}, cell.name), words, source && part("span", "source", source));
+        cell.light();
+        buttons.forEach((other) => other.classList.toggle(`${CLASS}-lit`, other === button));
+      };
+      for (const event of ["pointerenter", "focus", "click"]) button.addEventListener(event, point);
+      return button;
+    });
+    const row = element("div", { class: `${CLASS}-drawing`, role: "group", "aria-label": "Bits of the frame" }, buttons);
+    return part("div", "frame-drawing", row, about);
   }
 
   const VERDICTS = { usable: "good", usable_with_warning: "warning", not_usable: "bad" };
@@ -2891,7 +2923,8 @@
   /**
    * A box in an element: ``data-code`` fills in an order code and ``data-frame`` frames. ``data-link`` follows the address
    * of the page. ``data-page`` is the address of a page with such a box, which the box links to.
-   * ``data-evidence-above`` says that the page around the box states the evidence.
+   * ``data-evidence-above`` says that the page around the box states the evidence. ``data-picture`` is the id of a section
+   * whose picture of the frame the box replaces by its own drawing, which a pasted frame fills.
    */
   function box(root) {
     const known = new Map(TABLE.families.flatMap((family) => family.codes.map((row) => [row[0], family.mark ?? ""])));
@@ -2908,6 +2941,8 @@
       code.value = line;
       codeChanged();
     }) : null;
+    const section = root.dataset.picture ? document.getElementById(root.dataset.picture) : null;
+    const picture = section && framePicture(section);
     let isSetUp = false;
     const state = { found: null, what: "encoder", answers: named(), held: named(), asked: "", fill: null };
 
@@ -2970,8 +3005,22 @@
       ask(layout);
       const missing = undecided(layout);
       const evidence = root.hasAttribute("data-evidence-above") ? [] : [part("p", "note", state.found.family.evidence)];
-      result.replaceChildren(...notes(), ...(rows.length > 1 ? many(rows, missing) : rows.flatMap(single)), ...evidence);
+      const shown = rows.length > 1 ? many(rows, missing) : rows.flatMap(single);
+      const expected = rows.length ? null : expectedFrame();
+      result.replaceChildren(...notes(), ...shown, ...(expected ? [emptyFrame(expected)] : []), ...evidence);
+      picture?.follow(result, expectedFrame);
       if (rows.length === 1 && rows[0].found && !isForm && !missing.length) state.fill?.(rows[0].found);
+    }
+
+    /** The layout to paste, of those that the user can choose: the one with the position. Null if a question is open. */
+    function expectedFrame() {
+      if (register()) return null;
+      const [sender, name] = state.what.split(":");
+      const { interface: over } = state.found;
+      const layouts = over.frames.filter((one) => one.sender === sender && (!name || one.name === name));
+      const decided = layouts.filter((layout) => !undecided(layout).length);
+      const frames = decided.map((layout) => placedFor(state.found, layout, state.held, state.answers));
+      return frames.find((at) => hasPosition(at, over.measure)) ?? (layouts.length === 1 ? frames[0] : null) ?? null;
     }
 
     /** All about one frame, or the reason why it is not one. */
@@ -3075,6 +3124,27 @@
       followAddress();
     }
     isSetUp = true;
+  }
+
+  /** Whether a frame has the measured number, whole or as fields. */
+  const hasPosition = (at, measure) =>
+    Boolean(measure) && [...at.fields, ...at.joins].some(({ name }) => name === measure.of || name === measure.part);
+
+  /** The picture of a frame on the page, which ``follow`` replaces by the drawing in a result, or an empty one. */
+  function framePicture(section) {
+    const printed = section.querySelector("picture");
+    if (!printed) return null;
+    const drawing = element("div", { class: `${CLASS}-picture` });
+    printed.before(drawing);
+    return {
+      follow(result, expectedFrame) {
+        const drawings = result.querySelectorAll(`:scope > .${CLASS}-frame-drawing`);
+        const filled = drawings.length === 1 ? drawings[0] : null;
+        const expected = drawings.length ? null : expectedFrame();
+        drawing.replaceChildren(...(filled ? [filled] : expected ? [emptyFrame(expected)] : []));
+        printed.classList.toggle(`${CLASS}-printed`, Boolean(filled || expected));
+      },
+    };
   }
 
   /** Why a text is not an order code, and what would be. */
@@ -3300,20 +3370,24 @@
       .${CLASS}-plain { background: var(--codewheel-unknown-ground); }
       .${CLASS}-angle { font-size: 1.35em; font-weight: 600; margin: 0 0 .8rem; }
       .${CLASS}-drawing { display: flex; flex-wrap: wrap; gap: 2px; margin: .5rem 0 .3rem; }
-      div.${CLASS} .${CLASS}-cell {
-        margin: 0; padding: .25rem .15rem; min-width: 1.3rem; border: 1px solid transparent; text-align: center;
+      .${CLASS}-drawing .${CLASS}-cell {
+        box-sizing: border-box; margin: 0; padding: .25rem .15rem; min-width: 1.3rem; border: 1px solid transparent;
+        border-radius: 4px; font: inherit; text-align: center; cursor: pointer;
         line-height: 1.25; overflow-wrap: anywhere; color: var(--codewheel-ink);
       }
-      div.${CLASS} .${CLASS}-cell-data { background: var(--codewheel-bits-data); }
-      div.${CLASS} .${CLASS}-cell-flag { background: var(--codewheel-bits-flag); }
-      div.${CLASS} .${CLASS}-cell-choice { background: var(--codewheel-bits-choice); }
-      div.${CLASS} .${CLASS}-cell-check { background: var(--codewheel-bits-check); }
-      div.${CLASS} .${CLASS}-cell-fixed { background: var(--codewheel-bits-fixed); }
-      div.${CLASS} .${CLASS}-cell-active { background: var(--codewheel-bits-active); font-weight: 700; }
-      div.${CLASS} .${CLASS}-cell.${CLASS}-lit { border-color: currentColor; }
+      .${CLASS}-drawing .${CLASS}-cell-data { background: var(--codewheel-bits-data); }
+      .${CLASS}-drawing .${CLASS}-cell-flag { background: var(--codewheel-bits-flag); }
+      .${CLASS}-drawing .${CLASS}-cell-choice { background: var(--codewheel-bits-choice); }
+      .${CLASS}-drawing .${CLASS}-cell-check { background: var(--codewheel-bits-check); }
+      .${CLASS}-drawing .${CLASS}-cell-fixed { background: var(--codewheel-bits-fixed); }
+      .${CLASS}-drawing .${CLASS}-cell-active { background: var(--codewheel-bits-active); font-weight: 700; }
+      .${CLASS}-drawing .${CLASS}-cell.${CLASS}-lit { border-color: currentColor; }
       div.${CLASS} tr.${CLASS}-lit > * { background: var(--codewheel-chosen); color: var(--codewheel-ink); }
       .${CLASS}-bits { display: block; font: .85em ui-monospace, monospace; }
       .${CLASS}-name { display: block; font-size: .75em; }
+      .${CLASS}-narrow .${CLASS}-name { writing-mode: vertical-rl; margin: .2rem auto 0; max-height: 9em; }
+      @media print { .${CLASS}-picture { display: none; } }
+      @media screen { .${CLASS}-printed { display: none; } }
       .${CLASS}-about { min-height: 1.6em; font-size: .92em; margin: 0 0 .5rem; }
       .${CLASS}-good > p::before { content: "✓ "; color: var(--codewheel-usable); }
       .${CLASS}-warning > p::before { content: "▲ "; color: var(--codewheel-warning); }

@@ -17,7 +17,8 @@ const option = (name, text = "") => element("option", { value: name }, text);
 /**
  * A box in an element: ``data-code`` fills in an order code and ``data-frame`` frames. ``data-link`` follows the address
  * of the page. ``data-page`` is the address of a page with such a box, which the box links to.
- * ``data-evidence-above`` says that the page around the box states the evidence.
+ * ``data-evidence-above`` says that the page around the box states the evidence. ``data-picture`` is the id of a section
+ * whose picture of the frame the box replaces by its own drawing, which a pasted frame fills.
  */
 function box(root) {
   const known = new Map(TABLE.families.flatMap((family) => family.codes.map((row) => [row[0], family.mark ?? ""])));
@@ -34,6 +35,8 @@ function box(root) {
     code.value = line;
     codeChanged();
   }) : null;
+  const section = root.dataset.picture ? document.getElementById(root.dataset.picture) : null;
+  const picture = section && framePicture(section);
   let isSetUp = false;
   const state = { found: null, what: "encoder", answers: named(), held: named(), asked: "", fill: null };
 
@@ -96,8 +99,22 @@ function box(root) {
     ask(layout);
     const missing = undecided(layout);
     const evidence = root.hasAttribute("data-evidence-above") ? [] : [part("p", "note", state.found.family.evidence)];
-    result.replaceChildren(...notes(), ...(rows.length > 1 ? many(rows, missing) : rows.flatMap(single)), ...evidence);
+    const shown = rows.length > 1 ? many(rows, missing) : rows.flatMap(single);
+    const expected = rows.length ? null : expectedFrame();
+    result.replaceChildren(...notes(), ...shown, ...(expected ? [emptyFrame(expected)] : []), ...evidence);
+    picture?.follow(result, expectedFrame);
     if (rows.length === 1 && rows[0].found && !isForm && !missing.length) state.fill?.(rows[0].found);
+  }
+
+  /** The layout to paste, of those that the user can choose: the one with the position. Null if a question is open. */
+  function expectedFrame() {
+    if (register()) return null;
+    const [sender, name] = state.what.split(":");
+    const { interface: over } = state.found;
+    const layouts = over.frames.filter((one) => one.sender === sender && (!name || one.name === name));
+    const decided = layouts.filter((layout) => !undecided(layout).length);
+    const frames = decided.map((layout) => placedFor(state.found, layout, state.held, state.answers));
+    return frames.find((at) => hasPosition(at, over.measure)) ?? (layouts.length === 1 ? frames[0] : null) ?? null;
   }
 
   /** All about one frame, or the reason why it is not one. */
@@ -201,6 +218,27 @@ function box(root) {
     followAddress();
   }
   isSetUp = true;
+}
+
+/** Whether a frame has the measured number, whole or as fields. */
+const hasPosition = (at, measure) =>
+  Boolean(measure) && [...at.fields, ...at.joins].some(({ name }) => name === measure.of || name === measure.part);
+
+/** The picture of a frame on the page, which ``follow`` replaces by the drawing in a result, or an empty one. */
+function framePicture(section) {
+  const printed = section.querySelector("picture");
+  if (!printed) return null;
+  const drawing = element("div", { class: `${CLASS}-picture` });
+  printed.before(drawing);
+  return {
+    follow(result, expectedFrame) {
+      const drawings = result.querySelectorAll(`:scope > .${CLASS}-frame-drawing`);
+      const filled = drawings.length === 1 ? drawings[0] : null;
+      const expected = drawings.length ? null : expectedFrame();
+      drawing.replaceChildren(...(filled ? [filled] : expected ? [emptyFrame(expected)] : []));
+      printed.classList.toggle(`${CLASS}-printed`, Boolean(filled || expected));
+    },
+  };
 }
 
 /** Why a text is not an order code, and what would be. */

@@ -53,48 +53,6 @@ function inUnits(item) {
 /** A name that may wrap after each of its words. */
 const breakable = (name) => name.split("_").flatMap((word, place) => (place ? ["_", element("wbr"), word] : [word]));
 
-/** The colour of a field as in the pictures. An active flag has its own. */
-const colourOf = (item) => (item.value === true ? "active" : item.colour);
-
-/** The bits of a frame as a row of its fields. Pointed at or focused, a field shows its value and source below. */
-function bitsOf(found, table) {
-  const { layout } = found.at;
-  const drawn = found.fields.filter((item, place, all) =>
-    item.high >= 0 && all.findIndex((one) => one.high === item.high && one.low === item.low) === place);
-  const isLowFirst = layout.order === "little";
-  drawn.sort((one, other) => (isLowFirst ? one.low - other.low : other.high - one.high));
-  const about = part("p", "about", "Point at a field, or move to it with the Tab key, to see its value and source.");
-  about.setAttribute("aria-hidden", "true");
-  const rows = [...table.querySelectorAll("tbody tr")];
-  const cells = drawn.map((item) => {
-    const size = item.high - item.low + 1;
-    const place = placeOf(found.at, item);
-    const where = layout.order ? place : `bit${size > 1 ? "s" : ""} ${place}`;
-    const raw = size > 1 ? ` (${hex(item.raw)})` : ` (${item.raw})`;
-    const explanation = meaningOf(found.at, item);
-    const meaning = explanation ? ` ${sentence(explanation)}` : "";
-    const told = `: ${where}, ${inUnits(item)}${raw}.${meaning}`;
-    const from = layout.source ? ` Manual ${layout.source}` : "";
-    const name = found.fields.filter((one) => one.high === item.high && one.low === item.low).length > 1
-      ? item.name : breakable(item.name);
-    const longest = size > 2 ? Math.max(...item.name.split("_").map((word) => word.length)) : 0;
-    const cell = element("button", {
-      type: "button", class: `${CLASS}-cell ${CLASS}-cell-${colourOf(item)}`,
-      "aria-label": `${item.name}${told}${from}`,
-    }, part("span", "bits", item.raw.toString(2).padStart(size, "0")), size > 2 ? part("span", "name", name) : "");
-    // The policy of the page allows this, but no attribute.
-    cell.style.flex = `${size} 1 ${Math.max(size, longest) + 1}ch`;
-    const point = () => {
-      about.replaceChildren(element("b", {}, item.name), told, from && part("span", "source", from));
-      rows.forEach((row, at) => row.classList.toggle(`${CLASS}-lit`, found.fields[at] === item));
-      cells.forEach((one) => one.classList.toggle(`${CLASS}-lit`, one === cell));
-    };
-    for (const event of ["pointerenter", "focus", "click"]) cell.addEventListener(event, point);
-    return cell;
-  });
-  return [element("div", { class: `${CLASS}-drawing`, role: "group", "aria-label": "Bits of the frame" }, cells), about];
-}
-
 function fieldTable(found) {
   const rows = found.fields.map((item) => {
     const isOneBit = item.high >= 0 && item.high === item.low;
@@ -230,7 +188,7 @@ function resultOf(found, measure, others) {
     ...(found.differences.length ? [list(found.differences.map((text) => `differs from the manual: ${text}`))] : []),
     ...reportsOf(found),
     ...(table && angle ? [part("p", "angle", angle)] : []),
-    ...(table ? [...bitsOf(found, table), table] : []),
+    ...(table ? [bitsOf(found, table), table] : []),
     ...(found.crc ? [crcLine(found.crc)] : []),
     ...othersOf(found, others),
     ...doubtsOf(found, measure),

@@ -70,20 +70,24 @@ function sheet() {
     .${CLASS}-plain { background: var(--codewheel-unknown-ground); }
     .${CLASS}-angle { font-size: 1.35em; font-weight: 600; margin: 0 0 .8rem; }
     .${CLASS}-drawing { display: flex; flex-wrap: wrap; gap: 2px; margin: .5rem 0 .3rem; }
-    div.${CLASS} .${CLASS}-cell {
-      margin: 0; padding: .25rem .15rem; min-width: 1.3rem; border: 1px solid transparent; text-align: center;
+    .${CLASS}-drawing .${CLASS}-cell {
+      box-sizing: border-box; margin: 0; padding: .25rem .15rem; min-width: 1.3rem; border: 1px solid transparent;
+      border-radius: 4px; font: inherit; text-align: center; cursor: pointer;
       line-height: 1.25; overflow-wrap: anywhere; color: var(--codewheel-ink);
     }
-    div.${CLASS} .${CLASS}-cell-data { background: var(--codewheel-bits-data); }
-    div.${CLASS} .${CLASS}-cell-flag { background: var(--codewheel-bits-flag); }
-    div.${CLASS} .${CLASS}-cell-choice { background: var(--codewheel-bits-choice); }
-    div.${CLASS} .${CLASS}-cell-check { background: var(--codewheel-bits-check); }
-    div.${CLASS} .${CLASS}-cell-fixed { background: var(--codewheel-bits-fixed); }
-    div.${CLASS} .${CLASS}-cell-active { background: var(--codewheel-bits-active); font-weight: 700; }
-    div.${CLASS} .${CLASS}-cell.${CLASS}-lit { border-color: currentColor; }
+    .${CLASS}-drawing .${CLASS}-cell-data { background: var(--codewheel-bits-data); }
+    .${CLASS}-drawing .${CLASS}-cell-flag { background: var(--codewheel-bits-flag); }
+    .${CLASS}-drawing .${CLASS}-cell-choice { background: var(--codewheel-bits-choice); }
+    .${CLASS}-drawing .${CLASS}-cell-check { background: var(--codewheel-bits-check); }
+    .${CLASS}-drawing .${CLASS}-cell-fixed { background: var(--codewheel-bits-fixed); }
+    .${CLASS}-drawing .${CLASS}-cell-active { background: var(--codewheel-bits-active); font-weight: 700; }
+    .${CLASS}-drawing .${CLASS}-cell.${CLASS}-lit { border-color: currentColor; }
     div.${CLASS} tr.${CLASS}-lit > * { background: var(--codewheel-chosen); color: var(--codewheel-ink); }
     .${CLASS}-bits { display: block; font: .85em ui-monospace, monospace; }
     .${CLASS}-name { display: block; font-size: .75em; }
+    .${CLASS}-narrow .${CLASS}-name { writing-mode: vertical-rl; margin: .2rem auto 0; max-height: 9em; }
+    @media print { .${CLASS}-picture { display: none; } }
+    @media screen { .${CLASS}-printed { display: none; } }
     .${CLASS}-about { min-height: 1.6em; font-size: .92em; margin: 0 0 .5rem; }
     .${CLASS}-good > p::before { content: "✓ "; color: var(--codewheel-usable); }
     .${CLASS}-warning > p::before { content: "▲ "; color: var(--codewheel-warning); }

@@ -154,6 +154,36 @@ def steps(chromium: str, page: Path) -> dict[str, Any]:
     return result
 
 
+FRAME_WITHOUT_BITS = """
+  const [box] = boxes, [code, , text] = box.querySelectorAll("input, select, textarea");
+  const picture = document.querySelector("#frame .codewheel-decode-picture");
+  const isPrintedShown = () => getComputedStyle(document.querySelector("#frame picture")).display !== "none";
+  const cells = (part) => [...part.querySelectorAll("button")].map((cell) => cell.innerText.replace(/\\s+/g, " "));
+  const seen = { empty: cells(picture), inBox: cells(box.querySelector(".codewheel-decode-result")) };
+  seen.isPrintedShown = isPrintedShown();
+  picture.querySelectorAll("button")[2].focus(); seen.about = picture.querySelector("p").innerText;
+  type(text, "0xF4243D3"); seen.filled = cells(picture);
+  type(code, "ASC8520/SC1"); type(text, ""); seen.open = [cells(picture), isPrintedShown()];
+  return seen;
+"""
+
+
+@pytest.mark.slow
+def test_the_picture_of_a_frame_is_a_drawing_that_a_pasted_frame_fills(chromium: str, page: Path) -> None:
+    """Places and active levels of the AMM5 manual, 6.2.1 p.32. Bits of a frame with a question stay as printed."""
+    box = '<div class="codewheel-decode" data-code="AMM5A21/65KSC1" data-picture="frame"></div>'
+    section = '<section id="frame"><picture><img alt="45 bits"></picture></section>'
+    seen = run_in_page(chromium, page, FRAME_WITHOUT_BITS, f"{section}{box}")
+    assert seen["empty"] == ["44:29 multiturn", "28:8 singleturn", "7 error", "6 warning", "5:0 crc"]
+    assert seen["inBox"] == []
+    assert not seen["isPrintedShown"]
+    assert seen["about"].startswith("error: bit 7, 0 = active. ")
+    assert seen["about"].endswith("Manual 6.2.1 p.32")
+    bits = ["0000000000000000 multiturn", "011110100001001000011 singleturn", "1 error", "1 warning", "010011 crc"]
+    assert seen["filled"] == bits
+    assert seen["open"] == [[], True]
+
+
 @pytest.mark.slow
 def test_a_box_has_the_order_code_of_its_element(steps: dict[str, Any]) -> None:
     assert steps["other"] == "SMA21-SC4-0050"
