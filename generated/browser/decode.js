@@ -12,26 +12,26 @@
   const named = (...pairs) => Object.assign(Object.create(null), ...pairs);
 
   /** A limit or count of the table: a number, or text if it is too large for a number. */
-  const big = (item) => BigInt(item ?? 0);
+  const big = (limit) => BigInt(limit ?? 0);
   const ones = (width) => (ONE << BigInt(width)) - ONE;
   const bits = (number, low, width) => (number >> BigInt(low)) & ones(width);
   const hex = (number, digits = 1) => "0x" + number.toString(16).padStart(digits, "0");
-  const counted = (count, thing) => `${count} ${thing}${count === 1 ? "" : "s"}`;
+  const counted = (count, noun) => `${count} ${noun}${count === 1 ? "" : "s"}`;
   const filled = (text, ...values) => text.replace(/\{(\d)\}/g, (_, place) => values[place]);
   const said = (name, ...values) => filled(TABLE.said[name], ...values);
   const bitLength = (number) => (number ? number.toString(2).length : 0);
 
   /** A fraction with all its decimals, or with six of them after ≈ if they never end. */
   function decimal(numerator, denominator) {
-    const [size, places] = [numerator < 0n ? -numerator : numerator, denominator.toString(2).length];
-    let exact = 0;
-    while (exact <= places && (size * 10n ** BigInt(exact)) % denominator) exact += 1;
-    const digits = exact > places ? 6 : exact;
+    const [magnitude, places] = [numerator < 0n ? -numerator : numerator, denominator.toString(2).length];
+    let exactPlaces = 0;
+    while (exactPlaces <= places && (magnitude * 10n ** BigInt(exactPlaces)) % denominator) exactPlaces += 1;
+    const digits = exactPlaces > places ? 6 : exactPlaces;
     const power = 10n ** BigInt(digits);
-    const scaled = (2n * size * power + denominator) / (2n * denominator);
-    const part = digits ? `.${(scaled % power).toString().padStart(digits, "0")}` : "";
-    const text = `${numerator < 0n ? "-" : ""}${(scaled / power).toLocaleString("en")}${part}`;
-    return exact > places ? `≈ ${text}` : text;
+    const scaled = (2n * magnitude * power + denominator) / (2n * denominator);
+    const decimals = digits ? `.${(scaled % power).toString().padStart(digits, "0")}` : "";
+    const text = `${numerator < 0n ? "-" : ""}${(scaled / power).toLocaleString("en")}${decimals}`;
+    return exactPlaces > places ? `≈ ${text}` : text;
   }
 
   /** The quantity that a number stands for, with a fixed number of decimals, and whether these are exact. */
@@ -50,10 +50,10 @@
   }
 
   /** The value of an expression, which is a number and terms of a multiple and factors. */
-  function value(item, parameters) {
-    if (!Array.isArray(item)) return big(item);
-    return item.slice(1).reduce((sum, [multiple, ...factors]) => sum + factors.reduce(
-      (product, name) => product * factor(name, parameters), big(multiple)), big(item[0]));
+  function value(expression, parameters) {
+    if (!Array.isArray(expression)) return big(expression);
+    return expression.slice(1).reduce((sum, [multiple, ...factors]) => sum + factors.reduce(
+      (product, name) => product * factor(name, parameters), big(multiple)), big(expression[0]));
   }
 
   function factor(name, parameters) {
@@ -66,19 +66,19 @@
   /** The parameters of an order code and those derived from them. */
   function resolved(family, given) {
     const parameters = named(given);
-    let left = family.derived ?? [];
-    for (let before = -1; left.length !== before;) {
-      before = left.length;
-      left = left.filter(([name, item]) => !settle(parameters, name, item));
+    let unsettled = family.derived ?? [];
+    for (let countBefore = -1; unsettled.length !== countBefore;) {
+      countBefore = unsettled.length;
+      unsettled = unsettled.filter(([name, expression]) => !settle(parameters, name, expression));
     }
     return parameters;
   }
 
-  function settle(parameters, name, item) {
-    const names = Array.isArray(item) ? item.slice(1).flatMap((term) => term.slice(1)) : [];
-    if (!names.every((one) => one.replace("^", "") in parameters)) return false;
+  function settle(parameters, name, expression) {
+    const names = Array.isArray(expression) ? expression.slice(1).flatMap((term) => term.slice(1)) : [];
+    if (!names.every((nameOrPower) => nameOrPower.replace("^", "") in parameters)) return false;
     try {
-      parameters[name] = value(item, parameters);
+      parameters[name] = value(expression, parameters);
     } catch (error) {
       parameters[name] = 0n;
     }
@@ -86,9 +86,9 @@
   }
 
   function reflected(number, width) {
-    let found = 0n;
-    for (let place = 0; place < width; place += 1) found = (found << ONE) | bits(number, place, 1);
-    return found;
+    let reversed = 0n;
+    for (let place = 0; place < width; place += 1) reversed = (reversed << ONE) | bits(number, place, 1);
+    return reversed;
   }
 
   /** A CRC over the given bits of a number, most significant first. */
@@ -96,16 +96,16 @@
     const [mask, poly, top] = [ones(crc.width), big(crc.poly), BigInt(crc.width - 1)];
     let register = big(crc.init);
     for (let place = BigInt(count) - ONE; place >= 0n; place -= ONE) {
-      const turn = ((register >> top) ^ (number >> place)) & ONE;
+      const feedback = ((register >> top) ^ (number >> place)) & ONE;
       register = (register << ONE) & mask;
-      if (turn) register ^= poly;
+      if (feedback) register ^= poly;
     }
     return (crc.refout ? reflected(register, crc.width) : register) ^ big(crc.xorout);
   }
 
   function crcOfBytes(crc, bytes) {
-    const turned = bytes.map((byte) => (crc.refin ? reflected(BigInt(byte), 8) : byte));
-    return crcOfBits(crc, numberOf("big", turned), 8 * bytes.length);
+    const bytesInOrder = bytes.map((byte) => (crc.refin ? reflected(BigInt(byte), 8) : byte));
+    return crcOfBits(crc, numberOf("big", bytesInOrder), 8 * bytes.length);
   }
 
   /** The number that bytes form: ``order`` is "little" for low byte first, "big" for high byte first. */
@@ -121,114 +121,121 @@
 
   /** The parity of the bits of a number at these places, or of those bits at each place that are in the mask. */
   function parityOf(number, places, { odd, mask }) {
-    const counted = mask ? big(mask) : -1n;
-    const found = places.map(({ low, width }) => (bits(number, low, width) & counted).toString(2)).join("");
-    return BigInt((found.split("1").length - 1 + (odd ?? 0)) % 2);
+    const countedBits = mask ? big(mask) : -1n;
+    const digits = places.map(({ low, width }) => (bits(number, low, width) & countedBits).toString(2)).join("");
+    return BigInt((digits.split("1").length - 1 + (odd ?? 0)) % 2);
   }
 
   /** A layout with the places of its fields for an order code, without fields of 0 bits. */
   function placed(family, layout, parameters) {
-    const at = (item) => Number(value(item, parameters));
+    const evaluated = (expression) => Number(value(expression, parameters));
     const explained = (field) => (!field.only || parameters[field.only] ? field
       : { ...field, on: TABLE.unexplained, off: "", meaning: "" });
-    const fields = (layout.fields ?? []).map((place) => explained(family.shared[place]))
-      .map((field) => ({ field, name: field.name, low: at(field.low), width: at(field.width) }))
-      .filter((item) => item.width > 0);
+    const fields = (layout.fields ?? []).map((index) => explained(family.shared[index]))
+      .map((field) => ({ field, name: field.name, low: evaluated(field.low), width: evaluated(field.width) }))
+      .filter((placedField) => placedField.width > 0);
     const gray = layout.gray && (!layout.gray.when || parameters[layout.gray.when]) ? layout.gray : null;
     const holds = (only) => !only || Boolean(parameters[only.parameter]) === Boolean(only.holds);
     return {
-      family, layout, parameters, fields, name: layout.name, bits: at(layout.bits),
-      crc: layout.crcs ? layout.crcs[fields.find((item) => item.field.crc)?.name] : layout.crc,
-      gray: gray && { low: at(gray.low), width: at(gray.width), excess: value(gray.excess ?? 0, parameters) },
+      family, layout, parameters, fields, name: layout.name, bits: evaluated(layout.bits),
+      crc: layout.crcs ? layout.crcs[fields.find((placedField) => placedField.field.crc)?.name] : layout.crc,
+      gray: gray
+        && { low: evaluated(gray.low), width: evaluated(gray.width), excess: value(gray.excess ?? 0, parameters) },
       joins: (layout.joins ?? []).map((join) => ({
         name: join.name,
-        parts: join.fields.map(([part, low]) => ({ item: fields.find((one) => one.name === part), low: at(low) })),
+        parts: join.fields.map(([part, low]) => (
+          { item: fields.find((placedField) => placedField.name === part), low: evaluated(low) })),
       })),
-      checks: (layout.checks ?? []).map((place) => family.shared[place])
-        .map((check) => ({ check, low: at(check.low), width: at(check.width),
+      checks: (layout.checks ?? []).map((index) => family.shared[index])
+        .map((check) => ({ check, low: evaluated(check.low), width: evaluated(check.width),
           limit: check.limit === undefined ? undefined : value(check.limit, parameters),
           lowest: value(check.lowest ?? 0, parameters),
-          of: check.parity_of?.map(([first, size]) => ({ low: at(first), width: at(size) })) }))
-        .filter((item) => item.width > 0),
-      tells: (layout.tells ?? []).map((place) => family.shared[place]).filter((item) => holds(item.only)),
-      speaks: (layout.speaks ?? []).filter((item) => holds(item.only) && holds(item.chosen)),
+          of: check.parity_of?.map(([first, size]) => ({ low: evaluated(first), width: evaluated(size) })) }))
+        .filter((placedCheck) => placedCheck.width > 0),
+      tells: (layout.tells ?? []).map((index) => family.shared[index]).filter((cause) => holds(cause.only)),
+      speaks: (layout.speaks ?? []).filter((cause) => holds(cause.only) && holds(cause.chosen)),
     };
   }
 
   /** The decoded number: fields, CRC, errors, reports and verdict. */
-  function decode(at, number) {
-    if (number >> BigInt(at.bits)) return otherLength(at, `${at.bits} bits`, bitLength(number));
-    const found = nothing(at, number);
-    const plain = fromGray(at, number);
-    found.fields = at.fields.flatMap((item) => fieldsOf(item, number, plain));
-    found.crc = crcOf(at, number);
-    if (found.crc && found.crc.received !== found.crc.computed) {
-      const words = said("crc", hex(found.crc.received, 2), hex(found.crc.computed, 2));
-      found.problems.push({ fault: "crc", field: found.crc.field, message: words });
+  function decode(placedLayout, number) {
+    if (number >> BigInt(placedLayout.bits)) {
+      return otherLength(placedLayout, `${placedLayout.bits} bits`, bitLength(number));
     }
-    found.problems.push(...at.checks.flatMap((item) => problemOf(item, number, plain)));
+    const decoded = nothing(placedLayout, number);
+    const binary = fromGray(placedLayout, number);
+    decoded.fields = placedLayout.fields.flatMap((placedField) => fieldsOf(placedField, number, binary));
+    decoded.crc = crcOf(placedLayout, number);
+    if (decoded.crc && decoded.crc.received !== decoded.crc.computed) {
+      const words = said("crc", hex(decoded.crc.received, 2), hex(decoded.crc.computed, 2));
+      decoded.problems.push({ fault: "crc", field: decoded.crc.field, message: words });
+    }
+    decoded.problems.push(...placedLayout.checks.flatMap((placedCheck) => problemOf(placedCheck, number, binary)));
     const rank = (problem) => TABLE.faults.indexOf(problem.fault);
-    found.problems.sort((one, other) => rank(one) - rank(other));
-    found.fields.push(...at.joins.map((join) => joined(join, number, plain)));
-    if (!found.problems.length) tell(found);
-    return found;
+    decoded.problems.sort((one, other) => rank(one) - rank(other));
+    decoded.fields.push(...placedLayout.joins.map((join) => joined(join, number, binary)));
+    if (!decoded.problems.length) tell(decoded);
+    return decoded;
   }
 
-  const nothing = (at, number) => ({
-    at, number, fields: [], crc: null, problems: [], reports: [], differences: [], verdict: null,
+  const nothing = (placedLayout, number) => ({
+    at: placedLayout, number, fields: [], crc: null, problems: [], reports: [], differences: [], verdict: null,
   });
 
-  function otherLength(at, needed, count) {
-    const found = nothing(at, 0n);
-    found.problems.push({ fault: "length", field: "", message: said("length", at.name, needed, count) });
-    return found;
+  function otherLength(placedLayout, needed, count) {
+    const decoded = nothing(placedLayout, 0n);
+    decoded.problems.push({ fault: "length", field: "", message: said("length", placedLayout.name, needed, count) });
+    return decoded;
   }
 
   /** A frame or register of bytes. */
-  function decodeBytes(at, bytes) {
-    if (8 * bytes.length !== at.bits) return otherLength(at, counted(at.bits / 8, "byte"), bytes.length);
-    return decode(at, numberOf(at.layout.order, bytes));
+  function decodeBytes(placedLayout, bytes) {
+    if (8 * bytes.length !== placedLayout.bits) {
+      return otherLength(placedLayout, counted(placedLayout.bits / 8, "byte"), bytes.length);
+    }
+    return decode(placedLayout, numberOf(placedLayout.layout.order, bytes));
   }
 
-  function fromGray(at, number) {
-    if (!at.gray) return number;
-    const plain = plainOf(bits(number, at.gray.low, at.gray.width)) - at.gray.excess;
-    return withGray(at, number, plain);
+  function fromGray(placedLayout, number) {
+    if (!placedLayout.gray) return number;
+    const binary = plainOf(bits(number, placedLayout.gray.low, placedLayout.gray.width)) - placedLayout.gray.excess;
+    return withGray(placedLayout, number, binary);
   }
 
   /** The number with other bits in the place of those in Gray code. */
-  function withGray(at, number, changed) {
-    const { low, width } = at.gray;
-    return (number & ~(ones(width) << BigInt(low))) | (BigInt.asUintN(width, changed) << BigInt(low));
+  function withGray(placedLayout, number, newBits) {
+    const { low, width } = placedLayout.gray;
+    return (number & ~(ones(width) << BigInt(low))) | (BigInt.asUintN(width, newBits) << BigInt(low));
   }
 
   /** The number that a number in Gray code stands for. */
   function plainOf(gray) {
-    let plain = gray;
-    for (let rest = gray >> ONE; rest; rest >>= ONE) plain ^= rest;
-    return plain;
+    let binary = gray;
+    for (let shifted = gray >> ONE; shifted; shifted >>= ONE) binary ^= shifted;
+    return binary;
   }
 
-  function toGray(at, number) {
-    if (!at.gray) return number;
-    const sum = BigInt.asUintN(at.gray.width, bits(number, at.gray.low, at.gray.width) + at.gray.excess);
-    return withGray(at, number, sum ^ (sum >> ONE));
+  function toGray(placedLayout, number) {
+    if (!placedLayout.gray) return number;
+    const { low, width, excess } = placedLayout.gray;
+    const sumWithExcess = BigInt.asUintN(width, bits(number, low, width) + excess);
+    return withGray(placedLayout, number, sumWithExcess ^ (sumWithExcess >> ONE));
   }
 
   /** A field in readable form with its runs of digits; ``raw`` is the transmitted value. */
-  function fieldsOf(item, number, plain) {
-    const { field, low, width } = item;
-    const sent = bits(plain, low, width);
-    const entry = {
-      name: field.name, raw: bits(number, low, width), value: sent, unit: field.unit ?? "",
+  function fieldsOf(placedField, number, binary) {
+    const { field, low, width } = placedField;
+    const fieldBits = bits(binary, low, width);
+    const decodedField = {
+      name: field.name, raw: bits(number, low, width), value: fieldBits, unit: field.unit ?? "",
       scale: field.scale, meaning: field.meaning ?? "", high: low + width - 1, low, colour: field.colour,
-      ...meantBy(field, sent, width),
+      ...meantBy(field, fieldBits, width),
     };
     const runs = (field.runs ?? []).map(([name, divisor, modulus, meaning = ""]) => {
-      const part = (sent / big(divisor)) % big(modulus);
-      return { ...entry, name, raw: part, value: part, unit: "", scale: undefined, meaning };
+      const runNumber = (fieldBits / big(divisor)) % big(modulus);
+      return { ...decodedField, name, raw: runNumber, value: runNumber, unit: "", scale: undefined, meaning };
     });
-    return [entry, ...runs];
+    return [decodedField, ...runs];
   }
 
   function meantBy(field, raw, width) {
@@ -239,7 +246,7 @@
         return { value: active, meaning: (active ? field.on : field.off) || field.meaning || "" };
       }
       case "choice": {
-        const named = field.values.find((entry) => big(entry[0]) === raw);
+        const named = field.values.find((listed) => big(listed[0]) === raw);
         return named ? { value: named[1], meaning: named[2] || field.meaning || "" } : {};
       }
       case "signed":
@@ -256,68 +263,69 @@
     }
   }
 
-  function joined(join, number, plain) {
+  function joined(join, number, binary) {
     const parts = join.parts.filter((part) => part.item);
-    const sum = (source) => parts.reduce(
+    const joinedNumber = (source) => parts.reduce(
       (whole, { item, low }) => whole | (bits(source, item.low, item.width) << BigInt(low)), 0n);
     const names = parts.map((part) => part.item.name).reverse().join(" and ");
     const meaning = join.parts.length > 1 ? said("as_one_number", names) : "";
-    return { name: join.name, raw: sum(number), value: sum(plain), unit: "", meaning, high: -1, low: -1 };
+    return { name: join.name, raw: joinedNumber(number), value: joinedNumber(binary), unit: "", meaning, high: -1, low: -1 };
   }
 
-  const crcField = (at) => at.fields.find((item) => item.field.crc);
+  const crcField = (placedLayout) => placedLayout.fields.find((placedField) => placedField.field.crc);
 
-  function crcOf(at, number) {
-    if (!at.crc) return null;
-    const crc = at.family.crcs[at.crc];
-    const field = crcField(at);
+  function crcOf(placedLayout, number) {
+    if (!placedLayout.crc) return null;
+    const crc = placedLayout.family.crcs[placedLayout.crc];
+    const field = crcField(placedLayout);
     const received = bits(number, field.low, field.width);
-    return { crc, field: field.name, received, computed: computedBy(crc, at, number) };
+    return { crc, field: field.name, received, computed: computedBy(crc, placedLayout, number) };
   }
 
   /** The CRC with these parameters over the bits of a frame that its CRC covers. */
-  function computedBy(crc, at, number) {
-    const { width } = crcField(at);
-    const [low, count] = at.layout.crc_of ?? [width, at.bits - width];
-    if (!at.layout.order || width % 8) return crcOfBits(crc, number >> BigInt(low), count);
-    return crcOfBytes(crc, bytesOf(at.layout.order, number, at.bits / 8).slice(0, -width / 8));
+  function computedBy(crc, placedLayout, number) {
+    const { width } = crcField(placedLayout);
+    const [low, count] = placedLayout.layout.crc_of ?? [width, placedLayout.bits - width];
+    if (!placedLayout.layout.order || width % 8) return crcOfBits(crc, number >> BigInt(low), count);
+    return crcOfBytes(crc, bytesOf(placedLayout.layout.order, number, placedLayout.bits / 8).slice(0, -width / 8));
   }
 
-  function problemOf(item, number, plain) {
-    const { check, low, width, limit, lowest, of } = item;
-    const sent = bits(of ? number : plain, low, width);
-    const found = check.says === "outside" ? BigInt.asIntN(width, sent) : sent;
-    const right = of ? [parityOf(number, of, check)]
-      : (check.values ?? []).map((one) => big(one) & ones(width));
-    const holds = limit === undefined ? right.includes(found) : found >= lowest && found <= limit;
+  function problemOf(placedCheck, number, binary) {
+    const { check, low, width, limit, lowest, of } = placedCheck;
+    const checkedBits = bits(of ? number : binary, low, width);
+    const checkedNumber = check.says === "outside" ? BigInt.asIntN(width, checkedBits) : checkedBits;
+    const rightValues = of ? [parityOf(number, of, check)]
+      : (check.values ?? []).map((text) => big(text) & ones(width));
+    const isInside = () => checkedNumber >= lowest && checkedNumber <= limit;
+    const holds = limit === undefined ? rightValues.includes(checkedNumber) : isInside();
     if (holds) return [];
     const words = {
-      constant: () => said("constant", check.field, hex(found), hex(right[0])),
-      parity: () => said("parity", check.field, found, check.of_name, right[0]),
-      no_value: () => said("no_value", check.field, hex(found)),
-      of_other_frame: () => said("of_other_frame", check.field, found.toString(16).toUpperCase()),
-      too_high: () => said("too_high", check.field, found, limit),
-      outside: () => said("outside", `${check.field} ${found}`, lowest, limit),
-      digits: () => said("digits", check.field, found, check.most),
+      constant: () => said("constant", check.field, hex(checkedNumber), hex(rightValues[0])),
+      parity: () => said("parity", check.field, checkedNumber, check.of_name, rightValues[0]),
+      no_value: () => said("no_value", check.field, hex(checkedNumber)),
+      of_other_frame: () => said("of_other_frame", check.field, checkedNumber.toString(16).toUpperCase()),
+      too_high: () => said("too_high", check.field, checkedNumber, limit),
+      outside: () => said("outside", `${check.field} ${checkedNumber}`, lowest, limit),
+      digits: () => said("digits", check.field, checkedNumber, check.most),
     };
     return [{ fault: check.fault, field: check.field, message: words[check.says]() }];
   }
 
   /** The reports and the verdict of a valid frame or register. */
-  function tell(found) {
-    const { at, number } = found;
-    const plain = fromGray(at, number);
-    const active = new Set(at.fields.filter((item) => speaks(item, bits(plain, item.low, item.width)))
-      .map((item) => item.name));
-    const applies = ({ flag, when }) => (when ? when.every((pair) => matches(found, pair)) : active.has(flag));
-    found.reports = at.tells.filter(applies);
-    if (at.layout.otherwise) {
-      const worst = at.speaks.find((item) =>
-        applies(item) && !(item.unless ?? []).some((name) => active.has(name)));
-      found.verdict = worst ? worst.verdict : at.layout.otherwise;
-      if (!judges(at) && found.verdict !== "not_usable") found.verdict = "unknown";
+  function tell(decoded) {
+    const { at: placedLayout, number } = decoded;
+    const binary = fromGray(placedLayout, number);
+    const isActive = (placedField) => speaks(placedField, bits(binary, placedField.low, placedField.width));
+    const active = new Set(placedLayout.fields.filter(isActive).map((placedField) => placedField.name));
+    const applies = ({ flag, when }) => (when ? when.every((pair) => matches(decoded, pair)) : active.has(flag));
+    decoded.reports = placedLayout.tells.filter(applies);
+    if (placedLayout.layout.otherwise) {
+      const decidingCause = placedLayout.speaks.find((cause) =>
+        applies(cause) && !(cause.unless ?? []).some((name) => active.has(name)));
+      decoded.verdict = decidingCause ? decidingCause.verdict : placedLayout.layout.otherwise;
+      if (!judges(placedLayout) && decoded.verdict !== "not_usable") decoded.verdict = "unknown";
     }
-    found.differences = [...at.fields.flatMap((item) => differenceOf(found, item)), ...strangeIn(found)];
+    decoded.differences = [...placedLayout.fields.flatMap((placedField) => differenceOf(decoded, placedField)), ...strangeIn(decoded)];
   }
 
   /** Whether frames of the order code have bits that say whether the position is usable, if others have. */
@@ -332,39 +340,42 @@
   }
 
   /** Whether a flag is active (1) or inactive (0), or another field has this value. */
-  function matches({ at, number }, [name, wanted]) {
-    const item = at.fields.find((one) => one.name === name);
-    const raw = item && bits(fromGray(at, number), item.low, item.width);
-    return Boolean(item) && (isFlag(item.field) ? speaks(item, raw) === (wanted === 1) : raw === big(wanted));
+  function matches({ at: placedLayout, number }, [name, wanted]) {
+    const placedField = placedLayout.fields.find((candidate) => candidate.name === name);
+    const raw = placedField && bits(fromGray(placedLayout, number), placedField.low, placedField.width);
+    if (!placedField) return false;
+    return isFlag(placedField.field) ? speaks(placedField, raw) === (wanted === 1) : raw === big(wanted);
   }
 
   const isFlag = ({ kind }) => kind === "flag" || kind === "not_flag";
 
-  function differenceOf(found, { field }) {
-    if (field.equals === undefined || found.at.layout.sender === "master") return [];
-    const entry = found.fields.find((one) => one.name === field.name);
+  function differenceOf(decoded, { field }) {
+    if (field.equals === undefined || decoded.at.layout.sender === "master") return [];
+    const decodedField = decoded.fields.find((candidate) => candidate.name === field.name);
     const isText = typeof field.equals === "string";
-    const has = isText ? entry.value : entry.raw;
-    const wanted = isText ? field.equals : value(field.equals[0], found.at.parameters);
-    if (has === wanted) return [];
-    const [shown, right] = [has, wanted].map((one) => (isText ? `"${one}"` : hex(one, 2)));
+    const actual = isText ? decodedField.value : decodedField.raw;
+    const documented = isText ? field.equals : value(field.equals[0], decoded.at.parameters);
+    if (actual === documented) return [];
+    const [actualText, documentedText] = [actual, documented].map((known) => (isText ? `"${known}"` : hex(known, 2)));
     const name = field.printed || field.name;
-    return [found.at.layout.sender
-      ? said("other_value", name, shown, right) : said("other_content", name, shown, found.at.code, right)];
+    return [decoded.at.layout.sender
+      ? said("other_value", name, actualText, documentedText)
+      : said("other_content", name, actualText, decoded.at.code, documentedText)];
   }
 
-  function strangeIn(found) {
-    return (found.at.layout.strange ?? []).flatMap(([run, low, high, words]) => {
-      const entry = found.fields.find((one) => one.name === run);
-      return entry && (entry.raw < big(low) || entry.raw > big(high)) ? [filled(words, entry.raw)] : [];
+  function strangeIn(decoded) {
+    return (decoded.at.layout.strange ?? []).flatMap(([run, low, high, words]) => {
+      const decodedField = decoded.fields.find((candidate) => candidate.name === run);
+      const isStrange = decodedField && (decodedField.raw < big(low) || decodedField.raw > big(high));
+      return isStrange ? [filled(words, decodedField.raw)] : [];
     });
   }
 
   /** The names and values of the fields that together hold a number. Excess bits go to the highest field. */
   function splitInto(parts, number) {
-    const top = Math.max(...parts.map((one) => one.low + (one.item?.width ?? 0)));
-    return parts.filter((one) => one.item).map(({ item, low }) => {
-      const isOpen = low + item.width === top || number < 0n;
+    const highestBit = Math.max(...parts.map((part) => part.low + (part.item?.width ?? 0)));
+    return parts.filter((part) => part.item).map(({ item, low }) => {
+      const isOpen = low + item.width === highestBit || number < 0n;
       return [item.name, isOpen ? number >> BigInt(low) : bits(number, low, item.width)];
     });
   }
@@ -372,82 +383,86 @@
   class Refusal extends Error {}
 
   /** The number whose fields have these values: numbers, booleans and texts by name. */
-  function encode(at, values) {
-    const parities = at.fields.filter((item) => item.field.parity);
-    let number = at.fields.reduce((sum, item) => sum | (rawOf(item, values) << BigInt(item.low)), 0n);
-    number = toGray(at, number);
-    parities.forEach((item) => {
-      const of = at.fields.filter((one) => item.field.parity.includes(one.name));
-      number |= parityOf(number, of, item.field) << BigInt(item.low);
+  function encode(placedLayout, values) {
+    const parities = placedLayout.fields.filter((placedField) => placedField.field.parity);
+    let number = placedLayout.fields.reduce(
+      (sum, placedField) => sum | (rawOf(placedField, values) << BigInt(placedField.low)), 0n);
+    number = toGray(placedLayout, number);
+    parities.forEach((placedField) => {
+      const coveredFields = placedLayout.fields.filter((candidate) => placedField.field.parity.includes(candidate.name));
+      number |= parityOf(number, coveredFields, placedField.field) << BigInt(placedField.low);
     });
-    if (at.crc) number |= computedBy(at.family.crcs[at.crc], at, number) << BigInt(crcField(at).low);
-    for (const problem of decode(at, number).problems) throw new Refusal(problem.message);
+    if (placedLayout.crc) {
+      const crc = placedLayout.family.crcs[placedLayout.crc];
+      number |= computedBy(crc, placedLayout, number) << BigInt(crcField(placedLayout).low);
+    }
+    for (const problem of decode(placedLayout, number).problems) throw new Refusal(problem.message);
     return number;
   }
 
   /** Whether the user provides the value of a field. All others are derived. */
   const isGiven = ({ field }) => !["crc", "parity", "fixed", "unused"].some((name) => name in field);
 
-  function rawOf(item, values) {
-    const { field, width } = item;
+  function rawOf(placedField, values) {
+    const { field, width } = placedField;
     if ("fixed" in field) return big(field.fixed) & ones(width);
-    if (!isGiven(item)) return big(field.unused) & ones(width);
-    const given = values[field.name];
-    if (field.kind === "flag" || field.kind === "not_flag") return BigInt(given === (field.kind === "flag"));
-    if (field.kind === "text") return rawOfText(item, given);
-    const raw = field.zero_means && given === big(field.zero_means) ? 0n : BigInt.asUintN(width, given);
-    if (meantBy({ ...field, kind: field.kind === "signed" ? "signed" : undefined }, raw, width).value !== given) {
-      throw new Refusal(said("too_wide", field.name, given, width));
+    if (!isGiven(placedField)) return big(field.unused) & ones(width);
+    const wanted = values[field.name];
+    if (field.kind === "flag" || field.kind === "not_flag") return BigInt(wanted === (field.kind === "flag"));
+    if (field.kind === "text") return rawOfText(placedField, wanted);
+    const raw = field.zero_means && wanted === big(field.zero_means) ? 0n : BigInt.asUintN(width, wanted);
+    if (meantBy({ ...field, kind: field.kind === "signed" ? "signed" : undefined }, raw, width).value !== wanted) {
+      throw new Refusal(said("too_wide", field.name, wanted, width));
     }
-    if (field.power_of_two && given & (given - ONE)) throw new Refusal(said("no_power_of_two", field.name, given));
+    if (field.power_of_two && wanted & (wanted - ONE)) throw new Refusal(said("no_power_of_two", field.name, wanted));
     return raw;
   }
 
-  function rawOfText({ field, width }, given) {
-    const codes = [...given].map((one) => one.codePointAt(0));
+  function rawOfText({ field, width }, text) {
+    const codes = [...text].map((character) => character.codePointAt(0));
     if (codes.length !== width / 8 || codes.some((code) => code > 255)) {
-      throw new Refusal(said("too_wide", field.name, `"${given}"`, width));
+      throw new Refusal(said("too_wide", field.name, `"${text}"`, width));
     }
     return numberOf("big", codes);
   }
 
   /** Rejects a number outside the limits of its register. */
-  function refuseOutside(at, number, limits) {
+  function refuseOutside(placedLayout, number, limits) {
     if (!limits || (limits.low === null && limits.high === null)) return;
-    const entries = decode(at, number).fields;
-    const found = limits.of ? entries.find((one) => one.name === limits.of).value : number;
-    const bound = (item) => (item === null ? null : value(item, at.parameters));
-    const [low, high] = [bound(limits.low), bound(limits.high)];
-    if ((low !== null && found < low) || (high !== null && found > high)) {
-      throw new Refusal(said("outside", found, low ?? "the lowest value", high ?? "the highest value"));
+    const decodedFields = decode(placedLayout, number).fields;
+    const limitedNumber = limits.of ? decodedFields.find((candidate) => candidate.name === limits.of).value : number;
+    const boundOf = (limit) => (limit === null ? null : value(limit, placedLayout.parameters));
+    const [low, high] = [boundOf(limits.low), boundOf(limits.high)];
+    if ((low !== null && limitedNumber < low) || (high !== null && limitedNumber > high)) {
+      throw new Refusal(said("outside", limitedNumber, low ?? "the lowest value", high ?? "the highest value"));
     }
   }
 
   /** The fields that together hold the only number of a register, such as a position. */
-  function partsOfNumber(at) {
-    const [join] = at.joins;
-    return join ? join.parts : at.fields.filter(isGiven).map((item) => ({ item, low: 0 }));
+  function partsOfNumber(placedLayout) {
+    const [join] = placedLayout.joins;
+    return join ? join.parts : placedLayout.fields.filter(isGiven).map((placedField) => ({ item: placedField, low: 0 }));
   }
 
   /** The bytes of a register that holds one number, such as a position, in hex. */
-  function bytesOfNumber(at, number, limits) {
-    return bytesFor(at, named(Object.fromEntries(splitInto(partsOfNumber(at), number))), limits);
+  function bytesOfNumber(placedLayout, number, limits) {
+    return bytesFor(placedLayout, named(Object.fromEntries(splitInto(partsOfNumber(placedLayout), number))), limits);
   }
 
   /** The highest number that a register can hold within its limits. */
-  function highestNumber(at, limits) {
-    const tops = partsOfNumber(at).filter((one) => one.item)
+  function highestNumber(placedLayout, limits) {
+    const partWidths = partsOfNumber(placedLayout).filter((part) => part.item)
       .map(({ item, low }) => low + item.width - (item.field.kind === "signed" ? 1 : 0));
-    const [fits, limit] = [ones(Math.max(...tops)), limits?.high ?? null];
-    const allowed = limit === null ? fits : value(limit, at.parameters);
-    return allowed < fits ? allowed : fits;
+    const [highestInBits, limit] = [ones(Math.max(...partWidths)), limits?.high ?? null];
+    const allowed = limit === null ? highestInBits : value(limit, placedLayout.parameters);
+    return allowed < highestInBits ? allowed : highestInBits;
   }
 
   /** The bytes of a register with these values, in hex. */
-  function bytesFor(at, values, limits) {
-    const number = encode(at, values);
-    refuseOutside(at, number, limits);
-    return shownBytes(bytesOf(at.layout.order, number, at.layout.length));
+  function bytesFor(placedLayout, values, limits) {
+    const number = encode(placedLayout, values);
+    refuseOutside(placedLayout, number, limits);
+    return shownBytes(bytesOf(placedLayout.layout.order, number, placedLayout.layout.length));
   }
 
   const shownBytes = (bytes) => bytes.map((byte) => byte.toString(16).toUpperCase().padStart(2, "0")).join(" ");
@@ -463,7 +478,7 @@
   const LONGEST_LABEL = TABLE.limits.label;
   const withoutBlanks = (text) => text.replace(/\s/g, "");
   const regexOf = (source) => new RegExp(source, "i");
-  const listedValue = (part, text) => part.values.find((one) => one.toUpperCase() === text.toUpperCase());
+  const listedValue = (part, text) => part.values.find((listed) => listed.toUpperCase() === text.toUpperCase());
   const filledPattern = (pattern, texts) => pattern.replace(/\{(\w+)\}/g, (_, name) => texts[name]);
 
   /** The order code on a label: family, interface and parameters. Throws ``UnknownCode`` with help. */
@@ -471,20 +486,20 @@
     if (isLine(label)) return readLine(label);
     const text = withoutBlanks(label).toUpperCase();
     const special = (family) => family.special && text.endsWith(`/${family.special}`);
-    let first = null;
-    let found = null;
-    for (const family of [...TABLE.families.filter(special), ...TABLE.families.filter((one) => !one.base)]) {
+    let closeError = null;
+    let best = null;
+    for (const family of [...TABLE.families.filter(special), ...TABLE.families.filter((listedFamily) => !listedFamily.base)]) {
       try {
-        const here = readFor(family, label);
+        const reading = readFor(family, label);
         // What is a tail after the code of one family can be a part of the code of another one.
-        if (!found || here.tail.length < found.tail.length) found = here;
+        if (!best || reading.tail.length < best.tail.length) best = reading;
       } catch (error) {
         if (!(error instanceof UnknownCode)) throw error;
-        if (error.isClose) first = first ?? error;
+        if (error.isClose) closeError = closeError ?? error;
       }
     }
-    if (found) return found;
-    throw first ?? new UnknownCode(unknownLabel(label), false);
+    if (best) return best;
+    throw closeError ?? new UnknownCode(unknownLabel(label), false);
   }
 
   /** The order code on a label, or null if it is unknown. */
@@ -502,44 +517,44 @@
       throw new UnknownCode(said("too_long", label.slice(0, 20), label.length, LONGEST_LABEL), true);
     }
     const code = withoutBlanks(label).toUpperCase();
-    for (const written of family.labels.written) {
-      const match = regexOf(written.label).exec(code);
-      if (match) return { ...resolvedCode(family, written, match.groups, code), label };
+    for (const spelling of family.labels.written) {
+      const match = regexOf(spelling.label).exec(code);
+      if (match) return { ...resolvedCode(family, spelling, match.groups, code), label };
     }
     throw wrongPart(family, code);
   }
 
-  function resolvedCode(family, written, groups, code) {
+  function resolvedCode(family, spelling, groups, code) {
     const { parts, pattern } = family.labels;
-    const given = named(Object.fromEntries(parts.map(({ name }) => {
-      const own = written.values?.[name]?.[groups[name].toUpperCase()];
-      return [name, own ?? groups[name]];
+    const texts = named(Object.fromEntries(parts.map(({ name }) => {
+      const listedText = spelling.values?.[name]?.[groups[name].toUpperCase()];
+      return [name, listedText ?? groups[name]];
     })));
-    const known = named(Object.fromEntries(parts.map((part) => [part.name, listedValue(part, given[part.name])])));
-    const row = fittingRow(family, known);
-    if (!row) throw new UnknownCode(clash(family, code, given, known), true);
-    const unlisted = parts.map((part) => part.name).filter((name) => known[name] === undefined);
-    const found = ofRow(family, row);
+    const values = named(Object.fromEntries(parts.map((part) => [part.name, listedValue(part, texts[part.name])])));
+    const row = fittingRow(family, values);
+    if (!row) throw new UnknownCode(clash(family, code, texts, values), true);
+    const unlisted = parts.map((part) => part.name).filter((name) => values[name] === undefined);
+    const listedCode = ofRow(family, row);
     return {
-      ...found,
-      code: unlisted.length ? filledPattern(pattern, named(given, definedOf(known))) : found.code,
+      ...listedCode,
+      code: unlisted.length ? filledPattern(pattern, named(texts, definedOf(values))) : listedCode.code,
       unlisted,
       tail: groups.tail_ ?? "",
       isSpecial: groups.special_ !== undefined,
-      writtenAsIn: written.where ?? "",
+      writtenAsIn: spelling.where ?? "",
     };
   }
 
-  const definedOf = (known) => Object.fromEntries(Object.entries(known).filter(([, one]) => one !== undefined));
+  const definedOf = (values) => Object.fromEntries(Object.entries(values).filter(([, listed]) => listed !== undefined));
 
   /** The first listed code with these parts, where undefined stands for a value that is not listed. */
-  function fittingRow(family, known) {
-    const open = family.labels.parts.filter((part) => known[part.name] === undefined);
-    const isAllowed = ([other, allowed]) => known[other] === undefined || allowed.includes(known[other]);
+  function fittingRow(family, values) {
+    const open = family.labels.parts.filter((part) => values[part.name] === undefined);
+    const isAllowed = ([otherPart, allowed]) => values[otherPart] === undefined || allowed.includes(values[otherPart]);
     if (!open.every((part) => Object.entries(part.only_with ?? {}).every(isAllowed))) return undefined;
     return family.codes.find((row) => {
-      const own = partsOf(family, row);
-      return Object.entries(known).every(([name, one]) => one === undefined || one === own[name]);
+      const rowValues = partsOf(family, row);
+      return Object.entries(values).every(([name, wanted]) => wanted === undefined || wanted === rowValues[name]);
     });
   }
 
@@ -554,39 +569,39 @@
     return partsOfCodes.get(row);
   }
 
-  function clash(family, code, given, known) {
+  function clash(family, code, texts, values) {
     const names = family.labels.parts.filter((part) => part.values.some(
-      (one) => fittingRow(family, named(known, { [part.name]: one })))).map((part) => part.name);
-    const listed = names.map((name) => `${name} '${known[name] ?? given[name]}'`).join(" and ") || "its parts";
-    return said("cannot_be_combined", code, listed, nearest([family], code));
+      (candidate) => fittingRow(family, named(values, { [part.name]: candidate })))).map((part) => part.name);
+    const namedParts = names.map((name) => `${name} '${values[name] ?? texts[name]}'`).join(" and ") || "its parts";
+    return said("cannot_be_combined", code, namedParts, nearest([family], code));
   }
 
   /** The error about a text with one missing or unlisted part, or about a text that is far from every code. */
   function wrongPart(family, code) {
     const { parts, wrong } = family.labels;
-    const found = parts.flatMap((part, place) => {
-      const groups = regexOf(wrong[place]).exec(code)?.groups;
+    const candidates = parts.flatMap((part, index) => {
+      const groups = regexOf(wrong[index]).exec(code)?.groups;
       if (!groups || !hasMoreThan(groups, part, code)) return [];
       const unlisted = parts.filter((other) => other !== part && listedValue(other, groups[other.name]) === undefined);
       return [{ part, given: groups[part.name], rank: 2 * unlisted.length + (groups[part.name] ? 1 : 0) }];
     });
-    if (!found.length) {
+    if (!candidates.length) {
       return new UnknownCode(said("not_of_family", code, family.name.toUpperCase(), nearest([family], code)), false);
     }
-    const { part, given } = found.reduce((best, one) => (one.rank < best.rank ? one : best));
+    const { part, given } = candidates.reduce((best, candidate) => (candidate.rank < best.rank ? candidate : best));
     const words = given ? said("has_part", part.name, given) : said("has_no_part", part.name);
     return new UnknownCode(said("wrong_part", code, words, part.values.join(", "), nearest([family], code)), true);
   }
 
   /** Whether a label has letters or digits of the family, apart from a wrong part and the tail. */
   function hasMoreThan(groups, part, code) {
-    const given = groups[part.name];
-    const own = code.slice(0, code.length - (groups.tail_ ?? "").length - (groups.special_ ?? "").length);
-    return given === "" || /[A-Z0-9]/i.test(own.replace(given, ""));
+    const partText = groups[part.name];
+    const ownText = code.slice(0, code.length - (groups.tail_ ?? "").length - (groups.special_ ?? "").length);
+    return partText === "" || /[A-Z0-9]/i.test(ownText.replace(partText, ""));
   }
 
   function unknownLabel(text) {
-    const family = TABLE.families.find((one) => one.name === text.trim().toLowerCase());
+    const family = TABLE.families.find((known) => known.name === text.trim().toLowerCase());
     if (family) return said("family", text, family.codes[0][0]);
     const near = nearest(TABLE.families, text, TABLE.limits.likeness);
     return said("unknown", text) + (near ? said("nearest", near) : "");
@@ -597,33 +612,33 @@
     const pieces = text.toUpperCase().split("-");
     const likeness = (code) => similarity(code, pieces.slice(0, code.split("-").length).join("-"));
     return families.flatMap((family) => family.codes.map((row) => [likeness(row[0]), row[0]]))
-      .sort(([one], [other]) => other - one).slice(0, 3).filter(([ratio]) => ratio >= least)
+      .sort(([ratio], [otherRatio]) => otherRatio - ratio).slice(0, 3).filter(([ratio]) => ratio >= least)
       .map(([, code]) => code).join(", ");
   }
 
   /** The similarity of two texts from 0 to 1, as difflib.SequenceMatcher computes it. */
-  function similarity(one, other) {
+  function similarity(text, otherText) {
     const matched = (from, to, low, high) => {
-      let [best, size, at] = [0, 0, 0];
+      let [best, size, bestInOther] = [0, 0, 0];
       let lengths = new Map();
-      for (let i = from; i < to; i += 1) {
+      for (let place = from; place < to; place += 1) {
         const next = new Map();
-        for (let j = low; j < high; j += 1) {
-          if (one[i] !== other[j]) continue;
-          const length = (lengths.get(j - 1) ?? 0) + 1;
-          next.set(j, length);
-          if (length > size) [best, at, size] = [i - length + 1, j - length + 1, length];
+        for (let otherPlace = low; otherPlace < high; otherPlace += 1) {
+          if (text[place] !== otherText[otherPlace]) continue;
+          const length = (lengths.get(otherPlace - 1) ?? 0) + 1;
+          next.set(otherPlace, length);
+          if (length > size) [best, bestInOther, size] = [place - length + 1, otherPlace - length + 1, length];
         }
         lengths = next;
       }
-      return size ? size + matched(from, best, low, at) + matched(best + size, to, at + size, high) : 0;
+      return size ? size + matched(from, best, low, bestInOther) + matched(best + size, to, bestInOther + size, high) : 0;
     };
-    const total = one.length + other.length;
-    return total ? (2 * matched(0, one.length, 0, other.length)) / total : 1;
+    const total = text.length + otherText.length;
+    return total ? (2 * matched(0, text.length, 0, otherText.length)) / total : 1;
   }
 
   function ofRow(family, [code, interface_, ...values]) {
-    const given = named(Object.fromEntries((family.given ?? []).map((name, place) => [name, big(values[place])])));
+    const given = named(Object.fromEntries((family.given ?? []).map((name, index) => [name, big(values[index])])));
     return { code, family, interface: family.interfaces[interface_], given };
   }
 

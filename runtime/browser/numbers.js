@@ -7,26 +7,26 @@ const ONE = 1n;
 const named = (...pairs) => Object.assign(Object.create(null), ...pairs);
 
 /** A limit or count of the table: a number, or text if it is too large for a number. */
-const big = (item) => BigInt(item ?? 0);
+const big = (limit) => BigInt(limit ?? 0);
 const ones = (width) => (ONE << BigInt(width)) - ONE;
 const bits = (number, low, width) => (number >> BigInt(low)) & ones(width);
 const hex = (number, digits = 1) => "0x" + number.toString(16).padStart(digits, "0");
-const counted = (count, thing) => `${count} ${thing}${count === 1 ? "" : "s"}`;
+const counted = (count, noun) => `${count} ${noun}${count === 1 ? "" : "s"}`;
 const filled = (text, ...values) => text.replace(/\{(\d)\}/g, (_, place) => values[place]);
 const said = (name, ...values) => filled(TABLE.said[name], ...values);
 const bitLength = (number) => (number ? number.toString(2).length : 0);
 
 /** A fraction with all its decimals, or with six of them after ≈ if they never end. */
 function decimal(numerator, denominator) {
-  const [size, places] = [numerator < 0n ? -numerator : numerator, denominator.toString(2).length];
-  let exact = 0;
-  while (exact <= places && (size * 10n ** BigInt(exact)) % denominator) exact += 1;
-  const digits = exact > places ? 6 : exact;
+  const [magnitude, places] = [numerator < 0n ? -numerator : numerator, denominator.toString(2).length];
+  let exactPlaces = 0;
+  while (exactPlaces <= places && (magnitude * 10n ** BigInt(exactPlaces)) % denominator) exactPlaces += 1;
+  const digits = exactPlaces > places ? 6 : exactPlaces;
   const power = 10n ** BigInt(digits);
-  const scaled = (2n * size * power + denominator) / (2n * denominator);
-  const part = digits ? `.${(scaled % power).toString().padStart(digits, "0")}` : "";
-  const text = `${numerator < 0n ? "-" : ""}${(scaled / power).toLocaleString("en")}${part}`;
-  return exact > places ? `≈ ${text}` : text;
+  const scaled = (2n * magnitude * power + denominator) / (2n * denominator);
+  const decimals = digits ? `.${(scaled % power).toString().padStart(digits, "0")}` : "";
+  const text = `${numerator < 0n ? "-" : ""}${(scaled / power).toLocaleString("en")}${decimals}`;
+  return exactPlaces > places ? `≈ ${text}` : text;
 }
 
 /** The quantity that a number stands for, with a fixed number of decimals, and whether these are exact. */
@@ -45,10 +45,10 @@ function quantityOf(scale, number) {
 }
 
 /** The value of an expression, which is a number and terms of a multiple and factors. */
-function value(item, parameters) {
-  if (!Array.isArray(item)) return big(item);
-  return item.slice(1).reduce((sum, [multiple, ...factors]) => sum + factors.reduce(
-    (product, name) => product * factor(name, parameters), big(multiple)), big(item[0]));
+function value(expression, parameters) {
+  if (!Array.isArray(expression)) return big(expression);
+  return expression.slice(1).reduce((sum, [multiple, ...factors]) => sum + factors.reduce(
+    (product, name) => product * factor(name, parameters), big(multiple)), big(expression[0]));
 }
 
 function factor(name, parameters) {
@@ -61,19 +61,19 @@ function factor(name, parameters) {
 /** The parameters of an order code and those derived from them. */
 function resolved(family, given) {
   const parameters = named(given);
-  let left = family.derived ?? [];
-  for (let before = -1; left.length !== before;) {
-    before = left.length;
-    left = left.filter(([name, item]) => !settle(parameters, name, item));
+  let unsettled = family.derived ?? [];
+  for (let countBefore = -1; unsettled.length !== countBefore;) {
+    countBefore = unsettled.length;
+    unsettled = unsettled.filter(([name, expression]) => !settle(parameters, name, expression));
   }
   return parameters;
 }
 
-function settle(parameters, name, item) {
-  const names = Array.isArray(item) ? item.slice(1).flatMap((term) => term.slice(1)) : [];
-  if (!names.every((one) => one.replace("^", "") in parameters)) return false;
+function settle(parameters, name, expression) {
+  const names = Array.isArray(expression) ? expression.slice(1).flatMap((term) => term.slice(1)) : [];
+  if (!names.every((nameOrPower) => nameOrPower.replace("^", "") in parameters)) return false;
   try {
-    parameters[name] = value(item, parameters);
+    parameters[name] = value(expression, parameters);
   } catch (error) {
     parameters[name] = 0n;
   }
@@ -81,9 +81,9 @@ function settle(parameters, name, item) {
 }
 
 function reflected(number, width) {
-  let found = 0n;
-  for (let place = 0; place < width; place += 1) found = (found << ONE) | bits(number, place, 1);
-  return found;
+  let reversed = 0n;
+  for (let place = 0; place < width; place += 1) reversed = (reversed << ONE) | bits(number, place, 1);
+  return reversed;
 }
 
 /** A CRC over the given bits of a number, most significant first. */
@@ -91,16 +91,16 @@ function crcOfBits(crc, number, count) {
   const [mask, poly, top] = [ones(crc.width), big(crc.poly), BigInt(crc.width - 1)];
   let register = big(crc.init);
   for (let place = BigInt(count) - ONE; place >= 0n; place -= ONE) {
-    const turn = ((register >> top) ^ (number >> place)) & ONE;
+    const feedback = ((register >> top) ^ (number >> place)) & ONE;
     register = (register << ONE) & mask;
-    if (turn) register ^= poly;
+    if (feedback) register ^= poly;
   }
   return (crc.refout ? reflected(register, crc.width) : register) ^ big(crc.xorout);
 }
 
 function crcOfBytes(crc, bytes) {
-  const turned = bytes.map((byte) => (crc.refin ? reflected(BigInt(byte), 8) : byte));
-  return crcOfBits(crc, numberOf("big", turned), 8 * bytes.length);
+  const bytesInOrder = bytes.map((byte) => (crc.refin ? reflected(BigInt(byte), 8) : byte));
+  return crcOfBits(crc, numberOf("big", bytesInOrder), 8 * bytes.length);
 }
 
 /** The number that bytes form: ``order`` is "little" for low byte first, "big" for high byte first. */
@@ -116,7 +116,7 @@ function bytesOf(order, number, count) {
 
 /** The parity of the bits of a number at these places, or of those bits at each place that are in the mask. */
 function parityOf(number, places, { odd, mask }) {
-  const counted = mask ? big(mask) : -1n;
-  const found = places.map(({ low, width }) => (bits(number, low, width) & counted).toString(2)).join("");
-  return BigInt((found.split("1").length - 1 + (odd ?? 0)) % 2);
+  const countedBits = mask ? big(mask) : -1n;
+  const digits = places.map(({ low, width }) => (bits(number, low, width) & countedBits).toString(2)).join("");
+  return BigInt((digits.split("1").length - 1 + (odd ?? 0)) % 2);
 }
