@@ -41,37 +41,40 @@ function box(root) {
   const state = { found: null, what: "encoder", answers: named(), held: named(), asked: "", fill: null };
 
   /** The selected register, if any. */
-  const register = () => state.found?.interface.registers?.find((item) => `=${item.name}` === state.what);
+  const register = () => state.found?.interface.registers?.find(({ name }) => `=${name}` === state.what);
 
   function codeChanged() {
     builder?.follow();
     const found = findCode(code.value);
     if (found?.code !== state.found?.code) Object.assign(state, { answers: named(), held: named(), asked: "" });
     state.found = found;
-    const senders = [...new Set((found?.interface.frames ?? []).map((item) => item.sender))];
+    const senders = [...new Set((found?.interface.frames ?? []).map((layout) => layout.sender))];
     const registers = found?.interface.registers ?? [];
-    const frames = senders.flatMap((item) => framesOf(found.interface, item));
-    const others = registers.map((item) => option(`=${item.name}`, `${item.title}, ${item.place}`));
-    const group = others.length ? [element("optgroup", { label: "the bytes of a register" }, others)] : [];
-    what.replaceChildren(...frames, ...group);
-    const choices = [...frames, ...others].map((item) => item.value);
-    if (!choices.includes(state.what)) state.what = choices.find((one) => one.startsWith("encoder")) ?? choices[0] ?? "encoder";
+    const frames = senders.flatMap((sender) => framesOf(found.interface, sender));
+    const registerChoices = registers.map(({ name, title, place }) => option(`=${name}`, `${title}, ${place}`));
+    const groups = registerChoices.length
+      ? [element("optgroup", { label: "the bytes of a register" }, registerChoices)] : [];
+    what.replaceChildren(...frames, ...groups);
+    const choices = [...frames, ...registerChoices].map((choice) => choice.value);
+    if (!choices.includes(state.what)) {
+      state.what = choices.find((choice) => choice.startsWith("encoder")) ?? choices[0] ?? "encoder";
+    }
     what.value = state.what;
     what.parentElement.hidden = choices.length < 2;
     whatChanged();
   }
 
   function whatChanged() {
-    const made = register() ? registerForm(state, register(), text, show) : { parts: [], fill: null };
-    form.replaceChildren(...made.parts);
-    state.fill = made.fill;
+    const { parts, fill } = register() ? registerForm(state, register(), text, show) : { parts: [], fill: null };
+    form.replaceChildren(...parts);
+    state.fill = fill;
     show();
   }
 
-  function decoded(one) {
+  function decoded(frameText) {
     const { found, held, answers } = state;
-    if (register()) return decodeRegister(found, register(), one, held, answers);
-    return decodeFrame(found, state.what, one, held, answers);
+    if (register()) return decodeRegister(found, register(), frameText, held, answers);
+    return decodeFrame(found, state.what, frameText, held, answers);
   }
 
   function row(line) {
@@ -95,7 +98,7 @@ function box(root) {
       return;
     }
     const rows = linesOf(text.value).map(row);
-    const layout = rows.find((one) => one.found?.at)?.found.at.layout ?? register();
+    const layout = rows.find(({ found }) => found?.at)?.found.at.layout ?? register();
     ask(layout);
     const missing = undecided(layout);
     const evidence = root.hasAttribute("data-evidence-above") ? [] : [part("p", "note", state.found.family.evidence)];
@@ -111,7 +114,7 @@ function box(root) {
     if (register()) return null;
     const [sender, name] = state.what.split(":");
     const { interface: over } = state.found;
-    const layouts = over.frames.filter((one) => one.sender === sender && (!name || one.name === name));
+    const layouts = over.frames.filter((layout) => layout.sender === sender && (!name || layout.name === name));
     const decided = layouts.filter((layout) => !undecided(layout).length);
     const frames = decided.map((layout) => placedFor(state.found, layout, state.held, state.answers));
     return frames.find((at) => hasPosition(at, over.measure)) ?? (layouts.length === 1 ? frames[0] : null) ?? null;
@@ -132,8 +135,8 @@ function box(root) {
   function many(rows, missing) {
     if (missing.length) return [part("div", "warning", element("p", {}, UNDECIDED))];
     const full = part("div", "full");
-    const pick = (one) => {
-      full.replaceChildren(element("h3", {}, `Line ${one.line.number}`), ...single(one));
+    const pick = (row) => {
+      full.replaceChildren(element("h3", {}, `Line ${row.line.number}`), ...single(row));
       full.scrollIntoView({ block: "nearest" });
     };
     return [...togetherOf(rows), tableOf(rows, state.found.interface.measure, pick), exportsOf(rows), full];
@@ -156,8 +159,8 @@ function box(root) {
       code.focus();
     };
     const help = code.value.trim() ? helpFor(code.value) : "";
-    const near = help.split(/[\s,;]+/).filter((one) => known.has(one));
-    const start = help ? [part("div", "bad", element("p", {}, sentence(help)), codeButtons(near, pick))] : [];
+    const nearCodes = help.split(/[\s,;]+/).filter((word) => known.has(word));
+    const start = help ? [part("div", "bad", element("p", {}, sentence(help)), codeButtons(nearCodes, pick))] : [];
     const [first] = linesOf(text.value);
     return first ? [...start, ...guessesOf(first.text, pick)] : start;
   }
@@ -177,23 +180,24 @@ function box(root) {
   /** The questions that a layout leaves to the user, rebuilt only if they changed. */
   function ask(layout) {
     const { family } = state.found;
-    const open = (family.alternatives ?? []).filter((item) => [...layout?.asks ?? [], ...layout?.offers ?? []]
-      .includes(item.name));
-    const held = (family.held ?? []).filter((item) => layout?.held?.includes(item.name));
+    const questions = [...layout?.asks ?? [], ...layout?.offers ?? []];
+    const open = (family.alternatives ?? []).filter(({ name }) => questions.includes(name));
+    const held = (family.held ?? []).filter(({ name }) => layout?.held?.includes(name));
     const asked = JSON.stringify([state.found.code, open, held]);
     if (asked === state.asked) return;
     state.asked = asked;
-    asks.replaceChildren(...open.map((item) => question(state, item, show)), ...heldBy(state, held, show));
+    const questionsToAsk = open.map((alternative) => question(state, alternative, show));
+    asks.replaceChildren(...questionsToAsk, ...heldBy(state, held, show));
   }
 
   function followAddress() {
-    const given = new URLSearchParams(location.hash.slice(1));
-    if (![...given.keys()].length) return;
-    code.value = given.get("code") ?? "";
-    text.value = given.get("frame") ?? "";
-    state.what = given.has("as") ? `=${given.get("as")}` : given.get("from") ?? "encoder";
+    const parameters = new URLSearchParams(location.hash.slice(1));
+    if (![...parameters.keys()].length) return;
+    code.value = parameters.get("code") ?? "";
+    text.value = parameters.get("frame") ?? "";
+    state.what = parameters.has("as") ? `=${parameters.get("as")}` : parameters.get("from") ?? "encoder";
     codeChanged();
-    state.answers = named(Object.fromEntries(given.getAll("choose").map((pair) => pair.split("="))));
+    state.answers = named(Object.fromEntries(parameters.getAll("choose").map((pair) => pair.split("="))));
     state.asked = "";
     show();
   }
@@ -256,53 +260,54 @@ const UNDECIDED = "The manual is ambiguous here. Choose above, because there is 
 
 /** The frames of a sender to choose from: one entry, or one for each frame if nothing in a frame identifies it. */
 function framesOf(interface_, sender) {
-  const found = interface_.frames.filter((item) => item.sender === sender);
-  const isTold = interface_.told?.some((item) => item.sender === sender);
-  if (found.length < 2 || isTold) return [option(sender, `a frame from the ${sender}`)];
-  return found.map(({ name }) => option(`${sender}:${name}`, `${name.replaceAll("_", " ")}, from the ${sender}`));
+  const layouts = interface_.frames.filter((layout) => layout.sender === sender);
+  const isIdentified = interface_.told?.some((dispatch) => dispatch.sender === sender);
+  if (layouts.length < 2 || isIdentified) return [option(sender, `a frame from the ${sender}`)];
+  return layouts.map(({ name }) => option(`${sender}:${name}`, `${name.replaceAll("_", " ")}, from the ${sender}`));
 }
 
 function linkTo(code, text, state) {
-  const given = new URLSearchParams({ code, frame: text.trim() });
-  if (state.what.startsWith("=")) given.set("as", state.what.slice(1));
-  else if (state.what !== "encoder") given.set("from", state.what);
-  for (const [name, answer] of Object.entries(state.answers)) given.append("choose", `${name}=${answer}`);
-  return `#${given}`;
+  const parameters = new URLSearchParams({ code, frame: text.trim() });
+  if (state.what.startsWith("=")) parameters.set("as", state.what.slice(1));
+  else if (state.what !== "encoder") parameters.set("from", state.what);
+  for (const [name, answer] of Object.entries(state.answers)) parameters.append("choose", `${name}=${answer}`);
+  return `#${parameters}`;
 }
 
 /** A question that the manual leaves open, with its answers. Without a default, none is selected at first. */
-function question(state, item, show) {
-  const answers = item.answers.map(([name, meaning]) => {
-    const radio = element("input", { type: "radio", name: `${CLASS}-${boxes}-${item.name}`, value: name });
-    radio.checked = (state.answers[item.name] ?? item.default) === name;
+function question(state, alternative, show) {
+  const answers = alternative.answers.map(([name, meaning]) => {
+    const radio = element("input", { type: "radio", name: `${CLASS}-${boxes}-${alternative.name}`, value: name });
+    radio.checked = (state.answers[alternative.name] ?? alternative.default) === name;
     radio.addEventListener("change", () => {
-      state.answers[item.name] = name;
+      state.answers[alternative.name] = name;
       show();
     });
     return element("label", {}, radio, ` ${name}: ${meaning}`);
   });
   boxes += 1;
-  return element("fieldset", {}, element("legend", {}, sentence(item.meaning)), answers);
+  return element("fieldset", {}, element("legend", {}, sentence(alternative.meaning)), answers);
 }
 
 /** The register contents that a frame depends on: those of the order code, unless the user enters others. */
 function heldBy(state, held, show) {
   if (!held.length) return [];
-  const delivered = parametersOf(state.found);
-  const inputs = held.map((item) => {
+  const defaults = parametersOf(state.found);
+  const inputs = held.map(({ name, meaning, at, min, max, values }) => {
     const input = element("input", { inputmode: "numeric", autocomplete: "off" });
-    input.placeholder = `${delivered[item.name]}`;
+    input.placeholder = `${defaults[name]}`;
+    const isAllowed = (number) => number >= big(min) && (max === undefined || number <= big(max))
+      && (!values || values.some((allowed) => big(allowed) === number));
     input.addEventListener("input", () => {
-      const given = numberOrNull(input.value);
-      const isInside = given !== null && given >= big(item.min) && (item.max === undefined || given <= big(item.max))
-        && (!item.values || item.values.some((value) => big(value) === given));
-      input.setAttribute("aria-invalid", `${input.value.trim() !== "" && !isInside}`);
-      delete state.held[item.name];
-      if (isInside) state.held[item.name] = given;
+      const number = numberOrNull(input.value);
+      const isValid = number !== null && isAllowed(number);
+      input.setAttribute("aria-invalid", `${input.value.trim() !== "" && !isValid}`);
+      delete state.held[name];
+      if (isValid) state.held[name] = number;
       show();
     });
-    const range = item.values?.join(", ") ?? `${item.min ?? 0} to ${item.max ?? "the highest value"}`;
-    return labelled(item.meaning, input, `${item.at}, ${range}`);
+    const range = values?.join(", ") ?? `${min ?? 0} to ${max ?? "the highest value"}`;
+    return labelled(meaning, input, `${at}, ${range}`);
   });
   const summary = element("summary", {}, "Registers have factory defaults. Enter the contents of yours");
   return [element("details", {}, summary, inputs)];
