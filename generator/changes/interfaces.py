@@ -10,6 +10,8 @@ from typing import Any, TypeVar
 from ..model import (
     Argument,
     Biss,
+    Clock,
+    Clocked,
     Connector,
     ControlField,
     Interface,
@@ -20,11 +22,12 @@ from ..model import (
     Rs485,
     Sources,
     Step,
+    Timeout,
     Timing,
 )
-from ..model.members import PARTS_BY_CLASS
+from ..model.members import PARTS_BY_CLASS, Member
 from ..say.register import access
-from .compare import compare_members, compare_pair, compare_parts
+from .compare import compare_member, compare_members, compare_pair, compare_parts
 from .consequences import without_explained_lengths
 from .counterparts import step_with_new_names, step_without_words
 from .family_pair import FamilyPair
@@ -188,10 +191,10 @@ def _compare_interface(family_pair: FamilyPair, subject: Subject, old: Interface
         yield from compare_members(family_pair, port_subject, old.port, new.port)
         data_id_subject = subject.inside("data_ids", "data ID")
         yield from compare_parts(family_pair, "data-id", old.data_ids, new.data_ids, data_id_subject)
-    elif not isinstance(new, Rs485) and not isinstance(old, Rs485):
-        clock_subject = subject.inside("clock", subject.label)
-        yield from compare_members(family_pair, clock_subject, old.clock, new.clock)
+    elif isinstance(new, Clocked) and isinstance(old, Clocked):
+        yield from _compare_clocks(family_pair, subject.inside("clock", subject.label), old, new)
     if isinstance(old, Biss) and isinstance(new, Biss):
+        yield from _compare_timeouts(family_pair, subject.inside("timeout", subject.label), old, new)
         control_subject = subject.inside("control_data", "control frame: field")
         yield from compare_parts(
             family_pair, "control-field", old.control_data, new.control_data, control_subject, _compare_control_values
@@ -200,6 +203,48 @@ def _compare_interface(family_pair: FamilyPair, subject: Subject, old: Interface
     frame_subject = subject.inside("layouts", "frame")
     frame_changes = compare_parts(family_pair, "frame", old.layouts, new.layouts, frame_subject, _compare_frame)
     yield from without_explained_lengths(list(frame_changes))
+
+
+def _compare_clocks(family_pair: FamilyPair, subject: Subject, old: Clocked, new: Clocked) -> Iterator[Change]:
+    """Yield changes of the limits of the clock, for each set of order codes with the same change."""
+    if old.clock is not None and new.clock is not None:
+        yield from compare_members(family_pair, subject, old.clock, new.clock)
+        return
+    codes_by_clocks: dict[tuple[Clock, Clock], list[str]] = {}
+    for code in family_pair.order_codes_over(new.name):
+        old_clock, new_clock = old.clock_of(family_pair.old_code(code)), new.clock_of(code)
+        clocks = replace(old_clock, only=""), replace(new_clock, only="")
+        codes_by_clocks.setdefault(clocks, []).append(code)
+    for (old_clock, new_clock), codes in codes_by_clocks.items():
+        for change in compare_members(family_pair, subject, old_clock, new_clock):
+            yield family_pair.limited_to_codes(change, codes)
+
+
+def _compare_timeouts(family_pair: FamilyPair, subject: Subject, old: Biss, new: Biss) -> Iterator[Change]:
+    """Yield changes of the time-out, for each set of order codes with the same change."""
+    if _is_common(old) and _is_common(new):
+        yield from compare_member(family_pair, subject, _TIMEOUT, old.timeout, new.timeout)
+        return
+    codes_by_timeouts: dict[tuple[Timeout | None, Timeout | None], list[str]] = {}
+    for code in family_pair.order_codes_over(new.name):
+        timeouts = _for_any_code(old.timeout_of(family_pair.old_code(code))), _for_any_code(new.timeout_of(code))
+        codes_by_timeouts.setdefault(timeouts, []).append(code)
+    for (old_timeout, new_timeout), codes in codes_by_timeouts.items():
+        for change in compare_member(family_pair, subject, _TIMEOUT, old_timeout, new_timeout):
+            yield family_pair.limited_to_codes(change, codes)
+
+
+def _is_common(interface: Biss) -> bool:
+    """Return True if all order codes have the same time-out, or none."""
+    return not interface.timeouts_by_code
+
+
+def _for_any_code(timeout: Timeout | None) -> Timeout | None:
+    return replace(timeout, only="") if timeout is not None else None
+
+
+#: The time-out in descriptions of changes.
+_TIMEOUT = Member("timeout", rule="interface-rule", label="time-out")
 
 
 def _compare_frame(family_pair: FamilyPair, subject: Subject, old: Layout, new: Layout) -> Iterator[Change]:
