@@ -10,7 +10,6 @@ from typing import Any, TypeVar
 from ..model import (
     Argument,
     Biss,
-    Clock,
     Clocked,
     Connector,
     ControlField,
@@ -21,15 +20,17 @@ from ..model import (
     Register,
     Rs485,
     Sources,
+    Ssi,
     Step,
-    Timeout,
     Timing,
 )
-from ..model.members import PARTS_BY_CLASS, Member
+from ..model.members import PARTS_BY_CLASS
+from ..model.order_codes import repeated_names
 from ..say.register import access
-from .compare import compare_member, compare_members, compare_pair, compare_parts
+from .compare import compare_members, compare_pair, compare_parts
 from .consequences import without_explained_lengths
 from .counterparts import step_with_new_names, step_without_words
+from .facts_by_code import compare_cables, compare_clocks, compare_timeouts, with_distinct_names
 from .family_pair import FamilyPair
 from .layouts import compare_layout
 from .pairs import complete_pairs, match_by_key, pair_by_name
@@ -192,9 +193,11 @@ def _compare_interface(family_pair: FamilyPair, subject: Subject, old: Interface
         data_id_subject = subject.inside("data_ids", "data ID")
         yield from compare_parts(family_pair, "data-id", old.data_ids, new.data_ids, data_id_subject)
     elif isinstance(new, Clocked) and isinstance(old, Clocked):
-        yield from _compare_clocks(family_pair, subject.inside("clock", subject.label), old, new)
+        yield from compare_clocks(family_pair, subject.inside("clock", subject.label), old, new)
+    if isinstance(old, Ssi) and isinstance(new, Ssi):
+        yield from compare_cables(family_pair, subject.inside("cable_lengths", subject.label), old, new)
     if isinstance(old, Biss) and isinstance(new, Biss):
-        yield from _compare_timeouts(family_pair, subject.inside("timeout", subject.label), old, new)
+        yield from compare_timeouts(family_pair, subject.inside("timeout", subject.label), old, new)
         control_subject = subject.inside("control_data", "control frame: field")
         yield from compare_parts(
             family_pair, "control-field", old.control_data, new.control_data, control_subject, _compare_control_values
@@ -203,48 +206,6 @@ def _compare_interface(family_pair: FamilyPair, subject: Subject, old: Interface
     frame_subject = subject.inside("layouts", "frame")
     frame_changes = compare_parts(family_pair, "frame", old.layouts, new.layouts, frame_subject, _compare_frame)
     yield from without_explained_lengths(list(frame_changes))
-
-
-def _compare_clocks(family_pair: FamilyPair, subject: Subject, old: Clocked, new: Clocked) -> Iterator[Change]:
-    """Yield changes of the limits of the clock, for each set of order codes with the same change."""
-    if old.clock is not None and new.clock is not None:
-        yield from compare_members(family_pair, subject, old.clock, new.clock)
-        return
-    codes_by_clocks: dict[tuple[Clock, Clock], list[str]] = {}
-    for code in family_pair.order_codes_over(new.name):
-        old_clock, new_clock = old.clock_of(family_pair.old_code(code)), new.clock_of(code)
-        clocks = replace(old_clock, only=""), replace(new_clock, only="")
-        codes_by_clocks.setdefault(clocks, []).append(code)
-    for (old_clock, new_clock), codes in codes_by_clocks.items():
-        for change in compare_members(family_pair, subject, old_clock, new_clock):
-            yield family_pair.limited_to_codes(change, codes)
-
-
-def _compare_timeouts(family_pair: FamilyPair, subject: Subject, old: Biss, new: Biss) -> Iterator[Change]:
-    """Yield changes of the time-out, for each set of order codes with the same change."""
-    if _is_common(old) and _is_common(new):
-        yield from compare_member(family_pair, subject, _TIMEOUT, old.timeout, new.timeout)
-        return
-    codes_by_timeouts: dict[tuple[Timeout | None, Timeout | None], list[str]] = {}
-    for code in family_pair.order_codes_over(new.name):
-        timeouts = _for_any_code(old.timeout_of(family_pair.old_code(code))), _for_any_code(new.timeout_of(code))
-        codes_by_timeouts.setdefault(timeouts, []).append(code)
-    for (old_timeout, new_timeout), codes in codes_by_timeouts.items():
-        for change in compare_member(family_pair, subject, _TIMEOUT, old_timeout, new_timeout):
-            yield family_pair.limited_to_codes(change, codes)
-
-
-def _is_common(interface: Biss) -> bool:
-    """Return True if all order codes have the same time-out, or none."""
-    return not interface.timeouts_by_code
-
-
-def _for_any_code(timeout: Timeout | None) -> Timeout | None:
-    return replace(timeout, only="") if timeout is not None else None
-
-
-#: The time-out in descriptions of changes.
-_TIMEOUT = Member("timeout", rule="interface-rule", label="time-out")
 
 
 def _compare_frame(family_pair: FamilyPair, subject: Subject, old: Layout, new: Layout) -> Iterator[Change]:
@@ -296,7 +257,14 @@ def compare_timings(
     """Yield changes of times of an interface, or of the device if the label of ``subject`` is empty."""
     timing_label = f"{subject.label} time".strip()  # The device itself has no label.
     timing_subject = subject.inside("timings", timing_label)
-    yield from compare_parts(family_pair, "timing", old_timings, new_timings, timing_subject)
+    shared_names = repeated_names(old_timings) | repeated_names(new_timings)
+    yield from compare_parts(
+        family_pair,
+        "timing",
+        with_distinct_names(old_timings, shared_names),
+        with_distinct_names(new_timings, shared_names),
+        timing_subject,
+    )
 
 
 _Part = TypeVar("_Part")
@@ -337,8 +305,12 @@ def compare_displayed_facts(family_pair: FamilyPair) -> Iterator[Change]:
     Each section of ``_DISPLAYED_SECTIONS`` gives one change for each item that is new, gone or different.
     """
     for rule, section, key_member, noun in _DISPLAYED_SECTIONS:
-        old_parts = _by_member(getattr(family_pair.old, section), key_member)
-        new_parts = _by_member(getattr(family_pair.new, section), key_member)
+        old_section, new_section = getattr(family_pair.old, section), getattr(family_pair.new, section)
+        if section == "characteristics":
+            shared_names = repeated_names(old_section) | repeated_names(new_section)
+            old_section = with_distinct_names(old_section, shared_names)
+            new_section = with_distinct_names(new_section, shared_names)
+        old_parts, new_parts = _by_member(old_section, key_member), _by_member(new_section, key_member)
         for key, old, new in match_by_key(old_parts, new_parts):
             if old != new:
                 subject = Subject(path=f"{section}.{key}", label=f"{noun} {key}")

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from itertools import chain
 
-from ...model import Biss, CableLength, Clock, Clocked, Interface, Ssi, Timeout, Timing, cite
-from ...model.order_codes import facts_for_code
+from ...model import Biss, CableLength, Clock, Clocked, Interface, Ssi, Timeout, cite
+from ...model.order_codes import facts_for_code, repeated_names
 from ...model.record import dataclass
 from .context import Context, Macro, timing_macros
 from .names import Declared, number
@@ -149,9 +148,3 @@ class CodeFacts:
 def has_cables_by_code(interface: Ssi) -> bool:
     """Return True if the clocks by cable length depend on the order code."""
     return any(row.only for row in interface.cable_lengths)
-
-
-def repeated_names(times: Sequence[Timing]) -> set[str]:
-    """Return the names that several times have. Each of these is for other order codes."""
-    counts = Counter(time.name for time in times)
-    return {name for name, count in counts.items() if count > 1}

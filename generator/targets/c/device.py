@@ -11,6 +11,7 @@ from itertools import chain
 from typing import Protocol, TypeVar
 
 from ...model import Crc, Device, Document, Layout, Parameter, Procedure, Register, Ssi, first_of
+from ...model.order_codes import repeated_names
 from ...model.record import dataclass
 from ...order_codes.reduction import for_codes
 from ...plan.crcs import Carrier, CrcFunction, Form, carrier_of, crc_functions, reflect, table, word_table
@@ -22,7 +23,7 @@ from ...say.order_code import initial
 from .. import TargetError
 from .about import about_crc
 from .chosen import chosen_variant
-from .code_facts import CodeFacts, repeated_names
+from .code_facts import CodeFacts
 from .codec import StructCodec
 from .comments import Paragraph, S
 from .context import Context, timing_macros

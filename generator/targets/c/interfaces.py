@@ -20,6 +20,7 @@ from ...model import (
     WordFormat,
     first_of,
 )
+from ...model.order_codes import repeated_names
 from ...model.record import dataclass
 from ...plan.frames import Branch, Dispatch, Exchanged, answer, dispatches, exchanges
 from ...say.errata import errata, erratum
@@ -35,7 +36,6 @@ from .code_facts import (
     clock_limits,
     function_names,
     has_cables_by_code,
-    repeated_names,
     timeout_limits,
     timeout_product,
 )
