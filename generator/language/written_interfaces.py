@@ -24,7 +24,9 @@ from .written_layouts import (
     WrittenLayout,
 )
 
-_BY_CODE = "If it depends on the order code: a list, each entry with 'only'. Each order code must have exactly one."
+_BY_CODE = (
+    "With other values for some order codes, it is a list with 'only' in each entry, one entry for each order code."
+)
 _CLOCK = f"Clock frequencies. {_BY_CODE}"
 
 
@@ -48,7 +50,7 @@ class WrittenSsi(WrittenPart):
     )
     signals: Prose = key("Electrical standard of the signals.", default="")
     cable_lengths: tuple[Located[CableLength], ...] = key(
-        "Highest clock by cable length. If it depends on the order code, rows have 'only'.", least=0, default=()
+        "Highest clock by cable length. A row for some order codes has 'only'.", least=0, default=()
     )
     measurement: Located[Measurement] | None = key("", default=None)
     timings: tuple[Located[Timing], ...] = key("Timings of this interface.", least=0, default=())

@@ -202,9 +202,13 @@ def test_diff_names_the_order_codes(device: Device, tmp_path: Path) -> None:
     changes = [(change.rule.name, change.text, change.codes) for change in compare([device], [new])]
     codes = ("FBC12-BG", "FBC12-SC", "FBC16-BG", "FBC16-SC")
     assert changes == [
-        ("clock-wider", "SSI: highest clock 1 MHz → 1.5 MHz", ("FBC16-BG",)),
-        ("interface-rule", "BiSS: time-out 20000 → 30000", ("FBC16-SC",)),
+        (
+            "interface-rule",
+            "BiSS: time-out rule = fixed, at_most_ns = 20000 → rule = fixed, at_most_ns = 30000",
+            ("FBC16-SC",),
+        ),
         ("time-limit", "time startup, FBC16...: at most 300 ms → 400 ms", codes),
+        ("clock-wider", "SSI: highest clock 1 MHz → 1.5 MHz", ("FBC16-BG",)),
         ("told", "characteristic weight, FBC16...: About 130 g → About 140 g", codes),
     ]
 
