@@ -178,8 +178,8 @@ def test_pages(library: Library) -> None:
     assert "fixed, at most 20 µs" in files["docs/facts_by_code/FBC16-SC.md"]
 
 
-def edited(tmp_path: Path, *edits: tuple[str, str]) -> Device:
-    """Return the made-up family with other texts in its spec."""
+def load_edited(tmp_path: Path, *edits: tuple[str, str]) -> tuple[list[Device], list[str]]:
+    """Return the made-up family with other texts in its spec, and the messages about it."""
     text = SPEC.read_text(encoding="utf-8")
     for old, new in edits:
         assert old in text
@@ -187,8 +187,63 @@ def edited(tmp_path: Path, *edits: tuple[str, str]) -> Device:
     (tmp_path / SPEC.name).write_text(text, encoding="utf-8")
     (tmp_path / "manufacturer.yaml").write_bytes(FILES[1].read_bytes())
     devices, report = load_library([tmp_path])
-    assert not report.problems
+    return list(devices), [f"{problem.rule}: {problem.message}" for problem in report.problems]
+
+
+def edited(tmp_path: Path, *edits: tuple[str, str]) -> Device:
+    devices, messages = load_edited(tmp_path, *edits)
+    assert messages == []
     return devices[0]
+
+
+ERRATUM = """\
+errata:
+  - name: one
+    title: The manual leaves something out
+    source: "5"
+    printed: Nothing.
+    used: Nothing.
+    why: No other source.
+    status: open
+    severity: omission
+    affects: [{affected}]
+evidence:"""
+SECOND_TIMEOUT = """\
+      - {rule: fixed, at_most_ns: 20000, only: FBC16..., source: "6.3"}
+"""
+
+
+def test_a_manual_may_give_the_time_out_of_some_order_codes_only(tmp_path: Path) -> None:
+    _, messages = load_edited(tmp_path, (SECOND_TIMEOUT, ""))
+    assert [message[:60] for message in messages] == ["only-gap: the order code 'FBC16-SC' has no time-out; extend "]
+    erratum = ("evidence:", ERRATUM.format(affected="interfaces.biss.timeout"))
+    device = edited(tmp_path, (SECOND_TIMEOUT, ""), erratum)
+    biss = device.interface("biss")
+    assert isinstance(biss, Biss)
+    assert biss.timeout is None
+    assert biss.timeout_of("FBC16-SC") is None
+    assert biss.timeout_of("FBC12-SC") is not None
+
+
+def test_an_erratum_can_affect_a_limit_of_one_of_several_clocks(tmp_path: Path) -> None:
+    faster_cable = ("below_hz: 800000", "below_hz: 2800000")
+    _, messages = load_edited(tmp_path, faster_cable)
+    affected = "interfaces.ssi.clock.max_hz"
+    assert len(messages) == 1
+    assert messages[0].endswith(f"add an erratum that affects {affected}")
+    edited(tmp_path, faster_cable, ("evidence:", ERRATUM.format(affected=affected)))
+
+
+def test_a_misspelt_key_of_a_clock_is_not_also_a_gap(tmp_path: Path) -> None:
+    _, messages = load_edited(tmp_path, ("max_hz: 1000000,", "maxhz: 1000000,"))
+    assert [message.partition(":")[0] for message in messages] == ["unknown-key"]
+
+
+def test_rules_about_two_limits_compare_those_of_the_same_order_codes(tmp_path: Path) -> None:
+    """20 µs is less than half a period of 20 kHz, but only FBC12 has that clock, and another time-out."""
+    edited(tmp_path, ("{min_hz: 50000,", "{min_hz: 20000,"))
+    _, messages = load_edited(tmp_path, ("{min_hz: 200000,", "{min_hz: 20000,"))
+    assert [message.partition(":")[0] for message in messages] == ["timeout-mismatch"]
 
 
 def test_diff_names_the_order_codes(device: Device, tmp_path: Path) -> None:
