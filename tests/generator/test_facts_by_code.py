@@ -246,6 +246,40 @@ def test_rules_about_two_limits_compare_those_of_the_same_order_codes(tmp_path: 
     assert [message.partition(":")[0] for message in messages] == ["timeout-mismatch"]
 
 
+def test_second_readings_compare_the_facts_of_each_order_code(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The second reader wrote the order codes in another way, and misread one number of each kind."""
+    device = edited(tmp_path)
+    text = SPEC.read_text(encoding="utf-8")
+    for key in ("manufacturer: acme\n", "evidence: {grade: manual, documents: {manual: all pages}}\n"):
+        text = text.replace(key, "")
+    second = tmp_path / f"{device.name}.second.yaml"
+    # The order codes of a characteristic are compared as text.
+    interfaces, characteristics = text.split("characteristics:")
+    interfaces = interfaces.replace("only: FBC16...", 'only: "...16-BG, ...16-SC"')
+    second.write_text(f"{interfaces}characteristics:{characteristics}", encoding="utf-8")
+    assert main(["check", str(tmp_path)]) == 0
+    capsys.readouterr()
+    misread = {
+        "max_hz: 1000000,": "max_hz: 1500000,",
+        "below_hz: 400000": "below_hz: 500000",
+        "at_most_ns: 20000": "at_most_ns: 30000",
+        "at_least_us: 20": "at_least_us: 21",
+    }
+    for right, wrong in misread.items():
+        text = text.replace(right, wrong)
+    second.write_text(text, encoding="utf-8")
+    assert main(["check", str(tmp_path)]) == 1
+    problems = [line for line in capsys.readouterr().out.splitlines() if "readings-disagree: " in line]
+    assert [line.partition("readings-disagree: ")[2].partition(" in ")[0] for line in problems] == [
+        "highest clock over SSI, for FBC16-BG: 1000000 Hz here, 1500000 Hz",
+        "clock for a cable shorter than 50 m, for FBC16-BG: below 400000 Hz here, below 500000 Hz",
+        "time Tp over SSI, 'at_least_us': 20 µs here, 21 µs",
+        "upper bound of the time-out over BiSS: 20000 ns here, 30000 ns",
+    ]
+
+
 def test_diff_names_the_order_codes(device: Device, tmp_path: Path) -> None:
     new = edited(
         tmp_path,
