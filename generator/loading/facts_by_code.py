@@ -60,7 +60,7 @@ def _facts_of_interface(
     raw: Raw, interface: Interface, codes: Sequence[str], report: DocumentReport
 ) -> Iterator[CodeFacts]:
     """Yield the clocks, the time-outs, the clock limits for each cable length, and the timings of each name."""
-    path: Path = ("interfaces", interface.name)
+    path = ("interfaces", interface.name)
     if isinstance(interface, Clocked):
         clocks = _placed(raw, (*path, "clock"), interface.clocks)
         is_whole = (*path, "clock") not in report.document.kept_indices
@@ -80,9 +80,10 @@ def _facts_of_interface(
     yield from _by_name((*path, "timings"), "a timing", interface.timings, codes)
 
 
-def _placed(raw: Raw, path: Path, facts: Sequence[Restricted]) -> list[tuple[Path, Restricted]]:
+def _placed(raw: Raw, path: tuple[str, ...], facts: Sequence[Restricted]) -> list[tuple[Path, Restricted]]:
     """Return facts with their paths. A single one may be written without a list."""
-    if isinstance(raw.get(path[-1]), Mapping):
+    key = path[-1]
+    if isinstance(raw.get(key), Mapping):
         return [(path, fact) for fact in facts]
     return [((*path, index), fact) for index, fact in enumerate(facts)]
 

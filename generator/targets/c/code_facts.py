@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import chain
 
-from ...model import Biss, CableLength, Clock, Clocked, Interface, Ssi, Timeout, cite
+from ...language.problems import listed
+from ...model import Biss, CableLength, Clock, Clocked, Interface, Ssi, Timeout, Timing, cite
 from ...model.order_codes import facts_for_code, repeated_names
 from ...model.record import dataclass
 from .context import Context, Macro, timing_macros
@@ -83,9 +84,7 @@ class CodeFacts:
         self._context, self._interface = context, interface
         self.clock_limits: list[ClockLimitFunction] = []
         self.timeouts: list[TimeoutFunction] = []
-        times = (*interface.timings, *context.device.timings)
-        self._repeated_times = repeated_names(times)
-        self._times = [time for time in times if time.name in self._repeated_times]
+        self._times = [*_repeated_times(interface.timings), *_repeated_times(context.device.timings)]
         self.macros = list(chain.from_iterable(map(self._macros_of, rows)))
 
     @property
@@ -97,7 +96,7 @@ class CodeFacts:
             "clock limit by cable length": bool(self.clock_limits),
             "times": bool(self._times),
         }
-        return " and ".join(subject for subject, depends_on_code in subjects.items() if depends_on_code)
+        return listed(subject for subject, depends_on_code in subjects.items() if depends_on_code)
 
     def declared(self) -> Iterator[Declared]:
         """Yield the names of its macros and functions at file scope, each with the path of the interface."""
@@ -143,6 +142,12 @@ class CodeFacts:
     def _function_name(self, ending: str, row: CodeRow) -> str:
         """Return the name of a function that is called after the first order code that it applies to."""
         return f"{self._context.prefix}_{row.code.lower()}_{ending}"
+
+
+def _repeated_times(times: Sequence[Timing]) -> list[Timing]:
+    """Return the times whose name several have, each for other order codes."""
+    shared_names = repeated_names(times)
+    return [time for time in times if time.name in shared_names]
 
 
 def has_cables_by_code(interface: Ssi) -> bool:
