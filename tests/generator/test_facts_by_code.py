@@ -246,6 +246,29 @@ def test_rules_about_two_limits_compare_those_of_the_same_order_codes(tmp_path: 
     assert [message.partition(":")[0] for message in messages] == ["timeout-mismatch"]
 
 
+OVERLAY = """\
+codewheel: 1
+overlay: faster
+of: facts_by_code
+title: A letter
+documents:
+  letter: {title: Letter of the manufacturer}
+changes:
+  - {set: "interfaces.ssi.clock[2].max_hz", to: 1500000, why: The letter says so., source: "letter: p.1"}
+"""
+
+
+def test_an_overlay_changes_the_clock_of_some_order_codes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    edited(tmp_path)
+    (tmp_path / "faster.overlay.yaml").write_text(OVERLAY, encoding="utf-8")
+    assert main(["show", "FBC16-BG", "--specs", str(tmp_path)]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    assert "100 kHz to 1.5 MHz" in text
+    assert "In the spec: max hz of 2 of clock of SSI: 1000000." in text
+    assert main(["show", "FBC12-BG", "--specs", str(tmp_path)]) == 0
+    assert "100 kHz to 2 MHz" in capsys.readouterr().out
+
+
 def test_second_readings_compare_the_facts_of_each_order_code(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
