@@ -1,7 +1,8 @@
 """Every output gives a clock, a time-out, a cable row, a time and a characteristic of that order code only.
 
 The encoder of ``ok_model/facts_by_code.yaml`` is made up: FBC12 and FBC16 differ in each of these facts. BML-S1G0 is
-Balluff's: 700 kHz at most for words of 24 to 26 bits and 1,300 kHz for words of 32 bits (user's guide, Tab. 6-3).
+Balluff's: 700 kHz at most for words of 24 to 26 bits and 1,300 kHz for words of 32 bits (user's guide, Tab. 6-3). The
+AMT21 of CUI Devices updates 12 bits every 25 µs and 14 bits every 100 µs (data sheet, page 1).
 """
 
 from __future__ import annotations
@@ -337,3 +338,11 @@ def test_balluff_by_word_length() -> None:
         "BML-S1G0-S26": 700_000,
         "BML-S1G0-S32": 1_300_000,
     }
+
+
+@pytest.mark.parametrize(("code", "update"), [("AMT212A", "25 µs"), ("AMT213D", "100 µs")])
+def test_amt21_by_resolution(capsys: pytest.CaptureFixture[str], code: str, update: str) -> None:
+    assert main(["show", code, "--json", "--specs", str(ROOT / "specs" / "cui")]) == 0
+    characteristics = json.loads(capsys.readouterr().out)["characteristics"]
+    updates = [fact["value"] for fact in characteristics if fact["name"] == "position_update"]
+    assert updates == [f"Position updated every {update}"]
