@@ -22,7 +22,7 @@ from ..model import (
     Ssi,
     Timing,
 )
-from ..model.order_codes import Restricted, fits
+from ..model.order_codes import Restricted, fits, repeated_names
 from ..model.registers import bounded
 from ..say.names_and_places import bits
 from ..say.plain_text import counted
@@ -423,13 +423,16 @@ def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) ->
     identify the timing: ``("time", "ssi", "at least 16 µs, at most 32 µs")``. ``interface`` is "" for the device.
     """
     interface_text = f" over {interface_label(interface)}" if interface else ""
-    for timing in printed_timings:
+    shared_names = repeated_names(printed_timings)
+    for index, timing in enumerate(printed_timings):
         time_by_bound: dict[str, str] = {}
         for bound in ("at_least_us", "typical_us", "at_most_us"):
             microseconds = getattr(timing, bound)
             if microseconds is not None:
                 time_by_bound[bound] = f"{microseconds} µs"
-        place = (*owner, timing.name)
+        # Times for different order codes may have the same name, which then leads to the first one.
+        name = "" if timing.name in shared_names else timing.name
+        place = (*owner, name or index)
         if not timing.symbol:
             bound_words = {bound: bound.removesuffix("_us").replace("_", " ") for bound in time_by_bound}
             times_text = ", ".join(f"{bound_words[bound]} {time}" for bound, time in time_by_bound.items())
@@ -440,7 +443,7 @@ def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) ->
                 value=times_text,
                 description=f"a time{interface_text}",
                 place=place,
-                name=timing.name,
+                name=name,
             )
             continue
         symbol = plain(timing.symbol).replace(" ", "")
@@ -451,5 +454,5 @@ def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) ->
                 value=bound_time,
                 description=f"time {timing.symbol}{interface_text}, '{bound_name}'",
                 place=(*place, bound_name),
-                name=timing.name,
+                name=name,
             )
