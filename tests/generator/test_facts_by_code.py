@@ -17,12 +17,14 @@ from codewheel.changes.families import compare
 from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.model import Biss, Device, Ssi
+from codewheel.model.order_codes import fits
 from codewheel.order_codes.reduction import reduced_to_codes
 from codewheel.targets import Library
 from codewheel.targets.biss.files import generate as biss_files
 from codewheel.targets.c.files import generate as c_files
 from codewheel.targets.docs.files import generate as pages
 from codewheel.targets.python.files import generate as python_files
+from codewheel_runtime.facts import _fits
 
 ROOT = Path(__file__).parents[2]
 MADE_UP = ROOT / "tests" / "check" / "ok_model"
@@ -160,6 +162,22 @@ def test_python(library: Library, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert (family.SSI.clock.min_hz, family.SSI.clock.max_hz, family.SSI.clock_below_hz(30)) == (None, None, 200_000)
     for name in [name for name in sys.modules if name.startswith("acme_encoders")]:
         del sys.modules[name]
+
+
+def test_python_and_the_model_read_the_same_order_codes() -> None:
+    """The package has no part of the tool, so it matches the patterns of ``only`` itself."""
+    devices, _ = load_library([ROOT / "specs" / name for name in ("balluff", "cui", "lika")])
+    matches = set()
+    for device in devices:
+        characteristics = {fact.only for fact in device.characteristics}
+        clocks = {clock.only for interface in device.interfaces for clock in getattr(interface, "clocks", ())}
+        errata = {erratum.only for erratum in device.errata}
+        for only in characteristics | clocks | errata | {"", "AMM5x21/…, AMM5A17/1", "x"}:
+            for variant in device.variants:
+                is_match = fits(only, variant.code)
+                assert _fits(only, variant.code) is is_match, (only, variant.code)
+                matches.add((only, is_match))
+    assert len(matches) > 30
 
 
 def test_xml(library: Library) -> None:
