@@ -27,7 +27,10 @@ from .written_layouts import (
 _BY_CODE = (
     "With other values for some order codes, it is a list with 'only' in each entry, one entry for each order code."
 )
-_CLOCK = f"Clock frequencies. {_BY_CODE}"
+_CLOCK = (
+    f"Clock frequencies. {_BY_CODE} For example: [{{max_hz: 700000, only: X-24..., source: '5'}}, {{max_hz: 1300000,"
+    " only: X-32..., source: '5'}]."
+)
 
 
 @written("Synchronous serial interface.")
