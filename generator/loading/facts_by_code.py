@@ -17,7 +17,7 @@ from .from_mapping import Raw
 
 
 @dataclass(frozen=True, slots=True)
-class CodeFacts:
+class ExclusiveFacts:
     """Facts of which an order code has one, each with its path in the spec.
 
     ``noun`` names the fact with an article, such as ``a clock``. ``codes`` are those of the interface, whose name in
@@ -35,14 +35,14 @@ def check_facts_by_code(raw: Raw, device: Device, report: DocumentReport) -> Non
     """Report order codes without a clock or time-out, with two facts of a kind, and facts that none of them has."""
     if not device.variants:
         return
-    for code_facts in _all_code_facts(raw, device, report):
-        if any(fact.only for _, fact in code_facts.facts):
-            _check_unused(code_facts, report)
-            _check_overlaps(code_facts, report)
-            _check_gaps(code_facts, report)
+    for exclusive_facts in _all_exclusive_facts(raw, device, report):
+        if any(fact.only for _, fact in exclusive_facts.facts):
+            _check_unused(exclusive_facts, report)
+            _check_overlaps(exclusive_facts, report)
+            _check_gaps(exclusive_facts, report)
 
 
-def _all_code_facts(raw: Raw, device: Device, report: DocumentReport) -> Iterator[CodeFacts]:
+def _all_exclusive_facts(raw: Raw, device: Device, report: DocumentReport) -> Iterator[ExclusiveFacts]:
     """Yield the facts of the interfaces and of the device, those of each kind and name together."""
     all_codes = _codes(device.variants)
     for interface in device.interfaces:
@@ -58,25 +58,25 @@ def _codes(variants: Sequence[Variant]) -> list[str]:
 
 def _facts_of_interface(
     raw: Raw, interface: Interface, codes: Sequence[str], report: DocumentReport
-) -> Iterator[CodeFacts]:
+) -> Iterator[ExclusiveFacts]:
     """Yield the clocks, the time-outs, the clock limits for each cable length, and the timings of each name."""
     path = ("interfaces", interface.name)
     if isinstance(interface, Clocked):
         clocks = _placed(raw, (*path, "clock"), interface.clocks)
         is_whole = (*path, "clock") not in report.document.kept_indices
-        yield CodeFacts("a clock", clocks, codes, interface.short, is_needed=is_whole)
+        yield ExclusiveFacts("a clock", clocks, codes, interface.short, is_needed=is_whole)
     if isinstance(interface, Biss):
         timeouts = _placed(raw, (*path, "timeout"), interface.timeouts)
         is_needed = not explained(report.document, *path, "timeout")
         is_whole = (*path, "timeout") not in report.document.kept_indices
-        yield CodeFacts("a time-out", timeouts, codes, interface.short, is_needed=is_needed and is_whole)
+        yield ExclusiveFacts("a time-out", timeouts, codes, interface.short, is_needed=is_needed and is_whole)
     if isinstance(interface, Ssi):
         rows = _placed(raw, (*path, "cable_lengths"), interface.cable_lengths)
         for length in dict.fromkeys(row.shorter_than_m for row in interface.cable_lengths):
             are_of_length = [row.shorter_than_m == length for row in interface.cable_lengths]
             rows_of_length = list(compress(rows, are_of_length))
             noun = f"a clock for cables shorter than {length} m"
-            yield CodeFacts(noun, rows_of_length, codes, interface.short)
+            yield ExclusiveFacts(noun, rows_of_length, codes, interface.short)
     yield from _by_name((*path, "timings"), "a timing", interface.timings, codes)
 
 
@@ -95,47 +95,47 @@ class _Named(Restricted, Protocol):
     def name(self) -> str: ...
 
 
-def _by_name(path: Path, noun: str, facts: Sequence[_Named], codes: Sequence[str]) -> Iterator[CodeFacts]:
+def _by_name(path: Path, noun: str, facts: Sequence[_Named], codes: Sequence[str]) -> Iterator[ExclusiveFacts]:
     """Yield the facts of each name that several have. An order code may have none of them."""
     facts_by_name: dict[str, list[tuple[Path, Restricted]]] = {}
     for index, fact in enumerate(facts):
         facts_by_name.setdefault(fact.name, []).append(((*path, index), fact))
     for name, named_facts in facts_by_name.items():
         if len(named_facts) > 1:
-            yield CodeFacts(f"{noun} {quoted(name)}", named_facts, codes)
+            yield ExclusiveFacts(f"{noun} {quoted(name)}", named_facts, codes)
 
 
-def _check_unused(code_facts: CodeFacts, report: DocumentReport) -> None:
+def _check_unused(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> None:
     """Report a fact that applies only to order codes of other interfaces."""
     # Another edition has fewer order codes, and a pattern without any order code has been reported.
-    if report.document.family or not code_facts.interface:
+    if report.document.family or not exclusive_facts.interface:
         return
-    for path, fact in code_facts.facts:
-        if not any(fits(fact.only, code) for code in code_facts.codes):
-            message = f"no order code with {code_facts.interface} matches {quoted(fact.only)}"
+    for path, fact in exclusive_facts.facts:
+        if not any(fits(fact.only, code) for code in exclusive_facts.codes):
+            message = f"no order code with {exclusive_facts.interface} matches {quoted(fact.only)}"
             report.add("only-codes", (*path, "only"), f"{message}; correct the pattern, or remove the entry")
 
 
-def _check_overlaps(code_facts: CodeFacts, report: DocumentReport) -> None:
+def _check_overlaps(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> None:
     """Report a fact for an order code that already has one."""
-    for (first_path, first), (path, fact) in combinations(code_facts.facts, 2):
-        common_codes = [code for code in code_facts.codes if fits(first.only, code) and fits(fact.only, code)]
+    for (first_path, first), (path, fact) in combinations(exclusive_facts.facts, 2):
+        common_codes = [code for code in exclusive_facts.codes if fits(first.only, code) and fits(fact.only, code)]
         if common_codes:
             line, _ = report.document.position(first_path)
-            message = f"{_codes_text(common_codes)} already {_has(common_codes)} {code_facts.noun}, on line {line}"
+            message = f"{_codes_text(common_codes)} already {_has(common_codes)} {exclusive_facts.noun}, on line {line}"
             place = (*path, "only") if fact.only else path
             report.add("only-overlap", place, f"{message}; give each order code exactly one with 'only'")
 
 
-def _check_gaps(code_facts: CodeFacts, report: DocumentReport) -> None:
+def _check_gaps(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> None:
     """Report the order codes that have none of the facts, if each needs one."""
-    if not code_facts.is_needed:
+    if not exclusive_facts.is_needed:
         return
-    facts = [fact for _, fact in code_facts.facts]
-    codes_without = [code for code in code_facts.codes if not facts_for_code(facts, code)]
+    facts = [fact for _, fact in exclusive_facts.facts]
+    codes_without = [code for code in exclusive_facts.codes if not facts_for_code(facts, code)]
     if codes_without:
-        last_path, _ = code_facts.facts[-1]
-        noun = code_facts.noun.removeprefix("a ")
+        last_path, _ = exclusive_facts.facts[-1]
+        noun = exclusive_facts.noun.removeprefix("a ")
         message = f"{_codes_text(codes_without)} {_has(codes_without)} no {noun}"
         remedy = "extend 'only', or add an entry for other order codes"
         if noun == "time-out":
