@@ -21,7 +21,8 @@ class ExclusiveFacts:
     """Facts of which an order code has one, each with its path in the spec.
 
     ``noun`` names the fact with an article, such as ``a clock``. ``codes`` are those of the interface, whose name in
-    sentences is empty for facts of the device. If the fact ``is_needed``, each order code must have one.
+    sentences is empty for facts of the device. If the fact ``is_needed``, each order code must have one. Of facts that
+    have ``other_rules``, these report two for all order codes.
     """
 
     noun: str
@@ -29,6 +30,7 @@ class ExclusiveFacts:
     codes: Sequence[str]
     interface: str = ""
     is_needed: bool = False
+    other_rules: bool = False
 
 
 def check_facts_by_code(raw: Raw, device: Device, report: DocumentReport) -> None:
@@ -36,7 +38,8 @@ def check_facts_by_code(raw: Raw, device: Device, report: DocumentReport) -> Non
     if not device.variants:
         return
     for exclusive_facts in _all_exclusive_facts(raw, device, report):
-        if any(fact.only for _, fact in exclusive_facts.facts):
+        has_only = any(fact.only for _, fact in exclusive_facts.facts)
+        if has_only or not exclusive_facts.other_rules:
             _check_unused(exclusive_facts, report)
             _check_overlaps(exclusive_facts, report)
             _check_gaps(exclusive_facts, report)
@@ -76,7 +79,7 @@ def _facts_of_interface(
             are_of_length = [row.shorter_than_m == length for row in interface.cable_lengths]
             rows_of_length = list(compress(rows, are_of_length))
             noun = f"a clock for cables shorter than {length} m"
-            yield ExclusiveFacts(noun, rows_of_length, codes, interface.short)
+            yield ExclusiveFacts(noun, rows_of_length, codes, interface.short, other_rules=True)
     yield from _by_name((*path, "timings"), "a timing", interface.timings, codes)
 
 
@@ -102,7 +105,7 @@ def _by_name(path: Path, noun: str, facts: Sequence[_Named], codes: Sequence[str
         facts_by_name.setdefault(fact.name, []).append(((*path, index), fact))
     for name, named_facts in facts_by_name.items():
         if len(named_facts) > 1:
-            yield ExclusiveFacts(f"{noun} {quoted(name)}", named_facts, codes)
+            yield ExclusiveFacts(f"{noun} {quoted(name)}", named_facts, codes, other_rules=True)
 
 
 def _check_unused(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> None:
@@ -111,7 +114,7 @@ def _check_unused(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> No
     if report.document.family or not exclusive_facts.interface:
         return
     for path, fact in exclusive_facts.facts:
-        if not any(fits(fact.only, code) for code in exclusive_facts.codes):
+        if fact.only and not any(fits(fact.only, code) for code in exclusive_facts.codes):
             message = f"no order code with {exclusive_facts.interface} matches {quoted(fact.only)}"
             report.add("only-codes", (*path, "only"), f"{message}; correct the pattern, or remove the entry")
 
@@ -132,6 +135,8 @@ def _check_gaps(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> None
     if not exclusive_facts.is_needed:
         return
     facts = [fact for _, fact in exclusive_facts.facts]
+    if not facts:
+        return
     codes_without = [code for code in exclusive_facts.codes if not facts_for_code(facts, code)]
     if codes_without:
         last_path, _ = exclusive_facts.facts[-1]

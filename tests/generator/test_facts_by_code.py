@@ -253,6 +253,17 @@ def test_an_erratum_can_affect_a_limit_of_one_of_several_clocks(tmp_path: Path) 
     edited(tmp_path, faster_cable, ("evidence:", ERRATUM.format(affected=affected)))
 
 
+def test_two_clocks_for_all_order_codes_are_a_problem(tmp_path: Path) -> None:
+    clocks = (
+        ("max_hz: 2000000, only: FBC12...", "max_hz: 2000000"),
+        ("max_hz: 1000000, only: FBC16...", "max_hz: 1000000"),
+    )
+    _, messages = load_edited(tmp_path, *clocks)
+    assert [message.partition(", on line")[0] for message in messages] == [
+        "only-overlap: the order code 'FBC12-BG' and 1 other already have a clock"
+    ]
+
+
 def test_a_misspelt_key_of_a_clock_is_not_also_a_gap(tmp_path: Path) -> None:
     _, messages = load_edited(tmp_path, ("max_hz: 1000000,", "maxhz: 1000000,"))
     assert [message.partition(":")[0] for message in messages] == ["unknown-key"]
