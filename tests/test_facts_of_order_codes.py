@@ -7,11 +7,23 @@ from pathlib import Path
 
 GENERATOR = Path(__file__).parent.parent / "generator"
 #: Members of the model whose items have ``only``.
-RESTRICTED = {"timings", "alarms", "contacts", "leds", "characteristics", "errata"}
+RESTRICTED = {
+    "alarms",
+    "cable_lengths",
+    "characteristics",
+    "clocks",
+    "contacts",
+    "errata",
+    "leds",
+    "timeouts",
+    "timings",
+}
 
 #: Modules that read them, by the reason why no order code gets the fact of another.
 READERS = {
     "keeps those of the order code, with applying or fits": {
+        "model/interfaces.py",
+        "targets/c/code_facts.py",
         "masters/frame_parts.py",
         "masters/record.py",
         "order_codes/reduction.py",
@@ -35,6 +47,7 @@ READERS = {
         "targets/docs/page_links.py",
     },
     "builds the family, or passes its facts to one of the others": {
+        "loading/facts_by_code.py",
         "loading/editions.py",
         "loading/library.py",
         "loading/overlays.py",
@@ -53,6 +66,8 @@ READERS = {
         "targets/docs/wiring_tables.py",
     },
     "shows the order codes beside each fact": {
+        "changes/facts_by_code.py",
+        "targets/c/variants.py",
         "changes/families.py",
         "changes/interfaces.py",
         "dump/plain.py",

@@ -68,10 +68,10 @@ def compare_members(family_pair: FamilyPair, subject: Subject, old: Any, new: An
         if member.rule:
             old_value, new_value = getattr(old, attribute.name), getattr(new, attribute.name)
             member_subject = subject.inside(attribute.name, subject.label)
-            yield from _compare_member(family_pair, member_subject, member, old_value, new_value)
+            yield from compare_member(family_pair, member_subject, member, old_value, new_value)
 
 
-def _compare_member(family_pair: FamilyPair, subject: Subject, member: Member, old: Any, new: Any) -> Iterator[Change]:
+def compare_member(family_pair: FamilyPair, subject: Subject, member: Member, old: Any, new: Any) -> Iterator[Change]:
     """Yield a change if the member differs: in its value, else in its texts, else in its citations.
 
     Limits and expressions are compared by their numbers. For changes of texts and citations, only the member is named.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from itertools import chain
@@ -87,6 +87,7 @@ class FamilyPair:
         self.names_in_new_frames = _names_of_frame_fields(new)
         #: The common order codes: the new ones by the old ones.
         self.new_code_by_old = _match_order_codes(old, new)
+        self._old_code_by_new = {new_code: old_code for old_code, new_code in self.new_code_by_old.items()}
         #: The new ones among them.
         self.common_new_codes = frozenset(self.new_code_by_old.values())
 
@@ -275,6 +276,14 @@ class FamilyPair:
             reach=reach,
             names=subject.names,
         )
+
+    def limited_to_codes(self, change: Change, codes: Sequence[str]) -> Change:
+        """Return a change that affects only these common order codes."""
+        return replace(change, codes=tuple(codes), reach=self._describe_affected_codes("common", codes))
+
+    def old_code(self, code: str) -> str:
+        """Return the order code of the old family that is paired with one of the new family."""
+        return self._old_code_by_new.get(code, code)
 
     def _describe_affected_codes(self, side: str, codes: Collection[str]) -> str:
         """Describe order codes of one side, such as ``all 12 BiSS order codes``, or as a pattern.

@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 from ..model import (
     Argument,
     Biss,
+    Clocked,
     Connector,
     ControlField,
     Interface,
@@ -19,14 +20,17 @@ from ..model import (
     Register,
     Rs485,
     Sources,
+    Ssi,
     Step,
     Timing,
 )
 from ..model.members import PARTS_BY_CLASS
+from ..model.order_codes import repeated_names
 from ..say.register import access
 from .compare import compare_members, compare_pair, compare_parts
 from .consequences import without_explained_lengths
 from .counterparts import step_with_new_names, step_without_words
+from .facts_by_code import compare_cables, compare_clocks, compare_timeouts, with_distinct_names
 from .family_pair import FamilyPair
 from .layouts import compare_layout
 from .pairs import complete_pairs, match_by_key, pair_by_name
@@ -188,10 +192,12 @@ def _compare_interface(family_pair: FamilyPair, subject: Subject, old: Interface
         yield from compare_members(family_pair, port_subject, old.port, new.port)
         data_id_subject = subject.inside("data_ids", "data ID")
         yield from compare_parts(family_pair, "data-id", old.data_ids, new.data_ids, data_id_subject)
-    elif not isinstance(new, Rs485) and not isinstance(old, Rs485):
-        clock_subject = subject.inside("clock", subject.label)
-        yield from compare_members(family_pair, clock_subject, old.clock, new.clock)
+    elif isinstance(new, Clocked) and isinstance(old, Clocked):
+        yield from compare_clocks(family_pair, subject.inside("clock", subject.label), old, new)
+    if isinstance(old, Ssi) and isinstance(new, Ssi):
+        yield from compare_cables(family_pair, subject.inside("cable_lengths", subject.label), old, new)
     if isinstance(old, Biss) and isinstance(new, Biss):
+        yield from compare_timeouts(family_pair, subject.inside("timeout", subject.label), old, new)
         control_subject = subject.inside("control_data", "control frame: field")
         yield from compare_parts(
             family_pair, "control-field", old.control_data, new.control_data, control_subject, _compare_control_values
@@ -251,7 +257,14 @@ def compare_timings(
     """Yield changes of times of an interface, or of the device if the label of ``subject`` is empty."""
     timing_label = f"{subject.label} time".strip()  # The device itself has no label.
     timing_subject = subject.inside("timings", timing_label)
-    yield from compare_parts(family_pair, "timing", old_timings, new_timings, timing_subject)
+    shared_names = repeated_names(old_timings) | repeated_names(new_timings)
+    yield from compare_parts(
+        family_pair,
+        "timing",
+        with_distinct_names(old_timings, shared_names),
+        with_distinct_names(new_timings, shared_names),
+        timing_subject,
+    )
 
 
 _Part = TypeVar("_Part")
@@ -292,8 +305,12 @@ def compare_displayed_facts(family_pair: FamilyPair) -> Iterator[Change]:
     Each section of ``_DISPLAYED_SECTIONS`` gives one change for each item that is new, gone or different.
     """
     for rule, section, key_member, noun in _DISPLAYED_SECTIONS:
-        old_parts = _by_member(getattr(family_pair.old, section), key_member)
-        new_parts = _by_member(getattr(family_pair.new, section), key_member)
+        old_section, new_section = getattr(family_pair.old, section), getattr(family_pair.new, section)
+        if section == "characteristics":
+            shared_names = repeated_names(old_section) | repeated_names(new_section)
+            old_section = with_distinct_names(old_section, shared_names)
+            new_section = with_distinct_names(new_section, shared_names)
+        old_parts, new_parts = _by_member(old_section, key_member), _by_member(new_section, key_member)
         for key, old, new in match_by_key(old_parts, new_parts):
             if old != new:
                 subject = Subject(path=f"{section}.{key}", label=f"{noun} {key}")

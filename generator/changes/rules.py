@@ -308,6 +308,12 @@ _CHANGES = (
     ("clock-narrower", "WWWD", "the clock has narrower limits", _LESS),
     ("clock-wider", "+++D", "the clock has wider limits", _MORE),
     (
+        "facts-by-code",
+        "BBBD",
+        "a clock, a time-out, a time or a table of cable lengths depends on the order code in only one version",
+        "A macro and an attribute for all order codes exist only while the fact is the same for all of them.",
+    ),
+    (
         "clock-used",
         "WWWD",
         "other clocks are known to be in use",

@@ -185,7 +185,9 @@ def _members(shape: Shape, definitions: Shape, prefix: str = "") -> Iterator[tup
         definition = definitions.get(_definition_name(inner), {})
         meaning = inner.get("description") or definition.get("description", "")
         yield code(prefix + name), "required" if name in required_keys else "", type_and_limits, text(meaning)
-        yield from _members(inner, definitions, f"{prefix}{name}.")
+        is_one_or_more = "properties" in inner and "items" in inner
+        if not is_one_or_more:  # Otherwise, the section of its items has the keys.
+            yield from _members(inner, definitions, f"{prefix}{name}.")
         yield from _members(inner.get("items", {}), definitions, f"{prefix}{name}[].")
     value_shape = shape.get("additionalProperties")
     if isinstance(value_shape, Mapping) and "properties" in value_shape:

@@ -42,6 +42,8 @@ _PLACES: Mapping[str, str] = MappingProxyType(
         "WrittenValue": "values.additionalProperties",
     }
 )
+#: Largest number of rows of a fact that depends on the order code.
+_MOST_ROWS = 100
 #: Line of the schema after which the definitions begin.
 _DEFINITIONS = '  "$defs": {'
 _SCHEMA = Path(__file__).parent / "device.schema.json"
@@ -91,6 +93,8 @@ def _value_schema(kind: KeyType, key: Key) -> JsonSchema:
     if kind.container == "list":
         fewest: JsonSchema = {"minItems": key.least} if key.least else {}
         return {"type": "array"} | fewest | {"maxItems": key.most, "items": _value_schema(kind.inner, Key(""))}
+    if kind.container == "one_or_more":
+        return _one_or_more_schema(kind.inner)
     if kind.container == "map":
         fewest = {"minProperties": key.least} if key.least else {}
         entries = {
@@ -104,6 +108,14 @@ def _value_schema(kind: KeyType, key: Key) -> JsonSchema:
     if name in _definitions():
         return {"$ref": f"#/$defs/{name}"}
     return part_schema(described_parts()[kind.class_name])
+
+
+def _one_or_more_schema(kind: KeyType) -> JsonSchema:
+    """Return the JSON Schema of a part or a list of parts. JSON Schema applies each keyword to its type only."""
+    single = part_schema(described_parts()[kind.class_name])
+    single.pop("description", None)
+    several = {"minItems": 1, "maxItems": _MOST_ROWS, "items": _value_schema(kind, Key(""))}
+    return single | {"type": ["object", "array"]} | several
 
 
 def _definitions() -> Mapping[str, Any]:

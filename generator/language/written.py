@@ -136,6 +136,8 @@ def _reader(kind: KeyType, module: str) -> Reader:
     """
     if kind.container == "list":
         return _list_reader(_reader(kind.inner, module))
+    if kind.container == "one_or_more":
+        return _one_or_more_parts(_reader(kind.inner, module))
     if kind.container == "map":
         return _map_reader(_reader(kind.inner, module))
     if kind.container == "located":
@@ -204,6 +206,18 @@ def _map_reader(read: Reader) -> Reader:
         return {name: read_value for name, read_value in read_values.items() if read_value is not None}
 
     return read_map
+
+
+def _one_or_more_parts(read: Reader) -> Reader:
+    """Return the reader of a part or a list of parts, which returns a tuple."""
+
+    def read_parts(value: Any, path: Path) -> Any:
+        if isinstance(value, list):
+            return _list_reader(read)(value, path)
+        part = read(value, path)
+        return None if part is None else (part,)
+
+    return read_parts
 
 
 def _one_or_more(value: Any, path: Path) -> Any:
@@ -275,6 +289,8 @@ def _empty_value(kind: KeyType, module: str, path: Path) -> Any:
     """Return the value of a required key that is missing: an empty part, container or text, 0 or False."""
     if kind.container == "located":
         return located(_class_of(kind.inner, module), NOTHING, path)
+    if kind.container == "one_or_more":
+        return (_empty_value(kind.inner, module, path),)
     if kind.container:
         return () if kind.container == "list" else NOTHING
     if kind.part:

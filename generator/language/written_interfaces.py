@@ -12,6 +12,7 @@ from ..model.measurement import Measurement
 from ..model.part import (
     Formula,
     Name,
+    OneOrMore,
     Prose,
     SourceText,
     key,
@@ -23,11 +24,19 @@ from .written_layouts import (
     WrittenLayout,
 )
 
+_BY_CODE = (
+    "With other values for some order codes, it is a list with 'only' in each entry, one entry for each order code."
+)
+_CLOCK = (
+    f"Clock frequencies. {_BY_CODE} For example: [{{max_hz: 700000, only: X-24..., source: '5'}}, {{max_hz: 1300000,"
+    " only: X-32..., source: '5'}]."
+)
+
 
 @written("Synchronous serial interface.")
 class WrittenSsi(WrittenPart):
     source: SourceText = key("")
-    clock: Located[Clock] = key("")
+    clock: OneOrMore[Located[Clock]] = key(_CLOCK)
     alignment: Literal["msb_left", "lsb_right"] = key(
         "Alignment of the word: left (MSB with the first clock, zeros after the word) or right (zeros before it)."
     )
@@ -43,7 +52,9 @@ class WrittenSsi(WrittenPart):
         "Source for the code of this encoder. Default: the source of the interface.", default=""
     )
     signals: Prose = key("Electrical standard of the signals.", default="")
-    cable_lengths: tuple[Located[CableLength], ...] = key("Highest clock by cable length.", least=0, default=())
+    cable_lengths: tuple[Located[CableLength], ...] = key(
+        "Highest clock by cable length. A row for some order codes has 'only'.", least=0, default=()
+    )
     measurement: Located[Measurement] | None = key("", default=None)
     timings: tuple[Located[Timing], ...] = key("Timings of this interface.", least=0, default=())
     layouts: tuple[WrittenLayout, ...] = key("Layouts of the word.", most=256)
@@ -63,7 +74,7 @@ class WrittenControlData(WrittenPart):
 @written("BiSS C-mode.")
 class WrittenBiss(WrittenPart):
     source: SourceText = key("")
-    clock: Located[Clock] = key("")
+    clock: OneOrMore[Located[Clock]] = key(_CLOCK)
     signals: Prose = key("Electrical standard of the signals.", default="")
     description_file: str = key(
         "Name of the device description file that, according to the manual, is installed in the master.",
@@ -74,7 +85,7 @@ class WrittenBiss(WrittenPart):
     bank_select: Name = key("Register that selects the bank of the banked area.", default="")
     profile: Prose = key("Encoder profile that the manual names.", default="")
     network: Located[Network] | None = key("", default=None)
-    timeout: Located[Timeout] | None = key("", default=None)
+    timeout: OneOrMore[Located[Timeout]] = key(f"Time-out after a frame. {_BY_CODE}", default=())
     control_data: WrittenControlData | None = key("", default=None)
     measurement: Located[Measurement] | None = key("", default=None)
     timings: tuple[Located[Timing], ...] = key("Timings of this interface.", least=0, default=())
@@ -156,7 +167,7 @@ class WrittenSpi(WrittenPart):
     reply: Literal["same_word", "next_word"] = key(
         "Word in which the encoder answers a request: the same one, or the next one."
     )
-    clock: Located[Clock] = key("")
+    clock: OneOrMore[Located[Clock]] = key(_CLOCK)
     exchanges: tuple[WrittenSpiExchange, ...] = key(
         "Requests with their replies. Leave it out if the encoder ignores the words of the master. It "
         "then has a single layout.",

@@ -48,6 +48,7 @@ from .crc_rules import check_settings_of_crcs
 from .editions import editions
 from .evidence import with_placeholders
 from .examples import build_examples, check_examples, samples
+from .facts_by_code import check_facts_by_code
 from .fields import Context, Site
 from .frame_kinds import check_errata, check_frame_kinds
 from .from_mapping import (
@@ -91,6 +92,7 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
     device = _device(raw, manufacturer, order_code, variants, alternatives, context)
     _check_control_bytes(device, report)
     _check_requests(device, report)
+    check_facts_by_code(raw, device, report)
     check_spi_registers(device, report)
     check_frame_kinds(device, report)
     check_settings_of_crcs(device, report)

@@ -24,6 +24,7 @@ from ..model import (
     Port,
     Register,
     Spi,
+    Timeout,
 )
 from ..model.expressions import Expression
 from ..say.plain_text import counted
@@ -134,12 +135,21 @@ def build_measurement(raw: Raw, context: Context) -> Measurement | None:
     return Measurement(of=definition["of"], source=sources(definition), **context.expressions(definition, keys))
 
 
+def _clocks(raw: Raw) -> tuple[Clock, ...]:
+    """Return the clocks of an interface: one for all order codes, or several with disjoint order codes."""
+    return tuple(map(_clock, _one_or_more(raw.get("clock", {}))))
+
+
 def _clock(raw: Raw) -> Clock:
-    """Return the clock of an interface. The clocks in use are one number or a list in the spec, and sorted here."""
-    raw_clock = raw.get("clock", {})
-    used_hz = raw_clock.get("used_hz", ())
+    """Return a clock. The clocks in use are one number or a list in the spec, and sorted here."""
+    used_hz = raw.get("used_hz", ())
     clocks_in_use = tuple(sorted(used_hz)) if isinstance(used_hz, Sequence) else (used_hz,)
-    return record(Clock, raw_clock, used_hz=clocks_in_use)
+    return record(Clock, raw, used_hz=clocks_in_use)
+
+
+def _one_or_more(value: Raw | Sequence[Raw]) -> Sequence[Raw]:
+    """Return the parts under a key that holds one part or a list of them."""
+    return [value] if isinstance(value, Mapping) else value
 
 
 def _ssi(raw: Raw, context: Context) -> Mapping[str, Any]:
@@ -150,7 +160,7 @@ def _ssi(raw: Raw, context: Context) -> Mapping[str, Any]:
         output_code = OutputCode(raw["output_code"], sources(raw, "output_code_source") or source)
     cable_rows = raw.get("cable_lengths", ())
     return {
-        "clock": _clock(raw),
+        "clocks": _clocks(raw),
         "alignment": Alignment(raw.get("alignment", ""), sources(raw, "alignment_source") or source),
         "output_code": output_code,
         "cable_lengths": tuple(record(CableLength, row, source=sources(row) or source) for row in cable_rows),
@@ -160,8 +170,10 @@ def _ssi(raw: Raw, context: Context) -> Mapping[str, Any]:
 def _biss(raw: Raw, context: Context) -> Mapping[str, Any]:
     """Return the members of a BiSS interface that differ from the spec, by name."""
     control = raw.get("control_data", {})
+    timeouts = _one_or_more(raw.get("timeout", ()))
     return {
-        "clock": _clock(raw),
+        "clocks": _clocks(raw),
+        "timeouts": tuple(record(Timeout, timeout) for timeout in timeouts),
         "control_data": tuple(_control_field(definition, control, context) for definition in control.get("fields", ())),
         "control_data_note": control.get("note", ""),
     }
@@ -173,7 +185,7 @@ def _rs485(raw: Raw, context: Context) -> Mapping[str, Any]:
 
 def _spi(raw: Raw, context: Context) -> Mapping[str, Any]:
     bits = context.expression(raw.get("word_bits", _WORD[0]))
-    return {"clock": _clock(raw), "word_bits": bits, "exchanges": _exchanges(raw, context)}
+    return {"clocks": _clocks(raw), "word_bits": bits, "exchanges": _exchanges(raw, context)}
 
 
 def _exchanges(raw: Raw, context: Context) -> tuple[Exchange, ...]:

@@ -345,21 +345,21 @@ class CableTable:
         return f"According to the table in {self.origin}, no cable allows this clock: {reason}."
 
 
-def _printed_rows(interface: Ssi) -> list[CableRow]:
-    """Return the rows of the table in the manual."""
-    lengths = interface.cable_lengths
+def _printed_rows(interface: Ssi, code: str) -> list[CableRow]:
+    """Return the rows of the table in the manual that apply to an order code, or all of them without one."""
+    lengths = facts_for_code(interface.cable_lengths, code) if code else interface.cable_lengths
     return [CableRow(metres=length.shorter_than_m, hz=length.below_hz, is_below=True) for length in lengths]
 
 
 def cable_table(device: Device, interface: Ssi | Biss, code: str = "") -> CableTable:
     """Return the table for an interface: a public one for BiSS, that of the manual for SSI, which may have no rows.
 
-    The errata are those about the table that apply to the order code, or all of them without one.
+    The rows and errata of a manual's table are those that apply to the order code, or all of them without one.
     """
     match interface:
         case Ssi():
             path = f"interfaces.{interface.name}.cable_lengths"
-            rows = _printed_rows(interface)
+            rows = _printed_rows(interface, code)
             errata = facts_for_code(device.errata, code) if code else device.errata
             errata_names = [erratum.name for erratum in errata if path in erratum.affects]
             return CableTable(rows=tuple(rows), origin=_ORIGIN_MANUAL, errata=tuple(errata_names))

@@ -13,7 +13,20 @@ from fractions import Fraction
 from types import MappingProxyType
 
 from ..language.master_items import NUMBERS
-from ..model import Alternative, Biss, Crc, Device, Interface, Layout, Measurement, PlacedLayout, Ssi, Variant
+from ..model import (
+    Alternative,
+    Biss,
+    Clock,
+    Crc,
+    Device,
+    Interface,
+    Layout,
+    Measurement,
+    PlacedLayout,
+    Ssi,
+    Timeout,
+    Variant,
+)
 from ..model.order_codes import facts_for_code
 from ..order_codes.parameters import with_answers
 from ..say.evidence import Subject, document, mentions
@@ -197,7 +210,8 @@ def _record(
 ) -> Record:
     """Return the record without a cable length."""
     device, interface = frame.device, frame.interface
-    timeout = interface.timeout if isinstance(interface, Biss) else None
+    timeout = interface.timeout_of(frame.variant.code) if isinstance(interface, Biss) else None
+    clock = interface.clock_of(frame.variant.code)
     return Record(
         code=frame.variant.code,
         family=device.name,
@@ -211,7 +225,7 @@ def _record(
         step=frame.measurement.micrometres(frame.variant.parameters),
         document=document(device),
         mentioned=frozenset(subject for subject in Subject if mentions(device, interface, subject)),
-        used_hz=interface.clock.used_hz if numbers["clock_max_hz"] is None else (),
+        used_hz=clock.used_hz if numbers["clock_max_hz"] is None else (),
     )
 
 
@@ -318,20 +332,20 @@ def _clock_and_times(interface: Biss | Ssi, code: str) -> dict[str, int | None]:
     """Return clock and times of an order code by name, with None for those that the spec does not give."""
     timings = {timing.name: timing for timing in facts_for_code(interface.timings, code)}
     pause, busy = timings.get("pause"), timings.get("busy")
+    clock = interface.clock_of(code)
+    timeout = interface.timeout_of(code) if isinstance(interface, Biss) else None
     return {
-        "clock_min_hz": interface.clock.min_hz,
-        "clock_max_hz": interface.clock.max_hz,
-        "timeout_us": _longest_timeout_us(interface) if isinstance(interface, Biss) else None,
+        "clock_min_hz": clock.min_hz,
+        "clock_max_hz": clock.max_hz,
+        "timeout_us": _longest_timeout_us(timeout, clock) if timeout is not None else None,
         "busy_us": busy.at_most_us if busy is not None else None,
         "pause_us": pause.at_least_us if pause is not None else None,
     }
 
 
-def _longest_timeout_us(interface: Biss) -> int | None:
+def _longest_timeout_us(timeout: Timeout, clock: Clock) -> int | None:
     """Return the longest time-out, rounded up, or None if it is not known. In periods, it depends on the clock."""
-    timeout, slowest_hz = interface.timeout, interface.clock.min_hz
-    if timeout is None:
-        return None
+    slowest_hz = clock.min_hz
     if timeout.at_most_ns is not None:
         return _divide_rounding_up(timeout.at_most_ns, 1000)
     if timeout.half_clock_periods is not None and slowest_hz is not None:

@@ -5,10 +5,10 @@ They are part of the model. A device has interfaces, and an interface has layout
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field
 from types import MappingProxyType
-from typing import ClassVar, Literal, get_args
+from typing import ClassVar, Literal, TypeVar, get_args
 
 from .documents import (
     Sources,
@@ -20,6 +20,7 @@ from .facts import (
 from .kinds import Value
 from .layout import Layout
 from .measurement import Measurement
+from .order_codes import Restricted, facts_for_code
 from .part import (
     ClocksInUse,
     Count,
@@ -30,6 +31,7 @@ from .part import (
     key,
     meaning_key,
     name_key,
+    only_key,
     part,
     source_key,
 )
@@ -107,6 +109,7 @@ class Clock:
         label="clock in use",
         read="clock",
     )
+    only: Phrase = only_key(default="")
     source: Sources = source_key()
 
     @property
@@ -117,6 +120,35 @@ class Clock:
     @property
     def has_limits(self) -> bool:
         return self.min_hz is not None or self.max_hz is not None
+
+
+_Fact = TypeVar("_Fact", bound=Restricted)
+
+
+def _common_fact(facts: Sequence[_Fact]) -> _Fact | None:
+    """Return the only fact if it applies to all order codes, otherwise None."""
+    return facts[0] if len(facts) == 1 and not facts[0].only else None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Clocked(Common):
+    """An interface with a clock: one for all order codes, or several with disjoint order codes."""
+
+    clocks: tuple[Clock, ...]
+
+    @property
+    def clock(self) -> Clock | None:
+        """The clock of all order codes, or None if it depends on the order code."""
+        return _common_fact(self.clocks)
+
+    @property
+    def clocks_by_code(self) -> tuple[Clock, ...]:
+        """The clocks if they depend on the order code, otherwise an empty tuple."""
+        return self.clocks if self.clock is None else ()
+
+    def clock_of(self, code: str) -> Clock:
+        """Return the clock of an order code. It has no limits for a code that no listed order code resembles."""
+        return next(iter(facts_for_code(self.clocks, code)), Clock(source=()))
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,6 +210,7 @@ class Timeout:
     printed: tuple[PrintedTimeout, ...] = key(
         "Values calculated in the manual.", writing="They are checked against the rule.", least=0, default=()
     )
+    only: Phrase = only_key(default="")
     source: Sources = source_key()
 
 
@@ -220,7 +253,7 @@ class ControlField:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Biss(Common):
+class Biss(Clocked):
     name: ClassVar[str] = "biss"
     title: ClassVar[str] = "BiSS C-mode"
     short: ClassVar[str] = "BiSS"
@@ -230,19 +263,18 @@ class Biss(Common):
     highest_in_bank: ClassVar[int] = 0x3F
     flags: ClassVar[Mapping[str, str]] = MappingProxyType({"error": "not_usable", "warning": "usable_with_warning"})
 
-    clock: Clock
     signals: str
     profile: str
     description_file: str
     bank_select: str
     network: Network | None
-    timeout: Timeout | None
+    timeouts: tuple[Timeout, ...]
     control_data: tuple[ControlField, ...]
     control_data_note: str
 
     def facts(self) -> Iterator[Clock | Signals | Profile | DescriptionFile | BankSelect | Network | Timeout]:
         """Yield the facts needed for set-up, in order of importance."""
-        yield self.clock
+        yield from self.clocks
         if self.signals:
             yield Signals(self.signals, self.source)
         if self.profile:
@@ -253,8 +285,21 @@ class Biss(Common):
             yield BankSelect(self.bank_select, self.source)
         if self.network is not None:
             yield self.network
-        if self.timeout is not None:
-            yield self.timeout
+        yield from self.timeouts
+
+    @property
+    def timeout(self) -> Timeout | None:
+        """The time-out of all order codes, or None if it is not known or depends on the order code."""
+        return _common_fact(self.timeouts)
+
+    @property
+    def timeouts_by_code(self) -> tuple[Timeout, ...]:
+        """The time-outs if they depend on the order code, otherwise an empty tuple."""
+        return self.timeouts if self.timeout is None else ()
+
+    def timeout_of(self, code: str) -> Timeout | None:
+        """Return the time-out of an order code, or None if it is not known."""
+        return next(iter(facts_for_code(self.timeouts, code)), None)
 
 
 @part("Settings of the serial port.")
@@ -336,13 +381,12 @@ class WordFormat:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Spi(Common):
+class Spi(Clocked):
     name: ClassVar[str] = "spi"
     title: ClassVar[str] = "SPI"
     short: ClassVar[str] = "SPI"
     byte_addresses: ClassVar[bool] = False
 
-    clock: Clock
     mode: int
     word_bits: Expression
     reply: str
@@ -350,7 +394,7 @@ class Spi(Common):
 
     def facts(self) -> Iterator[Clock | WordFormat]:
         """Yield the facts needed for set-up, in order of importance."""
-        yield self.clock
+        yield from self.clocks
         yield WordFormat(self.lengths, self.mode, self.reply, self.source)
 
     def bits_of(self, exchange: Exchange) -> Expression:
@@ -385,16 +429,16 @@ class CableLength:
 
     shorter_than_m: int = key("Cable length in metres, exclusive upper bound.", minimum=1)
     below_hz: int = key("Clock in hertz, exclusive upper bound.", minimum=1)
+    only: Phrase = only_key(default="")
     source: Sources = source_key(default=())
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Ssi(Common):
+class Ssi(Clocked):
     name: ClassVar[str] = "ssi"
     title: ClassVar[str] = "SSI"
     short: ClassVar[str] = "SSI"
 
-    clock: Clock
     alignment: Alignment
     output_code: OutputCode | None
     signals: str
@@ -402,7 +446,7 @@ class Ssi(Common):
 
     def facts(self) -> Iterator[Clock | CableLength | Signals | Alignment | OutputCode]:
         """Yield the facts needed for set-up, in order of importance."""
-        yield self.clock
+        yield from self.clocks
         yield from self.cable_lengths
         if self.signals:
             yield Signals(self.signals, self.source)

@@ -137,6 +137,7 @@ _MAP_KEYS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
 _CONTAINERS: Mapping[str, re.Pattern[str]] = MappingProxyType(
     {
         "list": re.compile(r"tuple\[(?P<inner>.*), \.\.\.\]"),
+        "one_or_more": re.compile(r"OneOrMore\[(?P<inner>.*)\]"),
         "map": re.compile(r"Mapping\[(?P<key>\w+), (?P<inner>.*)\]"),
         "located": re.compile(r"Located\[(?P<inner>\w+)\]"),
     }
@@ -147,7 +148,7 @@ _CHOICE = re.compile(r"Literal(?P<words>\[.*\])")
 class KeyType(NamedTuple):
     """Type of a key: a word for a type, the name of a class, words to choose from, or a container of an inner type.
 
-    A container is a ``list``, a ``map``, or ``located``: a part with its place.
+    A container is a ``list``, ``one_or_more``, a ``map``, or ``located``: a part with its place.
     """
 
     word: str = ""
@@ -190,7 +191,7 @@ class KeyType(NamedTuple):
     def notation(self) -> str:
         """Notation of a value in the data."""
         if self.container:
-            return f"[{self.inner.notation}]" if self.container == "list" else f"{{{self.inner.notation}}}"
+            return f"{{{self.inner.notation}}}" if self.container == "map" else f"[{self.inner.notation}]"
         return "|".join(self.choices) if self.choices else self.part or _WORDS[self.word].notation
 
 

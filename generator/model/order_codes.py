@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import field
 from fnmatch import translate
@@ -180,6 +181,17 @@ _Fact = TypeVar("_Fact", bound=Restricted)
 def facts_for_code(facts: Iterable[_Fact], code: str) -> tuple[_Fact, ...]:
     """Return the facts that apply to an order code."""
     return tuple(fact for fact in facts if fits(fact.only, code))
+
+
+class _Named(Protocol):
+    @property
+    def name(self) -> str: ...
+
+
+def repeated_names(facts: Iterable[_Named]) -> set[str]:
+    """Return the names that several facts have, each for other order codes."""
+    counts = Counter(fact.name for fact in facts)
+    return {name for name, count in counts.items() if count > 1}
 
 
 def fits(only: str, code: str) -> bool:

@@ -83,6 +83,8 @@ AddressRange = int | str
 VerdictOfAnswer = str
 #: One clock in hertz, or several in ascending order. It reads as a list.
 ClocksInUse = tuple[int, ...]
+#: One part, or a list of them if they depend on the order code. It reads as a list.
+OneOrMore = tuple[T, ...]
 #: The cells of a row.
 Cells = tuple[str, ...]
 #: A value of an example.

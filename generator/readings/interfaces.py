@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from ..language.document import Path
@@ -22,17 +22,20 @@ from ..model import (
     Ssi,
     Timing,
 )
+from ..model.order_codes import Restricted, fits, repeated_names
 from ..model.registers import bounded
 from ..say.names_and_places import bits
 from ..say.plain_text import counted
 from .frame_bits import word
 from .reading import (
     NOTHING,
+    Case,
     Fact,
     Facts,
     Key,
     Reading,
     Sort,
+    Value,
     as_delivered,
     in_hex,
     interface_label,
@@ -283,15 +286,17 @@ def _interface_facts(reading: Reading, interface: Interface) -> Iterator[Fact]:
     )
     yield from interface_subject.stated_facts(interface)
     for name, joint in _JOINT_BY_PART.items():
+        subject = replace(interface_subject, key=(name, interface.name), place=(*place, name), joint=joint)
         # No kind of interface has all of these parts.
         part = getattr(interface, name, None)
+        parts_by_code = getattr(interface, f"{name}s_by_code", ())
         if part:
-            yield from replace(
-                interface_subject, key=(name, interface.name), place=(*place, name), joint=joint
-            ).stated_facts(part)
+            yield from subject.stated_facts(part)
+        elif parts_by_code:
+            yield from subject.stated_facts_by_code(parts_by_code)
     match interface:
         case Ssi():
-            yield from _cable_clocks(interface)
+            yield from _cable_clocks(reading, interface)
         case Biss():
             yield from _biss_facts(reading, interface)
         case Rs485():
@@ -301,16 +306,34 @@ def _interface_facts(reading: Reading, interface: Interface) -> Iterator[Fact]:
             yield from _exchange_facts(interface)
 
 
-def _cable_clocks(interface: Ssi) -> Iterator[Fact]:
-    """Yield the highest clock for each length of the cable."""
+def _cable_clocks(reading: Reading, interface: Ssi) -> Iterator[Fact]:
+    """Yield the highest clock for each length of the cable, for each order code if it depends on that."""
+    index_by_length: dict[int, int] = {}
     for index, cable in enumerate(interface.cable_lengths):
+        index_by_length.setdefault(cable.shorter_than_m, index)
+    for length, index in index_by_length.items():
+        rows = [row for row in interface.cable_lengths if row.shorter_than_m == length]
+        rows_with_texts = [(row, f"below {row.below_hz} Hz") for row in rows]
         yield Fact(
             sort=Sort.CLOCK,
-            key=("cable", "ssi", cable.shorter_than_m),
-            value=f"below {cable.below_hz} Hz",
-            description=f"clock for a cable shorter than {cable.shorter_than_m} m",
+            key=("cable", "ssi", length),
+            value=_value_by_code(reading, interface.name, rows_with_texts),
+            description=f"clock for a cable shorter than {length} m",
             place=("interfaces", interface.name, "cable_lengths", index, "below_hz"),
         )
+
+
+def _value_by_code(reading: Reading, interface: str, rows_with_texts: Sequence[tuple[Restricted, str]]) -> Value:
+    """Return the text of the only row, or that for each order code if rows are for different order codes."""
+    first_row, first_text = rows_with_texts[0]
+    if len(rows_with_texts) == 1 and not first_row.only:
+        return first_text
+    values: dict[Case, str] = {}
+    for case in reading.cases(interface):
+        for row, row_text in rows_with_texts:
+            if fits(row.only, case.code):
+                values[case] = row_text
+    return values
 
 
 def _biss_facts(reading: Reading, interface: Biss) -> Iterator[Fact]:
@@ -318,15 +341,16 @@ def _biss_facts(reading: Reading, interface: Biss) -> Iterator[Fact]:
 
     A field of the control frame is identified by the number of bits sent before it.
     """
-    printed_timeouts = interface.timeout.printed if interface.timeout is not None else ()
-    for index, printed in enumerate(printed_timeouts):
-        yield Fact(
-            sort=Sort.TIME,
-            key=("timeout", "at", printed.clock_hz),
-            value=f"{printed.timeout_ns} ns",
-            description=f"time-out over BiSS at {printed.clock_hz} Hz",
-            place=("interfaces", interface.name, "timeout", "printed", index, "timeout_ns"),
-        )
+    for timeout in interface.timeouts:
+        for index, printed in enumerate(timeout.printed):
+            row_with_text = (timeout, f"{printed.timeout_ns} ns")
+            yield Fact(
+                sort=Sort.TIME,
+                key=("timeout", "at", printed.clock_hz),
+                value=_value_by_code(reading, interface.name, [row_with_text]),
+                description=f"time-out over BiSS at {printed.clock_hz} Hz",
+                place=("interfaces", interface.name, "timeout", "printed", index, "timeout_ns"),
+            )
     offset = 0
     for control_field in interface.control_data:
         yield from _control_field_facts(reading, control_field, offset)
@@ -399,13 +423,16 @@ def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) ->
     identify the timing: ``("time", "ssi", "at least 16 µs, at most 32 µs")``. ``interface`` is "" for the device.
     """
     interface_text = f" over {interface_label(interface)}" if interface else ""
-    for timing in printed_timings:
+    shared_names = repeated_names(printed_timings)
+    for index, timing in enumerate(printed_timings):
         time_by_bound: dict[str, str] = {}
         for bound in ("at_least_us", "typical_us", "at_most_us"):
             microseconds = getattr(timing, bound)
             if microseconds is not None:
                 time_by_bound[bound] = f"{microseconds} µs"
-        place = (*owner, timing.name)
+        # Times for different order codes may have the same name, which then leads to the first one.
+        name = "" if timing.name in shared_names else timing.name
+        place = (*owner, name or index)
         if not timing.symbol:
             bound_words = {bound: bound.removesuffix("_us").replace("_", " ") for bound in time_by_bound}
             times_text = ", ".join(f"{bound_words[bound]} {time}" for bound, time in time_by_bound.items())
@@ -416,7 +443,7 @@ def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) ->
                 value=times_text,
                 description=f"a time{interface_text}",
                 place=place,
-                name=timing.name,
+                name=name,
             )
             continue
         symbol = plain(timing.symbol).replace(" ", "")
@@ -427,5 +454,5 @@ def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) ->
                 value=bound_time,
                 description=f"time {timing.symbol}{interface_text}, '{bound_name}'",
                 place=(*place, bound_name),
-                name=timing.name,
+                name=name,
             )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import fields, is_dataclass
 from enum import Enum
 from functools import cache
@@ -25,8 +25,9 @@ from ..model import (
 )
 from ..model.expressions import Expression
 from ..model.members import PARTS_BY_CLASS, Member
+from ..model.order_codes import facts_for_code
 from ..model.record import dataclass
-from .reading import Fact, Key, Reading, Sort, Value, in_hex, interface_label, register_text, short
+from .reading import Case, Fact, Key, Reading, Sort, Value, in_hex, interface_label, register_text, short
 
 
 class _Detail(NamedTuple):
@@ -307,6 +308,18 @@ class Subject:
             yield self.detail_fact(
                 Sort.PRINTED, f"name in {language}", text, "printed name", place, may_be_missing=True
             )
+
+    def stated_facts_by_code(self, rows: Sequence[Any]) -> Iterator[Fact]:
+        """Yield a fact for each member of rows that apply to different order codes, with its value for each code."""
+        for member in PARTS_BY_CLASS[type(rows[0]).__name__].members:
+            values: dict[Case, str] = {}
+            for case in self.reading.cases(self.interface):
+                for row in facts_for_code(rows, case.code):
+                    member_value = getattr(row, member.attribute)
+                    if member.read and member.is_stated(member_value):
+                        values[case] = str(_value_text(self.reading, member, member_value, self.interface))
+            if values:
+                yield self.detail_fact(Sort(member.read), member.name, values, member.noun or member.words, self.place)
 
 
 @cache

@@ -86,8 +86,8 @@ def change_in_words(printed: str) -> str:
     Text that does not begin with paths is unchanged.
     """
     paths, colon, new_value = printed.partition(": ")
-    # An index such as [0] becomes a step that counts from 1.
-    numbered_paths = _INDEX.sub(lambda index: f".{int(index[1]) + 1}", paths)
+    # A number such as [1], which counts from 1, becomes a step.
+    numbered_paths = _INDEX.sub(r".\1", paths)
     are_paths = all(map(_PATH.fullmatch, _MORE.sub("", numbered_paths).split(", ")))
     return f"{paths_in_words(numbered_paths)}{colon}{new_value}" if are_paths else printed
 

@@ -37,6 +37,7 @@ from ..model import (
     assert_never,
 )
 from ..model.expressions import Expression
+from ..model.order_codes import Restricted
 from .errata import errata, erratum
 from .names_and_places import hexadecimal, printed, register_at, register_field, words
 from .names_and_places import register as named
@@ -180,16 +181,19 @@ def parameter_value(device_parameter: Parameter, count: int) -> str:
 def timing(printed_time: Timing) -> Statement:
     """Return the limits of a time with its meaning and order codes, labelled with the manual's symbol or our name."""
     description = f": {printed_time.meaning}" if printed_time.meaning else ""
-    if printed_time.only:
-        description += f" (only with {printed_time.only})"
+    description += _only_with(printed_time)
     label = printed_time.symbol or printed_time.name
     return statement(bounds(printed_time), description, label=label, source=printed_time.source)
 
 
 def bounds_with_codes(printed_time: Timing) -> str:
     """Return the duration, such as ``at least 12 µs (only with X-24)``. Without ``only``, it applies to all codes."""
-    duration = bounds(printed_time)
-    return f"{duration} (only with {printed_time.only})" if printed_time.only else duration
+    return f"{bounds(printed_time)}{_only_with(printed_time)}"
+
+
+def _only_with(fact: Restricted) -> str:
+    """Return the order codes to which a fact applies, such as `` (only with X-24)``, or nothing if to all of them."""
+    return f" (only with {fact.only})" if fact.only else ""
 
 
 def bounds(printed_time: Timing) -> str:
@@ -257,15 +261,15 @@ def _label_and_content(device: Device, fact: Fact) -> tuple[str, Part]:
     """Return a fact about an interface as a label and its text, such as ``Clock`` and ``100 kHz to 4 MHz``."""
     match fact:
         case Clock():
-            return "Clock", clock_words(fact)
+            return "Clock", f"{clock_words(fact)}{_only_with(fact)}"
         case CableLength(shorter_than_m=metres, below_hz=clock):
-            return "Clock", f"below {hertz(clock)} with a cable shorter than {metres} m"
+            return "Clock", f"below {hertz(clock)} with a cable shorter than {metres} m{_only_with(fact)}"
         case BankSelect(register):
             return "Bank select", named(device, register)
         case Network():
             return "Network", _network_words(fact)
         case Timeout():
-            return "Time-out", _timeout_with_examples(fact)
+            return "Time-out", f"{_timeout_with_examples(fact)}{_only_with(fact)}"
         case Port():
             return "Baud rate", _port_words(fact)
         case WordFormat():
@@ -289,6 +293,11 @@ def _label_and_text(fact: Signals | Alignment | OutputCode | Profile | Descripti
             return "Profile", text
         case DescriptionFile(text):
             return "Description file", f"{text}, which the manufacturer supplies"
+
+
+def timeouts_with_codes(timeouts: Sequence[Timeout]) -> str:
+    """Return the time-outs, each with the order codes to which it applies. Empty if there is none."""
+    return "; ".join(f"{timeout_words(timeout)}{_only_with(timeout)}" for timeout in timeouts)
 
 
 def clock_words(clock: Clock) -> str:

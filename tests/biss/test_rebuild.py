@@ -201,12 +201,18 @@ def _device(dump: Dump) -> Dump:
     interfaces = []
     for kind, part in dump["interfaces"].items():
         lists = {name: _of_interface(dump[name], kind) for name in ("layouts", "timings")}
-        interfaces.append({**part, **lists})
+        by_code = {f"{name}s": _one_or_more(part, name) for name in ("clock", "timeout")}
+        interfaces.append({**part, **lists, **by_code})
     return {
         **dump,
         "interfaces": interfaces,
         "timings": _of_interface(dump["timings"], ""),
     }
+
+
+def _one_or_more(part: Dump, name: str) -> list[Dump]:
+    """Return the facts that depend on the order code, or else the one for all order codes, if there is one."""
+    return part[f"{name}s"] or [fact for fact in [part[name]] if fact]
 
 
 def _of_interface(parts: list[Dump], interface: str) -> list[Dump]:
@@ -264,9 +270,12 @@ def differences(ours: Any, theirs: Any, path: str = "") -> list[str]:
 
 
 def public() -> dict[str, Device]:
-    """Return encoders with codes for widths, with requests and replies over RS-485, or with verdicts on values."""
-    loaded, _ = load_library([*(ENCODERS / name for name in ("ichaus", "cui")), SPECS / "signs.yaml"])
-    return {device.name: device for device in loaded if device.name in ("icmhm", "amt21", "signs")}
+    """Return encoders with codes for widths, RS-485 requests, verdicts on values, or facts by order code."""
+    made_up = SPECS.parent / "check" / "ok_model"
+    by_code = [made_up / "facts_by_code.yaml", made_up / "manufacturer.yaml"]
+    loaded, _ = load_library([*(ENCODERS / name for name in ("ichaus", "cui")), SPECS / "signs.yaml", *by_code])
+    names = ("icmhm", "amt21", "signs", "facts_by_code")
+    return {device.name: device for device in loaded if device.name in names}
 
 
 @pytest.fixture(scope="module")
@@ -311,6 +320,9 @@ ALTERED: list[tuple[str, tuple[int | str, ...]]] = [
     ("am36", ("procedures", 0, "steps", 0, "meaning")),
     ("am36", ("registers", 1, "access")),
     ("am36", ("interfaces", "biss", "clock", "max_hz")),
+    ("facts_by_code", ("interfaces", "ssi", "clocks", 1, "max_hz")),
+    ("facts_by_code", ("interfaces", "biss", "timeouts", 1, "only")),
+    ("facts_by_code", ("interfaces", "ssi", "cable_lengths", 0, "only")),
     ("am36", ("layouts", "single_cycle_data", "fields", "error", "unused")),
     ("am36", ("layouts", "single_cycle_data", "fields", "error", "makes_position")),
     ("signs", ("layouts", "gray_word", "fields", "quality", "values", "poor", "makes_position")),

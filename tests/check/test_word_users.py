@@ -29,6 +29,7 @@ ALONE = {
         ),
         "two flags of the AS5045 that together mean a field out of range, and two of the AS5055A that mean an error",
     ),
+    "clock.only": "clocks by order code, of the BML. No second encoder with a public source is known",
     "biss.bank_select": "banks are part of BiSS, and iC-Haus documents two more chips with them",
     "register.bank": "as bank_select",
     "parameter.by_code": "codes for widths in four iC-Haus chips, and in LENZ encoders without a public document",
@@ -55,8 +56,8 @@ UNUSED = {
     **dict.fromkeys(
         (
             "biss.network.topology.bus",
-            "biss.timeout.rule.fixed",
-            "biss.timeout.typical_ns",
+            "timeout.rule.fixed",
+            "timeout.typical_ns",
             "change.add",
             "change.severity.omission",
             "change.severity.wrong_data",
@@ -85,6 +86,7 @@ UNUSED = {
         ),
         "completes a list, or is the same key as in other places",
     ),
+    **dict.fromkeys(("ssi.cable_lengths.only", "timeout.only"), "as clock.only"),
     "combination.printed_name": "as of a field",
     "combination.remedy": "as of a field",
     "layout.gray.excess": "360 or 720 counts per turn, which so far only encoders with parallel outputs have",
@@ -113,6 +115,10 @@ def parts_of(node: Mapping[str, Any], values: list[Any] | None) -> Iterator[Part
     """Yield the alternatives, the members and the items of a schema."""
     for alternative in (*node.get("oneOf", ()), *node.get("anyOf", ())):
         yield Part("", alternative, values)
+    if "items" in node and "properties" in node:  # One part or a list of them.
+        items = [item for value in values or () for item in (value if isinstance(value, list) else [value])]
+        yield Part("", node["items"], None if values is None else items)
+        return
     mappings = [value for value in values or () if isinstance(value, dict)]
     properties = node.get("properties", {})
     for key, member in properties.items():

@@ -29,8 +29,9 @@ def test_attributes_have_the_values_of_the_spec() -> None:
     assert [register.name for register in registers] == [data["name"] for data in spec["registers"]]
     biss = WrittenBiss(spec["interfaces"]["biss"], ("interfaces", "biss"))
     data = spec["interfaces"]["biss"]
-    assert biss.clock.part.max_hz == data["clock"]["max_hz"]
-    assert biss.clock.path == ("interfaces", "biss", "clock")
+    (clock,) = biss.clock
+    assert clock.part.max_hz == data["clock"]["max_hz"]
+    assert clock.path == ("interfaces", "biss", "clock")
     assert [layout.name for layout in biss.layouts] == [layout["name"] for layout in data["layouts"]]
     assert biss.layouts[0].fields[0].path == ("interfaces", "biss", "layouts", 0, "fields", 0)
 
@@ -81,6 +82,13 @@ def test_a_part_of_the_model_has_its_place_and_its_keys() -> None:
     assert measurement.path == ("biss", "measurement")
 
 
+def test_one_part_and_a_list_of_parts_read_as_a_tuple() -> None:
+    row = {"max_hz": 1_000_000, "source": "5"}
+    for data, paths in ((row, [("biss", "clock")]), ([row, row], [("biss", "clock", 0), ("biss", "clock", 1)])):
+        biss = WrittenBiss({"clock": data}, ("biss",))
+        assert [(clock.part.max_hz, clock.path) for clock in biss.clock] == [(1_000_000, path) for path in paths]
+
+
 def test_every_key_of_every_part_can_be_read_from_an_empty_map() -> None:
     written_classes = [kind for kind in described_parts().values() if issubclass(kind, WrittenPart)]
     assert len(written_classes) > 25
@@ -89,6 +97,8 @@ def test_every_key_of_every_part_can_be_read_from_an_empty_map() -> None:
         for described in keys_of(kind):
             name = described.name if hasattr(kind, described.name) else f"{described.name}_"
             value = getattr(part, name)
+            if isinstance(value, tuple) and len(value) == 1:  # One of several rows.
+                (value,) = value
             is_empty = not value or (isinstance(value, (WrittenPart, Located)) and not value.data)
             assert is_empty or value is described.default, f"{kind.__name__}.{name}"
 

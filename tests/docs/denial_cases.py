@@ -376,7 +376,7 @@ case(
 
 
 def without_timeout(*timings: Timing) -> str:
-    kind = replace(biss(), timeout=None, timings=timings)
+    kind = replace(biss(), timeouts=(), timings=timings)
     wave = timing_pictures.timing_diagram(with_interface(kind), kind)
     assert wave is not None
     return wave.text

@@ -159,7 +159,7 @@ RULES: tuple[Rule, ...] = (
     values.cable_order,
     values.dates,
     values.supply_range,
-    values.timeout_mismatch,
+    rates.timeout_mismatch,
     values.bad_source,
     shapes.byte_order_missing,
     procedures.step_shape,

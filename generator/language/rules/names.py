@@ -52,8 +52,10 @@ def duplicate_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
     """Check that names are unique among items of one kind, within the spec or within the item that contains them."""
     for word, parts in _named_parts(spec).items():
         _check_unique(_labels(parts, "name"), word, report)
+    for word, facts in (("a timing", spec.timings), ("a characteristic", spec.characteristics)):
+        _check_unique(_names_for_all_codes(facts), word, report)
     for _, interface in interfaces(spec):
-        _check_unique(_labels(interface.timings, "name"), "a timing", report)
+        _check_unique(_names_for_all_codes(interface.timings), "a timing", report)
         data_ids = interface.data_ids if isinstance(interface, WrittenRs485) else ()
         for label, word in _DATA_ID_LABELS:
             _check_unique(_labels(data_ids, label), word, report)
@@ -79,12 +81,10 @@ def _named_parts(spec: WrittenSpec) -> dict[str, Sequence[PlacedPart]]:
         "a register": spec.registers,
         "an alarm": spec.alarms,
         "a procedure": spec.procedures,
-        "a timing": spec.timings,
         "an input": spec.inputs,
         "a table": spec.tables,
         "a connector": spec.connectors,
         "an LED": spec.leds,
-        "a characteristic": spec.characteristics,
         "an example": spec.examples,
         "an erratum": spec.errata,
         "a layout": [frame.owner for frame in layouts(spec)],
@@ -205,6 +205,11 @@ def _labels(parts: Sequence[PlacedPart], label: str) -> Iterator[Named]:
     """Yield the value under the key ``label`` of each part, with its path."""
     for part in parts:
         yield (*part.path, label), part.data[label]
+
+
+def _names_for_all_codes(parts: Sequence[PlacedPart]) -> Iterator[Named]:
+    """Yield the names of the parts that apply to all order codes. Facts for others are compared by order code."""
+    return _labels([part for part in parts if "only" not in part.data], "name")
 
 
 def _labels_in(path: Path, key: str, label: str, values: Iterable[str]) -> Iterator[Named]:

@@ -227,9 +227,21 @@ def origins_of(parameter: WrittenParameter) -> list[str]:
     return [key for key, origin in origins.items() if origin not in (None, "")]
 
 
-def clock_of(interface: WrittenInterface) -> Located[Clock] | None:
-    """Return the clock of an interface. Over RS-485 there is none."""
-    return None if isinstance(interface, WrittenRs485) else interface.clock
+def clocks_of(interface: WrittenInterface) -> tuple[Located[Clock], ...]:
+    """Return the clocks of an interface, several if they depend on the order code. Over RS-485 there is none."""
+    return () if isinstance(interface, WrittenRs485) else interface.clock
+
+
+class RestrictedPart(Protocol):
+    """A part of the model with the order codes to which it applies."""
+
+    @property
+    def only(self) -> str: ...
+
+
+def share_codes(first: RestrictedPart, second: RestrictedPart) -> bool:
+    """Return True if two facts surely apply to a common order code: to the same ones, or one of them to all."""
+    return not first.only or not second.only or first.only == second.only
 
 
 def timings(spec: WrittenSpec) -> Iterator[Located[Timing]]:

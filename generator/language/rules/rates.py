@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator
+from fractions import Fraction
 
 from ...model import Timing
-from ...model.interfaces import Timeout
+from ...model.interfaces import CableLength, Clock, Timeout
 from ..problems import DocumentReport, Path
 from ..schema_files import is_second
 from ..written import Located
 from ..written_interfaces import WrittenBiss, WrittenRs485, WrittenSpi, WrittenSsi
 from ..written_parts import WrittenSpec
-from .parts import WrittenInterface, explained, interfaces
+from .parts import WrittenInterface, explained, interfaces, share_codes
 
 #: Significant digits of the rates in data sheets.
 _DIGITS = 3
@@ -25,6 +27,9 @@ _HIGHEST_HZ = 10_000_000
 _LINES = re.compile(r"\bRS-?(?:422|485)\b", re.IGNORECASE)
 #: Usual names of the times of an SSI encoder.
 _MONOFLOP, _PAUSE = "monoflop", "pause"
+#: Place of the time-outs of BiSS, and the path of their printed values in errata.
+_TIMEOUT = ("interfaces", "biss", "timeout")
+_PRINTED = ".".join((*_TIMEOUT, "printed"))
 _NS_PER_S, _NS_PER_US = 1_000_000_000, 1000
 
 
@@ -59,10 +64,10 @@ def _rates(interface: WrittenInterface) -> Iterator[tuple[Path, int, str]]:
         if interface.port.is_valid("baud"):
             yield (*interface.port.path, "baud"), interface.port.part.baud, "baud"
         return
-    clock = interface.clock
-    for key, rate in (("min_hz", clock.part.min_hz), ("max_hz", clock.part.max_hz)):
-        if rate is not None:
-            yield (*clock.path, key), rate, "Hz"
+    for clock in interface.clock:
+        for key, rate in (("min_hz", clock.part.min_hz), ("max_hz", clock.part.max_hz)):
+            if rate is not None:
+                yield (*clock.path, key), rate, "Hz"
     if isinstance(interface, WrittenSsi):
         for row in interface.cable_lengths:
             if row.is_valid("below_hz"):
@@ -96,28 +101,39 @@ def monoflop(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> Non
     The shortest time that a timing gives counts, for the pause only a guaranteed one. An erratum explains others.
     """
     ssi = spec.interfaces.ssi
-    timings = {timing.part.name: timing for timing in ssi.timings} if ssi is not None else {}
-    if ssi is None or _MONOFLOP not in timings:
+    if ssi is None:
         return
-    located_monoflop = timings[_MONOFLOP]
-    time_us, key = _shortest(located_monoflop)
-    lowest_hz = ssi.clock.part.min_hz
-    place = ".".join(map(str, (*located_monoflop.path[:-1], _MONOFLOP, key)))
+    for timing in ssi.timings:
+        if timing.part.name == _MONOFLOP:
+            _check_monoflop(timing, ssi, report)
+
+
+def _check_monoflop(timing: Located[Timing], ssi: WrittenSsi, report: DocumentReport) -> None:
+    """Check a monoflop time against the clocks and pauses of the same order codes."""
+    time_us, key = _shortest(timing)
+    place = ".".join(map(str, (*timing.path[:-1], _MONOFLOP, key)))
     if explained(report.document, place) or not time_us:
         return
     remedy = f"If this is what the manual says, add an erratum that affects {place}"
-    if lowest_hz and 2 * lowest_hz * time_us * _NS_PER_US < _NS_PER_S:
-        message = (
-            f"{time_us} µs is shorter than half a period of the slowest clock, 'min_hz: {lowest_hz}', so it would end"
-            f" within a word; correct one of the two. {remedy}"
-        )
-        report.add("monoflop", (*located_monoflop.path, key), message)
-    pause_us = timings[_PAUSE].part.at_least_us if _PAUSE in timings else None
-    if pause_us is not None and pause_us < time_us:
-        message = (
-            f"the pause of {pause_us} µs is shorter than the monoflop time of {time_us} µs; correct one of the two"
-        )
-        report.add("monoflop", (*timings[_PAUSE].path, "at_least_us"), f"{message}. {remedy}")
+    for clock in ssi.clock:
+        lowest_hz = clock.part.min_hz
+        if not lowest_hz or not share_codes(clock.part, timing.part):
+            continue
+        if 2 * lowest_hz * time_us * _NS_PER_US < _NS_PER_S:
+            message = (
+                f"{time_us} µs is shorter than half a period of the slowest clock, 'min_hz: {lowest_hz}', so it would"
+                f" end within a word; correct one of the two. {remedy}"
+            )
+            report.add("monoflop", (*timing.path, key), message)
+    for pause in ssi.timings:
+        pause_us = pause.part.at_least_us
+        if pause.part.name != _PAUSE or pause_us is None or not share_codes(pause.part, timing.part):
+            continue
+        if pause_us < time_us:
+            message = (
+                f"the pause of {pause_us} µs is shorter than the monoflop time of {time_us} µs; correct one of the two"
+            )
+            report.add("monoflop", (*pause.path, "at_least_us"), f"{message}. {remedy}")
 
 
 def _shortest(timing: Located[Timing]) -> tuple[int | None, str]:
@@ -134,22 +150,27 @@ def cable_clocks(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
     ssi = spec.interfaces.ssi
     if ssi is None:
         return
-    lowest_hz, highest_hz = ssi.clock.part.min_hz or 0, ssi.clock.part.max_hz
     for row in ssi.cable_lengths:
-        below_hz = row.part.below_hz
-        is_too_high = highest_hz is not None and below_hz > highest_hz
-        place = "interfaces.ssi.clock.max_hz" if is_too_high else "interfaces.ssi.clock.min_hz"
-        if explained(report.document, place):
-            continue
-        if row.is_valid("below_hz") and (below_hz < lowest_hz or is_too_high):
-            message = (
-                f"no clock is below {below_hz} Hz for cables shorter than {row.part.shorter_than_m} m: the clock is"
-                f" {lowest_hz} to {highest_hz} Hz"
-            )
-            if is_too_high:
-                message = f"{below_hz} Hz is above 'max_hz: {highest_hz}'"
-            remedy = "correct one of the two. If this is what the manual says, add an erratum that affects"
-            report.add("clock-range", (*row.path, "below_hz"), f"{message}; {remedy} {place}")
+        for clock in ssi.clock:
+            if row.is_valid("below_hz") and share_codes(clock.part, row.part):
+                _check_cable_clock(row, clock.part, report)
+
+
+def _check_cable_clock(row: Located[CableLength], clock: Clock, report: DocumentReport) -> None:
+    """Report a clock limit for cables that is outside the limits of a clock."""
+    below_hz, lowest_hz, highest_hz = row.part.below_hz, clock.min_hz or 0, clock.max_hz
+    is_too_high = highest_hz is not None and below_hz > highest_hz
+    place = "interfaces.ssi.clock.max_hz" if is_too_high else "interfaces.ssi.clock.min_hz"
+    if explained(report.document, place) or not (below_hz < lowest_hz or is_too_high):
+        return
+    message = (
+        f"no clock is below {below_hz} Hz for cables shorter than {row.part.shorter_than_m} m: the clock is"
+        f" {lowest_hz} to {highest_hz} Hz"
+    )
+    if is_too_high:
+        message = f"{below_hz} Hz is above 'max_hz: {highest_hz}'"
+    remedy = "correct one of the two. If this is what the manual says, add an erratum that affects"
+    report.add("clock-range", (*row.path, "below_hz"), f"{message}; {remedy} {place}")
 
 
 def timeouts_and_clocks(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
@@ -158,13 +179,17 @@ def timeouts_and_clocks(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
     Printed time-outs without a rule are then whole numbers of half periods, apart from rounding to nanoseconds.
     """
     biss = spec.interfaces.biss
-    timeout = biss.timeout if biss is not None else None
-    if biss is None or timeout is None or explained(report.document, *map(str, timeout.path), "printed"):
-        return
-    remedy = f"correct one of the two. If this is what the manual says, add an erratum that affects {_dotted(timeout)}"
-    _check_longest_timeout(biss, timeout, remedy, report)
-    if timeout.part.rule != "follows_clock" or timeout.part.half_clock_periods is not None:
-        return
+    for timeout in biss.timeout if biss is not None else ():
+        if biss is None or explained(report.document, *_TIMEOUT, "printed"):
+            continue
+        remedy = f"correct one of the two. If this is what the manual says, add an erratum that affects {_PRINTED}"
+        _check_longest_timeout(biss, timeout, remedy, report)
+        if timeout.part.rule == "follows_clock" and timeout.part.half_clock_periods is None:
+            _check_half_periods(timeout, remedy, report)
+
+
+def _check_half_periods(timeout: Located[Timeout], remedy: str, report: DocumentReport) -> None:
+    """Report printed time-outs that are not a whole number of half clock periods."""
     for index, printed in enumerate(timeout.part.printed):
         half_periods = 2 * printed.clock_hz * printed.timeout_ns / _NS_PER_S
         rounding = printed.clock_hz / _NS_PER_S  # Half a nanosecond, in half periods.
@@ -177,15 +202,77 @@ def timeouts_and_clocks(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
 
 
 def _check_longest_timeout(biss: WrittenBiss, timeout: Located[Timeout], remedy: str, report: DocumentReport) -> None:
-    """Report a longest time-out that is shorter than half a period of the slowest clock."""
-    longest_ns, lowest_hz = timeout.part.at_most_ns, biss.clock.part.min_hz
-    if longest_ns and lowest_hz and 2 * lowest_hz * longest_ns < _NS_PER_S:
+    """Report a longest time-out that is shorter than half a period of the slowest clock of the same order codes."""
+    longest_ns = timeout.part.at_most_ns
+    for clock in biss.clock:
+        lowest_hz = clock.part.min_hz
+        if not longest_ns or not lowest_hz or not share_codes(clock.part, timeout.part):
+            continue
+        if 2 * lowest_hz * longest_ns < _NS_PER_S:
+            message = (
+                f"{longest_ns} ns is shorter than half a period of the slowest clock, 'min_hz: {lowest_hz}', so it"
+                f" would end within a frame; {remedy}"
+            )
+            report.add("timeout-mismatch", (*timeout.path, "at_most_ns"), message)
+
+
+def timeout_mismatch(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the time-outs of BiSS that the manual calculates match its rule, and are at possible clocks."""
+    biss = spec.interfaces.biss
+    for timeout in biss.timeout if biss is not None else ():
+        if biss is None or not timeout.data:
+            continue
+        _check_timeout_rule(timeout, report)
+        for clock in biss.clock:
+            if share_codes(clock.part, timeout.part):
+                _check_clocks_of_timeouts(timeout, clock.part, report)
+        if timeout.part.rule != "fixed" and timeout.part.half_clock_periods is not None:
+            _check_calculated_timeouts(timeout, timeout.part.half_clock_periods, report)
+
+
+def _check_clocks_of_timeouts(timeout: Located[Timeout], clock: Clock, report: DocumentReport) -> None:
+    """Report printed time-outs at clocks that an encoder does not support."""
+    if clock.max_hz is None or explained(report.document, *_TIMEOUT):
+        return
+    lowest_hz, highest_hz = clock.min_hz or 0, clock.max_hz
+    for index, printed in enumerate(timeout.part.printed):
+        if not lowest_hz <= printed.clock_hz <= highest_hz:
+            problem = f"the clock is {lowest_hz} to {highest_hz} Hz, so there is no time-out at {printed.clock_hz} Hz"
+            remedy = f"if the manual gives both, add an erratum that affects {'.'.join(_TIMEOUT)}"
+            path = (*timeout.path, "printed", index, "clock_hz")
+            report.add("timeout-mismatch", path, f"{problem}; {remedy}")
+
+
+def _check_timeout_rule(timeout: Located[Timeout], report: DocumentReport) -> None:
+    """Check that a time-out has the numbers for its rule: a time if it is fixed, or half clock periods.
+
+    Without half clock periods, a time-out that follows the clock needs a time or printed examples.
+    """
+    part = timeout.part
+    has_half_periods = part.half_clock_periods is not None
+    has_limit = part.at_most_ns is not None or part.typical_ns is not None
+    if part.rule == "fixed":
+        if has_half_periods:
+            message = "a fixed time-out does not depend on the clock; leave 'half_clock_periods' out"
+            report.add("timeout-mismatch", (*timeout.path, "half_clock_periods"), message, at_key=True)
+        if not has_limit:
+            message = "a fixed time-out needs 'at_most_ns' or 'typical_ns'"
+            report.add("timeout-mismatch", timeout.path, message, at_key=True)
+    elif part.rule == "follows_clock" and not has_half_periods and not has_limit and not timeout.has("printed"):
         message = (
-            f"{longest_ns} ns is shorter than half a period of the slowest clock, 'min_hz: {lowest_hz}', so it would"
-            f" end within a frame; {remedy}"
+            "a time-out that depends on the clock needs 'half_clock_periods', "
+            "or 'typical_ns', 'at_most_ns' or 'printed' if there is no rule"
         )
-        report.add("timeout-mismatch", (*timeout.path, "at_most_ns"), message)
+        report.add("timeout-mismatch", timeout.path, message, at_key=True)
 
 
-def _dotted(timeout: Located[Timeout]) -> str:
-    return ".".join(map(str, (*timeout.path, "printed")))
+def _check_calculated_timeouts(timeout: Located[Timeout], half_periods: int, report: DocumentReport) -> None:
+    """Check that each printed time-out is the given number of half clock periods, to the nearest nanosecond."""
+    for index, printed in enumerate(timeout.part.printed):
+        clock_hz, printed_ns = printed.clock_hz, printed.timeout_ns
+        # Half a period of the clock is 10**9 / (2 * clock_hz) ns.
+        exact_ns = Fraction(half_periods * 10**9, 2 * clock_hz)
+        if abs(exact_ns - printed_ns) > Fraction(1, 2):
+            rounded_ns = math.floor(exact_ns + Fraction(1, 2))
+            message = f"{half_periods} half periods at {clock_hz} Hz are {rounded_ns} ns, not {printed_ns}"
+            report.add("timeout-mismatch", (*timeout.path, "printed", index, "timeout_ns"), message)

@@ -351,19 +351,28 @@ def _next_steps(node: Any) -> Iterator[tuple[str, Any]]:
     """Yield the possible next steps of a path from a map or list, each with the data to which it leads.
 
     These are the keys of a map, the names of items in its lists, and the names in ``values``: in
-    ``interfaces.biss.word``, ``word`` is an item of ``layouts``.
+    ``interfaces.biss.word``, ``word`` is an item of ``layouts``. Entries without names, such as several clocks, are
+    followed by their keys.
     """
     if isinstance(node, list):
-        for list_member in node:
-            if isinstance(list_member, dict) and "name" in list_member:
-                yield str(list_member["name"]), list_member
+        for entry in node:
+            if isinstance(entry, dict) and "name" not in entry:
+                yield from entry.items()
+        yield from _named_items(node)
     elif isinstance(node, dict):
         for key, value in node.items():
             if isinstance(value, list):
-                yield from _next_steps(value)
+                yield from _named_items(value)
             elif key == "values" and isinstance(value, dict):
                 yield from value.items()
         yield from node.items()  # Last, so that a key takes precedence over a name.
+
+
+def _named_items(items: list[Any]) -> Iterator[tuple[str, Any]]:
+    """Yield the names of the items of a list, each with its item."""
+    for list_item in items:
+        if isinstance(list_item, dict) and "name" in list_item:
+            yield str(list_item["name"]), list_item
 
 
 def expressions(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:

@@ -13,7 +13,7 @@ from ..problems import DocumentReport, listed, quoted, suggestion
 from ..written import Located
 from ..written_interfaces import WrittenBiss, WrittenSsi
 from ..written_parts import WrittenExample, WrittenSection, WrittenSpec
-from .parts import PlacedPart, WrittenInterface, by_name, clock_of, explained, interfaces
+from .parts import PlacedPart, WrittenInterface, by_name, clocks_of, explained, interfaces
 from .walk import leaves, leaves_of, mapping, sources
 
 _CITED = re.compile(r"(?P<section>[0-9]+(?:\.[0-9]+)*|[^\W\d_][^:;]*?)(?:\s+p\.(?P<page>[0-9]+))?")
@@ -365,11 +365,10 @@ def _limits(spec: WrittenSpec) -> Iterator[_Limited]:
 
 def _limited_parts(interface: WrittenInterface) -> Iterator[tuple[Located[Any], _LimitKeys]]:
     """Yield the parts of an interface that can have limits, each with the keys for them."""
-    clock = clock_of(interface)
-    if clock is not None:
+    for clock in clocks_of(interface):
         yield clock, _CLOCK
-    if isinstance(interface, WrittenBiss) and interface.timeout is not None:
-        yield interface.timeout, _TIMEOUT
+    for timeout in interface.timeout if isinstance(interface, WrittenBiss) else ():
+        yield timeout, _TIMEOUT
     for timing in interface.timings:
         yield timing, _TIMING
     for cable_length in interface.cable_lengths if isinstance(interface, WrittenSsi) else ():

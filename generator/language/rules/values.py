@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import datetime
-import math
 import re
 from collections.abc import Iterator
-from fractions import Fraction
-from itertools import pairwise
+from itertools import combinations, pairwise
 
-from ...model import INTERFACES, Clock, Supply, Timeout
+from ...model import INTERFACES, CableLength, Clock, Supply
 from ...say.plain_text import counted
 from ..document import Path, is_placeholder
 from ..problems import DocumentReport, missing, quoted, suggestion
@@ -21,13 +19,14 @@ from ..written_parts import WrittenSpec
 from .parts import (
     MAX_FIELDS,
     by_name,
-    clock_of,
+    clocks_of,
     constant_width,
     explained,
     field_lists,
     interface_of,
     interfaces,
     last_address,
+    share_codes,
     timings,
 )
 from .walk import leaves_of, sources
@@ -135,29 +134,34 @@ def timing_bounds(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -
 
 def clock_range(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a clock has a highest limit or clocks in use, in ascending order and within the limits."""
-    raw_clocks = {name: clock_of(interface) for name, interface in interfaces(raw)}
+    raw_clocks = {name: clocks_of(interface) for name, interface in interfaces(raw)}
     for name, interface in interfaces(spec):
-        clock, raw_clock = clock_of(interface), raw_clocks[name]
-        if clock is None or not clock.data:
-            continue
-        # A key rejected by the schema was removed. It must not be reported as missing, too.
-        is_complete = raw_clock is not None and clock.data.keys() == raw_clock.data.keys()
-        if not clock.part.used_hz and is_complete:
-            _report_missing_limit(clock, report)
-        used_clocks = [*clock.part.used_hz]
-        if used_clocks != sorted(set(used_clocks)):
-            message = "list the clocks of 'used_hz' once each, in ascending order"
-            report.add("clock-range", (*clock.path, "used_hz"), message)
-        # In ascending order: the lowest limit, the clocks in use, the highest limit, each with its key.
-        clocks = [("used_hz", hz) for hz in used_clocks]
-        if clock.part.min_hz is not None:
-            clocks.insert(0, ("min_hz", clock.part.min_hz))
-        if clock.part.max_hz is not None:
-            clocks.append(("max_hz", clock.part.max_hz))
-        for (low_key, low), (high_key, high) in pairwise(clocks):
-            if low > high and low_key != high_key:
-                problem = f"{quoted(low_key)} ({low}) is above {quoted(high_key)} ({high})"
-                report.add("clock-range", (*clock.path, low_key), problem)
+        raw_clocks_by_path = {clock.path: clock for clock in raw_clocks[name]}
+        for clock in clocks_of(interface):
+            if clock.data:
+                _check_clock(clock, raw_clocks_by_path.get(clock.path), report)
+
+
+def _check_clock(clock: Located[Clock], raw_clock: Located[Clock] | None, report: DocumentReport) -> None:
+    """Check the limits of a clock and the clocks in use. ``raw_clock`` is the clock as read."""
+    # A key rejected by the schema was removed. It must not be reported as missing, too.
+    is_complete = raw_clock is not None and clock.data.keys() == raw_clock.data.keys()
+    if not clock.part.used_hz and is_complete:
+        _report_missing_limit(clock, report)
+    used_clocks = [*clock.part.used_hz]
+    if used_clocks != sorted(set(used_clocks)):
+        message = "list the clocks of 'used_hz' once each, in ascending order"
+        report.add("clock-range", (*clock.path, "used_hz"), message)
+    # In ascending order: the lowest limit, the clocks in use, the highest limit, each with its key.
+    clocks = [("used_hz", hz) for hz in used_clocks]
+    if clock.part.min_hz is not None:
+        clocks.insert(0, ("min_hz", clock.part.min_hz))
+    if clock.part.max_hz is not None:
+        clocks.append(("max_hz", clock.part.max_hz))
+    for (low_key, low), (high_key, high) in pairwise(clocks):
+        if low > high and low_key != high_key:
+            problem = f"{quoted(low_key)} ({low}) is above {quoted(high_key)} ({high})"
+            report.add("clock-range", (*clock.path, low_key), problem)
 
 
 def _report_missing_limit(clock: Located[Clock], report: DocumentReport) -> None:
@@ -179,17 +183,22 @@ def cable_order(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
         if explained(report.document, "interfaces", name, "cable_lengths"):
             continue
         by_length = sorted(interface.cable_lengths, key=lambda row: row.part.shorter_than_m)
-        for located_shorter, located_longer in pairwise(by_length):
-            shorter, longer = located_shorter.part, located_longer.part
-            is_slower = longer.below_hz < shorter.below_hz
-            if not is_slower or shorter.shorter_than_m == longer.shorter_than_m:
-                problem = (
-                    f"the clock must be below {longer.below_hz} Hz for cables shorter than"
-                    f" {longer.shorter_than_m} m, but below {shorter.below_hz} Hz for cables shorter than"
-                    f" {shorter.shorter_than_m} m; a longer cable needs a slower clock. If this is what the manual"
-                    f" says, add an erratum that affects interfaces.{name}.cable_lengths"
-                )
-                report.add("cable-order", (*located_longer.path, "below_hz"), problem)
+        for shorter, longer in combinations(by_length, 2):
+            if share_codes(shorter.part, longer.part):
+                _check_cable_order(shorter.part, longer, f"interfaces.{name}.cable_lengths", report)
+
+
+def _check_cable_order(shorter: CableLength, row: Located[CableLength], place: str, report: DocumentReport) -> None:
+    """Report the row of a longer cable whose clock is not slower than that of a shorter one."""
+    longer = row.part
+    is_slower = longer.below_hz < shorter.below_hz
+    if not is_slower or shorter.shorter_than_m == longer.shorter_than_m:
+        problem = (
+            f"the clock must be below {longer.below_hz} Hz for cables shorter than {longer.shorter_than_m} m, but below"
+            f" {shorter.below_hz} Hz for cables shorter than {shorter.shorter_than_m} m; a longer cable needs a slower"
+            f" clock. If this is what the manual says, add an erratum that affects {place}"
+        )
+        report.add("cable-order", (*row.path, "below_hz"), problem)
 
 
 def dates(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
@@ -243,62 +252,6 @@ def supply_range(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
         if supply.part.min_mv > supply.part.max_mv:
             problem = f"'min_mv' ({supply.part.min_mv}) is above 'max_mv' ({supply.part.max_mv})"
             report.add("supply-range", (*supply.path, "min_mv"), problem)
-
-
-def timeout_mismatch(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the time-outs of BiSS that the manual calculates match its rule, and are at possible clocks."""
-    biss = spec.interfaces.biss
-    timeout = biss.timeout if biss is not None else None
-    if biss is None or timeout is None or not timeout.data:
-        return
-    _check_timeout_rule(timeout, report)
-    clock, path = biss.clock.part, timeout.path
-    if clock.max_hz is not None and not explained(report.document, *map(str, path)):
-        lowest_hz, highest_hz = clock.min_hz or 0, clock.max_hz
-        for index, printed in enumerate(timeout.part.printed):
-            if not lowest_hz <= printed.clock_hz <= highest_hz:
-                problem = (
-                    f"the clock is {lowest_hz} to {highest_hz} Hz, so there is no time-out at {printed.clock_hz} Hz"
-                )
-                remedy = f"if the manual gives both, add an erratum that affects {'.'.join(map(str, path))}"
-                report.add("timeout-mismatch", (*path, "printed", index, "clock_hz"), f"{problem}; {remedy}")
-    if timeout.part.rule != "fixed" and timeout.part.half_clock_periods is not None:
-        _check_calculated_timeouts(timeout, timeout.part.half_clock_periods, report)
-
-
-def _check_timeout_rule(timeout: Located[Timeout], report: DocumentReport) -> None:
-    """Check that a time-out has the numbers for its rule: a time if it is fixed, or half clock periods.
-
-    Without half clock periods, a time-out that follows the clock needs a time or printed examples.
-    """
-    part = timeout.part
-    has_half_periods = part.half_clock_periods is not None
-    has_limit = part.at_most_ns is not None or part.typical_ns is not None
-    if part.rule == "fixed":
-        if has_half_periods:
-            message = "a fixed time-out does not depend on the clock; leave 'half_clock_periods' out"
-            report.add("timeout-mismatch", (*timeout.path, "half_clock_periods"), message, at_key=True)
-        if not has_limit:
-            message = "a fixed time-out needs 'at_most_ns' or 'typical_ns'"
-            report.add("timeout-mismatch", timeout.path, message, at_key=True)
-    elif part.rule == "follows_clock" and not has_half_periods and not has_limit and not timeout.has("printed"):
-        message = (
-            "a time-out that depends on the clock needs 'half_clock_periods', "
-            "or 'typical_ns', 'at_most_ns' or 'printed' if there is no rule"
-        )
-        report.add("timeout-mismatch", timeout.path, message, at_key=True)
-
-
-def _check_calculated_timeouts(timeout: Located[Timeout], half_periods: int, report: DocumentReport) -> None:
-    """Check that each printed time-out is the given number of half clock periods, to the nearest nanosecond."""
-    for index, printed in enumerate(timeout.part.printed):
-        clock_hz, printed_ns = printed.clock_hz, printed.timeout_ns
-        # Half a period of the clock is 10**9 / (2 * clock_hz) ns.
-        exact_ns = Fraction(half_periods * 10**9, 2 * clock_hz)
-        if abs(exact_ns - printed_ns) > Fraction(1, 2):
-            rounded_ns = math.floor(exact_ns + Fraction(1, 2))
-            message = f"{half_periods} half periods at {clock_hz} Hz are {rounded_ns} ns, not {printed_ns}"
-            report.add("timeout-mismatch", (*timeout.path, "printed", index, "timeout_ns"), message)
 
 
 def bad_source(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
@@ -365,12 +318,12 @@ def plausible_rate(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
     for _, interface in interfaces(spec):
         if interface.note:
             continue
-        clock = clock_of(interface)
-        highest_hz, lowest_hz = (clock.part.max_hz, clock.part.min_hz) if clock is not None else (None, None)
-        if clock is not None and highest_hz is not None and highest_hz < _LOWEST_MAXIMUM_HZ:
-            _report_rate(highest_hz, "max_hz", "Hz", (*clock.path, "max_hz"), report)
-        elif clock is not None and lowest_hz is not None and 0 < lowest_hz < _LOWEST_MINIMUM_HZ:
-            _report_rate(lowest_hz, "min_hz", "Hz", (*clock.path, "min_hz"), report)
+        for clock in clocks_of(interface):
+            highest_hz, lowest_hz = clock.part.max_hz, clock.part.min_hz
+            if highest_hz is not None and highest_hz < _LOWEST_MAXIMUM_HZ:
+                _report_rate(highest_hz, "max_hz", "Hz", (*clock.path, "max_hz"), report)
+            elif lowest_hz is not None and 0 < lowest_hz < _LOWEST_MINIMUM_HZ:
+                _report_rate(lowest_hz, "min_hz", "Hz", (*clock.path, "min_hz"), report)
         port = interface.port if isinstance(interface, WrittenRs485) else None
         if port is not None and port.has("baud") and port.part.baud < _LOWEST_BAUD:
             _report_rate(port.part.baud, "baud", "baud", (*port.path, "baud"), report)

@@ -55,7 +55,13 @@ INTERFACES = (
         Member("title", "string", "Name of the interface.", "words"),
         Member("layouts", "[name]", "Names of the layouts."),
         NOTE,
-        Member("clock", "clock?", "Clock frequencies."),
+        Member("clock", "clock?", "Clock frequencies. null if they depend on the order code."),
+        Member(
+            "clocks",
+            "[clock]",
+            "Clock frequencies, each with its order codes. Empty if they do not depend on the order code.",
+            of="clocks_by_code",
+        ),
         Member("signals", "string", "Electrical standard.", "interface-rule"),
         Member(
             "alignment",
@@ -87,7 +93,17 @@ INTERFACES = (
         ),
         Member("profile", "string", "Encoder profile that the manual names.", "interface-rule"),
         Member("network", "network?", "Permitted connections of the encoder.", "interface-rule"),
-        Member("timeout", "timeout?", "Time-out after a frame.", "interface-rule", "time-out"),
+        Member(
+            "timeout",
+            "timeout?",
+            "Time-out after a frame. null if it depends on the order code.",
+        ),
+        Member(
+            "timeouts",
+            "[timeout]",
+            "Time-outs after a frame, each with its order codes. Empty if they do not depend on the order code.",
+            of="timeouts_by_code",
+        ),
         Member("control_data", "[control_field]", "Fields of the BiSS control frame."),
         Member("control_data_note", "text", "Information about these fields that the manual does not give.", "words"),
         Member(
@@ -120,6 +136,9 @@ INTERFACES = (
         Member("exchanges", "[exchange]", "Requests over SPI or RS-485 with their replies.", "interface-rule"),
         Member("memory_access", "[memory_access]", "Replies to a memory access.", "interface-rule"),
         Member("timings"),
+        # By their names in the model. They are compared by order code.
+        Member("clocks"),
+        Member("timeouts"),
         of="Ssi Biss Rs485 Spi",
     ),
 )

@@ -11,6 +11,7 @@ from itertools import chain
 from typing import Protocol, TypeVar
 
 from ...model import Crc, Device, Document, Layout, Parameter, Procedure, Register, Ssi, first_of
+from ...model.order_codes import repeated_names
 from ...model.record import dataclass
 from ...order_codes.reduction import for_codes
 from ...plan.crcs import Carrier, CrcFunction, Form, carrier_of, crc_functions, reflect, table, word_table
@@ -22,6 +23,7 @@ from ...say.order_code import initial
 from .. import TargetError
 from .about import about_crc
 from .chosen import chosen_variant
+from .code_facts import CodeFacts
 from .codec import StructCodec
 from .comments import Paragraph, S
 from .context import Context, timing_macros
@@ -171,6 +173,7 @@ class DeviceView:
         #: The order code in all samples.
         self.row = self.variants.rows[device.variants.index(chosen_variant(device, context.interface))]
         self.lengths = LengthCode(context, context.interface, self.variants.rows, self.row)
+        self.code_facts = CodeFacts(context, context.interface, self.variants.rows)
         self.positions = positions(context)
         self.registers = [self._register(register) for register in _bank_selectors_first(device)]
         self.crcs = list(self._crc_codes())
@@ -184,7 +187,9 @@ class DeviceView:
         self.identities = list(identity_codes(context, codes))
         self.procedures = [self._procedure(procedure, codes) for procedure in device.procedures]
         self.alarms = [AlarmCode(context, alarm) for alarm in device.alarms]
-        self.timings = list(chain.from_iterable(timing_macros(timing, self.PREFIX) for timing in device.timings))
+        repeated_times = repeated_names(device.timings)
+        common_times = [timing for timing in device.timings if timing.name not in repeated_times]
+        self.timings = list(chain.from_iterable(timing_macros(timing, self.PREFIX) for timing in common_times))
 
     def _crc_codes(self) -> Iterator[CrcCode]:
         """Yield the CRCs whose function is called or whose table is used."""
@@ -268,7 +273,7 @@ class DeviceView:
             self.crcs,
             [self.reports],
             self.alternatives,
-            [self.interface, self.lengths, self.reading],
+            [self.interface, self.lengths, self.code_facts, self.reading],
             [self.positions] if self.positions is not None else (),
             self.registers,
             self.takers,
@@ -278,9 +283,8 @@ class DeviceView:
         )
         for declaring_part in declaring_parts:
             yield from declaring_part.declared()
-        for timing in self.device.timings:
-            for macro in timing_macros(timing, self.PREFIX):
-                yield macro.name, ("timings", timing.name)
+        for macro in self.timings:
+            yield macro.name, ("timings",)
 
     @property
     def measured(self) -> str:

@@ -3,10 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from itertools import chain
 from types import MappingProxyType
 
-from ...model import Biss, CableLength, Clock, Interface, Layout, Port, Rs485, Spi, Timeout, WordFormat, cite, first_of
+from ...model import (
+    Biss,
+    CableLength,
+    Clock,
+    Fact,
+    Interface,
+    Layout,
+    Port,
+    Rs485,
+    Spi,
+    Ssi,
+    Timeout,
+    WordFormat,
+    first_of,
+)
+from ...model.order_codes import repeated_names
 from ...model.record import dataclass
 from ...plan.frames import Branch, Dispatch, Exchanged, answer, dispatches, exchanges
 from ...say.errata import errata, erratum
@@ -16,6 +30,15 @@ from ...say.order_code import interface as said_of
 from ...say.text import Statement
 from .about import about_layout
 from .bits import of_bytes
+from .code_facts import (
+    ClockLimitFunction,
+    TimeoutFunction,
+    clock_limits,
+    function_names,
+    has_cables_by_code,
+    timeout_limits,
+    timeout_product,
+)
 from .codec import StructCodec
 from .comments import Paragraph, S
 from .context import Context, Macro, timing_macros
@@ -71,8 +94,9 @@ class InterfaceCode:
         self.device, self.interface = context.device, interface
         self.prefix = context.prefix
         self.upper = self.prefix.upper()
-        self.cable = [fact for fact in interface.facts() if isinstance(fact, CableLength)]
-        self.timeout = interface.timeout if isinstance(interface, Biss) else None
+        #: Functions for all order codes, at most one of each kind.
+        self.clock_limits = list(self._clock_limits())
+        self.timeouts = list(self._timeouts())
         #: Statements that are comments on macros. Building the macros fills it, and the comment leaves them out.
         self._macro_statements: list[Statement] = []
         self.macros = tuple(self._macros())
@@ -95,18 +119,23 @@ class InterfaceCode:
         for teller in self.tellers:
             yield teller.by_bytes, path
             yield teller.by_value, path
-        if self.cable:
-            yield f"{self.prefix}_clock_limit_hz", path
-        if self.timeout_product:
-            yield f"{self.prefix}_timeout_ns", path
+        for name in function_names(self.clock_limits, self.timeouts):
+            yield name, path
         for codec in self.codecs:
             yield from codec.declared()
 
-    @property
-    def cable_source(self) -> str:
-        """The source of the clocks by cable length."""
-        sources = chain.from_iterable(cable.source for cable in self.cable)
-        return cite(tuple(dict.fromkeys(sources)))
+    def _clock_limits(self) -> Iterator[ClockLimitFunction]:
+        """Yield the function for the clock limit, if there is one table for all order codes."""
+        interface = self.interface
+        if isinstance(interface, Ssi) and interface.cable_lengths and not has_cables_by_code(interface):
+            yield ClockLimitFunction(f"{self.prefix}_clock_limit_hz", interface.cable_lengths)
+
+    def _timeouts(self) -> Iterator[TimeoutFunction]:
+        """Yield the function for the time-out, if all order codes have the same and it depends on the clock."""
+        timeout = self.interface.timeout if isinstance(self.interface, Biss) else None
+        product = timeout_product(timeout)
+        if product:
+            yield TimeoutFunction(f"{self.prefix}_timeout_ns", product)
 
     @property
     def frames(self) -> list[Layout]:
@@ -209,15 +238,6 @@ class InterfaceCode:
 
     # -- constants
 
-    @property
-    def timeout_product(self) -> int:
-        """The time-out in nanoseconds times the clock in hertz, 0 if it does not depend on the clock."""
-        timeout = self.timeout
-        if timeout is None or timeout.rule != "follows_clock":
-            return 0
-        # Half a clock period in nanoseconds is 500,000,000 divided by the clock in hertz.
-        return 500_000_000 * (timeout.half_clock_periods or 0)
-
     def _macro(self, name: str, value: int, about: Statement | str = "", hexadecimal: bool = False) -> Macro:
         """Return a macro, and note a statement in its comment, so that the comment on the interface leaves it out."""
         if isinstance(about, Statement):
@@ -229,41 +249,43 @@ class InterfaceCode:
         """Yield the constants of the interface: clock, time-out, port, words and times."""
         interface = self.interface
         for fact, about in zip(interface.facts(), settings(self.device, interface), strict=True):
-            match fact:
-                case Clock():
-                    yield from self._clock(fact, about)
-                case CableLength():
-                    self._macro_statements.append(about)  # A function states it.
-                case Timeout():
-                    yield from self._timeout(fact, about)
-                case Port():
-                    yield from self._port(fact, about)
-                case WordFormat():
-                    yield self._macro("MODE", fact.mode, about)
-                    if len(fact.lengths) == 1 and fact.lengths[0].is_constant:
-                        yield self._macro("WORD_BITS", fact.lengths[0].constant, "number of bits of a word")
-                    late = int(fact.reply == "next_word")
-                    yield self._macro("REPLY_WORDS", late, "number of words from a request to its reply")
-                case _:
-                    pass  # Code needs no number from it.
+            yield from self._fact_macros(fact, about)
         if isinstance(interface, Biss):
             yield from self._control_data(interface)
         for time in interface.timings:
-            self._macro_statements.append(timing(time))
-            yield from timing_macros(time, self.upper)
+            if time.name not in repeated_names(interface.timings):
+                self._macro_statements.append(timing(time))
+                yield from timing_macros(time, self.upper)
+
+    def _fact_macros(self, fact: Fact, about: Statement) -> Iterator[Macro]:
+        """Yield the constants of a fact. Those of some order codes are in macros of these."""
+        if isinstance(fact, (Clock, Timeout)) and fact.only:
+            return
+        match fact:
+            case Clock():
+                yield from self._clock(fact, about)
+            case CableLength():
+                if self.clock_limits:
+                    self._macro_statements.append(about)  # A function states it.
+            case Timeout():
+                yield from self._timeout(fact, about)
+            case Port():
+                yield from self._port(fact, about)
+            case WordFormat():
+                yield self._macro("MODE", fact.mode, about)
+                if len(fact.lengths) == 1 and fact.lengths[0].is_constant:
+                    yield self._macro("WORD_BITS", fact.lengths[0].constant, "number of bits of a word")
+                late = int(fact.reply == "next_word")
+                yield self._macro("REPLY_WORDS", late, "number of words from a request to its reply")
+            case _:
+                pass  # Code needs no number from it.
 
     def _clock(self, clock: Clock, about: Statement) -> Iterator[Macro]:
         """Yield the limits, and the fastest clock in use. The first macro has the comment on all of them."""
-        names_clocks_and_notes = (
-            ("MIN", clock.min_hz, "lowest clock in Hz"),
-            ("MAX", clock.max_hz, "highest clock in Hz"),
-            ("USED", max(clock.used_hz, default=None), "a clock in use in Hz, not a limit"),
-        )
         has_comment_on_all = False
-        for name, clock_hz, note in names_clocks_and_notes:
-            if clock_hz is not None:
-                yield self._macro(f"CLOCK_{name}_HZ", clock_hz, note if has_comment_on_all else about)
-                has_comment_on_all = True
+        for name, clock_hz, note in clock_limits(clock):
+            yield self._macro(name, clock_hz, note if has_comment_on_all else about)
+            has_comment_on_all = True
 
     def _port(self, port: Port, about: Statement) -> Iterator[Macro]:
         yield self._macro("BAUD", port.baud, about)
@@ -284,13 +306,9 @@ class InterfaceCode:
 
         If the time-out is not a number of clock periods, those printed for each clock follow.
         """
-        names_and_times = [("TYPICAL", timeout.typical_ns), ("AT_MOST", timeout.at_most_ns)]
-        if timeout.half_clock_periods is None:
-            names_and_times += [(f"AT_{printed.clock_hz}_HZ", printed.timeout_ns) for printed in timeout.printed]
-        for name, time_ns in names_and_times:
-            if time_ns is not None:
-                is_above = about in self._macro_statements
-                yield self._macro(f"TIMEOUT_{name}_NS", time_ns, "see above" if is_above else about)
+        for name, time_ns in timeout_limits(timeout):
+            is_above = about in self._macro_statements
+            yield self._macro(name, time_ns, "see above" if is_above else about)
 
     @property
     def exchanged(self) -> str:

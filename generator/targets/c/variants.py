@@ -8,13 +8,13 @@ from copy import copy
 from itertools import chain
 
 from ...language.problems import listed
-from ...model import Biss, Device, Interface, Layout, Parameter, Variant, assert_never, first_of
+from ...model import Biss, Clock, Device, Interface, Layout, Parameter, Variant, assert_never, first_of
 from ...model.record import dataclass
 from ...plan.frames import BISS_ACKNOWLEDGE, FrameSize, HeldParameter, HoldingRegister, received
 from ...plan.values import Raw, ZeroMeans, parameters_in_measurement, widest_value
 from ...say.names_and_places import title
-from ...say.order_code import initial
-from ...say.text import hertz, nanoseconds, timeout_words
+from ...say.order_code import initial, timeouts_with_codes
+from ...say.text import hertz, nanoseconds
 from .. import TargetError
 from .about import about_order_codes, about_parameter
 from .bits import of_bytes
@@ -338,11 +338,12 @@ class LengthCode:
 def _register_access(device: Device, interface: Interface, frames: Sequence[FrameSize]) -> Iterator[str]:
     """Yield the pieces of a text about the deadlines for the control bit of a master, or nothing unless it is BiSS.
 
-    The numbers are those of the shortest frame, at the highest and lowest clock, or else at the last clock in use.
+    The numbers are those of the shortest frame, at the highest and lowest clock, or else at the last clock in use. If
+    the clock depends on the order code, they are in clock periods only.
     """
     if not isinstance(interface, Biss) or not frames:
         return
-    shortest_bits, clock = min(frame.bits for frame in frames), interface.clock
+    shortest_bits, clock = min(frame.bits for frame in frames), interface.clock or Clock(source=())
     delay_text = f"{shortest_bits} clock periods after its CDS"
     if any(frame.depends_on_registers for frame in frames):
         delay_text += f" with {initial(device)}"
@@ -359,6 +360,6 @@ def _register_access(device: Device, interface: Interface, frames: Sequence[Fram
     yield f"clock of the same frame. It comes {delay_text}. The bit of "
     yield "cw_biss_master_next_late, for SPI and DMA, is needed before the next frame begins, since the SPI mode "
     yield "sends it. MA carries the inverse of the bit for the whole time-out"
-    if interface.timeout is not None:
-        yield f" ({timeout_words(interface.timeout)})"
+    if interface.timeouts:
+        yield f" ({timeouts_with_codes(interface.timeouts)})"
     yield "."

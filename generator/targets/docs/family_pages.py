@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Annotated, Any, TypedDict
 
-from ...model import Device, Interface, Manual, Release, ReleasedChange, Revision, Table, TimesRead
+from ...model import Clocked, Device, Interface, Manual, Release, ReleasedChange, Revision, Table, TimesRead
 from ...order_codes.reduction import for_interface
 from ...say.evidence import basis, edition_test, grade, origin, other_editions
 from ...say.markdown import STYLE, cited, code, joined, link, link_list, text
@@ -145,8 +145,9 @@ def index_values(family: OrderCodes, has_masters: bool) -> FamilyPage:
 def _interface_row(device: Device, interface: Interface) -> tuple[str, ...]:
     """Return a row of interface, order codes, clock or port, links to the pages of its subjects."""
     codes = [variant.code for variant in device.variants_over(interface.name)]
-    # The first setting is the clock of the master, or the port of a serial interface.
-    first_settings = list(settings(device, interface))[:1]
+    # The first settings are the clocks of the master, or the port of a serial interface.
+    count = len(interface.clocks) if isinstance(interface, Clocked) else 1
+    first_settings = list(settings(device, interface))[:count]
     return (
         link(interface.title, page_links.interface_page_path(device, interface)),
         order_codes(device, codes),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Annotated
@@ -11,6 +11,7 @@ from ...model import (
     INTERFACES,
     Biss,
     Characteristic,
+    Clocked,
     Device,
     Example,
     Interface,
@@ -18,9 +19,11 @@ from ...model import (
     LayoutRange,
     Parameter,
     Register,
+    Ssi,
     Variant,
     member_named,
 )
+from ...model.order_codes import facts_for_code
 from ...model.record import dataclass
 from ...model.steps import has_steps, steps_of
 from ...order_codes.parameters import parameters_of, run_time_names
@@ -190,12 +193,13 @@ class OrderCodes:
 
     @cached_property
     def groups(self) -> tuple[CodeGroup, ...]:
-        """Order codes that have the same interface and set the same quantities."""
-        variants_by_quantities: dict[tuple[str, tuple[tuple[str, int], ...]], list[Variant]] = {}
+        """Order codes that have the same interface with the same limits, and set the same quantities."""
+        variants_by_facts: dict[Hashable, list[Variant]] = {}
         for variant in self.device.variants:
             quantities = tuple(sorted(variant.parameters.items()))
-            variants_by_quantities.setdefault((variant.interface, quantities), []).append(variant)
-        groups = variants_by_quantities.values()
+            limits = _limits_of(self.device.interface(variant.interface), variant.code)
+            variants_by_facts.setdefault((variant.interface, quantities, limits), []).append(variant)
+        groups = variants_by_facts.values()
         page_names = names_of_codes((variants[0].code for variants in groups), RESERVED_NAMES)
         return tuple(
             CodeGroup(self.device, tuple(variants), page_name)
@@ -232,6 +236,14 @@ class OrderCodes:
         for group in self.groups:
             links |= {order_code: link(code(order_code), f"{folder}{group.name}.md") for order_code in group.codes}
         return links
+
+
+def _limits_of(interface: Interface, code: str) -> Hashable:
+    """Return the clock, the time-out and the clocks by cable length of an order code."""
+    clock = interface.clock_of(code) if isinstance(interface, Clocked) else None
+    timeout = interface.timeout_of(code) if isinstance(interface, Biss) else None
+    cable_lengths = facts_for_code(interface.cable_lengths, code) if isinstance(interface, Ssi) else ()
+    return clock, timeout, cable_lengths
 
 
 def _position_text(device: Device, interface: Interface) -> str:

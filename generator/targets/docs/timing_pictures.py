@@ -16,8 +16,8 @@ from ...plan.values import Active, meaning_of
 from ...say.evidence import Subject, document, mentions
 from ...say.layout import DATA, box_colour
 from ...say.names_and_places import words
-from ...say.order_code import REPLIES, bounds_with_codes, word_lengths
-from ...say.text import counted, microseconds, timeout_words
+from ...say.order_code import REPLIES, bounds_with_codes, timeouts_with_codes, word_lengths
+from ...say.text import counted, microseconds
 from .layout_pictures import card, number, rect, text
 from .layout_pictures import width as text_width
 
@@ -192,9 +192,7 @@ def _biss_diagram(device: Device, interface: Biss) -> TimingDiagram:
         Part(Trace.EITHER, 90, "not CDM", "choice"),
         Part(Trace.UP, 46),
     )
-    timeout = (
-        timeout_words(interface.timeout) if interface.timeout is not None else _words_without_timeout(device, interface)
-    )
+    timeout = timeouts_with_codes(interface.timeouts) or _words_without_timeout(device, interface)
     labels = ", ".join(name for name, _ in names_and_fills)
     return TimingDiagram(
         title="BiSS C-mode: a frame",

@@ -299,7 +299,7 @@ def _clock_section(family: Device, device: Device, interface: Ssi | Biss, layout
     The table has no cables whose clock is below the lowest one of the encoder. Faster clocks than its fastest one are
     replaced by that.
     """
-    clock = interface.clock
+    clock = interface.clocks[0]  # The order codes of a page share their clock.
     facts = [f"Clock: {clock_words(clock)} ({cited(clock.source)})."]
     lengths = _frame_lengths(device, layout) if layout is not None else []
     start_bits = _BISS_START_BITS if isinstance(interface, Biss) else 0
@@ -349,8 +349,8 @@ def _pauses(family: Device, interface: Ssi | Biss) -> Iterator[str]:
             for pause in pauses:
                 yield f"Pause between two words: {bounds_with_codes(pause)} ({cited(pause.source)})."
         case Biss():
-            if interface.timeout is not None:
-                yield f"Time-out after a frame: {timeout_words(interface.timeout)} ({cited(interface.timeout.source)})."
+            for timeout in interface.timeouts:
+                yield f"Time-out after a frame: {timeout_words(timeout)} ({cited(timeout.source)})."
             yield from unstated_facts(family, interface, {"reply time (acknowledge)": Subject.REPLY_TIME})
 
 

@@ -8,6 +8,8 @@ from dataclasses import replace
 from ...model import (
     Alarm,
     Biss,
+    Clock,
+    Clocked,
     Device,
     Field,
     Interface,
@@ -27,7 +29,7 @@ from ...plan.values import is_number, meaning_of
 from ...plan.verdicts import reports_of, verdict_of
 from ...say.plain_text import plain
 from ...say.report import alarm_of, meaning, remedy, source, states
-from .literals import Call, Code, Member, literal_call, of_facts, quoted, record
+from .literals import Call, Code, Literal, Member, literal_call, of_facts, quoted, record
 from .records import record_of, records_of
 
 
@@ -142,22 +144,30 @@ def interface(interface: Interface) -> Call:
             return record_of(
                 "SsiFacts",
                 interface,
+                **_clocks(interface),
                 alignment=Member("Alignment", interface.alignment.end),
                 output_code=output_code.code if output_code is not None else "",
                 alignment_source=cite(interface.alignment.source),
                 output_code_source=cite(output_code.source) if output_code is not None else "",
             )
         case Biss():
-            return record_of("BissFacts", interface)
+            timeouts = records_of("Timeout", interface.timeouts_by_code)
+            return record_of("BissFacts", interface, **_clocks(interface), timeouts=timeouts)
         case Rs485():
             memory = tuple(
                 record_of("MemoryAccess", access, busy=bool(access.busy)) for access in interface.memory_access
             )
             return record_of("Rs485Facts", interface, memory_access=memory)
         case Spi():
-            return record_of("SpiFacts", interface)
+            return record_of("SpiFacts", interface, **_clocks(interface))
         case _:
             assert_never(interface)
+
+
+def _clocks(interface: Clocked) -> Mapping[str, Literal]:
+    """Return the clock, which has no limits if they depend on the order code, and the clocks of the order codes."""
+    clock = interface.clock if interface.clock is not None else Clock(source=())
+    return {"clock": record_of("Clock", clock), "clocks": records_of("Clock", interface.clocks_by_code)}
 
 
 # -- fields and registers

@@ -129,10 +129,10 @@ MODULE_NAMES = """ALARMS Address ArithmeticError BISS BissEncoder CHARACTERISTIC
     VARIANTS ValueError Variant Warning annotations decode_reply decode_request identify isinstance len
     lookup type""".split()
 #: Names that the class of the variants uses.
-VARIANT_NAMES = """bytes cls code counts_per_turn decode decode_many degrees encode_many exchanges family frame_bits
-    from_degrees from_millimetres from_radians from_turns highest interface lowest metres micrometres millimetres
-    modulus nanometres parts per_counts pipeline radians range_of self special special_code step_nm step_um tail
-    try_decode turns unlisted unwrap with_answers with_registers written_as_in""".split()
+VARIANT_NAMES = """bytes clock cls code counts_per_turn decode decode_many degrees encode_many exchanges family
+    frame_bits from_degrees from_millimetres from_radians from_turns highest interface lowest metres micrometres
+    millimetres modulus nanometres parts per_counts pipeline radians range_of self special special_code step_nm
+    step_um tail timeout try_decode turns unlisted unwrap with_answers with_registers written_as_in""".split()
 #: Names that the generated classes and their methods use.
 CLASS_NAMES = """bit_fields check_width cls count decode decode_many encode encode_many frame_bits index
     is_as_documented limits reports self to_dict usable_position variant verdict""".split()

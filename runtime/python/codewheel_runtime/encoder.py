@@ -15,6 +15,7 @@ from .reports import Family, Interface, Report, Verdict
 
 if TYPE_CHECKING:
     from .bulk.table import Table
+    from .facts import Clock, Timeout
 
 _Same = TypeVar("_Same", bound="Encoder")
 #: Function for an error of a frame. It receives the error, the frame and the encoder, and raises or returns the error.
@@ -166,6 +167,25 @@ class Encoder:
     def special(self) -> bool:
         """True if the label has a ``/Sxxx`` suffix."""
         return bool(self.special_code)
+
+    @property
+    def clock(self) -> Clock | None:
+        """Clock limits of this order code. None over RS-485."""
+        facts = self._facts()
+        return getattr(facts, "clock", None)
+
+    @property
+    def timeout(self) -> Timeout | None:
+        """Time-out after a frame over BiSS, of this order code. None over other interfaces, or if it is not known."""
+        facts = self._facts()
+        return getattr(facts, "timeout", None)
+
+    def _facts(self) -> Any:
+        """Return the facts about the interface for this order code, such as ``SsiFacts``."""
+        # The generated class of the family's encoders has the family.
+        family_class = next(kind for kind in type(self).__mro__ if "family" in vars(kind))
+        facts: Any = load_fact(family_class.__module__, self.interface.name)
+        return facts.for_code(self.code)
 
     def decode(self, frame: Any, *arguments: Any, **answers: Any) -> Frame:
         """Decode a frame that the encoder sent. The class for each family and interface describes its frames.

@@ -7,10 +7,11 @@ say.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from enum import Enum
 from math import gcd
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from .reports import Interface, ReadOnly
 
@@ -285,20 +286,26 @@ class Clock(NamedTuple):
         max_hz: Highest clock. None if it is not known.
         source: Source of the facts.
         used_hz: Clocks that programs or masters use, in ascending order. They are not limits.
+        only: Order codes that have this clock, if not all do.
     """
 
     min_hz: int | None
     max_hz: int | None
     source: str = ""
     used_hz: tuple[int, ...] = ()
+    only: str = ""
 
 
 class CableLength(NamedTuple):
-    """Clock limit: cables shorter than ``shorter_than_m`` need a clock below ``below_hz``."""
+    """Clock limit: cables shorter than ``shorter_than_m`` need a clock below ``below_hz``.
+
+    ``only`` describes the order codes that have it, if not all do.
+    """
 
     shorter_than_m: int
     below_hz: int
     source: str = ""
+    only: str = ""
 
 
 class Port(NamedTuple):
@@ -328,7 +335,7 @@ class PrintedTimeout(NamedTuple):
 
 
 class Timeout(NamedTuple):
-    """Time-out after a frame."""
+    """Time-out after a frame. ``only`` describes the order codes that have it, if not all do."""
 
     rule: TimeoutRule
     half_clock_periods: int | None = None
@@ -336,6 +343,7 @@ class Timeout(NamedTuple):
     typical_ns: int | None = None
     printed: tuple[PrintedTimeout, ...] = ()
     source: str = ""
+    only: str = ""
 
     def nanoseconds(self, clock_hz: int) -> float | None:
         """Return the time-out for a clock frequency.
@@ -395,8 +403,35 @@ class MemoryAccess(NamedTuple):
     source: str = ""
 
 
+_Row = TypeVar("_Row", Clock, CableLength, Timeout, Timing)
+
+
+def _rows_for_code(rows: tuple[_Row, ...], code: str) -> tuple[_Row, ...]:
+    """Return the rows that apply to an order code, without ``only``."""
+    return tuple(row._replace(only="") for row in rows if _fits(row.only, code))
+
+
+def _fits(only: str, code: str) -> bool:
+    """Return whether an order code is among those of ``only``. An empty ``only`` means all of them.
+
+    ``...`` stands for any text and ``x`` for any one character. Commas separate several patterns. The hyphen after an
+    order code on a label counts as part of it.
+    """
+    patterns = [re.escape(text.strip()) for text in only.split(",")]
+    expressions = [text.replace(r"\.\.\.", ".*").replace("…", ".*").replace("x", ".") for text in patterns]
+    return not only or any(re.fullmatch(expression, text) for expression in expressions for text in (code, f"{code}-"))
+
+
+def _clock_for_code(clock: Clock, clocks: tuple[Clock, ...], code: str) -> Clock:
+    """Return the clock of an order code: the common one, or the one that applies to it."""
+    return next(iter(_rows_for_code(clocks, code)), clock)
+
+
 class SsiFacts(NamedTuple):
-    """Facts about the SSI interface."""
+    """Facts about the SSI interface.
+
+    If the clock depends on the order code, ``clocks`` has the clocks, and ``clock`` has no limits.
+    """
 
     clock: Clock
     alignment: Alignment
@@ -408,9 +443,25 @@ class SsiFacts(NamedTuple):
     source: str = ""
     alignment_source: str = ""
     output_code_source: str = ""
+    clocks: tuple[Clock, ...] = ()
+
+    def for_code(self, code: str) -> SsiFacts:
+        """Return the facts for an order code.
+
+        Args:
+            code: The order code, as in the attribute ``code`` of an encoder.
+        """
+        return self._replace(
+            clock=_clock_for_code(self.clock, self.clocks, code),
+            clocks=(),
+            cable_lengths=_rows_for_code(self.cable_lengths, code),
+            timings=_rows_for_code(self.timings, code),
+        )
 
     def clock_below_hz(self, cable_m: float) -> int | None:
         """Return the clock limit for a cable, according to the table in the manual.
+
+        Rows that apply only to some order codes count in the facts of an order code (``for_code``).
 
         Args:
             cable_m: Length of the cable in metres.
@@ -418,11 +469,16 @@ class SsiFacts(NamedTuple):
         Returns:
             The limit in hertz. The clock must be below it. None if the cable is too long for the table.
         """
-        return next((row.below_hz for row in self.cable_lengths if cable_m < row.shorter_than_m), None)
+        rows = (row for row in self.cable_lengths if not row.only)
+        return next((row.below_hz for row in rows if cable_m < row.shorter_than_m), None)
 
 
 class BissFacts(NamedTuple):
-    """Facts about the BiSS C-mode interface."""
+    """Facts about the BiSS C-mode interface.
+
+    If the clock depends on the order code, ``clocks`` has the clocks, and ``clock`` has no limits. So it is with
+    ``timeouts``, and ``timeout`` is None.
+    """
 
     clock: Clock
     profile: str = ""
@@ -436,6 +492,23 @@ class BissFacts(NamedTuple):
     timings: tuple[Timing, ...] = ()
     note: str = ""
     source: str = ""
+    clocks: tuple[Clock, ...] = ()
+    timeouts: tuple[Timeout, ...] = ()
+
+    def for_code(self, code: str) -> BissFacts:
+        """Return the facts for an order code.
+
+        Args:
+            code: The order code, as in the attribute ``code`` of an encoder.
+        """
+        timeouts = _rows_for_code(self.timeouts, code)
+        return self._replace(
+            clock=_clock_for_code(self.clock, self.clocks, code),
+            clocks=(),
+            timeout=timeouts[0] if timeouts else self.timeout,
+            timeouts=(),
+            timings=_rows_for_code(self.timings, code),
+        )
 
 
 class Exchange(NamedTuple):
@@ -460,7 +533,7 @@ class SpiFacts(NamedTuple):
     """Facts about the SPI interface.
 
     Attributes:
-        clock: Clock frequencies.
+        clock: Clock frequencies. It has no limits if they depend on the order code.
         mode: SPI mode, 0 to 3.
         word_bits: Number of bits of a word, or an expression if it depends on the order code. An exchange can differ.
         reply: Word in which the encoder answers, ``same_word`` or ``next_word``.
@@ -468,6 +541,7 @@ class SpiFacts(NamedTuple):
         timings: Timings of this interface.
         note: Additional information.
         source: Source of the facts.
+        clocks: Clock frequencies, each with its order codes. Empty if they do not depend on the order code.
     """
 
     clock: Clock
@@ -478,6 +552,19 @@ class SpiFacts(NamedTuple):
     timings: tuple[Timing, ...] = ()
     note: str = ""
     source: str = ""
+    clocks: tuple[Clock, ...] = ()
+
+    def for_code(self, code: str) -> SpiFacts:
+        """Return the facts for an order code.
+
+        Args:
+            code: The order code, as in the attribute ``code`` of an encoder.
+        """
+        return self._replace(
+            clock=_clock_for_code(self.clock, self.clocks, code),
+            clocks=(),
+            timings=_rows_for_code(self.timings, code),
+        )
 
 
 class Rs485Facts(NamedTuple):
@@ -490,6 +577,14 @@ class Rs485Facts(NamedTuple):
     timings: tuple[Timing, ...] = ()
     note: str = ""
     source: str = ""
+
+    def for_code(self, code: str) -> Rs485Facts:
+        """Return the facts for an order code.
+
+        Args:
+            code: The order code, as in the attribute ``code`` of an encoder.
+        """
+        return self._replace(timings=_rows_for_code(self.timings, code))
 
 
 class Alarm(NamedTuple):

@@ -1,0 +1,158 @@
+"""Check that facts for some order codes leave out no order code, and that none has two of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import combinations, compress
+from typing import Protocol
+
+from ..language.problems import DocumentReport, Path, quoted
+from ..language.rules.parts import explained
+from ..model import Biss, Clocked, Interface, Ssi, Variant
+from ..model.device import Device
+from ..model.order_codes import Restricted, facts_for_code, fits
+from ..model.record import dataclass
+from ..say.plain_text import counted
+from .from_mapping import Raw
+
+
+@dataclass(frozen=True, slots=True)
+class ExclusiveFacts:
+    """Facts of which an order code has one, each with its path in the spec.
+
+    ``noun`` names the fact with an article, such as ``a clock``. ``codes`` are those of the interface, whose name in
+    sentences is empty for facts of the device. If the fact ``is_needed``, each order code must have one. Of facts that
+    have ``other_rules``, these report two for all order codes.
+    """
+
+    noun: str
+    facts: Sequence[tuple[Path, Restricted]]
+    codes: Sequence[str]
+    interface: str = ""
+    is_needed: bool = False
+    other_rules: bool = False
+
+
+def check_facts_by_code(raw: Raw, device: Device, report: DocumentReport) -> None:
+    """Report order codes without a clock or time-out, with two facts of a kind, and facts that none of them has."""
+    if not device.variants:
+        return
+    for exclusive_facts in _all_exclusive_facts(raw, device, report):
+        has_only = any(fact.only for _, fact in exclusive_facts.facts)
+        if has_only or not exclusive_facts.other_rules:
+            _check_unused(exclusive_facts, report)
+            _check_overlaps(exclusive_facts, report)
+            _check_gaps(exclusive_facts, report)
+
+
+def _all_exclusive_facts(raw: Raw, device: Device, report: DocumentReport) -> Iterator[ExclusiveFacts]:
+    """Yield the facts of the interfaces and of the device, those of each kind and name together."""
+    all_codes = _codes(device.variants)
+    for interface in device.interfaces:
+        codes = _codes(device.variants_over(interface.name))
+        yield from _facts_of_interface(raw["interfaces"][interface.name], interface, codes, report)
+    yield from _by_name(("timings",), "a timing", device.timings, all_codes)
+    yield from _by_name(("characteristics",), "a characteristic", device.characteristics, all_codes)
+
+
+def _codes(variants: Sequence[Variant]) -> list[str]:
+    return [variant.code for variant in variants]
+
+
+def _facts_of_interface(
+    raw: Raw, interface: Interface, codes: Sequence[str], report: DocumentReport
+) -> Iterator[ExclusiveFacts]:
+    """Yield the clocks, the time-outs, the clock limits for each cable length, and the timings of each name."""
+    path = ("interfaces", interface.name)
+    if isinstance(interface, Clocked):
+        clocks = _placed(raw, (*path, "clock"), interface.clocks)
+        is_whole = (*path, "clock") not in report.document.kept_indices
+        yield ExclusiveFacts("a clock", clocks, codes, interface.short, is_needed=is_whole)
+    if isinstance(interface, Biss):
+        timeouts = _placed(raw, (*path, "timeout"), interface.timeouts)
+        is_needed = not explained(report.document, *path, "timeout")
+        is_whole = (*path, "timeout") not in report.document.kept_indices
+        yield ExclusiveFacts("a time-out", timeouts, codes, interface.short, is_needed=is_needed and is_whole)
+    if isinstance(interface, Ssi):
+        rows = _placed(raw, (*path, "cable_lengths"), interface.cable_lengths)
+        for length in dict.fromkeys(row.shorter_than_m for row in interface.cable_lengths):
+            are_of_length = [row.shorter_than_m == length for row in interface.cable_lengths]
+            rows_of_length = list(compress(rows, are_of_length))
+            noun = f"a clock for cables shorter than {length} m"
+            yield ExclusiveFacts(noun, rows_of_length, codes, interface.short, other_rules=True)
+    yield from _by_name((*path, "timings"), "a timing", interface.timings, codes)
+
+
+def _placed(raw: Raw, path: tuple[str, ...], facts: Sequence[Restricted]) -> list[tuple[Path, Restricted]]:
+    """Return facts with their paths. A single one may be written without a list."""
+    key = path[-1]
+    if isinstance(raw.get(key), Mapping):
+        return [(path, fact) for fact in facts]
+    return [((*path, index), fact) for index, fact in enumerate(facts)]
+
+
+class _Named(Restricted, Protocol):
+    """A fact with a name."""
+
+    @property
+    def name(self) -> str: ...
+
+
+def _by_name(path: Path, noun: str, facts: Sequence[_Named], codes: Sequence[str]) -> Iterator[ExclusiveFacts]:
+    """Yield the facts of each name that several have. An order code may have none of them."""
+    facts_by_name: dict[str, list[tuple[Path, Restricted]]] = {}
+    for index, fact in enumerate(facts):
+        facts_by_name.setdefault(fact.name, []).append(((*path, index), fact))
+    for name, named_facts in facts_by_name.items():
+        if len(named_facts) > 1:
+            yield ExclusiveFacts(f"{noun} {quoted(name)}", named_facts, codes, other_rules=True)
+
+
+def _check_unused(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> None:
+    """Report a fact that applies only to order codes of other interfaces."""
+    # Another edition has fewer order codes, and a pattern without any order code has been reported.
+    if report.document.family or not exclusive_facts.interface:
+        return
+    for path, fact in exclusive_facts.facts:
+        if fact.only and not any(fits(fact.only, code) for code in exclusive_facts.codes):
+            message = f"no order code with {exclusive_facts.interface} matches {quoted(fact.only)}"
+            report.add("only-codes", (*path, "only"), f"{message}; correct the pattern, or remove the entry")
+
+
+def _check_overlaps(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> None:
+    """Report a fact for an order code that already has one."""
+    for (first_path, first), (path, fact) in combinations(exclusive_facts.facts, 2):
+        common_codes = [code for code in exclusive_facts.codes if fits(first.only, code) and fits(fact.only, code)]
+        if common_codes:
+            line, _ = report.document.position(first_path)
+            message = f"{_codes_text(common_codes)} already {_has(common_codes)} {exclusive_facts.noun}, on line {line}"
+            place = (*path, "only") if fact.only else path
+            report.add("only-overlap", place, f"{message}; give each order code exactly one with 'only'")
+
+
+def _check_gaps(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> None:
+    """Report the order codes that have none of the facts, if each needs one."""
+    if not exclusive_facts.is_needed:
+        return
+    facts = [fact for _, fact in exclusive_facts.facts]
+    if not facts:
+        return
+    codes_without = [code for code in exclusive_facts.codes if not facts_for_code(facts, code)]
+    if codes_without:
+        last_path, _ = exclusive_facts.facts[-1]
+        noun = exclusive_facts.noun.removeprefix("a ")
+        message = f"{_codes_text(codes_without)} {_has(codes_without)} no {noun}"
+        remedy = "extend 'only', or add an entry for other order codes"
+        if noun == "time-out":
+            remedy += ". If the manual gives none for them, add an erratum that affects interfaces.biss.timeout"
+        report.add("only-gap", (*last_path, "only"), f"{message}; {remedy}")
+
+
+def _codes_text(codes: Sequence[str]) -> str:
+    """Return the first order code, and how many others there are: ``the order code 'X-24' and 2 others``."""
+    others = f" and {counted(len(codes) - 1, 'other')}" if len(codes) > 1 else ""
+    return f"the order code {quoted(codes[0])}{others}"
+
+
+def _has(codes: Sequence[str]) -> str:
+    return "has" if len(codes) == 1 else "have"

@@ -1,0 +1,155 @@
+"""Facts in C that depend on the order code: clock, time-out, times and clocks by cable length, as macros by code."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import chain
+
+from ...language.problems import listed
+from ...model import Biss, CableLength, Clock, Clocked, Interface, Ssi, Timeout, Timing, cite
+from ...model.order_codes import facts_for_code, repeated_names
+from ...model.record import dataclass
+from .context import Context, Macro, timing_macros
+from .names import Declared, number
+from .variants import CodeRow
+
+
+def clock_limits(clock: Clock) -> Iterator[tuple[str, int, str]]:
+    """Yield the limits, and the fastest clock in use: the end of a macro's name, the clock in Hz, and a comment."""
+    names_clocks_and_notes = (
+        ("CLOCK_MIN_HZ", clock.min_hz, "lowest clock in Hz"),
+        ("CLOCK_MAX_HZ", clock.max_hz, "highest clock in Hz"),
+        ("CLOCK_USED_HZ", max(clock.used_hz, default=None), "a clock in use in Hz, not a limit"),
+    )
+    for name, clock_hz, note in names_clocks_and_notes:
+        if clock_hz is not None:
+            yield name, clock_hz, note
+
+
+def timeout_limits(timeout: Timeout) -> Iterator[tuple[str, int]]:
+    """Yield the typical and the longest time-out in nanoseconds, each with the end of a macro's name.
+
+    If the time-out is not a number of clock periods, those printed for each clock follow.
+    """
+    names_and_times = [("TYPICAL", timeout.typical_ns), ("AT_MOST", timeout.at_most_ns)]
+    if timeout.half_clock_periods is None:
+        names_and_times += [(f"AT_{printed.clock_hz}_HZ", printed.timeout_ns) for printed in timeout.printed]
+    for name, time_ns in names_and_times:
+        if time_ns is not None:
+            yield f"TIMEOUT_{name}_NS", time_ns
+
+
+def timeout_product(timeout: Timeout | None) -> int:
+    """Return the time-out in nanoseconds times the clock in hertz, 0 if it does not depend on the clock."""
+    if timeout is None or timeout.rule != "follows_clock":
+        return 0
+    # Half a clock period in nanoseconds is 500,000,000 divided by the clock in hertz.
+    return 500_000_000 * (timeout.half_clock_periods or 0)
+
+
+@dataclass(frozen=True, slots=True)
+class ClockLimitFunction:
+    """Function that returns the clock limit for a cable length."""
+
+    name: str
+    rows: tuple[CableLength, ...]
+
+    @property
+    def source(self) -> str:
+        """The source of the clocks by cable length."""
+        return cite(tuple(dict.fromkeys(chain.from_iterable(row.source for row in self.rows))))
+
+
+@dataclass(frozen=True, slots=True)
+class TimeoutFunction:
+    """Function that returns the time-out for a clock: ``product`` divided by the clock."""
+
+    name: str
+    product: int
+
+
+def function_names(clock_limits: Sequence[ClockLimitFunction], timeouts: Sequence[TimeoutFunction]) -> list[str]:
+    """Return the names of functions for clock limits and time-outs."""
+    return [*(limit.name for limit in clock_limits), *(timeout.name for timeout in timeouts)]
+
+
+class CodeFacts:
+    """Facts about the interface that depend on the order code, empty if none does.
+
+    Order codes with the same clocks by cable length, or the same rule for the time-out, share a function. A macro of
+    each order code is another name of it.
+    """
+
+    def __init__(self, context: Context, interface: Interface, rows: Sequence[CodeRow]) -> None:
+        self._context, self._interface = context, interface
+        self.clock_limits: list[ClockLimitFunction] = []
+        self.timeouts: list[TimeoutFunction] = []
+        self._times = [*_repeated_times(interface.timings), *_repeated_times(context.device.timings)]
+        self.macros = list(chain.from_iterable(map(self._macros_of, rows)))
+
+    @property
+    def codes(self) -> str:
+        """The facts in words, for the comment on the macros."""
+        subjects = {
+            "clock": isinstance(self._interface, Clocked) and bool(self._interface.clocks_by_code),
+            "time-out": isinstance(self._interface, Biss) and bool(self._interface.timeouts_by_code),
+            "clock limit by cable length": bool(self.clock_limits),
+            "times": bool(self._times),
+        }
+        return listed(subject for subject, depends_on_code in subjects.items() if depends_on_code)
+
+    def declared(self) -> Iterator[Declared]:
+        """Yield the names of its macros and functions at file scope, each with the path of the interface."""
+        path = ("interfaces", self._interface.name)
+        yield from ((macro.name, path) for macro in self.macros)
+        yield from ((name, path) for name in function_names(self.clock_limits, self.timeouts))
+
+    def _macros_of(self, row: CodeRow) -> Iterator[Macro]:
+        """Yield the macros of an order code, such as ``ACME_X_24_A_CLOCK_MAX_HZ``."""
+        interface, code = self._interface, row.variant.code
+        if isinstance(interface, Clocked) and interface.clocks_by_code:
+            for name, clock_hz, note in clock_limits(interface.clock_of(code)):
+                yield Macro(f"{row.macro}_{name}", number(clock_hz), note)
+        if isinstance(interface, Biss) and interface.timeouts_by_code:
+            yield from self._timeout_macros(row, interface.timeout_of(code))
+        if isinstance(interface, Ssi) and has_cables_by_code(interface):
+            yield from self._clock_limit_macros(row, facts_for_code(interface.cable_lengths, code))
+        for time in facts_for_code(self._times, code):
+            yield from timing_macros(time, row.macro)
+
+    def _timeout_macros(self, row: CodeRow, timeout: Timeout | None) -> Iterator[Macro]:
+        if timeout is None:
+            return
+        for name, time_ns in timeout_limits(timeout):
+            yield Macro(f"{row.macro}_{name}", number(time_ns), "time-out in nanoseconds")
+        product = timeout_product(timeout)
+        if product:
+            names = {function.product: function.name for function in self.timeouts}
+            if product not in names:
+                names[product] = self._function_name("timeout_ns", row)
+                self.timeouts.append(TimeoutFunction(names[product], product))
+            yield Macro(f"{row.macro}_TIMEOUT_NS", names[product], "function that returns its time-out")
+
+    def _clock_limit_macros(self, row: CodeRow, cable_rows: tuple[CableLength, ...]) -> Iterator[Macro]:
+        if not cable_rows:
+            return
+        names = {function.rows: function.name for function in self.clock_limits}
+        if cable_rows not in names:
+            names[cable_rows] = self._function_name("clock_limit_hz", row)
+            self.clock_limits.append(ClockLimitFunction(names[cable_rows], cable_rows))
+        yield Macro(f"{row.macro}_CLOCK_LIMIT_HZ", names[cable_rows], "function that returns its clock limit")
+
+    def _function_name(self, ending: str, row: CodeRow) -> str:
+        """Return the name of a function that is called after the first order code that it applies to."""
+        return f"{self._context.prefix}_{row.code.lower()}_{ending}"
+
+
+def _repeated_times(times: Sequence[Timing]) -> list[Timing]:
+    """Return the times whose name several have, each for other order codes."""
+    shared_names = repeated_names(times)
+    return [time for time in times if time.name in shared_names]
+
+
+def has_cables_by_code(interface: Ssi) -> bool:
+    """Return True if the clocks by cable length depend on the order code."""
+    return any(row.only for row in interface.cable_lengths)
