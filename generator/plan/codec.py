@@ -86,13 +86,17 @@ class Codec:
 
     @cached_property
     def depends(self) -> bool:
-        """True if any position or width, the Gray code, or the highest position depends on the order code."""
+        """True if any position or width, the Gray code, or the range of positions depends on the order code."""
         if self.gray is not None and self.gray.when:
             return True
         expressions = [self.layout.bits]
         for field in self.layout.fields:
             expressions += [field.low, field.width]
-        expressions += [check.highest for check in self.checks if isinstance(check, (NotAbove, IsBetween))]
+        for check in self.checks:
+            if isinstance(check, NotAbove):
+                expressions.append(check.highest)
+            elif isinstance(check, IsBetween):
+                expressions += [check.lowest, check.highest]
         if self.gray is not None:
             expressions.append(self.gray.excess)
         # All answers to a question set the same parameters, which the caller passes.
