@@ -20,15 +20,16 @@ from ..model.part import NOTHING, About, DescribedKey, described_key, keys_of
 from .document import Path
 
 T = TypeVar("T")
+Part = TypeVar("Part", covariant=True)
 #: Returns the value at a path, or None if it has a wrong type.
 Reader = Callable[[Any, Path], Any]
 
 
 @dataclass(frozen=True, slots=True)
-class Located(Generic[T]):
+class Located(Generic[Part]):
     """A part that is the same in specs and in the model, with its place and its data. It has no sources."""
 
-    part: T
+    part: Part
     path: Path
     data: Mapping[str, Any]
 
