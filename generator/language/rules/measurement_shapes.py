@@ -58,7 +58,7 @@ def position_range_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRe
         own_measurement = own_measurements[frame.interface]
         has_own_measurement = own_measurement is not None and own_measurement.data
         measurement = own_measurement if has_own_measurement else raw.measurement
-        raw_frame = raw_frames[frame.owner.path]
+        raw_frame = raw_frames[report.document.original(frame.owner.path)]
         name = quoted(raw_frame.name)
         if measurement is None or not measurement.data:
             problem = "'position_range' needs a 'measurement', which gives the unit of the position"
