@@ -295,7 +295,7 @@ def _discriminates(example: WrittenExample) -> bool:
 
 def _is_reading(example: WrittenExample) -> bool:
     """Return True if an example is an accepted frame of the encoder or the content of a register."""
-    is_frame = example.kind == "frame" and example.from_ == "encoder" and not example.has("refused")
+    is_frame = example.kind == "frame" and example.from_ == "encoder" and not example.refused
     return is_frame or example.kind == "register"
 
 
