@@ -250,7 +250,7 @@ def _located_reader(model_class: Any) -> Reader:
     return read_part
 
 
-def located(model_class: Any, data: Mapping[str, Any], path: Path) -> Located[Any]:
+def located(model_class: type[T], data: Mapping[str, Any], path: Path) -> Located[T]:
     """Return a part of the model as it is written in a spec, with its path and data.
 
     A missing key has its default or, if it is required, is empty. Parts in it have no place, and sources are left out.
