@@ -14,7 +14,6 @@ from ..model.record import dataclass
 from .crcs import checks_whole_words, divides, fold_steps
 from .operations import (
     AlwaysIs,
-    AtMost,
     Bits,
     Check,
     Fixed,
@@ -32,6 +31,7 @@ from .operations import (
     ValueOfField,
     Whole,
     ZerosAbove,
+    checks_of_meaning,
 )
 
 
@@ -302,11 +302,7 @@ def _checks_of_values(layout: Layout) -> Iterator[Check]:
         valid_values = allowed_values(layout, field)
         if valid_values:
             yield IsOneOf(field, bits, valid_values)
-        if field.runs:
-            # The runs split the decimal number, most significant first: number // divisor % modulus.
-            most_significant_run = field.runs[0]
-            highest = most_significant_run.divisor * most_significant_run.modulus - 1
-            yield AtMost(field, bits, highest, field.runs)
+        yield from checks_of_meaning(field, bits)
 
 
 def _checks_of_position(device: Device, layout: Layout) -> Iterator[Check]:
