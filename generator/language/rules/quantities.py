@@ -370,8 +370,9 @@ def conversions(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
         if not isinstance(text, str) or path[-1] == "printed":
             continue
         for match in _SAME.finditer(text):
-            number, unit, repeated_number, repeated_unit = match.group("one", "one_unit", "two", "two_unit")
-            _compare_numbers(_as_printed(number, unit), _as_printed(repeated_number, repeated_unit), path, report)
+            number = _Number(Decimal(match["one"].replace("−", "-")), match["one_unit"])
+            repeated_number = _Number(Decimal(match["two"].replace("−", "-")), match["two_unit"])
+            _compare_numbers(number, repeated_number, path, report)
 
 
 @dataclass(frozen=True, slots=True)
@@ -380,10 +381,6 @@ class _Number:
 
     number: Decimal | float
     unit: str
-
-
-def _as_printed(number: str, unit: str) -> _Number:
-    return _Number(Decimal(number.replace("−", "-")), unit)
 
 
 def _compare_bounds(quantity: Quantity, first: Quantity, path: Path, report: DocumentReport) -> None:
