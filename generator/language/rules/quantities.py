@@ -328,8 +328,7 @@ def _report_time(match: re.Match[str], expected_times: set[int], place: Path, re
 
 
 def _nanoseconds(match: re.Match[str]) -> Decimal:
-    number, unit = match.group("number", "unit")
-    return Decimal(number.replace(",", "")) * _NANOSECONDS.get(unit, _NANOSECONDS["s"])
+    return Decimal(match["number"].replace(",", "")) * _NANOSECONDS.get(match["unit"], _NANOSECONDS["s"])
 
 
 def _times(node: object) -> Iterator[int]:
