@@ -20,15 +20,16 @@ from ..model.part import NOTHING, About, DescribedKey, described_key, keys_of
 from .document import Path
 
 T = TypeVar("T")
+Part = TypeVar("Part", covariant=True)
 #: Returns the value at a path, or None if it has a wrong type.
 Reader = Callable[[Any, Path], Any]
 
 
 @dataclass(frozen=True, slots=True)
-class Located(Generic[T]):
+class Located(Generic[Part]):
     """A part that is the same in specs and in the model, with its place and its data. It has no sources."""
 
-    part: T
+    part: Part
     path: Path
     data: Mapping[str, Any]
 
@@ -263,7 +264,7 @@ def _located_reader(model_class: Any) -> Reader:
     return read_part
 
 
-def located(model_class: Any, data: Mapping[str, Any], path: Path) -> Located[Any]:
+def located(model_class: type[T], data: Mapping[str, Any], path: Path) -> Located[T]:
     """Return a part of the model as it is written in a spec, with its path and data.
 
     A missing key has its default or, if it is required, is empty. Parts in it have no place, and sources are left out.

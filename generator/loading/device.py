@@ -14,11 +14,11 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from ..language.problems import DocumentReport, Path
-from ..language.rules.walk import interface_of
 from ..model import (
     Alarm,
     Alternative,
     Answer,
+    Biss,
     CodePart,
     CodeValue,
     Constant,
@@ -261,7 +261,7 @@ def _registers(raw: Raw, context: Context) -> tuple[Register, ...]:
 
 def _register(raw: Raw, path: Path, context: Context) -> Register | None:
     """Return a register, or None if its layout is not valid. A register without fields is one number."""
-    interface = interface_of(raw)
+    interface = raw.get("interface", Biss.name)
     register_bits = 8 * raw["length"]
     raw_with_fields = raw if "fields" in raw else {**raw, "fields": [{"name": raw["name"], "bits": register_bits}]}
     layout = build_layout(raw_with_fields, Site(path, context, interface), register_bits)

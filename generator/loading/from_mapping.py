@@ -11,7 +11,8 @@ from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
 from ..language.document import Path
 from ..language.problems import DocumentReport, quoted
-from ..language.rules.walk import by_name
+from ..language.rules.parts import owner_of_alarm
+from ..language.written_parts import WrittenSpec
 from ..model import (
     Argument,
     Device,
@@ -190,25 +191,23 @@ def _unmatched_patterns(only: str, variants: Sequence[Variant]) -> list[str]:
 
 def check_alarms(raw: Raw, report: DocumentReport) -> None:
     """Report an alarm with a different ``only`` than its flag in a register or group."""
-    for index, alarm in enumerate(raw.get("alarms", ())):
-        if "register" in alarm:
-            owner_of_flag = by_name(raw, "registers").get(alarm["register"], {})
-        else:
-            owner_of_flag = by_name(raw, "field_groups").get(alarm.get("group", ""), {})
-        flags = [field for field in owner_of_flag.get("fields", ()) if field.get("name") == alarm.get("field", "")]
-        if not flags or alarm.get("only", "") == flags[0].get("only", ""):
+    spec = WrittenSpec(dict(raw))
+    for alarm in spec.alarms:
+        owner = owner_of_alarm(spec, alarm)
+        flags = [field for field in owner.fields if field.name == alarm.part.field] if owner is not None else []
+        if not alarm.part.field or not flags or alarm.part.only == flags[0].only:
             continue
         flag = flags[0]
         message = (
-            f"the alarm applies to {_quoted(alarm)}, but its flag {quoted(flag['name'])} applies to {_quoted(flag)}"
+            f"the alarm applies to {_codes_in_words(alarm.part.only)}, "
+            f"but its flag {quoted(flag.name)} applies to {_codes_in_words(flag.only)}"
         )
-        path: Path = ("alarms", index, "only") if "only" in alarm else ("alarms", index)
+        path = (*alarm.path, "only") if alarm.part.only else alarm.path
         report.add("only-alarm", path, f"{message}; give both the same 'only'")
 
 
-def _quoted(owner: Raw) -> str:
-    """Return the order codes of an alarm or flag in words."""
-    return f"the order codes {quoted(owner['only'])}" if "only" in owner else "all order codes"
+def _codes_in_words(only: str) -> str:
+    return f"the order codes {quoted(only)}" if only else "all order codes"
 
 
 def _mappings_with_only(value: Any, path: Path) -> Iterator[tuple[Path, Raw]]:

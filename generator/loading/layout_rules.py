@@ -337,12 +337,13 @@ def _check_choice(field: Field, kind: Choice, site: Site) -> None:
 
 
 def _check_fixed(field: Field, kind: Constant | Unused, site: Site) -> None:
-    """Check that a constant, or the value of unused bits, fits into the field.
+    """Check that a constant, or the value of unused bits, fits into the field for all order codes that have it.
 
-    If an order code lacks the field, check only that a constant is 0.
+    If an order code lacks the field, a constant must be 0.
     """
-    narrowest = min((field.width.value(parameters) for parameters in site.sets), default=0)
-    if not field.width.is_constant and kind.value >> narrowest and narrowest:
+    widths = [field.width.value(parameters) for parameters in site.sets]
+    narrowest = min((width for width in widths if width), default=field.widest)
+    if not field.width.is_constant and kind.value >> narrowest:
         key = "unused" if isinstance(kind, Unused) else "constant"
         message = f"'{key}' is {kind.value:#x}, which does not fit into {narrowest} bit{'s' * (narrowest > 1)}"
         site.report("value-too-wide", message)

@@ -91,22 +91,32 @@ def apply_overlays(
     _refuse_same_names(valid_overlays, report)
     resulting_families: list[Family] = []
     for name, family in families_by_name.items():
+        # With the files of all its corrections, a family counts as faulty if one of them has a problem. So one with
+        # only some of its corrections, or none, is not mistaken for the corrected family.
+        files_of_corrections = {overlay.file for overlay in overlays if _is_correction_of(name, overlay)}
+        family_with_files = replace(family, files=family.files | files_of_corrections)
         overlays_of_family = [overlay for overlay in valid_overlays if overlay.data["of"] == name]
         corrections = [overlay for overlay in overlays_of_family if "applies_to" not in overlay.data]
-        corrected_family = _with_overlays(family, corrections, "", build, report) if corrections else None
-        if corrected_family is None:
-            # There is no correction, or the corrected family could not be built. With the files of its corrections, a
-            # plain family counts as faulty if one of them has a problem. So it is not mistaken for a corrected one.
-            files_of_corrections = {overlay.file for overlay in overlays if _is_correction_of(name, overlay)}
-            corrected_family = replace(family, files=family.files | files_of_corrections)
-        resulting_families.append(corrected_family)
-        resulting_families += _special_families(family, overlays_of_family, corrections, build, report)
+        # None if there is no correction, or if the corrected family could not be built.
+        corrected_family = _with_overlays(family_with_files, corrections, "", build, report) if corrections else None
+        resulting_families.append(corrected_family or family_with_files)
+        for special_family in _special_families(family_with_files, overlays_of_family, corrections, build, report):
+            special = special_family.device.name.removeprefix(f"{name}_")
+            files = {overlay.file for overlay in overlays if _is_for_special_model(name, special, overlay)}
+            resulting_families.append(replace(special_family, files=special_family.files | files))
     return sorted(resulting_families, key=lambda family: family.device.name)
 
 
 def _is_correction_of(name: str, overlay: Document) -> bool:
     """Return True if an overlay, valid or not, is for the whole family of this name."""
     return "applies_to" not in overlay.data and overlay.data.get("of") == name
+
+
+def _is_for_special_model(name: str, special: str, overlay: Document) -> bool:
+    """Return True if an overlay, valid or not, is for the special model of the family of this name."""
+    applies_to = overlay.data.get("applies_to")
+    has_special = isinstance(applies_to, dict) and str(applies_to.get("special")).lower() == special
+    return has_special and overlay.data.get("of") == name
 
 
 def _special_families(

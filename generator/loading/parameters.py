@@ -9,7 +9,8 @@ from types import MappingProxyType
 
 from ..language.problems import DocumentReport, quoted
 from ..language.rules.parameters import all_parameters, uses
-from ..language.rules.walk import by_name, expanded, field_lists, interface_of, leaves
+from ..language.rules.parts import by_name, expanded, field_lists, interface_of
+from ..language.rules.walk import leaves
 from ..language.schema_files import is_second
 from ..language.written_parts import WrittenSpec
 from ..model import Alternative, CodedValue, Device, Interface, Layout, Parameter, Variant
@@ -296,7 +297,7 @@ def parameter_sets(
     These are the sets of the order codes, the bounds of parameters held in registers, one by one and together, and each
     of these with the default answers, and with each other answer of one alternative.
     """
-    interface_names = (*raw["interfaces"], *map(interface_of, raw.get("registers", ())))
+    interface_names = (*raw["interfaces"], *map(interface_of, WrittenSpec(dict(raw)).registers))
     if not variants:  # Parameters are unknown. Parts that do not use them can still be checked.
         return MappingProxyType({kind: ({},) for kind in interface_names})
     sets_by_interface: dict[str, list[Mapping[str, int]]] = {kind: [] for kind in interface_names}
@@ -348,8 +349,9 @@ def too_much_work(raw: Raw, context: Context) -> bool:
     Each field is placed once for each set of parameters.
     """
     number_of_sets = sum(map(len, context.parameter_sets.values()))
-    groups = by_name(raw, "field_groups")
-    number_of_fields = sum(1 for owner in field_lists(dict(raw)) for _ in expanded(owner, groups))
+    spec = WrittenSpec(dict(raw))
+    groups = by_name(spec.field_groups)
+    number_of_fields = sum(1 for fields in field_lists(spec) for _ in expanded(fields, groups))
     if number_of_sets <= MOST_SETS and number_of_sets * number_of_fields <= MOST_PLACES:
         return False
     number_text = f"more than {MOST_SETS}" if number_of_sets > MOST_SETS else str(number_of_sets)

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import PurePath
 
 from ..language.document import Document, Path
 from ..language.problems import DocumentReport, Report, quoted
 from ..language.rules.code_meanings import MEANING_DIFFERS
-from ..language.rules.parts import explained
-from ..language.rules.walk import Spec, by_name, items, mapping
-from ..model import Biss, Device, Fault, PlacedField, Register, RegisterExample, Variant, number_to_bytes
+from ..language.rules.parts import by_name, by_part_name, explained
+from ..language.written import Located
+from ..language.written_codes import WrittenRegister
+from ..language.written_layouts import WrittenField
+from ..language.written_parts import WrittenSpec
+from ..model import Biss, Crc, Device, Fault, PlacedField, Register, RegisterExample, Variant, number_to_bytes
 from ..reference import codec
 from .from_mapping import Raw
 
@@ -29,23 +32,21 @@ def check_shared_facts(documents: Sequence[Document], report: Report) -> None:
     """Report differences between devices of a manufacturer in facts that its file lists under ``alike``."""
     device_documents = [document for document in documents if "device" in document.data and not report.faults(document)]
     for maker_document in documents:
-        alike_names = (
-            mapping(maker_document.data, "alike")
-            if "device" not in maker_document.data and not report.faults(maker_document)
-            else {}
-        )
-        name = maker_document.data.get("manufacturer")
-        documents_of_maker = [device for device in device_documents if device.data.get("manufacturer") == name]
+        if "device" in maker_document.data or report.faults(maker_document):
+            continue
+        maker = maker_document.data.get("manufacturer")
+        documents_of_maker = [device for device in device_documents if device.data.get("manufacturer") == maker]
         # ``alike`` lists the names of registers and CRCs, such as ``{"registers": ["preset"]}``.
-        for kind, names in alike_names.items():
-            # From here, ``name`` is that of a register or CRC.
+        for kind, names in maker_document.data.get("alike", {}).items():
             for name in names:
-                _compare(
-                    kind,
-                    name,
-                    [document for document in documents_of_maker if name in by_name(document.data, kind)],
-                    report,
-                )
+                documents_with_fact = [document for document in documents_of_maker if name in _parts(kind, document)]
+                _compare(kind, name, documents_with_fact, report)
+
+
+def _parts(kind: str, document: Document) -> Mapping[str, WrittenRegister | Located[Crc]]:
+    """Return the registers or CRCs of a spec by name."""
+    spec = WrittenSpec(document.data)
+    return by_name(spec.registers) if kind == "registers" else by_part_name(spec.crcs)
 
 
 def _compare(kind: str, name: str, documents_with_fact: Sequence[Document], report: Report) -> None:
@@ -56,7 +57,7 @@ def _compare(kind: str, name: str, documents_with_fact: Sequence[Document], repo
     """
     facts_by_key: dict[tuple[str, ...], list[tuple[Document, _Fact]]] = {}
     for document in sorted(documents_with_fact, key=lambda document: document.file):
-        for key, fact in _facts(kind, by_name(document.data, kind)[name]):
+        for key, fact in _facts(kind, _parts(kind, document)[name]):
             facts_by_key.setdefault(key, []).append((document, fact))
     for key, facts in facts_by_key.items():
         affected_place = (kind, name, *key)
@@ -79,21 +80,27 @@ def _compare(kind: str, name: str, documents_with_fact: Sequence[Document], repo
             report.add("not-alike", document, (kind, name, *path), message)
 
 
-def _facts(kind: str, definition: Spec) -> Iterator[tuple[tuple[str, ...], _Fact]]:
+def _facts(kind: str, definition: WrittenRegister | Located[Crc]) -> Iterator[tuple[tuple[str, ...], _Fact]]:
     """Yield the shared facts of a register or CRC, each with its place as an erratum gives it.
 
     A field has its name in that place, such as ``("warning", "at")``, and its index in the path of the fact, such as
     ``("fields", 2, "at")``.
     """
     for key, form in _COMMON[kind].items():
-        if key in definition:
-            yield (key,), ((key,), _fact_text(form, definition[key]))
-    for path, field in items(definition, "fields"):
-        name = field.get("name")
-        if isinstance(name, str):
-            yield from (((name, key), ((*path, key), str(field[key]))) for key in ("at", "bits") if key in field)
-            for value_name, value in mapping(field, "values").items():
-                yield (name, value_name, "value"), ((*path, "values", value_name, "value"), str(value["value"]))
+        if key in definition.data:
+            yield (key,), ((key,), _fact_text(form, definition.data[key]))
+    for index, field in enumerate(definition.fields if isinstance(definition, WrittenRegister) else ()):
+        if field.name:
+            yield from _facts_of_field(field, ("fields", index))
+
+
+def _facts_of_field(field: WrittenField, path: Path) -> Iterator[tuple[tuple[str, ...], _Fact]]:
+    """Yield the shared facts of a field, its position, width and named values, as ``_facts`` does."""
+    for key, number_or_text in (("at", field.at), ("bits", field.bits)):
+        if number_or_text is not None:
+            yield (field.name, key), ((*path, key), str(number_or_text))
+    for value_name, value in field.values.items():
+        yield (field.name, value_name, "value"), ((*path, "values", value_name, "value"), str(value.value))
 
 
 def _fact_text(form: str, value: object) -> str:

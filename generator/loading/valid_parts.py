@@ -6,10 +6,12 @@ is fixed.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 from ..language.problems import DocumentReport, Path
-from ..language.rules.walk import Spec, field_lists, items, mapping
+from ..language.rules.parts import field_lists, interfaces
+from ..language.written_interfaces import WrittenRs485
+from ..language.written_parts import WrittenProcedure, WrittenSpec
 from ..model import (
     CrcExample,
     Example,
@@ -73,10 +75,10 @@ class ValidParts:
 def valid_parts_so_far(report: DocumentReport) -> ValidParts:
     """Return the validity of the parts of a document, based on the problems reported so far."""
     document = report.document
-    return valid_parts(document.data, (*report.faults(), *document.broken, *document.doubtful))
+    return valid_parts(WrittenSpec(document.data), (*report.faults(), *document.broken, *document.doubtful))
 
 
-def valid_parts(data: Spec, faults: Iterable[Path]) -> ValidParts:
+def valid_parts(spec: WrittenSpec, faults: Iterable[Path]) -> ValidParts:
     """Return the validity of the parts of a spec as read, given its faulty places.
 
     A place is faulty if something in it is. An item is also faulty if it uses a faulty one, such as a layout with a
@@ -84,39 +86,38 @@ def valid_parts(data: Spec, faults: Iterable[Path]) -> ValidParts:
     """
     # Each faulty place with its parents.
     places = frozenset(fault[:end] for fault in faults for end in range(1, len(fault) + 1))
-    faulty_items: set[Item] = set()
-    for kind in ("crcs", "examples"):
-        faulty_items |= {(kind, _name(owner)) for path, owner in items(data, kind) if path in places}
-    for fields in field_lists(data):  # Groups come first, because the others may use them.
-        references = ((kind, _text(field, key)) for _, field in fields for key, kind in _MADE_OF)
-        if fields.path in places or any(reference in faulty_items for reference in references):
-            faulty_items.add((fields.kind.value, _name(fields.owner)))
-    faulty_items |= {("registers", _name(register)) for path, register in items(data, "registers") if path in places}
-    for interface in mapping(data, "interfaces"):
-        data_ids = items(data, "interfaces", interface, "data_ids")
-        faulty_items |= {("data_ids", _name(data_id)) for path, data_id in data_ids if path in places}
-    for path, procedure in items(data, "procedures"):
-        if path in places or _rests_on(procedure, faulty_items):
-            faulty_items.add(("procedures", _name(procedure)))
+    faulty_items = {item for item, path in _items(spec) if path in places}
+    for fields in field_lists(spec):  # Groups come first, because the others may use them.
+        uses = [("field_groups", field.use) for field in fields.fields]
+        uses += [("crcs", field.crc) for field in fields.fields]
+        if fields.owner.path in places or not faulty_items.isdisjoint(uses):
+            faulty_items.add((fields.kind.value, _name(fields.name)))
+    for procedure in spec.procedures:
+        if procedure.path in places or not faulty_items.isdisjoint(_uses_of(procedure)):
+            faulty_items.add(("procedures", _name(procedure.name)))
     return ValidParts(places, frozenset(faulty_items))
 
 
-#: Keys of fields that name another item, each with the key of the list of these items.
-_MADE_OF = (("use", "field_groups"), ("crc", "crcs"))
+def _items(spec: WrittenSpec) -> Iterator[tuple[Item, Path]]:
+    """Yield the items without references to others, each with its place, and all registers."""
+    for crc in spec.crcs:
+        yield ("crcs", _name(crc.part.name)), crc.path
+    for example in spec.examples:
+        yield ("examples", _name(example.name)), example.path
+    for register in spec.registers:
+        yield ("registers", _name(register.name)), register.path
+    for _, interface in interfaces(spec):
+        for data_id in WrittenRs485(interface.data, interface.path).data_ids:
+            yield ("data_ids", _name(data_id.part.name)), data_id.path
 
 
-def _rests_on(procedure: Spec, faulty: set[Item]) -> bool:
-    """Return True if a procedure uses a faulty register or data ID, in a step or for the limits of an argument."""
-    items_of_procedure = [("registers", _text(step, "register")) for _, step in items(procedure, "steps")]
-    items_of_procedure += [("data_ids", _text(step, "data_id")) for _, step in items(procedure, "steps")]
-    items_of_procedure += [("registers", _text(argument, "of")) for _, argument in items(procedure, "arguments")]
-    return any(reference in faulty for reference in items_of_procedure)
+def _uses_of(procedure: WrittenProcedure) -> Iterator[Item]:
+    """Yield the registers and data IDs that a procedure uses, in a step or for the limits of an argument."""
+    for step in procedure.steps:
+        yield from (("registers", step.register), ("data_ids", step.data_id))
+    for argument in procedure.arguments:
+        yield "registers", argument.of
 
 
-def _name(definition: Spec) -> str:
-    return _text(definition, "name") or "?"  # No name, so nothing refers to it.
-
-
-def _text(definition: Spec, key: str) -> str:
-    text = definition.get(key)
-    return text if isinstance(text, str) else ""
+def _name(name: str) -> str:
+    return name or "?"  # No name, so nothing refers to it.

@@ -14,7 +14,6 @@ from ..model.record import dataclass
 from .crcs import checks_whole_words, divides, fold_steps
 from .operations import (
     AlwaysIs,
-    AtMost,
     Bits,
     Check,
     Fixed,
@@ -32,6 +31,7 @@ from .operations import (
     ValueOfField,
     Whole,
     ZerosAbove,
+    checks_of_meaning,
 )
 
 
@@ -86,13 +86,17 @@ class Codec:
 
     @cached_property
     def depends(self) -> bool:
-        """True if any position or width, the Gray code, or the highest position depends on the order code."""
+        """True if any position or width, the Gray code, or the range of positions depends on the order code."""
         if self.gray is not None and self.gray.when:
             return True
         expressions = [self.layout.bits]
         for field in self.layout.fields:
             expressions += [field.low, field.width]
-        expressions += [check.highest for check in self.checks if isinstance(check, (NotAbove, IsBetween))]
+        for check in self.checks:
+            if isinstance(check, NotAbove):
+                expressions.append(check.highest)
+            elif isinstance(check, IsBetween):
+                expressions += [check.lowest, check.highest]
         if self.gray is not None:
             expressions.append(self.gray.excess)
         # All answers to a question set the same parameters, which the caller passes.
@@ -298,11 +302,7 @@ def _checks_of_values(layout: Layout) -> Iterator[Check]:
         valid_values = allowed_values(layout, field)
         if valid_values:
             yield IsOneOf(field, bits, valid_values)
-        if field.runs:
-            # The runs split the decimal number, most significant first: number // divisor % modulus.
-            most_significant_run = field.runs[0]
-            highest = most_significant_run.divisor * most_significant_run.modulus - 1
-            yield AtMost(field, bits, highest, field.runs)
+        yield from checks_of_meaning(field, bits)
 
 
 def _checks_of_position(device: Device, layout: Layout) -> Iterator[Check]:

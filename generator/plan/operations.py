@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from ..model import Crc, Digits, Fault, Field, Flag, Join, Parity, Piece
+from ..model import Crc, Digits, Fault, Field, Flag, Join, Parity, Piece, assert_never
 from ..model.expressions import Expression
 from ..model.record import dataclass
 from .crcs import FoldStep
-from .values import Meaning, meaning_of
+from .values import Active, Characters, DigitRuns, Meaning, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,6 +136,20 @@ class IsBetween:
 
 
 Check = AlwaysIs | ZerosAbove | ParityIs | IsOneOf | AtMost | NotAbove | IsBetween
+
+
+def checks_of_meaning(field: Field, bits: Bits) -> Iterator[Check]:
+    """Yield the checks without which some bits of a field would have no value. A list of values is checked before."""
+    match meaning_of(field):
+        case DigitRuns(runs):
+            # The runs split the decimal number, most significant first: number // divisor % modulus.
+            most_significant_run = runs[0]
+            highest = most_significant_run.divisor * most_significant_run.modulus - 1
+            yield AtMost(field, bits, highest, runs)
+        case Raw() | TwosComplement() | ZeroMeans() | Active() | Named() | Characters():
+            return
+        case meaning:
+            assert_never(meaning)
 
 
 @dataclass(frozen=True, slots=True)

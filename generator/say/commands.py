@@ -177,16 +177,12 @@ class Commands:
         return tuple(request for request in self.requests if isinstance(request, DataId) and request.purpose == "reset")
 
     def _texts(self) -> Iterator[str]:
-        """Yield the names and texts of procedures, registers and inputs, but not of procedures that only send resets.
-
-        A procedure that sends no requests at all is left out too.
-        """
+        """Yield the names and texts of procedures, registers and inputs, without procedures that only send resets."""
         resets = {request.name for request in self.resets}
         for procedure in self.procedures:
             requests_sent = {step.data_id for step in procedure.steps if isinstance(step, SendStep)}
-            # Also true if it sends nothing. Its writes are found among the registers.
-            only_resets = requests_sent <= resets
-            if not only_resets:
+            only_sends_resets = bool(requests_sent) and requests_sent <= resets
+            if not only_sends_resets:
                 yield from (procedure.name, procedure.title, procedure.result, procedure.note)
         for register in (*self.registers, *self.settings):
             yield from (register.name, register.printed_name, register.meaning, register.note)

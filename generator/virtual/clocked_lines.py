@@ -107,7 +107,10 @@ class BissLine(ByLevels):
             The CDS bit of this cycle, and its single cycle data.
         """
         cycle_bits = self.cycle(cdm)
-        cds_index = self.acknowledge + 1  # after the acknowledge and the start bit, whatever the fault
+        # The start bit can be late. Without one, the line is low, and any bits of the cycle are the same.
+        has_start_bit = 1 in cycle_bits[self.acknowledge :]
+        start_index = cycle_bits.index(1, self.acknowledge) if has_start_bit else self.acknowledge
+        cds_index = start_index + 1
         data_bits = cycle_bits[cds_index + 1 : cds_index + 1 + self.bits]
         return cycle_bits[cds_index], int("".join(map(str, data_bits)), 2)
 

@@ -347,9 +347,8 @@ class SpiLine:
         self._received += data
         while (word_bits := self._length_of_first_word()) is not None:
             byte_count = (word_bits + 7) // 8
-            word_bytes, self._received = self._received[:byte_count], self._received[byte_count:]
-            # A length that is not whole bytes leaves unused bits at the top of the first one.
-            word = int.from_bytes(word_bytes, "big") & (1 << word_bits) - 1
+            word = _first_word(self._received, word_bits)
+            self._received = self._received[byte_count:]
             self._answers += self.exchange(word, word_bits).to_bytes(byte_count, "big")
 
     def send(self) -> bytes:
@@ -368,9 +367,8 @@ class SpiLine:
         """
         if len(self._lengths) > 1:
             for length in self._lengths:
-                word_bytes = self._received[: (length + 7) // 8]
-                is_complete = 8 * len(word_bytes) >= length
-                if is_complete and self._find_request(int.from_bytes(word_bytes, "big"), length) is not None:
+                is_complete = 8 * len(self._received) >= length
+                if is_complete and self._find_request(_first_word(self._received, length), length) is not None:
                     return length
         is_complete = 8 * len(self._received) >= self.word_bits
         return self.word_bits if is_complete else None
@@ -444,3 +442,8 @@ class SpiLine:
 
     def _layout(self, name: str) -> Layout:
         return member_named(self.interface.layouts, name, "layout over SPI")
+
+
+def _first_word(data: bytes, bits: int) -> int:
+    """Return the first word in the data. If it is not whole bytes, the top bits of its first byte are unused."""
+    return int.from_bytes(data[: (bits + 7) // 8], "big") & (1 << bits) - 1

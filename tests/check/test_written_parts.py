@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import ast
 import json
+import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
 from codewheel.language import written_masters, written_parts
+from codewheel.language.check import check_document
 from codewheel.language.part_schema import described_parts
+from codewheel.language.problems import Report
+from codewheel.language.read import read_document
 from codewheel.language.written import Located, WrittenPart
 from codewheel.language.written_codes import WrittenRegister
 from codewheel.language.written_interfaces import WrittenBiss
@@ -20,6 +25,9 @@ from codewheel.model.part import keys_of
 
 #: Methods of written parts whose argument is a key.
 _ASKING = ("has", "is_valid", "names_in", "place_of")
+RULES = Path(written_parts.__file__).parent / "rules"
+#: Most places at which rules may ask by text whether a key was given.
+MOST_PRESENCE_TESTS = 40
 SPEC = Path(__file__).parents[2] / "specs/lika/amm5.yaml"
 
 
@@ -109,17 +117,62 @@ def master_classes() -> list[type[WrittenPart]]:
     return [kind for kind in classes if issubclass(kind, WrittenPart) and kind is not WrittenPart]
 
 
-def test_classes_of_masters_have_the_keys_of_their_schema() -> None:
+def schema_of(kind: type[WrittenPart]) -> dict[str, Any]:
+    """Return the schema of a class of ``master_classes``."""
     master = json.loads((Path(written_parts.__file__).parent / "master.schema.json").read_text(encoding="utf-8"))
     schemas = {"master": master, **master["$defs"]}
+    schema: dict[str, Any] = schemas[name_of_part(kind.__name__).removeprefix("master_")]
+    return schema
+
+
+def test_classes_of_masters_have_the_keys_of_their_schema() -> None:
     classes = master_classes()
     assert len(classes) > 10
     for kind in classes:
-        schema = schemas[name_of_part(kind.__name__).removeprefix("master_")]
+        schema = schema_of(kind)
         for described in keys_of(kind):
             assert described.name in schema["properties"], f"{kind.__name__}.{described.name}"
             is_required = described.name in schema.get("required", ())
             assert described.is_required == is_required, f"{kind.__name__}.{described.name}"
+
+
+def sites_of_presence_tests() -> set[tuple[str, int]]:
+    """Return each call in the rules that asks by text whether a key was given, as its module and line."""
+    sites = set()
+    for path in RULES.glob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            is_presence_test = isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "has"
+            if is_presence_test and any(isinstance(argument, ast.Constant) for argument in node.args):
+                sites.add((path.name, node.lineno))
+    return sites
+
+
+def test_each_presence_test_asks_for_a_key_of_its_class(monkeypatch: pytest.MonkeyPatch) -> None:
+    """mypy sees misspelt attributes, but not keys in texts. The broken specs reach every place that asks for one."""
+    keys_by_class = {kind: set(schema_of(kind)["properties"]) for kind in master_classes()}
+    keys_by_class |= {kind: {described.name for described in keys_of(kind)} for kind in described_parts().values()}
+    reached_sites: set[tuple[str, int]] = set()
+    foreign_keys: set[tuple[str, str]] = set()
+
+    def ask(part: Any, *names: str) -> bool:
+        caller = sys._getframe(1)
+        reached_sites.add((Path(caller.f_code.co_filename).name, caller.f_lineno))
+        kind = type(part.part if isinstance(part, Located) else part)
+        foreign_keys.update((kind.__name__, name) for name in names if name not in keys_by_class[kind])
+        return any(name in part.data for name in names)
+
+    monkeypatch.setattr(WrittenPart, "has", ask)
+    monkeypatch.setattr(Located, "has", ask)
+    broken_specs = [*Path(__file__).parent.glob("broken/*.yaml"), *Path(__file__).parents[1].glob("masters/broken/*")]
+    for path in broken_specs:
+        report = Report()
+        document = read_document(path, report, path.name)
+        if document is not None:
+            check_document(document, report)
+    assert foreign_keys == set()
+    sites = sites_of_presence_tests()
+    assert 10 < len(sites) <= MOST_PRESENCE_TESTS
+    assert sites - reached_sites == set()
 
 
 def test_rules_ask_only_for_keys_that_exist() -> None:
@@ -127,7 +180,7 @@ def test_rules_ask_only_for_keys_that_exist() -> None:
     classes = (*described_parts().values(), *master_classes())
     known_keys = {described.name for kind in classes for described in keys_of(kind)}
     asked_keys = set()
-    for path in (Path(written_parts.__file__).parent / "rules").glob("*.py"):
+    for path in RULES.glob("*.py"):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr in _ASKING:
                 asked_keys |= {argument.value for argument in node.args if isinstance(argument, ast.Constant)}

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 
 import pytest
+from codewheel.model import Procedure, WriteStep
+from codewheel.say.commands import Commands
 
 
 def sections(pages: Mapping[str, str], family: str, words: str) -> list[str]:
@@ -41,6 +44,25 @@ def test_an_erratum_is_next_to_the_bytes_that_it_changes(pages: Mapping[str, str
         for row in rows:
             assert "One warning gives the bit Enable preset the opposite polarity" in row
             assert "#erratum-enable_preset_polarity" in row
+
+
+def test_a_procedure_that_sends_no_request_may_be_a_preset() -> None:
+    """Its title says so. The register has only a command whose name does not."""
+    step = WriteStep(register="command", value_name="go", value=1)
+    preset = Procedure(
+        name="p1",
+        title="Set the zero",
+        interface="biss",
+        arguments=(),
+        precondition="",
+        steps=(step,),
+        result="",
+        note="",
+        source=(),
+    )
+    commands = Commands((preset,), registers=(), settings=(), requests=(), inputs=(), has_control_data=False)
+    assert commands.may_preset
+    assert not replace(commands, procedures=(replace(preset, title="Start"),)).may_preset
 
 
 # AMM5 7.4.2 p.45: what data ID 8 resets is open.

@@ -8,7 +8,10 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from codewheel.commands.cli import main
@@ -16,6 +19,7 @@ from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.plan.codec import codec_of
 from codewheel.reference import codec
+from codewheel.targets.python.readme import Readme
 
 SPECS = [Path(__file__).parents[1] / "specs" / name for name in ("manufacturer.yaml", "ring.yaml")]
 #: Positions with their frames, whose CRCs are computed by hand from the polynomial, and whether the encoder has them.
@@ -126,6 +130,21 @@ def test_all_bits_of_4096_counts_are_used(device: Device) -> None:
     assert not codec.decode(device, placed, frame).problems
 
 
+def positions_in_readme(device: Device, counts_per_turn: int) -> list[tuple[str, str]]:
+    """Return the calls in the README and their results, for a first order code with this number of counts."""
+    variant = device.variants[0]
+    small = replace(variant, parameters={**variant.parameters, "counts": counts_per_turn})
+    context: Any = SimpleNamespace(device=replace(device, variants=(small,)))
+    return [(example.text, example.result) for example in Readme(context, (), {}, {}).positions]
+
+
+def test_the_readme_unwraps_only_where_the_way_forward_is_shorter(device: Device) -> None:
+    """From 8 to 3 are 5 of 10 counts in either direction. Four does not divide 11 counts, so two are not 90 degrees."""
+    assert positions_in_readme(device, 10) == []
+    assert positions_in_readme(device, 11) == [("encoder.degrees(2)", str(720 / 11)), ("encoder.unwrap(9, 3)", "14")]
+    assert positions_in_readme(device, 12)[0] == ("encoder.degrees(3)", "90.0")
+
+
 def test_parts_of_one_revolution_have_no_highest_value(tmp_path: Path) -> None:
     """The upper bits of 5,760 counts are not a number of revolutions, so 1 in them is valid."""
     split = "{name: upper, bits: position_bits - 5}\n          - {name: lower, bits: 5}"
@@ -140,6 +159,17 @@ def test_parts_of_one_revolution_have_no_highest_value(tmp_path: Path) -> None:
 
 def test_the_highest_position_of_equal_widths_depends_on_the_order_code(tmp_path: Path) -> None:
     text = SPECS[1].read_text(encoding="utf-8").replace("bits: position_bits}", "bits: 13}")
+    text = text.replace('  position_bits: {meaning: Bits of the position, unit: bits, source: "2"}\n', "")
+    text = text.replace("position_bits: 13, ", "").replace("position_bits: 12, ", "")
+    (tmp_path / "ring.yaml").write_text(text, encoding="utf-8")
+    (ring,), report = load_library([SPECS[0], tmp_path / "ring.yaml"])
+    assert not report
+    assert codec_of(ring, ring.layout("word")).depends
+
+
+def test_the_lowest_position_depends_on_the_order_code_even_if_the_highest_does_not(tmp_path: Path) -> None:
+    text = SPECS[1].read_text(encoding="utf-8").replace("bits: position_bits}", "bits: 14, signed: true}")
+    text = text.replace("turns: 1,", "turns: 1, highest: 100,")
     text = text.replace('  position_bits: {meaning: Bits of the position, unit: bits, source: "2"}\n', "")
     text = text.replace("position_bits: 13, ", "").replace("position_bits: 12, ", "")
     (tmp_path / "ring.yaml").write_text(text, encoding="utf-8")

@@ -228,6 +228,20 @@ def test_a_faulty_special_model_takes_nothing_from_the_family(tmp_path: Path) ->
     assert len(report) == 1
 
 
+@pytest.mark.parametrize("applies_to", ["", "applies_to: {special: S007}\n"])
+def test_an_invalid_overlay_next_to_a_valid_one_makes_their_family_faulty(applies_to: str, tmp_path: Path) -> None:
+    """A family with one of two corrections would be mistaken for the corrected one."""
+    head = HEAD.replace("changes:", f"{applies_to}changes:")
+    valid = head + "  - set: registers.command.note\n    to: Slow.\n" + OWN
+    invalid = head.replace("mine", "theirs") + "  - remove: leds\n    misspelt: 1\n" + OWN
+    paths = [SPECS / "amm5.yaml", tmp_path / "valid.yaml", tmp_path / "invalid.yaml"]
+    paths[1].write_text(valid, encoding="utf-8")
+    paths[2].write_text(invalid, encoding="utf-8")
+    devices, report = load_sound(paths)
+    assert [problem.rule for problem in report.problems] == ["unknown-key"]
+    assert [device.name for device in devices] == (["amm5"] if applies_to else [])
+
+
 def test_a_special_model_is_a_family_beside_its_own(tmp_path: Path) -> None:
     text = HEAD.replace("changes:", "applies_to: {special: S007, order_codes: [AMM5A21/65KSC1]}\nchanges:")
     (plain, special), messages, _ = load_with_overlays(

@@ -17,7 +17,7 @@ import pytest
 from codewheel.loading.library import load_library
 from codewheel.model import Fault, Field, Kind, Layout
 from codewheel.plan import values
-from codewheel.plan.codec import bits_of
+from codewheel.plan.codec import bits_of, codec_of
 from codewheel.plan.limits import _field_refusals
 from codewheel.plan.operations import Bits
 from codewheel.targets import Library, Target
@@ -148,6 +148,14 @@ class UnknownCheck:
     field: Field
     bits: Bits
     fault = Fault.RANGE
+
+
+def test_the_plan_decides_which_bits_of_an_unknown_operation_have_a_value(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without a check in the plan, C and NumPy would accept bits without a value, such as digits above 9."""
+    device = library(SPECS[0]).devices[0]
+    monkeypatch.setattr("codewheel.plan.operations.meaning_of", lambda _: Unknown())
+    with pytest.raises(AssertionError, match="no case for Unknown"):
+        codec_of(device, next(layout for _, layout in device.layouts()))
 
 
 @pytest.mark.parametrize("output", ["c", "rust"])

@@ -369,6 +369,10 @@ def test_bulk_files_have_every_order_code_as_a_comment(library: Library) -> None
     for path, text in files.items():
         if path.endswith((".yaml", ".cmd", ".cfg", ".hal", ".h", ".csv", ".dmc")):
             assert all(line.startswith(("#", "//", "REM")) for line in text.splitlines() if line), path
+    # The head has the documents of all blocks: only settings for SSI cite page 836 and the channel.
+    head = " ".join(files["masters/synapticon/ecmc/amm5.cmd"].partition("===")[0].split())
+    assert all(f"p{page}: SOMANET Circulo 7" in head for page in (833, 836, 846))
+    assert "ssi_chan_0 takes effect" in files["masters/linuxcnc_hostmot2/hal/amm5.hal"].partition("===")[0]
     joined = "\n".join(text for path, text in files.items() if "/linuxcnc_hostmot2/" in path)
     assert all(code in joined for code in codes)
 

@@ -101,6 +101,17 @@ def test_every_form(form: str, block: int, tmp_path: Path, monkeypatch: pytest.M
     assert capture.table["time"] == pytest.approx(times, abs=2.01 / HERTZ)
 
 
+@pytest.mark.parametrize("head", ["Time (S)", "TIME [\N{GREEK SMALL LETTER MU}s]", "Time (Seconds)"])
+def test_units_of_times_have_any_case(head: str, tmp_path: Path) -> None:
+    unit = 1e6 if "\N{GREEK SMALL LETTER MU}" in head else 1.0
+    rows = "".join(f"{row / HERTZ * unit:.9f},{ma},{slo}\n" for row, (ma, slo) in enumerate(wave().samples(RATE)))
+    (tmp_path / "line.csv").write_text(f"{head},MA,SLO\n{rows}", encoding="utf-8")
+    capture = read([tmp_path / "line.csv"])
+    assert capture.table["position"].tolist() == POSITIONS
+    usual = read(saleae_csv(tmp_path / "usual.csv", wave()))
+    assert capture.table["time"] == pytest.approx(usual.table["time"], abs=2.01 / HERTZ)
+
+
 def test_of_two_channels_the_other_one_is_the_remaining_line(tmp_path: Path) -> None:
     """The clock is chosen by its number, and the channels have no usual names."""
     path = tmp_path / "line.csv"

@@ -130,7 +130,7 @@ def words(encoder: VirtualEncoder) -> Callable[[], Any]:
 
 def cycles(encoder: VirtualEncoder) -> Callable[[], Any]:
     line = BissLine(encoder)
-    return lambda: line.exchange(0)
+    return lambda: line.cycle(0)
 
 
 def spi_words(encoder: VirtualEncoder) -> Callable[[], Any]:

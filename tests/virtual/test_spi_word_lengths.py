@@ -251,6 +251,19 @@ def test_bytes_without_a_request_are_words_of_the_shortest_length(tmp_path: Path
     assert line.send()[3:] == bytes.fromhex("00 00 02"), "16 bits of position, then a 0"
 
 
+def test_unused_bits_above_a_word_do_not_matter(tmp_path: Path) -> None:
+    """Both lengths leave unused bits at the top of the first byte, which a master may send as 1."""
+    odd = re.sub(r"bits: (16|24), constant", lambda match: f"bits: {int(match[1]) + 1}, constant", LATE)
+    odd = odd.replace("purpose: position}", "purpose: position, word_bits: 17}").replace(": 24}", ": 25}")
+    odd = odd.replace("bits: 16}]", "bits: 16}, {name: rest, bits: 1, unused: 0}]").replace("bits: 8}", "bits: 9}")
+    (tmp_path / "late.yaml").write_text(odd, encoding="ascii")
+    (tmp_path / "manufacturer.yaml").write_text(MAKER, encoding="ascii")
+    line = SpiLine(VirtualEncoder("LATE", 1, specs=[tmp_path]))
+    for request in ("00 00 00 02", "FE 00 00 02"):
+        line.receive(bytes.fromhex(request))
+    assert line.send() == bytes(4) + bytes.fromhex("00 00 02 00"), "16 bits of position, then the counter"
+
+
 def test_a_late_reply_needs_a_word_of_its_length(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "late.yaml").write_text(LATE, encoding="ascii")
     (tmp_path / "manufacturer.yaml").write_text(MAKER, encoding="ascii")

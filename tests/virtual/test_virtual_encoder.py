@@ -76,6 +76,15 @@ def test_the_line_of_biss_clock_by_clock() -> None:
     assert line.timeout() == 1
 
 
+@pytest.mark.parametrize("fault", ["late", "busy"])
+def test_a_late_start_bit_moves_no_bit_of_the_data(fault: str) -> None:
+    line, plain_line = (
+        BissLine(VirtualEncoder("AMM5A21/65KSC1", 1_000_003, faults=faults)) for faults in ([fault], [])
+    )
+    assert [line.exchange(cdm) for cdm in (0, 1, 0)] == [plain_line.exchange(cdm) for cdm in (0, 1, 0)]
+    assert line.encoder.faults.injected == {fault: 3}
+
+
 def test_a_position_is_a_function_of_time(clock: Clock) -> None:
     line = BissLine(VirtualEncoder("AMM5A17/1SC1", lambda now: 1000 * now, clock=clock))
     clock.now = 2.5

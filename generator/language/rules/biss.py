@@ -158,7 +158,7 @@ def _field_faults(sent_fields: SentFields, crcs: Mapping[str, Located[Crc]], fra
         if name in _FLAGS and field.active == "high":
             problem = f"{quoted(name)} is active high, but in BiSS it is active low; write 'active: low'"
             yield _Fault((*path, "active"), f"{frame_path}.{name}.active", problem)
-        if field.has("crc_of"):
+        if field.crc_of:
             problem = (
                 f"{quoted(name)} has 'crc_of', but in BiSS the CRC covers everything before it; leave 'crc_of' out"
             )
@@ -174,7 +174,7 @@ def _order_faults(sent_fields: SentFields, frame_name: Path, frame_path: str) ->
         path, _ = sent_fields[names.index("warning")]
         problem = "'warning' is before 'error', but BiSS sends nE before nW; swap the two"
         yield _Fault(path, f"{frame_path}.warning", problem)
-    if not any(field.has("crc") for _, field in sent_fields):
+    if not any(field.crc for _, field in sent_fields):
         correction = "add a last field such as {name: crc, crc: NAME}"
         problem = f"the frame has no CRC, but a BiSS frame ends with one; {correction}"
         yield _Fault(frame_name, f"{frame_path}.fields", problem)

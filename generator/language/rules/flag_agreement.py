@@ -224,7 +224,7 @@ def read_only_registers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
         has_values = any(field.values for field in register.fields)
         is_used = has_values or register.name in written_names or register.has(*_KEYS_OF_WRITABLE)
         is_reported = register.name in flag_registers or any(field.explained_by for field in register.fields)
-        is_reported = is_reported and all(field.has("active", "constant", "unused") for field in register.fields)
+        is_reported = is_reported and all(map(_is_flag_or_fixed, register.fields))
         content_text = "flags of alarms" if is_reported else "the position"
         has_position = register.name in position_names(spec, interface_of(register))
         is_explained = any(_mentions(text, "writ") for text in (register.meaning, register.note))
@@ -234,6 +234,10 @@ def read_only_registers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
                 " read_only', or say in a 'note' what can be written"
             )
             report.add("access-mismatch", register.place_of("access"), message)
+
+
+def _is_flag_or_fixed(field: WrittenField) -> bool:
+    return bool(field.active) or field.constant is not None or field.unused is not None
 
 
 def _explaining_registers(spec: WrittenSpec) -> Iterator[str]:

@@ -113,7 +113,9 @@ def _fields_of(layout: WrittenLayout, groups: Groups) -> Iterator[WrittenField]:
 
 def _carries_data(field: WrittenField) -> bool:
     """Return True for a field with data of the request, other than its data ID, fixed bits and check bits."""
-    return bool(field.name) and not field.has("constant", "unused", "values_of", "crc", "parity_of")
+    is_fixed = field.constant is not None or field.unused is not None
+    is_check = bool(field.crc or field.parity_of)
+    return bool(field.name) and not is_fixed and not is_check and not field.values_of
 
 
 def sent_requests(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:

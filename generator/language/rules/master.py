@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from graphlib import CycleError, TopologicalSorter
 from pathlib import PurePath
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ...model.expressions import Expression, ExpressionError
+from ...model.part import Prose
+from ...model.part import key as described_key
 from ...say.text import counted
 from ..master_items import FILE_FORMATS, NUMBERS, WORDS
 from ..problems import DocumentReport, Path, listed, quoted, suggestion
+from ..written import WrittenPart
 from ..written_masters import (
     WrittenAnyClock,
     WrittenChoice,
@@ -36,21 +39,28 @@ _BITS = re.compile(r"[0-9]{1,3}(:[0-9]{1,3})?")
 _BRACES = re.compile(r"\{([^{}]*)\}")
 
 
-def check_master(data: Mapping[str, Any], report: DocumentReport) -> None:
+class _CitedPart(WrittenPart):
+    """Any map of a master. Its source and its places are read if it has them."""
+
+    source: Prose = described_key("Source.", default="")
+    places: tuple[WrittenPlace, ...] = described_key("Places.", default=())
+
+
+def check_master(data: dict[str, object], report: DocumentReport) -> None:
     """Add every problem of a description of a master that follows the schema.
 
     Sources, conditions and places can occur at any depth, so every map is searched for them.
     """
-    master = WrittenMaster(dict(data))
+    master = WrittenMaster(data)
     _check_name(master, report)
     for path, node in _nodes(data, ()):
-        source, condition, place_list = node.get("source"), WrittenCondition(node, path), node.get("places", ())
-        if isinstance(source, str):
-            _check_source(source, (*path, "source"), master, report)
+        cited_part, condition = _CitedPart(node, path), WrittenCondition(node, path)
+        if cited_part.source:
+            _check_source(cited_part.source, cited_part.place_of("source"), master, report)
         if condition.item:  # Only a map with this key is a condition or a limit.
             _check_limit(condition, report)
-        for index, place in enumerate(place_list):
-            _check_place(WrittenPlace(place, (*path, "places", index)), master, report)
+        for place in cited_part.places:
+            _check_place(place, master, report)
     for note in master.notes:
         _check_braces(note.text, _ITEMS, note.place_of("text"), report)
     for index, setting in enumerate(master.settings):
@@ -88,9 +98,9 @@ def _check_name(master: WrittenMaster, report: DocumentReport) -> None:
         report.add("device-name", ("master",), message)
 
 
-def _nodes(node: Any, path: Path) -> Iterator[tuple[Path, Mapping[str, Any]]]:
+def _nodes(node: object, path: Path) -> Iterator[tuple[Path, dict[str, object]]]:
     """Yield every map in a value, and the value itself if it is a map, each with its path."""
-    if isinstance(node, Mapping):
+    if isinstance(node, dict):
         yield path, node
         for key, value in node.items():
             yield from _nodes(value, (*path, key))

@@ -28,7 +28,7 @@ def measurement_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
         raw_measurement = raw_measurements[measurement.path]
         # A key rejected by the schema was removed. It must not be reported as missing, too.
         is_complete = measurement.data.keys() == raw_measurement.data.keys()
-        if is_complete and not measurement.has(unit_key) and not measurement.has("step_nm"):
+        if is_complete and not measurement.has(unit_key) and measurement.part.step_nm is None:
             unit_text = "'step_um', or 'step_nm' with 'per_counts'," if movement == "linear" else quoted(unit_key)
             message = f"{unit_text} is missing; the measurement of a {movement} encoder needs it"
             report.add("measurement-shape", measurement.path, message, at_key=True)
@@ -58,7 +58,7 @@ def position_range_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRe
         own_measurement = own_measurements[frame.interface]
         has_own_measurement = own_measurement is not None and own_measurement.data
         measurement = own_measurement if has_own_measurement else raw.measurement
-        raw_frame = raw_frames[frame.owner.path]
+        raw_frame = raw_frames[report.document.original(frame.owner.path)]
         name = quoted(raw_frame.name)
         if measurement is None or not measurement.data:
             problem = "'position_range' needs a 'measurement', which gives the unit of the position"
@@ -82,7 +82,7 @@ def _check_range_keys(
     if own_range.has(foreign_key) and movement in ("rotary", "linear"):
         problem = f"{quoted(foreign_key)} does not apply to a {movement} encoder; write {quoted(total_key)}"
         report.add("measurement-shape", (*path, foreign_key), problem, at_key=True)
-    if own_range.has("wraps"):  # Its only value is false.
+    if not own_range.part.wraps:
         contradictions = [key for key in ("turns", "modulus", "highest") if own_range.has(key)]
         if contradictions:
             problem = f"{quoted(contradictions[0])} contradicts 'wraps: false'; leave one of the two out"
@@ -97,10 +97,10 @@ def _check_range_keys(
 
 def _check_step(measurement: Located[Measurement], report: DocumentReport) -> None:
     """Check that a length has one step, and that ``per_counts`` belongs to a step in nanometres."""
-    has_step_nm = measurement.has("step_nm")
-    if measurement.has("step_um") and has_step_nm:
+    has_step_nm = measurement.part.step_nm is not None
+    if measurement.part.step_um is not None and has_step_nm:
         problem = "'step_um' and 'step_nm' exclude each other; keep the one that is a whole number"
         report.add("measurement-shape", (*measurement.path, "step_nm"), problem, at_key=True)
-    elif measurement.has("per_counts") and not has_step_nm:
+    elif measurement.part.per_counts is not None and not has_step_nm:
         problem = "'per_counts' is only for 'step_nm', the number of nanometres for that many counts"
         report.add("measurement-shape", (*measurement.path, "per_counts"), problem, at_key=True)

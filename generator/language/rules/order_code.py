@@ -7,7 +7,6 @@ import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from ...model.expressions import Expression, ExpressionError
 from ..document import Path
@@ -234,7 +233,7 @@ def _without_blanks(text: str) -> str:
     return "".join(text.split()).upper()
 
 
-def is_whole(data: dict[str, Any], data_as_read: dict[str, Any]) -> bool:
+def is_whole(data: dict[str, object], data_as_read: dict[str, object]) -> bool:
     """Return True if only prose was cut out of order codes and parameters, so that no missing part causes errors."""
     for key in ("order_code", "parameters"):
         if key not in data or _without_prose(data[key]) != _without_prose(data_as_read[key]):
@@ -242,7 +241,7 @@ def is_whole(data: dict[str, Any], data_as_read: dict[str, Any]) -> bool:
     return True
 
 
-def _without_prose(value: Any) -> Any:
+def _without_prose(value: object) -> object:
     if isinstance(value, dict):
         return {key: _without_prose(inner) for key, inner in value.items() if key not in WORDS_ONLY}
     if isinstance(value, list):

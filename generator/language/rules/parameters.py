@@ -136,7 +136,11 @@ def _of_position_range(fields: FieldList) -> _Expressions:
 
 
 def _expressions_under(part: PlacedPart, keys: Iterable[str]) -> _Expressions:
-    return (((*part.path, key), part.data[key]) for key in keys if key in part.data)
+    """Yield the expressions under these keys of a part. The schema allows only numbers and texts there."""
+    for key in keys:
+        text = part.data.get(key)
+        if isinstance(text, (int, str)):
+            yield (*part.path, key), text
 
 
 def _of_words(interface: WrittenInterface) -> _Expressions:

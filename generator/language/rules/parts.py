@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from enum import Enum
 from itertools import islice
 from types import MappingProxyType
-from typing import Any, Protocol, TypeVar
+from typing import Protocol, TypeVar
 
 from ...model import INTERFACES, Alarm, Biss, Clock, Timing
 from ...model.measurement import Measurement
@@ -48,14 +48,15 @@ class PlacedPart(Protocol):
     def path(self) -> Path: ...
 
     @property
-    def data(self) -> Mapping[str, Any]: ...
+    def data(self) -> Mapping[str, object]: ...
 
 
 class NamedPart(Protocol):
     """A part with a name."""
 
-    data: dict[str, Any]
     name: str
+
+    def is_valid(self, name: str) -> bool: ...
 
 
 class NamedModelPart(Protocol):
@@ -73,7 +74,7 @@ def by_name(parts: Iterable[_Named]) -> dict[str, _Named]:
     """Return parts by name, without those that have no valid name. Of several with one name, the first is used."""
     named_parts: dict[str, _Named] = {}
     for part in parts:
-        if "name" in part.data and part.name == part.data["name"]:
+        if part.is_valid("name"):
             named_parts.setdefault(part.name, part)
     return named_parts
 

@@ -194,11 +194,13 @@ def _printed_write(text: str) -> _Write:
     """Return the write that a text of ``printed_writes`` describes."""
     match = _WRITE.fullmatch(text)
     assert match is not None  # The schema has the same pattern.
-    first = int(match["first"], 16)
-    last = first if match["last"] is None else int(match["last"], 16)
-    bit = None if match["bit"] is None else int(match["bit"])
-    value = None if match["value"] is None else int(match["value"], 0)
-    return _Write(first=first, last=last, bit=bit, value=value)
+    first, last, bit, value = match.group("first", "last", "bit", "value")
+    return _Write(
+        first=int(first, 16),
+        last=int(first if last is None else last, 16),
+        bit=None if bit is None else int(bit),
+        value=None if value is None else int(value, 0),
+    )
 
 
 def _step_write(step: WrittenStep, registers: Mapping[str, WrittenRegister], groups: Groups) -> _Write | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from itertools import takewhile
 
 from ...model import INTERFACES, Biss
@@ -67,7 +67,7 @@ def step_access(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
     registers, groups = by_name(raw.registers), by_name(raw.field_groups)
     for procedure in spec.procedures:
         for step in procedure.steps:
-            register = registers.get(step.register, _NO_REGISTER)
+            register = _register_of(step, registers)
             writes_field = step.do == "write" and step.field
             if writes_field and register.access == "write_only" and has_other_bits(register, groups):
                 message = (
@@ -78,34 +78,42 @@ def step_access(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
             if register.access and _REFUSED.get(step.do) == register.access:
                 message = f"{quoted(step.register)} is {register.access}, so a step cannot {step.do} it"
                 report.add("access-mismatch", step.place_of("register"), message)
-    accesses: dict[str, str] = {name: register.access for name, register in registers.items()}
-    _check_written_registers(spec, accesses, report)
-    _check_read_registers(spec, accesses, report)
+    _check_written_registers(spec, _names_with_access(registers, "read_only"), report)
+    _check_read_registers(spec, _names_with_access(registers, "write_only"), report)
 
 
-def _check_written_registers(spec: WrittenSpec, accesses: Mapping[str, str], report: DocumentReport) -> None:
+def _register_of(step: WrittenStep, registers: Registers) -> WrittenRegister:
+    """Return the register of a step, or one without keys if it has none that exists."""
+    return registers.get(step.register, _NO_REGISTER)
+
+
+def _names_with_access(registers: Registers, access: str) -> set[str]:
+    return {name for name, register in registers.items() if register.access == access}
+
+
+def _check_written_registers(spec: WrittenSpec, read_only: Collection[str], report: DocumentReport) -> None:
     """Check that registers that open others or select a bank are writable."""
     for register in spec.registers:
         opener = register.opened_by.register if register.opened_by is not None else ""
-        if accesses.get(opener) == "read_only":
+        if opener in read_only:
             message = f"{quoted(opener)} is read_only, so it cannot open {quoted(register.name)}"
             report.add("access-mismatch", (*register.place_of("opened_by"), "register"), message)
     select = bank_select(spec)
-    if accesses.get(select) == "read_only":
+    if select in read_only:
         message = f"{quoted(select)} is read_only, so it cannot select a bank"
         report.add("access-mismatch", ("interfaces", Biss.name, "bank_select"), message)
 
 
-def _check_read_registers(spec: WrittenSpec, accesses: Mapping[str, str], report: DocumentReport) -> None:
+def _check_read_registers(spec: WrittenSpec, write_only: Collection[str], report: DocumentReport) -> None:
     """Check that registers that contain parameters or alarms are readable."""
     for name, parameter in spec.parameters.items():
         register_name = parameter.read_from.partition(".")[0]
-        if accesses.get(register_name) == "write_only":
+        if register_name in write_only:
             message = f"{quoted(register_name)} is write_only, so {quoted(name)} cannot be read from it"
             report.add("access-mismatch", parameter.place_of("read_from"), message)
     for alarm in spec.alarms:
         register_name = alarm.part.register
-        if accesses.get(register_name) == "write_only":
+        if register_name in write_only:
             message = f"{quoted(register_name)} is write_only, so it cannot signal {quoted(alarm.part.name)}"
             report.add("access-mismatch", (*alarm.path, "register"), message)
 
@@ -115,7 +123,7 @@ def step_waits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> N
     registers = by_name(spec.registers)
     for procedure in spec.procedures:
         for index, step in enumerate(procedure.steps):
-            needed_ms = registers.get(step.register, _NO_REGISTER).wait_at_least_ms
+            needed_ms = _register_of(step, registers).wait_at_least_ms
             if step.do == "write" and needed_ms is not None:
                 short_wait = _find_short_wait(step, procedure.steps[index + 1 :], needed_ms)
                 if short_wait is not None:
@@ -151,7 +159,7 @@ def step_opens(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> N
     for procedure in spec.procedures:
         arguments = [argument.name for argument in procedure.arguments]
         for index, step in enumerate(procedure.steps):
-            opener = registers.get(step.register, _NO_REGISTER).opened_by
+            opener = _register_of(step, registers).opened_by
             if step.do != "write" or opener is None:
                 continue
             values_before = [earlier.value for earlier in procedure.steps[:index] if _writes(earlier, opener)]
@@ -197,7 +205,7 @@ def procedure_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
         name = procedure.name
         writes_by_register: dict[str, list[WrittenStep]] = {}
         for step in procedure.steps:
-            names_of_values = named_values(registers.get(step.register, _NO_REGISTER), groups, step.field)
+            names_of_values = named_values(_register_of(step, registers), groups, step.field)
             if step.do == "write" and name in names_of_values and step.value in names_of_values:
                 writes_by_register.setdefault(step.register, []).append(step)
         for register_name, writes in writes_by_register.items():
@@ -282,7 +290,7 @@ def bank_selected(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -
     for procedure in spec.procedures:
         selected_bank: object = None
         for step in procedure.steps:
-            bank = registers.get(step.register, _NO_REGISTER).bank
+            bank = _register_of(step, registers).bank
             if step.do == "write" and step.register == select:
                 # A value that is not a named one is an argument.
                 selected_bank = bank_numbers.get(step.value, _ANY_BANK)

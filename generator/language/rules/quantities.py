@@ -7,7 +7,6 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Set
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import Any
 
 from ...model import Alarm, Quantity
 from ...say.text import counted, nanoseconds
@@ -114,7 +113,8 @@ def _signed_numbers(text: str, unit: str) -> Iterator[tuple[str, Decimal]]:
     """Yield each number with a unit in a text, with its sign: ``("±", 5)`` and ``("-", 20)``."""
     unit_pattern = _WRITTEN.get(unit, re.escape(unit))
     for match in re.finditer(rf"{_NUMBER}(?= ?{unit_pattern}(?!\w|/))", text):
-        yield match["sign"].replace("−", "-"), Decimal(match["number"].replace(",", ""))
+        sign, number = match.group("sign", "number")
+        yield sign.replace("−", "-"), Decimal(number.replace(",", ""))
 
 
 def _plain_numbers(text: str, unit: str) -> Iterator[Decimal]:
@@ -253,7 +253,7 @@ def _compare_errata(spec: WrittenSpec, named_times: set[int], report: DocumentRe
         if not used_matches:
             continue
         used_times = set(map(_nanoseconds, used_matches))
-        facts: list[Any] = []
+        facts: list[object] = []
         for affected in dict.fromkeys(erratum.affects):
             facts += affected_places.at(affected)
         affected_times = set().union(*map(times_below.of, facts))
@@ -271,7 +271,7 @@ class _TimesBelow:
     def __init__(self) -> None:
         self._times: dict[int, set[int]] = {}
 
-    def of(self, node: Any) -> set[int]:
+    def of(self, node: object) -> set[int]:
         if id(node) not in self._times:
             self._times[id(node)] = set(_times(node))
         return self._times[id(node)]
@@ -281,7 +281,7 @@ class _TimesBelow:
 _KEYS_OF_TIMINGS = frozenset(("at_least_us", "typical_us", "at_most_us", "at_most_ns", "typical_ns"))
 
 
-def _is_timing(fact: Any) -> bool:
+def _is_timing(fact: object) -> bool:
     return isinstance(fact, dict) and not _KEYS_OF_TIMINGS.isdisjoint(fact)
 
 
@@ -319,8 +319,9 @@ def _compare_times(
 def _report_time(match: re.Match[str], expected_times: set[int], place: Path, report: DocumentReport) -> None:
     """Report a time in a text, as matched by ``_TIME``, that is not one of the expected ones."""
     times_text = listed([nanoseconds(time) for time in sorted(expected_times)], "or")
+    number, unit = match.group("number", "unit")
     message = (
-        f"the text says {match['number']} {match['unit']}, but the time here is {times_text}; "
+        f"the text says {number} {unit}, but the time here is {times_text}; "
         "correct one of the two, or add the time to 'timings'"
     )
     report.add("time-repeated", place, message)
@@ -330,7 +331,7 @@ def _nanoseconds(match: re.Match[str]) -> Decimal:
     return Decimal(match["number"].replace(",", "")) * _NANOSECONDS.get(match["unit"], _NANOSECONDS["s"])
 
 
-def _times(node: Any) -> Iterator[int]:
+def _times(node: object) -> Iterator[int]:
     """Yield every whole number below a place whose key ends in a unit of time, such as ``wait_ms``, in nanoseconds."""
     for path, value in leaves(node):
         unit = str(path[-1]).rpartition("_")[2] if path else ""
@@ -338,7 +339,7 @@ def _times(node: Any) -> Iterator[int]:
             yield value * _NANOSECONDS[unit]
 
 
-def _texts(node: Any, path: Path) -> Iterator[tuple[Path, str, set[int]]]:
+def _texts(node: object, path: Path) -> Iterator[tuple[Path, str, set[int]]]:
     """Yield every text below a place, with its path and the times in the same map."""
     if isinstance(node, dict):
         numbers_by_key = {key: value for key, value in node.items() if isinstance(value, int)}

@@ -258,7 +258,7 @@ def _check_timeout_rule(timeout: Located[Timeout], report: DocumentReport) -> No
         if not has_limit:
             message = "a fixed time-out needs 'at_most_ns' or 'typical_ns'"
             report.add("timeout-mismatch", timeout.path, message, at_key=True)
-    elif part.rule == "follows_clock" and not has_half_periods and not has_limit and not timeout.has("printed"):
+    elif part.rule == "follows_clock" and not has_half_periods and not has_limit and not part.printed:
         message = (
             "a time-out that depends on the clock needs 'half_clock_periods', "
             "or 'typical_ns', 'at_most_ns' or 'printed' if there is no rule"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
 
 from ...model import Alarm, Biss, Measurement
 from ...model.expressions import Expression, ExpressionError
@@ -326,7 +325,7 @@ def erratum_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
     """
     resolver = NameResolver(raw, report)
     # The possible next steps of each map or list by its id, because many errata affect the same places.
-    next_nodes_by_id: dict[int, dict[str, Any]] = {}
+    next_nodes_by_id: dict[int, dict[str, object]] = {}
     for erratum in spec.errata:
         for index, affected in enumerate(erratum.affects):
             steps = affected.split(".")
@@ -335,7 +334,7 @@ def erratum_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
                 problem = f"no output would find {quoted(affected)}; write {'.'.join(steps_without_lists)}"
                 report.add("undefined-reference", (*erratum.path, "affects", index), problem)
                 continue
-            node: Any = raw.data
+            node: object = raw.data
             for step in steps:
                 if id(node) not in next_nodes_by_id:
                     next_nodes_by_id[id(node)] = dict(_next_steps(node))
@@ -347,7 +346,7 @@ def erratum_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
                 node = next_nodes[step]
 
 
-def _next_steps(node: Any) -> Iterator[tuple[str, Any]]:
+def _next_steps(node: object) -> Iterator[tuple[str, object]]:
     """Yield the possible next steps of a path from a map or list, each with the data to which it leads.
 
     These are the keys of a map, the names of items in its lists, and the names in ``values``: in

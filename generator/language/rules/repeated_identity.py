@@ -6,12 +6,11 @@ import re
 from collections.abc import Mapping
 
 from ...model import Biss
-from ..document import Path
 from ..problems import DocumentReport, quoted
 from ..written_interfaces import WrittenRs485
 from ..written_parts import WrittenSpec
 from .parts import by_name, explained, interface_of
-from .walk import leaves, leaves_of
+from .walk import leaves_of
 
 #: Name of a device description file: idbiss and the manufacturer ID in hexadecimal.
 _DESCRIPTION_FILE = re.compile(r"idbiss([0-9A-Fa-f]+)\.xml")
@@ -72,23 +71,21 @@ def serial_port(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
     parity_bits = 0 if port.parity == "none" else 1
     words_by_key = {
         "stop_bits": (_STOP_BITS, str(port.stop_bits)),
-        "parity": (_PARITY, {"none": "no"}.get(port.parity, port.parity)),
+        "parity": (_PARITY, port.parity.replace("none", "no")),
     }
-    for path, text in leaves({"note": rs485.note}):
-        # Only if a text counts the start bit, its number of bits is that of the whole character.
-        if "start bit" in text:
-            words_by_key["data_bits"] = (_CHARACTER, str(1 + port.data_bits + parity_bits + port.stop_bits))
-        _compare_with_port(text, words_by_key, (*rs485.path, *path), rs485, report)
+    # Only if the note counts the start bit, its number of bits is that of the whole character.
+    if "start bit" in rs485.note:
+        words_by_key["data_bits"] = (_CHARACTER, str(1 + port.data_bits + parity_bits + port.stop_bits))
+    _compare_with_port(rs485.note, words_by_key, rs485, report)
 
 
 def _compare_with_port(
     text: str,
     numbers: Mapping[str, tuple[re.Pattern[str], str]],
-    path: Path,
     rs485: WrittenRs485,
     report: DocumentReport,
 ) -> None:
-    """Report the first words of a text that contradict a setting of the port.
+    """Report the first words of the note of an interface that contradict a setting of its port.
 
     ``numbers`` has for each key the pattern of its words and the number or word that is right: ``"1"`` or ``"even"``.
     """
@@ -99,7 +96,7 @@ def _compare_with_port(
                 message = (
                     f"the text says {quoted(word)}, but {quoted(key)} of 'port' on line {line} requires {expected}"
                 )
-                report.add("port-mismatch", path, f"{message}; correct one of the two")
+                report.add("port-mismatch", rs485.place_of("note"), f"{message}; correct one of the two")
                 return
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ..document import Path
 from ..problems import DocumentReport, quoted
@@ -37,7 +37,7 @@ def repeated_item(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -
                 report.add("repeated-item", (*path, index), message)
 
 
-def _unique_lists(path: Path, node: Any) -> Iterator[tuple[Path, list[Any]]]:
+def _unique_lists(path: Path, node: object) -> Iterator[tuple[Path, list[object]]]:
     """Yield every list that is a set, at a place and below it, with its path.
 
     The key of a list decides, or that of the map in which it is: both ``sums_up`` and each list in ``only_with`` are

@@ -178,9 +178,9 @@ def _check_lengths(interface: WrittenSpi, report: DocumentReport) -> None:
 
     The second rule applies if each word carries the reply to the word before it.
     """
-    default_bits = interface.word_bits if interface.has("word_bits") else None
+    default_bits = interface.word_bits
     for exchange in interface.exchanges:
-        if default_bits is not None and exchange.word_bits == default_bits:
+        if exchange.word_bits == default_bits:
             message = f"'word_bits' is {default_bits}, as for the interface; remove it from the exchange"
             report.add("spi-exchange", exchange.place_of("word_bits"), message, at_key=True)
     writes = [exchange for exchange in interface.exchanges if exchange.purpose == "write"]
@@ -369,7 +369,7 @@ def _constant_bits(layout: WrittenLayout, groups: Groups) -> str:
     """
     word = ""
     for _, field in expanded(_as_fields(layout), groups):
-        width = 1 if field.has("parity_of") else constant_width(field)
+        width = 1 if field.parity_of else constant_width(field)
         if width is None or width > _WIDEST_WORD:
             return ""
         constant = _fixed_value(field)
@@ -379,11 +379,11 @@ def _constant_bits(layout: WrittenLayout, groups: Groups) -> str:
 
 def _fixed_value(field: WrittenField) -> int | None:
     """Return the value that a field always has, or None."""
-    return field.constant if field.has("constant") else field.unused
+    return field.unused if field.constant is None else field.constant
 
 
 def _free_names(layout: WrittenLayout, groups: Groups) -> Iterator[str]:
     """Yield the names of the fields that have no fixed value."""
     for _, field in expanded(_as_fields(layout), groups):
-        if not field.has("constant", "unused"):
+        if _fixed_value(field) is None:
             yield field.name

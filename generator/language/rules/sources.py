@@ -5,10 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 from ...model import Evidence
-from ..document import Path, is_placeholder
+from ..document import Path, is_placeholder, value_at
 from ..problems import DocumentReport, listed, quoted, suggestion
 from ..written import Located
 from ..written_interfaces import WrittenBiss, WrittenSsi
@@ -134,16 +133,15 @@ def _page(section: WrittenSection, default: int) -> int:
     return default if section.page is None else section.page
 
 
-def _printed_names(data: dict[str, Any], path: Path) -> tuple[list[str], list[str]]:
+def _printed_names(data: object, path: Path) -> tuple[list[str], list[str]]:
     """Return the printed names of the item with a source, and those of all items around it, the innermost first.
 
     The first list is empty if the innermost map has none. Names are in lower case, for comparison.
     """
     enclosing_names: list[str] = []
     own_names: list[str] = []
-    node: Any = data
-    for step in path[:-1]:
-        node = node[step]
+    for end in range(1, len(path)):
+        node = value_at(data, path[:end])
         if isinstance(node, dict):
             printed_names = (node.get("printed_name"), *mapping(node, "names").values())
             own_names = [name.casefold() for name in printed_names if isinstance(name, str)]
@@ -297,7 +295,7 @@ def _discriminates(example: WrittenExample) -> bool:
 
 def _is_reading(example: WrittenExample) -> bool:
     """Return True if an example is an accepted frame of the encoder or the content of a register."""
-    is_frame = example.kind == "frame" and example.from_ == "encoder" and not example.has("refused")
+    is_frame = example.kind == "frame" and example.from_ == "encoder" and not example.refused
     return is_frame or example.kind == "register"
 
 
@@ -363,7 +361,7 @@ def _limits(spec: WrittenSpec) -> Iterator[_Limited]:
             yield _Limited(part, _source(part) or interface.source, kind)
 
 
-def _limited_parts(interface: WrittenInterface) -> Iterator[tuple[Located[Any], _LimitKeys]]:
+def _limited_parts(interface: WrittenInterface) -> Iterator[tuple[Located[object], _LimitKeys]]:
     """Yield the parts of an interface that can have limits, each with the keys for them."""
     for clock in clocks_of(interface):
         yield clock, _CLOCK
@@ -375,7 +373,7 @@ def _limited_parts(interface: WrittenInterface) -> Iterator[tuple[Located[Any], 
         yield cable_length, _CABLE
 
 
-def _source(part: Located[Any]) -> str:
+def _source(part: Located[object]) -> str:
     """Return the source of a part, or an empty string if it has none."""
     return str(part.source or "")
 

@@ -5,17 +5,16 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from decimal import Decimal
-from typing import Any
 
-from ...model import Timing
+from ...model import Characteristic, Timing
 from ..document import Affected
 from ..problems import DocumentReport, listed, quoted, suggestion
 from ..schema_files import PROSE
-from ..written import Located
+from ..written import Located, located
 from ..written_codes import WrittenRegister
 from ..written_parts import WrittenSpec
 from .parts import by_name, interfaces
-from .walk import items, leaves, leaves_of
+from .walk import leaves, leaves_of
 
 #: Factors to the smallest unit of a quantity, by the units of texts and by the ends of keys.
 _UNITS: Mapping[str, Mapping[str, int]] = {
@@ -31,7 +30,6 @@ _UNITS_IN_TEXTS = "|".join(sorted((unit for unit in _KIND_OF_UNIT if not unit.is
 _QUANTITY = re.compile(
     rf"(?<![\w.,±])(?<!± )(?P<number>[+−-]?\d+(?:,\d{{3}})*(?:\.\d+)?) ?(?P<unit>{_UNITS_IN_TEXTS})(?![\w/])"
 )
-_BOUNDS = ("min", "typical", "max")
 _THING = "bits?|registers?|commands?|alarms?|inputs?"
 #: A printed name in quotes, with the word for its kind.
 _QUOTED_NAME = re.compile(
@@ -58,14 +56,15 @@ def erratum_quantities(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
         # An erratum with readings is about two printed values, and the facts have only one of them.
         if not matches or erratum.readings:
             continue
-        facts: list[Any] = []
+        facts: list[object] = []
         for affected in erratum.affects:
             facts += affected_places.at(affected)
         stated_by_kind: dict[str, dict[Decimal, str]] = {}
         for kind, number, stated_text in _stated_quantities(facts):
             stated_by_kind.setdefault(kind, {})[number] = stated_text
         for match in matches:
-            kind, number = _KIND_OF_UNIT[match["unit"]], _in_smallest_unit(match["number"], match["unit"])
+            number_text, unit = match.group("number", "unit")
+            kind, number = _KIND_OF_UNIT[unit], _in_smallest_unit(number_text, unit)
             if kind in stated_by_kind and number not in stated_by_kind[kind]:
                 texts = listed(list(stated_by_kind[kind].values()), "or")
                 message = (
@@ -75,7 +74,7 @@ def erratum_quantities(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
                 break
 
 
-def _stated_quantities(facts: Iterable[Any]) -> Iterator[tuple[str, Decimal, str]]:
+def _stated_quantities(facts: Iterable[object]) -> Iterator[tuple[str, Decimal, str]]:
     """Yield the kind of each quantity in facts, its number in the smallest unit, and its text.
 
     For the key ``min_mv`` these are ``("voltage", Decimal(4500), "'min_mv: 4500'")``. The values of characteristics
@@ -86,11 +85,10 @@ def _stated_quantities(facts: Iterable[Any]) -> Iterator[tuple[str, Decimal, str
             unit = str(path[-1]).rpartition("_")[2] if path else ""
             if unit in _KIND_OF_UNIT and isinstance(value, int):
                 yield _KIND_OF_UNIT[unit], Decimal(value), f"'{path[-1]}: {value}'"
-        for _, characteristic_value in items(fact, "values") if isinstance(fact, dict) else ():
-            unit = characteristic_value.get("unit", "")
-            for bound in _BOUNDS:
-                if unit in _KIND_OF_UNIT and bound in characteristic_value:
-                    number = characteristic_value[bound]
+        for characteristic_value in located(Characteristic, fact, ()).part.values if isinstance(fact, dict) else ():
+            unit = characteristic_value.unit
+            for number in (characteristic_value.min, characteristic_value.typical, characteristic_value.max):
+                if unit in _KIND_OF_UNIT and number is not None:
                     yield _KIND_OF_UNIT[unit], _in_smallest_unit(str(number), unit), f"{number} {unit}"
 
 
@@ -141,7 +139,8 @@ def quoted_names(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
         if not isinstance(text, str) or path[0] in _ELSEWHERE or path[-1] not in _TEXTS:
             continue
         for match in _QUOTED_NAME.finditer(text):
-            name = match["before"] or match["after"]
+            before, after = match.group("before", "after")
+            name = before or after
             if _folded(name) not in folded_names:
                 message = f"nothing here is called {quoted(name)}{suggestion(name, names_in_spec)}; correct the text"
                 report.add("left-behind", path, message, cause=name)

@@ -93,18 +93,19 @@ def _first_paragraphs(
     """Yield what the file is for, and where its values come from."""
     format_ = FILE_FORMATS[rule["format"]]
     yield f"{master_device} with {', '.join(codes)}. For {format_.title}."
-    yield from _paragraphs_on_origin(device, sheet, rule, master_device)
+    yield from _paragraphs_on_origin(device, [sheet], rule, master_device)
 
 
-def _paragraphs_on_origin(device: Device, sheet: Sheet, rule: Raw, master_device: str) -> Iterator[str]:
+def _paragraphs_on_origin(device: Device, sheets: Sequence[Sheet], rule: Raw, master_device: str) -> Iterator[str]:
     """Yield the manual and the cited documents of the master, and that the file has not been tested on hardware."""
     format_, manual = FILE_FORMATS[rule["format"]], device.manual
     yield f"From the spec of {device.title}, manual {manual.title}, revision {manual.revision}."
     cited_keys: set[str] = set()
-    for place in _places_on_device(sheet, master_device):
-        # A source is like "manual: 3.2; data sheet: page 4".
-        cited_keys.update(re.split(r"[;:]\s*", place.source))
-    documents = [document for document in sheet.master.documents if document.key in cited_keys]
+    for sheet in sheets:
+        for place in _places_on_device(sheet, master_device):
+            # A source is like "manual: 3.2; data sheet: page 4".
+            cited_keys.update(re.split(r"[;:]\s*", place.source))
+    documents = [document for document in sheets[0].master.documents if document.key in cited_keys]
     cited_documents = "; ".join(f"{document.key}: {document.title}" for document in documents)
     yield f"From the documents of the master: {cited_documents}."
     reader = "Not yet read by its tool."
@@ -291,23 +292,25 @@ def _bulk_text(device: Device, sheets: Sequence[SheetOfCodes], rule: Raw, master
         sheet = sheet_by_content[file_content, answers]
         block = file_text(device, codes, sheet, rule, master_device, library, is_short=True, file_content=file_content)
         blocks.append((title, block))
-    # The head has the documents and conditions of the last sheet.
-    return _joined_blocks(device, blocks, sheet, rule, master_device)
+    return _joined_blocks(device, blocks, list(sheet_by_content.values()), rule, master_device)
 
 
 def _joined_blocks(
-    device: Device, blocks: Sequence[tuple[str, str]], sheet: Sheet, rule: Raw, master_device: str
+    device: Device, blocks: Sequence[tuple[str, str]], sheets: Sequence[Sheet], rule: Raw, master_device: str
 ) -> str:
     """Return the files as comments, or as children of one element in XML. Each block is a title and its text.
 
-    ``sheet`` gives the documents and conditions in the comment at the top.
+    ``sheets`` give the documents and conditions in the comment at the top.
     """
     format_ = FILE_FORMATS[rule["format"]]
     head = [
         f"{master_device} with the order codes of {device.title}. For {format_.title}.",
-        *_paragraphs_on_origin(device, sheet, rule, master_device),
+        *_paragraphs_on_origin(device, sheets, rule, master_device),
     ]
-    head += dict.fromkeys(condition_text(writing_rule) for writing_rule in sheet.writing)
+    conditions: dict[str, None] = {}
+    for sheet in sheets:
+        conditions |= dict.fromkeys(map(condition_text, sheet.writing))
+    head += conditions
     head.append(
         "Each block is for the first channel. A file that codewheel prints for one order code has all channels."
     )

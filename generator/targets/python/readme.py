@@ -352,21 +352,19 @@ class Readme:
             return []
         factors = [factor.value(variant.parameters) for factor in counts(measurement)]
         modulus = prod(factors) if factors else 0
-        # The example unwraps from modulus - 2 to 3. In a small range, the way back would be shorter.
-        if modulus < 8:
+        # The example unwraps from modulus - 2 to 3, by 5 counts. In a small range, the way back is as short.
+        if modulus <= 10:
             return []
-        calls_and_results: list[tuple[str, str]] = []
+        calls: list[tuple[str, str]] = []
         step_um = measurement.micrometres(variant.parameters)
         if measurement.counts_per_turn is not None:
-            quarter_turn = measurement.counts_per_turn.value(variant.parameters) // 4
-            calls_and_results.append((f"encoder.degrees({quarter_turn})", "90.0"))
+            counts_per_turn = measurement.counts_per_turn.value(variant.parameters)
+            quarter_turn = counts_per_turn // 4
+            calls.append((f"encoder.degrees({quarter_turn})", str(quarter_turn * 360 / counts_per_turn)))
         elif step_um is not None:
-            calls_and_results.append(("encoder.millimetres(1000)", repr(float(step_um))))
-        calls_and_results.append((f"encoder.unwrap({modulus - 2}, 3)", str(modulus + 3)))
-        examples = []
-        for call, result in calls_and_results:
-            examples.append(ReadmeExample(code=variant.code, text=call, shown="", result=result))
-        return examples
+            calls.append(("encoder.millimetres(1000)", repr(float(step_um))))
+        calls.append((f"encoder.unwrap({modulus - 2}, 3)", str(modulus + 3)))
+        return [ReadmeExample(code=variant.code, text=call, shown="", result=result) for call, result in calls]
 
     @property
     def identified(self) -> list[ReadmeExample]:

@@ -2,8 +2,8 @@
 #-   ECMC_EC_SLAVE_NUM.
 #- From the spec of AMM5A and AMM5B absolute kit encoders, manual AMM5A AMM5B, revision 1.9.
 #- From the documents of the master: p834: SOMANET Circulo 7, documentation v4.19.0, p. 834; p835: SOMANET Circulo 7,
-#-   documentation v4.19.0, p. 835; p846: SOMANET Circulo 7, documentation v4.19.0, p. 846; p833: SOMANET Circulo 7,
-#-   documentation v4.19.0, p. 833.
+#-   documentation v4.19.0, p. 835; p836: SOMANET Circulo 7, documentation v4.19.0, p. 836; p846: SOMANET Circulo 7,
+#-   documentation v4.19.0, p. 846; p833: SOMANET Circulo 7, documentation v4.19.0, p. 833.
 #- Not yet tested on hardware. Read by the scripts of ecmccomp, see docs/master/master-files.md. Form of the file: ecmc.
 #- Each block is for the first channel. A file that codewheel prints for one order code has all channels.
 #- Copy the lines below your order code and remove the first #- of each line.

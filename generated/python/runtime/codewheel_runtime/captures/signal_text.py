@@ -140,7 +140,7 @@ def _find_table_form(path: str, head: bytes) -> _TableForm:
     # Four rows are enough to recognise numbers of samples.
     first_rows = [_split_cells(row, delimiter) for row in rows[header_count : header_count + 4]]
     is_stamped = bool(first_rows) and bool(first_rows[0]) and _is_stamp(first_rows[0][0])
-    unit = _find_unit(unit_cells[0].lower() if has_units else cells[0]) if has_header else None
+    unit = _find_unit(unit_cells[0] if has_units else cells[0]) if has_header else None
     if is_stamped:
         unit = 1.0
     elif unit is None and _are_numbered(first_rows):
@@ -249,8 +249,10 @@ def _find_unit(name: str) -> float | None:
     match = _TIME.fullmatch(name.strip())
     if match is None:
         return None
-    if match["unit"] in _UNITS:
-        return _UNITS[match["unit"]]
+    # The regular expression also matches the Greek letter for the sign of micro.
+    unit = match["unit"].lower().replace("\N{GREEK SMALL LETTER MU}", "\N{MICRO SIGN}")
+    if unit in _UNITS:
+        return _UNITS[unit]
     # Without a unit, the sample rate gives the times.
     return 0.0 if name.strip().lower() == "time" else None
 
