@@ -5,6 +5,7 @@ computes bit positions itself. Bit 0 is the least significant bit everywhere, an
 integer whose byte order is in the layout.
 """
 
+from .channels import ChannelFrame, PlacedChannels, channel_frame
 from .device import Device, Release, ReleasedChange, TimesRead, Variant
 from .documents import (
     LEFT_OUT,
@@ -58,6 +59,7 @@ from .interfaces import (
     CableLength,
     Clock,
     ControlField,
+    DataChannels,
     DataId,
     DescriptionFile,
     Exchange,
@@ -149,6 +151,7 @@ __all__ = [
     "Crc",
     "CrcExample",
     "CrcValue",
+    "DataChannels",
     "DataId",
     "Decimal",
     "DescriptionFile",

@@ -146,6 +146,7 @@ _JOINT_BY_PART = {
     "clock": " over ",
     "network": " of the network over ",
     "timeout": " of the time-out over ",
+    "channels": " of the data channels over ",
     "port": " of the port over ",
 }
 
