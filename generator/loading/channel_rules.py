@@ -97,7 +97,7 @@ def _comparison_problems(device: Device, channels: DataChannels, layouts: Mappin
 
 
 def _width_problems(device: Device, channels: DataChannels, layout: Layout, name: str) -> Iterator[_Problem]:
-    """Yield the first order code whose field has fewer bits than are compared, or a tolerance that allows any number."""
+    """Yield the first order code whose field lacks compared bits, or whose tolerance allows any two numbers."""
     if channels.compared_bits is None:
         return
     width = member_named(layout.fields, name, "field").width

@@ -84,19 +84,19 @@ class PlacedChannels:
             frame = frame << channel.bits | number
         return frame
 
-    def compared_numbers(self, values: Mapping[str, Mapping[str, object]]) -> Iterator[int]:
-        """Yield the highest bits of each compared field, whose values are given by layout and name."""
-        for channel in self.channels:
+    def compared_numbers(self, values: Sequence[Mapping[str, object]]) -> Iterator[int]:
+        """Yield the highest bits of each compared field. ``values`` has the values of each channel, by field."""
+        for channel, values_of_channel in zip(self.channels, values, strict=True):
             name = self.compared.get(channel.name)
             if name is not None:
-                number = values[channel.name][name]
+                number = values_of_channel[name]
                 assert isinstance(number, int)
                 yield number >> (channel.field(name).width - self.compared_bits)
 
-    def agree(self, values: Mapping[str, Mapping[str, object]]) -> bool:
-        """Return whether the compared fields agree. Values are given by layout and name."""
-        numbers = list(self.compared_numbers(values))
-        return all(self._are_close(numbers[0], number) for number in numbers[1:])
+    def agree(self, values: Sequence[Mapping[str, object]]) -> bool:
+        """Return whether the compared fields agree. ``values`` has the values of each channel, by field."""
+        first_number, *other_numbers = self.compared_numbers(values)
+        return all(self._are_close(first_number, number) for number in other_numbers)
 
     def _are_close(self, number: int, other_number: int) -> bool:
         """Return whether two numbers differ by no more than the tolerance, also across the end of their range."""

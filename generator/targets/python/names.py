@@ -92,9 +92,9 @@ PACKAGE: Mapping[str, tuple[str, ...]] = _runtime_modules(
 FACTS: Mapping[str, tuple[str, ...]] = _runtime_modules(
     {
         "facts": """AboveMax Access Alarm Alignment BissFacts ByteOrder CableLength Characteristic Clock Connector
-        ConnectorKind Contact ControlField Crc DataChannels DataIdFacts Document Edition Erratum Exchange FieldFacts Input
-        Led LedState LostFigure Manual MemoryAccess NamedValue Network Port PrintedTimeout Purpose Quantity
-        Register RegisterMeaning Revision Rs485Facts Scale Severity SpiFacts SsiFacts Status Table Timeout
+        ConnectorKind Contact ControlField Crc DataChannels DataIdFacts Document Edition Erratum Exchange
+        FieldFacts Input Led LedState LostFigure Manual MemoryAccess NamedValue Network Port PrintedTimeout
+        Purpose Quantity Register RegisterMeaning Revision Rs485Facts Scale Severity SpiFacts SsiFacts Status Table Timeout
         TimeoutRule Timing""",
         "order_codes": "OrderCode Part PartValue SpelledValue Spelling",
         "reports": "Interface ReadOnly Report Reports Verdict",
