@@ -21,6 +21,7 @@ from ...say.evidence import grade, origin, other_editions, removals, titled_in_l
 from ...say.order_code import initial
 from .. import TargetError
 from .about import about_crc
+from .channels import channel_code
 from .chosen import chosen_variant
 from .codec import StructCodec
 from .comments import Paragraph, S
@@ -171,6 +172,7 @@ class DeviceView:
         #: The order code in all samples.
         self.row = self.variants.rows[device.variants.index(chosen_variant(device, context.interface))]
         self.lengths = LengthCode(context, context.interface, self.variants.rows, self.row)
+        self.channels = channel_code(context, self.interface.codecs, self.variants.rows)
         self.positions = positions(context)
         self.registers = [self._register(register) for register in _bank_selectors_first(device)]
         self.crcs = list(self._crc_codes())
@@ -269,12 +271,8 @@ class DeviceView:
             [self.reports],
             self.alternatives,
             [self.interface, self.lengths, self.reading],
-            [self.positions] if self.positions is not None else (),
-            self.registers,
-            self.takers,
-            self.identities,
-            self.procedures,
-            self.alarms,
+            *([optional_part] for optional_part in (self.channels, self.positions) if optional_part is not None),
+            *(self.registers, self.takers, self.identities, self.procedures, self.alarms),
         )
         for declaring_part in declaring_parts:
             yield from declaring_part.declared()
