@@ -106,6 +106,7 @@ function box(root) {
     if (undecided(found.at?.layout).length && found.fields.length) {
       return [part("div", "warning", element("p", {}, UNDECIDED))];
     }
+    if (found.channels) return wholeResultOf(found, state.found.interface.measure);
     const [sender] = state.what.split(":");
     const others = register() ? [] : otherFrames(state.found, sender, line.text, found, state.held, state.answers);
     return resultOf(found, state.found.interface.measure, others);
@@ -221,7 +222,8 @@ function framesOf(interface_, sender) {
   const found = interface_.frames.filter((item) => item.sender === sender);
   const isTold = interface_.told?.some((item) => item.sender === sender);
   if (found.length < 2 || isTold) return [option(sender, `a frame from the ${sender}`)];
-  return found.map(({ name }) => option(`${sender}:${name}`, `${name.replaceAll("_", " ")}, from the ${sender}`));
+  const whole = interface_.channels && sender === "encoder" ? [option(sender, `a whole frame, from the ${sender}`)] : [];
+  return [...whole, ...found.map(({ name }) => option(`${sender}:${name}`, `${name.replaceAll("_", " ")}, from the ${sender}`))];
 }
 
 function linkTo(code, text, state) {

@@ -101,8 +101,10 @@ def _read(frames: object, bits: int, length: int) -> tuple[Any, Any]:
         )
         return np.frombuffer(data, np.uint8).reshape(-1, length), is_wrong
     rows, wrong_rows = read_rows(frames, length)
-    is_wrong = (rows[:, 0] >> (8 - (8 * length - bits)) if 8 * length > bits else rows[:, 0] & 0) != 0
-    is_wrong[wrong_rows] = True
+    bits_of_first_byte = bits - 8 * (length - 1)
+    is_wrong = rows[:, 0] >= 1 << bits_of_first_byte
+    if len(wrong_rows):
+        is_wrong[wrong_rows] = True
     return rows, is_wrong
 
 
