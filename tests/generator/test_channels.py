@@ -19,13 +19,12 @@ from typing import Any
 
 import pytest
 from c_harness import GCC, write
-from codewheel.commands.cli import main
 from codewheel.model import Device, channel_frame
 from codewheel.reference.channels import channel_findings, decode_channels
 from codewheel.targets import Library
 from codewheel.targets.browser.files import generate as generate_page
 from exhaustive import mostly_exhaustive
-from five_engines import NOT_USABLE, SPECS, USABLE, VERDICTS, WARNING, Import, joined, load_made, remainder
+from five_engines import NOT_USABLE, USABLE, VERDICTS, WARNING, Import, joined, load_made, remainder
 
 COUNTS = mostly_exhaustive([100, 4000], 100)
 

@@ -320,6 +320,16 @@ class Network(NamedTuple):
     source: str = ""
 
 
+class DataChannels(NamedTuple):
+    """Data channels in one frame, and the fields in them whose highest bits must agree."""
+
+    order: tuple[str, ...]
+    compared: Mapping[str, str] = _NO_NAMES
+    compared_bits: str = ""
+    tolerance: int = 0
+    source: str = ""
+
+
 class PrintedTimeout(NamedTuple):
     """Time-out given in the manual for one clock frequency."""
 
@@ -436,6 +446,7 @@ class BissFacts(NamedTuple):
     timings: tuple[Timing, ...] = ()
     note: str = ""
     source: str = ""
+    channels: DataChannels | None = None
 
 
 class Exchange(NamedTuple):
