@@ -94,7 +94,7 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
     _check_requests(device, report)
     check_spi_registers(device, report)
     check_frame_kinds(device, report)
-    check_channels(device, report)
+    check_channels(raw, device, report)
     check_settings_of_crcs(device, report)
     device = replace(device, procedures=build_procedures(raw, device))
     check_measurements(device, report)
