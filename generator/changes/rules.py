@@ -258,6 +258,7 @@ _NAMED_KINDS = (
     ("control-field", "a field of the control frame", "BBBD", "+++D", "BBBD", "the same bits"),
     ("connector", "a connector or cable", "DBBD", "D++D", "DBBD", "the same contacts"),
     ("measurement", "the measurement of a position", "BBBD", "B++D", "BBBD", ""),
+    ("channels", "a frame with several data channels", "BBBD", "+++D", "BBBD", ""),
     ("input", "a hardware input", "DBBD", "D++D", "DBBD", "the same effect"),
 )
 

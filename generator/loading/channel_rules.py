@@ -48,6 +48,8 @@ def check_channels(raw: Raw, device: Device, report: DocumentReport) -> None:
 
 def _order_problems(layouts: Sequence[Layout]) -> Iterator[_Problem]:
     """Yield channels that are listed twice, have no number of their own, or are too long to be one word."""
+    if len(layouts) < 2:
+        yield ("order",), "a frame with several channels has at least two; list all of them, or leave 'channels' out"
     names_by_number: dict[int | None, str] = {}
     for index, layout in enumerate(layouts):
         path: Path = ("order", index)

@@ -197,7 +197,6 @@ class DataChannels:
     order: tuple[Name, ...] = key(
         "Layouts of the channels, in the order in which they are sent.",
         data="Names of the layouts, in the order in which they are sent.",
-        least=2,
         most=8,
         rule="channels-of-frame",
         label="order of the channels",

@@ -20,6 +20,16 @@ CASES = {
         ".order[3]",
         "'control_word' is listed twice; list each channel once",
     ),
+    "one channel": (
+        {
+            _ORDER: "order: [control_word]",
+            _COMPARED: "tolerance: 0",
+            "      compared_bits: accurate_bits\n": "",
+            "      tolerance: 1\n": "",
+        },
+        ".order",
+        "a frame with several channels has at least two; list all of them, or leave 'channels' out",
+    ),
     "no number": (
         {"        channel: 2\n": ""},
         ".order[2]",
