@@ -25,6 +25,7 @@ from ..model import (
 from ..model.registers import bounded
 from ..say.names_and_places import bits
 from ..say.plain_text import counted
+from .channels import channel_facts
 from .frame_bits import word
 from .reading import (
     NOTHING,
@@ -295,6 +296,7 @@ def _interface_facts(reading: Reading, interface: Interface) -> Iterator[Fact]:
             yield from _cable_clocks(interface)
         case Biss():
             yield from _biss_facts(reading, interface)
+            yield from channel_facts(reading, interface)
         case Rs485():
             yield from _rs485_facts(reading, interface)
             yield from _exchange_facts(interface)
