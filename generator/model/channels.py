@@ -42,6 +42,16 @@ class ChannelFrame:
         return sum((layout.bits for layout in self.layouts), Expression(0))
 
     @property
+    def sent_bits(self) -> Expression:
+        """Number of bits on the line. No channel has bits that are not sent."""
+        return self.bits
+
+    def bits_before(self, layout: Layout) -> Expression:
+        """Return the number of bits of the channels that are sent before this one."""
+        place = self.layouts.index(layout)
+        return sum((earlier.bits for earlier in self.layouts[:place]), Expression(0))
+
+    @property
     def widest(self) -> int:
         """Highest number of bits that it can have."""
         return sum(layout.widest for layout in self.layouts)

@@ -203,8 +203,13 @@ int main(void)
         test_channels_biss_channels frame;
         uint64_t position = 99U;
         const cw_result result = test_channels_biss_channels_receive(codes[code], rx, 8U * length, &frame);
-        const cw_verdict verdict = test_channels_biss_channels_read(codes[code], rx, length, &position);
+        const cw_verdict verdict = test_channels_biss_control_word_read(codes[code], rx, length, &position);
         printf("%d %d", (int)result, (int)verdict);
+        cw_word word;
+        if (test_channels_biss_safety_word_receive(codes[code], rx, length, &word) != CW_OK) {{ return 2; }}
+        test_channels_biss_safety_word safety;
+        const cw_result alone = test_channels_biss_safety_word_decode(codes[code], word, &safety);
+        if ((result == CW_OK) && (alone != CW_OK)) {{ return 3; }}
         if (result == CW_OK) {{
             printf(" %d %" PRIu64 " %" PRIu64 " %u",
                 (int)test_channels_biss_channels_verdict(codes[code], &frame),

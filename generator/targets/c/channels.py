@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from ...model import ChannelFrame, Device, channel_frame, first_of
-from ...plan.frames import BISS_ACKNOWLEDGE, BISS_AROUND, BISS_REST
+from ...model import ChannelFrame, channel_frame, first_of
 from .codec import StructCodec
-from .context import Context, Macro
+from .context import Context
 from .names import Declared, Expr, c_name
-from .variants import CodeRow
 
 
 class ChannelCode:
@@ -18,14 +16,11 @@ class ChannelCode:
     ``compared`` has the member and the width of each compared field.
     """
 
-    def __init__(
-        self, context: Context, frame: ChannelFrame, codecs: Sequence[StructCodec], rows: Sequence[CodeRow]
-    ) -> None:
+    def __init__(self, context: Context, frame: ChannelFrame, codecs: Sequence[StructCodec]) -> None:
         self._context, self._frame = context, frame
         self.type = f"{context.prefix}_channels"
         codec_by_layout = {codec.struct.layout.name: codec for codec in codecs}
         self.codecs = [codec_by_layout[layout.name] for layout in frame.layouts]
-        self.macros = list(_length_macros(context, frame, rows))
         self.compared: list[tuple[str, Expr]] = []
         for field in frame.compared:
             member = f"{c_name(field.layout.name)}.{c_name(field.name)}"
@@ -37,11 +32,8 @@ class ChannelCode:
         functions = ["bits", "decode", "verdict", "receive"]
         if self.compared:
             functions.append("agree")
-        if self.position_codec.measured:
-            functions.append("read")
         yield self.type, path
         yield from ((f"{self.type}_{function}", path) for function in functions)
-        yield from ((macro.name, path) for macro in self.macros)
 
     @property
     def about(self) -> list[str]:
@@ -85,25 +77,7 @@ class ChannelCode:
         return [codec for codec in others if codec.reports is not None and codec.reports.verdict]
 
 
-def channel_code(context: Context, codecs: Sequence[StructCodec], rows: Sequence[CodeRow]) -> ChannelCode | None:
+def channel_code(context: Context, codecs: Sequence[StructCodec]) -> ChannelCode | None:
     """Return the frame with all data channels of an interface, or None if there is none."""
     frame = channel_frame(context.interface)
-    return ChannelCode(context, frame, codecs, rows) if frame is not None else None
-
-
-def _length_macros(context: Context, frame: ChannelFrame, rows: Sequence[CodeRow]) -> Iterator[Macro]:
-    """Yield the bits of the whole frame, and the bytes of a buffer for it, for each order code.
-
-    If registers change the length, the buffer is large enough for any of their values.
-    """
-    device: Device = context.device
-    depends_on_registers = any(
-        parameter.register and parameter.name in device.needed_parameters(frame.bits.parameters)
-        for parameter in device.set_parameters
-    )
-    for variant, row in zip(device.variants, rows, strict=True):
-        bits = frame.place(variant.parameters).bits
-        highest_bits = frame.widest if depends_on_registers else bits
-        size = (BISS_REST + BISS_ACKNOWLEDGE + BISS_AROUND + highest_bits + 7) // 8
-        yield Macro(f"{row.macro}_CHANNELS_BITS", f"{bits}U", "number of bits of all channels")
-        yield Macro(f"{row.macro}_CHANNELS_RX_BYTES", f"{size}U", "number of bytes in the buffer")
+    return ChannelCode(context, frame, codecs) if frame is not None else None

@@ -172,7 +172,7 @@ class DeviceView:
         #: The order code in all samples.
         self.row = self.variants.rows[device.variants.index(chosen_variant(device, context.interface))]
         self.lengths = LengthCode(context, context.interface, self.variants.rows, self.row)
-        self.channels = channel_code(context, self.interface.codecs, self.variants.rows)
+        self.channels = channel_code(context, self.interface.codecs)
         self.positions = positions(context)
         self.registers = [self._register(register) for register in _bank_selectors_first(device)]
         self.crcs = list(self._crc_codes())
