@@ -37,7 +37,7 @@ def check_channels(raw: Raw, device: Device, report: DocumentReport) -> None:
         return
     ordered_layouts = [layouts[name] for name in biss.channels.order]
     problems = (
-        *_order_problems(ordered_layouts),
+        *_order_problems(biss, ordered_layouts),
         *_question_problems(device, ordered_layouts),
         *_position_problems(device, ordered_layouts),
         *_comparison_problems(device, biss.channels, layouts),
@@ -46,10 +46,15 @@ def check_channels(raw: Raw, device: Device, report: DocumentReport) -> None:
         report.add(_RULE, (*place, *keys), message)
 
 
-def _order_problems(layouts: Sequence[Layout]) -> Iterator[_Problem]:
+def _order_problems(biss: Biss, layouts: Sequence[Layout]) -> Iterator[_Problem]:
     """Yield channels that are listed twice, have no number of their own, or are too long to be one word."""
     if len(layouts) < 2:
         yield ("order",), "a frame with several channels has at least two; list all of them, or leave 'channels' out"
+    first_layout = biss.layouts[0]
+    if layouts[0] is not first_layout:
+        name, first_name = quoted(layouts[0].name), quoted(first_layout.name)
+        message = f"{name} is the first channel of the frame, so it must be the first layout, but {first_name} is"
+        yield ("order", 0), f"{message}; correct one of them"
     names_by_number: dict[int | None, str] = {}
     for index, layout in enumerate(layouts):
         path: Path = ("order", index)

@@ -20,6 +20,14 @@ CASES = {
         ".order[3]",
         "'control_word' is listed twice; list each channel once",
     ),
+    "other order than the layouts": (
+        {_ORDER: "order: [safety_word, control_word]"},
+        ".order[1]",
+        (
+            "'safety_word' is the first channel of the frame, so it must be the first layout, but 'control_word' is;"
+            " correct one of them"
+        ),
+    ),
     "one channel": (
         {
             _ORDER: "order: [control_word]",

@@ -14,17 +14,22 @@ import subprocess
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from importlib import resources
 from pathlib import Path
 from typing import Any
 
+import jsonschema
 import pytest
 from c_harness import GCC, write
-from codewheel.model import Device, channel_frame
+from codewheel.commands.cli import main
+from codewheel.model import Device, Verdict, channel_frame
 from codewheel.reference.channels import channel_findings, decode_channels
 from codewheel.targets import Library
 from codewheel.targets.browser.files import generate as generate_page
+from codewheel.virtual.clocked_lines import BissLine
+from codewheel.virtual.encoder import VirtualEncoder
 from exhaustive import mostly_exhaustive
-from five_engines import NOT_USABLE, USABLE, VERDICTS, WARNING, Import, joined, load_made, remainder
+from five_engines import NOT_USABLE, SPECS, USABLE, VERDICTS, WARNING, Import, joined, load_made, remainder
 
 COUNTS = mostly_exhaustive([100, 4000], 100)
 
@@ -304,3 +309,101 @@ def test_five_engines_agree(engine: str, count: int, import_generated: Import, t
     assert {case.verdict for case in cases} == {"", NOT_USABLE, WARNING, USABLE}
     results = list(ENGINES[engine](cases, import_generated, tmp_path))
     assert sorted(results, key=repr) == sorted(cases, key=repr)
+
+
+def test_a_virtual_encoder_sends_words_that_agree() -> None:
+    device = made_device()
+    frame = channel_frame(device.interface("biss"))
+    assert frame is not None
+    for code, made in CONFIGURATIONS.items():
+        variant = device.variant(code)
+        placed = frame.place(variant.parameters)
+        for position in (0, 1, (1 << made.control) - 1, 0x5A5A):
+            encoder = VirtualEncoder(code, position, specs=[SPECS / "channels.yaml", SPECS / "manufacturer.yaml"])
+            line = BissLine(encoder)
+            assert line.bits == made.bits
+            channels = decode_channels(device, placed, line.frame())
+            found = channel_findings(device, variant, placed, channels)
+            assert found.agree is True
+            assert found.verdict is Verdict.USABLE
+            assert channels[0].values["position"] == position
+
+
+def decoded(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str]:
+    """Return the exit code and the output of ``decode``, with single spaces."""
+    code = main(["decode", *arguments, "--specs", str(SPECS)])
+    return code, " ".join(capsys.readouterr().out.split())
+
+
+#: A frame of RXH: angle 123456h in the control word, and the highest 16 bits of another angle in the safety word.
+def frame_of_rxh(safe_angle: int) -> str:
+    made = CONFIGURATIONS["RXH"]
+    number = whole(made, control_word(made, 0, 0x123456, 1, 1), safety_word(made, 0, safe_angle, 1, 1, 5))
+    return f"{number:0{made.bits}b}"
+
+
+def test_decode_shows_both_words_and_their_verdict(capsys: pytest.CaptureFixture[str]) -> None:
+    code, text = decoded(capsys, "RXH", f"0b{frame_of_rxh(0x1234)}")
+    assert code == 0
+    assert "Control position word, 32 bits, data channel 1" in text
+    assert "Safety position word, 40 bits, data channel 2" in text
+    assert (
+        "the highest 13 bits agree: singleturn of control_word 0x246 and safe_singleturn of safety_word 0x246" in text
+    )
+    assert "all channels together: the position is usable" in text
+
+
+def test_decode_reports_positions_that_disagree(capsys: pytest.CaptureFixture[str]) -> None:
+    code, text = decoded(capsys, "RXH", f"0b{frame_of_rxh(0x1244)}")
+    assert code == 3
+    assert "the highest 13 bits DISAGREE: singleturn of control_word 0x246" in text
+    assert "all channels together: the position is not usable" in text
+    assert "position: 25" not in text
+
+
+def test_decode_says_which_channel_has_the_wrong_crc(capsys: pytest.CaptureFixture[str]) -> None:
+    bits = frame_of_rxh(0x1234)
+    changed = bits[:40] + str(1 - int(bits[40])) + bits[41:]
+    code, text = decoded(capsys, "RXH", f"0b{changed}")
+    assert code == 1
+    assert "error in safety_word, so the frame has no position" in text
+    assert "error in control_word" not in text
+
+
+def test_why_finds_bits_around_the_frame_and_exchanged_words(capsys: pytest.CaptureFixture[str]) -> None:
+    bits = frame_of_rxh(0x1234)
+    code, text = decoded(capsys, "RXH", f"0b10{bits}0")
+    assert code == 1
+    assert "'control_word, safety_word' has 72 bits, got 75" in text
+    assert "All CRCs are correct with 2 other bits before the frame and 1 after it." in text
+    _, text = decoded(capsys, "RXH", f"0b{bits[32:]}{bits[:32]}")
+    assert "All CRCs are correct with the channels in the order safety_word, control_word." in text
+
+
+def test_a_single_word_is_decoded_as_before(capsys: pytest.CaptureFixture[str]) -> None:
+    bits = frame_of_rxh(0x1234)
+    code, text = decoded(capsys, "RXH", f"0b{bits[:32]}")
+    assert code == 0
+    assert "Control position word, 32 bits" in text
+    assert "all channels together" not in text
+    code, text = decoded(capsys, "RXH", f"0b{bits[32:]}", "--layout", "safety_word")
+    assert code == 0
+    assert "Safety position word, 40 bits" in text
+
+
+def test_json_has_both_words_in_the_shape_of_the_schema(capsys: pytest.CaptureFixture[str]) -> None:
+    number = int(frame_of_rxh(0x1244), 2)
+    arguments = ["decode", "RXH", f"0x{number:018X}", "--json", "--specs"]
+    code = main([*arguments, str(SPECS)])
+    data = json.loads(capsys.readouterr().out)
+    schema = json.loads((resources.files("codewheel.language") / "decode.schema.json").read_text(encoding="utf-8"))
+    jsonschema.Draft202012Validator(schema).validate(data)
+    assert (code, data["verdict"], data["agree"]) == (3, "not_usable", False)
+    assert [channel["layout"] for channel in data["channels"]] == ["control_word", "safety_word"]
+    assert [channel["crc"]["ok"] for channel in data["channels"]] == [True, True]
+
+
+def test_the_published_word_of_a_safety_encoder_has_this_crc() -> None:
+    """Word in a log of TI's motor-control SDK: 65535 turns, angle 2924 of 4096, nE 0, nW 1, counter 57, CRC D79Fh."""
+    made = Configuration(16, 0, 12, 0)
+    assert safety_word(made, 65535, 2924, 0, 1, 57) & 0xFFFF == 55199
