@@ -69,8 +69,8 @@ static inline cw_result cw_biss_receive_channels(
 }
 
 /**
- * Return whether two numbers differ by no more than a tolerance. The difference is taken the shorter
- * way around, since the lowest and the highest number are adjacent.
+ * Return whether two numbers differ by no more than a tolerance. The difference is taken the
+ * shorter way around, since the lowest and the highest number are adjacent.
  *
  * @param number  the highest bits of one position
  * @param other  as many bits of the other position
@@ -78,7 +78,7 @@ static inline cw_result cw_biss_receive_channels(
  * @param tolerance  highest difference
  */
 CW_CONSTEXPR
-static inline bool cw_channels_agree(
+static inline bool cw_biss_positions_agree(
     uint64_t number, uint64_t other, uint32_t bits, uint64_t tolerance)
 {
     const uint64_t mask = UINT64_MAX >> (64U - bits);
