@@ -22,6 +22,7 @@ import jsonschema
 import pytest
 from c_harness import GCC, write
 from codewheel.commands.cli import main
+from codewheel.loading.library import load_library
 from codewheel.model import Device, Verdict, channel_frame
 from codewheel.reference.channels import channel_findings, decode_channels
 from codewheel.targets import Library
@@ -407,3 +408,44 @@ def test_the_published_word_of_a_safety_encoder_has_this_crc() -> None:
     """Word in a log of TI's motor-control SDK: 65535 turns, angle 2924 of 4096, nE 0, nW 1, counter 57, CRC D79Fh."""
     made = Configuration(16, 0, 12, 0)
     assert safety_word(made, 65535, 2924, 0, 1, 57) & 0xFFFF == 55199
+
+
+@pytest.mark.slow
+def test_channels_without_a_comparison(import_generated: Import, tmp_path: Path) -> None:
+    """A position with a CRC of 16 bits, and a temperature of the same length for all order codes, without flags."""
+    folder = Path(__file__).resolve().parents[2] / "docs" / "example" / "tolvarn"
+    text = (folder / "tv62.yaml").read_text(encoding="utf-8")
+    text = text.replace(
+        "    bank_select: bank\n    layouts:\n",
+        '    bank_select: bank\n    channels: {order: [position_data, temperature_data], source: "3"}\n    layouts:\n',
+    )
+    (tmp_path / "tv62.yaml").write_text(text, encoding="utf-8")
+    shutil.copy(folder / "manufacturer.yaml", tmp_path)
+    (device,), report = load_library([tmp_path])
+    assert not report
+    library = Library((device,))
+    package: Any = import_generated(library, "tolvarn_encoders")[1]
+    layout = package.lookup("TV62-M17-B1").channels()
+    # The two words of the manual's examples.
+    number = int("01001101001001111111110011000111001010100010110000111" + "000000001110101100101", 2)
+    frame = layout.decode(number)
+    assert (frame.agree, frame.verdict.value) == (None, USABLE)
+    assert [channel.to_dict().get("temperature") for channel in frame.channels] == [None, 235]
+    assert frame.position == 1234 << 17 | 65432
+    assert frame.encode() == number
+    np: Any = pytest.importorskip("numpy")
+    table = layout.decode_many([number, number ^ 1])
+    assert np.array_equal(table.fault, [0, 2])
+    assert [VERDICTS[verdict] for verdict in table.verdict] == [USABLE, NOT_USABLE]
+    include = write(tmp_path / "c", (device,))
+    program = tmp_path / "program.c"
+    program.write_text(
+        '#include "tolvarn/tv62_biss.h"\n'
+        "int main(void)\n{\n    uint8_t rx[TOLVARN_TV62_BISS_M17_B1_POSITION_DATA_RX_BYTES] = {0};\n"
+        "    uint32_t position = 0U;\n"
+        "    return (int)TOLVARN_TV62_BISS_READ(M17_B1, rx, &position);\n}\n",
+        encoding="utf-8",
+    )
+    command = [*GCC, "-Wall", "-Wextra", "-Werror", f"-I{include}", str(program), "-o", str(tmp_path / "program")]
+    subprocess.run(command, check=True)
+    assert subprocess.run([tmp_path / "program"]).returncode == 0
