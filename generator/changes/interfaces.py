@@ -13,6 +13,7 @@ from ..model import (
     Clocked,
     Connector,
     ControlField,
+    DataChannels,
     Interface,
     Layout,
     LayoutRange,
@@ -198,6 +199,7 @@ def _compare_interface(family_pair: FamilyPair, subject: Subject, old: Interface
         yield from compare_cables(family_pair, subject.inside("cable_lengths", subject.label), old, new)
     if isinstance(old, Biss) and isinstance(new, Biss):
         yield from compare_timeouts(family_pair, subject.inside("timeout", subject.label), old, new)
+        yield from _compare_channels(family_pair, subject, old.channels, new.channels)
         control_subject = subject.inside("control_data", "control frame: field")
         yield from compare_parts(
             family_pair, "control-field", old.control_data, new.control_data, control_subject, _compare_control_values
@@ -241,6 +243,17 @@ def _compare_position_range(
         yield from compare_members(family_pair, range_subject, old, new)
     elif old is not new:
         yield from family_pair.compare_presence("measurement", range_subject, old=old, new=new)
+
+
+def _compare_channels(
+    family_pair: FamilyPair, subject: Subject, old: DataChannels | None, new: DataChannels | None
+) -> Iterator[Change]:
+    """Yield changes of the data channels that one frame carries, or that only one version has such a frame."""
+    channels_subject = subject.inside("channels", f"{subject.label}: frame with several data channels")
+    if old is not None and new is not None:
+        yield from compare_members(family_pair, channels_subject, old, new)
+    elif old is not new:
+        yield from family_pair.compare_presence("channels", channels_subject, old=old, new=new)
 
 
 def _compare_control_values(

@@ -258,6 +258,7 @@ _NAMED_KINDS = (
     ("control-field", "a field of the control frame", "BBBD", "+++D", "BBBD", "the same bits"),
     ("connector", "a connector or cable", "DBBD", "D++D", "DBBD", "the same contacts"),
     ("measurement", "the measurement of a position", "BBBD", "B++D", "BBBD", ""),
+    ("channels", "a frame with several data channels", "BBBD", "+++D", "BBBD", ""),
     ("input", "a hardware input", "DBBD", "D++D", "DBBD", "the same effect"),
 )
 
@@ -322,6 +323,7 @@ _CHANGES = (
     ("port", "WWWD", "the settings of the serial port have changed", _WIRE),
     ("alignment", "DWWD", "a word has a different alignment or code", _WIRE),
     ("bank-select", "WWWD", "the bank is selected by a different register", _WIRE),
+    ("channels-of-frame", "WWWD", "a frame has other data channels, or compares them differently", _WIRE),
     ("interface-rule", "DWWD", "signals, network, profile or memory access have changed", _INSTALLATIONS),
     ("data-id-changed", "WWWD", "a data ID has a different number, control byte or purpose", _WIRE),
     ("crc-changed", "WWWD", "a CRC is computed differently", "Frames that were valid are rejected."),

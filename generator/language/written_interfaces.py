@@ -7,7 +7,7 @@ from typing import Literal
 from ..model.facts import (
     Timing,
 )
-from ..model.interfaces import CableLength, Clock, DataId, MemoryAccess, Network, Port, Timeout
+from ..model.interfaces import CableLength, Clock, DataChannels, DataId, MemoryAccess, Network, Port, Timeout
 from ..model.measurement import Measurement
 from ..model.part import (
     Formula,
@@ -86,6 +86,7 @@ class WrittenBiss(WrittenPart):
     profile: Prose = key("Encoder profile that the manual names.", default="")
     network: Located[Network] | None = key("", default=None)
     timeout: OneOrMore[Located[Timeout]] = key(f"Time-out after a frame. {_BY_CODE}", default=())
+    channels: Located[DataChannels] | None = key("", default=None)
     control_data: WrittenControlData | None = key("", default=None)
     measurement: Located[Measurement] | None = key("", default=None)
     timings: tuple[Located[Timing], ...] = key("Timings of this interface.", least=0, default=())

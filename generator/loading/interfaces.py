@@ -15,6 +15,7 @@ from ..model import (
     CableLength,
     Clock,
     ControlField,
+    DataChannels,
     Device,
     Exchange,
     Interface,
@@ -174,9 +175,20 @@ def _biss(raw: Raw, context: Context) -> Mapping[str, Any]:
     return {
         "clocks": _clocks(raw),
         "timeouts": tuple(record(Timeout, timeout) for timeout in timeouts),
+        "channels": _channels(raw, context),
         "control_data": tuple(_control_field(definition, control, context) for definition in control.get("fields", ())),
         "control_data_note": control.get("note", ""),
     }
+
+
+def _channels(raw: Raw, context: Context) -> DataChannels | None:
+    """Return the data channels that one frame carries, or None if the spec does not list them."""
+    if "channels" not in raw:
+        return None
+    raw_channels = raw["channels"]
+    source = sources(raw_channels) or sources(raw)
+    bits = context.expressions(raw_channels, ("compared_bits",))
+    return record(DataChannels, {"order": (), **raw_channels}, source=source, **bits)
 
 
 def _rs485(raw: Raw, context: Context) -> Mapping[str, Any]:

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 from .. import model
 from ..cache import Cache
 from ..model import (
+    channels,
     device,
     documents,
     examples,
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
 
 _MODULES: tuple[ModuleType, ...] = (
     *(
+        channels,
         device,
         documents,
         examples,

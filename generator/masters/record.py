@@ -33,6 +33,7 @@ from ..say.evidence import Subject, document, mentions
 from ..say.names_and_places import addresses
 from ..say.order_code import initial
 from ..say.text import hertz, timeout_words
+from .channels import NO_CHANNELS, FrameChannels, channel_notes, frame_channels
 from .frame_parts import (
     CableRow,
     CableTable,
@@ -67,7 +68,7 @@ class Record:
     whole. ``document`` is the word for what does not state a fact, and ``mentioned`` are the subjects of the
     texts that it has. ``used_hz`` has the clocks in use, if the highest clock is not known. ``obstacle`` is the
     reason why no master can take the position, and ``crc_obstacle`` the reason why none can check the CRC. Both are
-    sentences, or empty.
+    sentences, or empty. ``channels`` are the other data channels in the frame ``layout``.
     """
 
     code: str
@@ -87,6 +88,8 @@ class Record:
     used_hz: tuple[int, ...] = ()
     obstacle: str = ""
     crc_obstacle: str = ""
+    channels: FrameChannels = NO_CHANNELS
+    layout: str = ""
 
     @property
     def known_numbers(self) -> Mapping[str, int]:
@@ -140,7 +143,7 @@ def record(
         *_answer_notes(deciding_alternatives, needed_answers),
         *_clock_notes(numbers, cables, cable_m),
         *_frame_notes(device, frame.measurement.of, frame.placed_layout, parts, as_delivered),
-        *_channel_notes(frame),
+        *channel_notes(frame.interface, frame.placed_layout),
         *filter(None, (obstacle, crc_obstacle)),
     )
     # Without the limit of a cable.
@@ -224,6 +227,8 @@ def _record(
         answers=answers,
         step=frame.measurement.micrometres(frame.variant.parameters),
         document=document(device),
+        channels=frame_channels(interface, frame.placed_layout),
+        layout=frame.placed_layout.name,
         mentioned=frozenset(subject for subject in Subject if mentions(device, interface, subject)),
         used_hz=clock.used_hz if numbers["clock_max_hz"] is None else (),
     )
@@ -440,15 +445,6 @@ def _frame_notes(
     fixed = [part.name for part in parts if part.role == "status" and not part.active]
     if fixed:
         yield f"{' and '.join(fixed)}: always 1, which a master treats as an inactive status bit."
-
-
-def _channel_notes(frame: _PositionFrame) -> Iterator[str]:
-    """Yield a sentence about the channels of BiSS whose data the settings leave out."""
-    channel = frame.placed_layout.layout.channel
-    other_layouts = [layout for layout in frame.interface.layouts if layout.channel and layout.channel != channel]
-    if channel and other_layouts:
-        other_channels = " and ".join(f"'{layout.name}' on channel {layout.channel}" for layout in other_layouts)
-        yield f"The encoder also sends {other_channels}. These settings are for channel {channel} only."
 
 
 def _register_notes(device: Device, dependence: str, parameters: set[str], as_delivered: bool) -> Iterator[str]:

@@ -43,7 +43,11 @@ _RULE_LISTS = ("limits", "settings", "writing", "notes", "files")
 
 @dataclass(frozen=True, slots=True)
 class Master:
-    """A master as described in its file. The last five members are checked data."""
+    """A master as described in its file. The lists of rules are checked data.
+
+    ``several_channels`` says how it reads several data channels of one frame. It is empty if its description covers
+    a single one.
+    """
 
     name: str
     title: str
@@ -56,6 +60,7 @@ class Master:
     writing: tuple[Raw, ...]
     notes: tuple[Raw, ...]
     files: tuple[Raw, ...] = ()
+    several_channels: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,6 +176,7 @@ def _master_from_spec(data: Raw) -> Master:
         documents=documents,
         devices=devices_of(data),
         standing=data.get("standing", "documented"),
+        several_channels=data.get("several_channels", {}).get("text", ""),
         **{name: tuple(data.get(name, ())) for name in _RULE_LISTS},
     )
 
@@ -190,6 +196,9 @@ def sheet(master: Master, record: Record) -> Sheet:
     violated_limits = [rule for rule in applicable_limits if not is_within_limits(rule, record)]
     refusals = [_limit_refusal(rule, master, record) for rule in violated_limits]
     refusals += _refusals_of_crc(master, record)
+    channel_refusal = "" if master.several_channels else record.channels.refusal(record.layout)
+    if channel_refusal:
+        refusals.append(Refusal(reason=channel_refusal, standing="inferred", source=""))
     # What only some devices cannot express is a note. If no device is left, the master refuses.
     if len(unusable_devices) == len(master.devices):
         refusals += [refusal for refusal, _ in device_refusals]
@@ -199,6 +208,11 @@ def sheet(master: Master, record: Record) -> Sheet:
         return _refusing_sheet(master, *refusals)
     device_notes = [f"Not for {listed(sorted(devices))}. {refusal.reason}" for refusal, devices in device_refusals]
     notes = [filled(note["text"], record) for note in master.notes if applies(note, record)]
+    gaps = [_gap(uncovered)] if uncovered else []
+    if record.channels and master.several_channels:
+        notes.insert(0, master.several_channels)
+    elif record.channels:
+        gaps.append(Refusal(reason=record.channels.gap, standing="inferred", source=""))
     writing_rules = [_with_setting_names(rule, record) for rule in master.writing if applies(rule, record)]
     setting_names = [setting.name for setting in settings]
     return Sheet(
@@ -208,7 +222,7 @@ def sheet(master: Master, record: Record) -> Sheet:
         notes=(*device_notes, *notes),
         writing=writing_of(writing_rules, setting_names, master.devices, master.standing),
         unusable_devices=unusable_devices,
-        gaps=(_gap(uncovered),) if uncovered else (),
+        gaps=tuple(gaps),
     )
 
 

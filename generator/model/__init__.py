@@ -5,6 +5,7 @@ computes bit positions itself. Bit 0 is the least significant bit everywhere, an
 integer whose byte order is in the layout.
 """
 
+from .channels import ChannelFrame, PlacedChannels, channel_frame
 from .device import Device, Release, ReleasedChange, TimesRead, Variant
 from .documents import (
     LEFT_OUT,
@@ -59,6 +60,7 @@ from .interfaces import (
     Clock,
     Clocked,
     ControlField,
+    DataChannels,
     DataId,
     DescriptionFile,
     Exchange,
@@ -136,6 +138,7 @@ __all__ = [
     "BankSelect",
     "Biss",
     "CableLength",
+    "ChannelFrame",
     "Characteristic",
     "Choice",
     "Clock",
@@ -151,6 +154,7 @@ __all__ = [
     "Crc",
     "CrcExample",
     "CrcValue",
+    "DataChannels",
     "DataId",
     "Decimal",
     "DescriptionFile",
@@ -193,6 +197,7 @@ __all__ = [
     "Parameter",
     "Parity",
     "Piece",
+    "PlacedChannels",
     "PlacedField",
     "PlacedLayout",
     "PollStep",
@@ -239,6 +244,7 @@ __all__ = [
     "Write",
     "WriteStep",
     "assert_never",
+    "channel_frame",
     "choices",
     "cite",
     "first_of",

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import NamedTuple, TypeVar
 
+from .channels import channel_frame
 from .documents import (
     Document,
     Erratum,
@@ -339,6 +340,16 @@ class Device:
     def tells_position(self, interface: str, layout: Layout) -> bool:
         """Return whether frames of this layout send the position, or a part of it, to the master."""
         return layout.sender == "encoder" and not layout.member_names.isdisjoint(self.position_names(interface))
+
+    def has_verdict(self, interface: str, layout: Layout) -> bool:
+        """Return whether frames of this layout have a verdict on the position.
+
+        They send it, or they are a data channel of the same frame, with bits that say whether it is usable.
+        """
+        if self.tells_position(interface, layout):
+            return True
+        frame = channel_frame(self.interface(interface))
+        return frame is not None and layout in frame.layouts and layout.tells_validity
 
     def range_in(self, layout: Layout) -> PositionRange | None:
         """Return the range of valid positions in a frame if its field could hold others."""

@@ -21,6 +21,7 @@ from ..model import (
     Ssi,
     Variant,
     assert_never,
+    channel_frame,
     choices,
     member_named,
 )
@@ -239,10 +240,13 @@ def received(device: Device, interface: Interface) -> Iterator[FrameSize]:
     if bits_around is None:
         return
     register_parameters = {parameter.name for parameter in device.set_parameters if parameter.register}
+    frame = channel_frame(interface)
     for layout in interface.layouts:
         if layout.sender != "encoder":
             continue
-        length_parameters = device.needed_parameters(layout.bits.parameters)
+        # A buffer for a data channel holds all channels of its frame.
+        whole = frame if frame is not None and layout in frame.layouts else layout
+        length_parameters = device.needed_parameters(whole.bits.parameters)
         depends_on_registers = not length_parameters.isdisjoint(register_parameters)
         # All answers to a question set the same parameters.
         questions = []
@@ -253,7 +257,8 @@ def received(device: Device, interface: Interface) -> Iterator[FrameSize]:
             device.variants_over(interface.name), choices(questions)
         ):
             length_in_bits = layout.sent_bits.value({**variant.parameters, **answered_parameters})
-            highest_bits = layout.widest if depends_on_registers else length_in_bits
+            whole_bits = whole.sent_bits.value({**variant.parameters, **answered_parameters})
+            highest_bits = whole.widest if depends_on_registers else whole_bits
             yield FrameSize(
                 variant=variant,
                 layout=layout,

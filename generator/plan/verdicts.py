@@ -325,7 +325,7 @@ def reportings(device: Device) -> Iterator[Reporting]:
             for field, only in by_code(cause.field):
                 if _is_reported(field):
                     causes.append(ReportCause(reports[layout.name, field.name], by=cause, only=only))
-        judgement = judgement_of(codec) if device.tells_position(interface.name, layout) else None
+        judgement = judgement_of(codec) if device.has_verdict(interface.name, layout) else None
         if causes or judgement is not None:
             yield Reporting(interface=interface, codec=codec, causes=tuple(causes), judgement=judgement)
 

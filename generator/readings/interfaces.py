@@ -26,6 +26,7 @@ from ..model.order_codes import Restricted, fits, repeated_names
 from ..model.registers import bounded
 from ..say.names_and_places import bits
 from ..say.plain_text import counted
+from .channels import channel_facts
 from .frame_bits import word
 from .reading import (
     NOTHING,
@@ -149,6 +150,7 @@ _JOINT_BY_PART = {
     "clock": " over ",
     "network": " of the network over ",
     "timeout": " of the time-out over ",
+    "channels": " of the data channels over ",
     "port": " of the port over ",
 }
 
@@ -299,6 +301,7 @@ def _interface_facts(reading: Reading, interface: Interface) -> Iterator[Fact]:
             yield from _cable_clocks(reading, interface)
         case Biss():
             yield from _biss_facts(reading, interface)
+            yield from channel_facts(reading, interface)
         case Rs485():
             yield from _rs485_facts(reading, interface)
             yield from _exchange_facts(interface)

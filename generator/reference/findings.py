@@ -83,7 +83,7 @@ def findings(device: Device, variant: Variant, decoded: Decoded) -> Findings:
         reports = _reports_of_register(device, variant, active_fields, layout.name)
     differences = _differences(variant, decoded, decoded_fields, is_register=layout.sender != "encoder")
     verdict = None
-    if device.tells_position(variant.interface, layout):
+    if device.has_verdict(variant.interface, layout):
         verdict = _verdict(decoded.layout, active_fields)
     return Findings(reports=tuple(reports), verdict=verdict, differences=tuple(differences))
 

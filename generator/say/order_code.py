@@ -13,6 +13,7 @@ from ..model import (
     CodePart,
     CodeValue,
     ControlField,
+    DataChannels,
     DataId,
     DescriptionFile,
     Device,
@@ -268,6 +269,8 @@ def _label_and_content(device: Device, fact: Fact) -> tuple[str, Part]:
             return "Bank select", named(device, register)
         case Network():
             return "Network", _network_words(fact)
+        case DataChannels():
+            return "Data channels", _channel_words(fact)
         case Timeout():
             return "Time-out", f"{_timeout_with_examples(fact)}{_only_with(fact)}"
         case Port():
@@ -377,6 +380,17 @@ def _port_words(port: Port) -> str:
 def _network_words(network: Network) -> str:
     slaves = "several slaves allowed" if network.multiple_slaves else "one slave only"
     return f"{network.topology.replace('_', ' ')}, {slaves}"
+
+
+def _channel_words(channels: DataChannels) -> str:
+    """Return the order of the channels in a frame, and which of their bits must agree."""
+    order = f"{' and '.join(channels.order)} in one frame, in this order"
+    if channels.compared_bits is None:
+        return order
+    fields = " and ".join(f"{field} of {layout}" for layout, field in channels.compared.items())
+    bits = channels.compared_bits.render()
+    tolerance = f", with a difference of at most {channels.tolerance}" if channels.tolerance else ""
+    return f"{order}. The highest {bits} bits of {fields} must agree{tolerance}"
 
 
 def data_id(request: DataId) -> Statement:

@@ -339,3 +339,8 @@ ANOTHER_FRAME = (
     "explanation fits all of them."
 )
 UNCERTAIN_READINGS = "Possible readings, most likely first. Each of them is uncertain"
+
+
+def compared(bits: str, numbers: str, *, agree: bool) -> str:
+    """Return the text about the compared bits of several data channels, with the numbers that they form."""
+    return f"the highest {bits} bits {'agree' if agree else 'DISAGREE'}: {numbers}"

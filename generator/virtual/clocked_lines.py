@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Generator
+from functools import cached_property
 
-from ..model import Crc, Layout
+from ..model import Crc, Layout, channel_frame
 from ..reference.bits import compute_bits
 from .encoder import VirtualEncoder
 from .faults import BUSY_S, word_with_fault
@@ -90,8 +91,21 @@ class BissLine(ByLevels):
 
     @property
     def bits(self) -> int:
-        """Number of bits of the single cycle data, CRC included."""
-        return self.encoder.place(self.encoder.layouts("encoder")[0]).bits
+        """Number of bits of the single cycle data, CRCs included."""
+        return sum(self.encoder.place(layout).bits for layout in self._channels)
+
+    @cached_property
+    def _channels(self) -> tuple[Layout, ...]:
+        """The data channels of a frame, in the order in which they are sent. Mostly there is a single one."""
+        frame = channel_frame(self.encoder.device.interface("biss"))
+        return frame.layouts if frame is not None else self.encoder.layouts("encoder")[:1]
+
+    def _word(self) -> int:
+        """Return the bits of all data channels with the current values."""
+        word = 0
+        for layout in self._channels:
+            word = word << self.encoder.place(layout).bits | self.encoder.frame(layout)
+        return word
 
     def frame(self) -> int:
         """Return the current single cycle data. The first bit sent is the most significant."""
@@ -122,7 +136,7 @@ class BissLine(ByLevels):
         encoder, faults = self.encoder, self.encoder.faults
         fault = faults.draw()
         cds = self._exchange_control_bit(cdm)
-        word = encoder.frame(encoder.layouts("encoder")[0])
+        word = self._word()
         data_bits = [word >> shift & 1 for shift in reversed(range(self.bits))]
         fewest_late, most_late = _CLOCKS_LATE.get(fault, (0, 0))
         late_clocks = faults.random.randint(fewest_late, most_late)

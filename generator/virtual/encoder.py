@@ -25,6 +25,7 @@ from ..model import (
     Unused,
     Variant,
     assert_never,
+    channel_frame,
 )
 from ..order_codes.parameters import with_answers
 from ..reference import codec
@@ -310,7 +311,7 @@ class VirtualEncoder:
 
         The sources are the request, the position, the active flags, and the documented value.
         """
-        position_bits = self.parts_now(layout)
+        position_bits = self.parts_now(layout) | self._compared_parts(layout)
         values: dict[str, int | str | bool] = {}
         for placed_field in self.place(layout).fields:
             name, field = placed_field.name, placed_field.field
@@ -328,6 +329,21 @@ class VirtualEncoder:
             else:
                 values[name] = _value_at_rest(field)
         return values
+
+    def _compared_parts(self, layout: Layout) -> dict[str, int]:
+        """Return the bits of the fields that a master compares with the position in another data channel."""
+        frame = channel_frame(self.device.interface(self.variant.interface))
+        position_layout = self._position_layout
+        if frame is None or position_layout is None or layout is position_layout:
+            return {}
+        names_by_layout = {compared.layout.name: compared.name for compared in frame.compared}
+        if not {layout.name, position_layout.name} <= names_by_layout.keys():
+            return {}
+        name, position_name = names_by_layout[layout.name], names_by_layout[position_layout.name]
+        width = self.place(layout).field(name).width
+        position_width = self.place(position_layout).field(position_name).width
+        bits = self.parts_now(position_layout)[position_name]
+        return {name: bits >> position_width - width if position_width >= width else bits << width - position_width}
 
     @property
     def _position_layout(self) -> Layout | None:

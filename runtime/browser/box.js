@@ -126,6 +126,7 @@ function box(root) {
     if (undecided(found.at?.layout).length && found.fields.length) {
       return [part("div", "warning", element("p", {}, UNDECIDED))];
     }
+    if (found.channels) return wholeResultOf(found, state.found.interface.measure);
     const [sender] = state.what.split(":");
     const others = register() ? [] : otherFrames(state.found, sender, line.text, found, state.held, state.answers);
     return resultOf(found, state.found.interface.measure, others);
@@ -263,7 +264,10 @@ function framesOf(interface_, sender) {
   const layouts = interface_.frames.filter((layout) => layout.sender === sender);
   const isIdentified = interface_.told?.some((dispatch) => dispatch.sender === sender);
   if (layouts.length < 2 || isIdentified) return [option(sender, `a frame from the ${sender}`)];
-  return layouts.map(({ name }) => option(`${sender}:${name}`, `${name.replaceAll("_", " ")}, from the ${sender}`));
+  const hasWhole = interface_.channels && sender === "encoder";
+  const whole = hasWhole ? [option(sender, `a whole frame, from the ${sender}`)] : [];
+  const titles = layouts.map(({ name }) => option(`${sender}:${name}`, `${name.replaceAll("_", " ")}, from the ${sender}`));
+  return [...whole, ...titles];
 }
 
 function linkTo(code, text, state) {

@@ -75,7 +75,7 @@ function csvOf(rows) {
 
 /** The mistakes that explain all or most of the wrong frames among the lines, or that another frame would help. */
 function togetherOf(rows) {
-  const frames = rows.flatMap((row) => (row.found?.problems.length ? [row.found] : []));
+  const frames = rows.flatMap((row) => (row.found?.problems.length && !row.found.channels ? [row.found] : []));
   const found = judgedTogether(frames);
   if (!found.length || found[0].frames < 2) return [];
   const start = said("together", `${found[0].frames}`, `${Math.min(frames.length, TABLE.likely.frames)}`);

@@ -196,6 +196,15 @@ function resultOf(found, measure, others) {
   ];
 }
 
+/** All output about a frame with several data channels: its verdict, and then each channel. */
+function wholeResultOf(found, measure) {
+  const compared = found.compared ? [element("p", {}, sentence(capital(found.compared.words)))] : [];
+  const channels = found.channels.flatMap((one) => [
+    element("h3", {}, capital(one.at.layout.title)), ...resultOf({ ...one, verdict: one.verdict && found.verdict }, measure, []),
+  ]);
+  return [headline({ ...found, crc: true }), ...compared, ...channels];
+}
+
 /** A button for each order code, which calls ``pick`` with it. */
 function codeButtons(codes, pick) {
   return part("div", "codes", codes.map((code) => {
@@ -212,7 +221,8 @@ function guessesOf(text, pick) {
   const withCrc = groups.filter((group) => group.decoded.crc);
   const rows = [...withCrc, ...groups.filter((group) => !group.decoded.crc)].map((group) => {
     const { at } = group.decoded;
-    const size = at.layout.order ? counted(at.bits / 8, "byte") : counted(at.bits, "bit");
+    const bits = group.decoded.bits ?? at.bits;
+    const size = at.layout.order ? counted(at.bits / 8, "byte") : counted(bits, "bit");
     const check = group.decoded.crc ? "with a correct CRC" : "without a CRC";
     const mark = group.family.mark ? ` (${group.family.mark})` : "";
     const text = `${group.over.title} from the ${group.sender}, ${at.layout.title}: ${size}, ${check}${mark}`;

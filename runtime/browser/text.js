@@ -147,6 +147,8 @@ function decodeFrame(found, what, text, held, answers) {
     throw new FrameText(`the spec does not describe a frame from the ${sender} over ${found.interface.title}`);
   }
   const [over, trimmed] = [found.interface, checked(text)];
+  const whole = sender === "encoder" && !name ? decodeChannels(found, trimmed, held, answers) : null;
+  if (whole) return { ...whole, over };
   if (!layouts[0].order) {
     const at = placedFor(found, layouts[0], held, answers);
     return { ...decodeBits(at, numberIn(trimmed, at.bits, found.interface.exact?.includes(sender))), over };

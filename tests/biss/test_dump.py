@@ -9,7 +9,7 @@ from typing import Any
 
 import jsonschema
 import pytest
-from codewheel.commands.decode.decoding import decoded_data
+from codewheel.commands.decode.plain_data import decoded_data
 from codewheel.dump.plain import device_dump, variant_dump
 from codewheel.dump.schema import show_schema
 from codewheel.language.problems import Report

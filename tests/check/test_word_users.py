@@ -87,6 +87,13 @@ UNUSED = {
         "completes a list, or is the same key as in other places",
     ),
     **dict.fromkeys(("ssi.cable_lengths.only", "timeout.only"), "as clock.only"),
+    **dict.fromkeys(
+        (
+            "biss.channels",
+            *(f"biss.channels.{key}" for key in ("order", "compared", "compared_bits", "tolerance", "source")),
+        ),
+        "the two words of BiSS Safety. No public document of an encoder with them gives all facts",
+    ),
     "combination.printed_name": "as of a field",
     "combination.remedy": "as of a field",
     "layout.gray.excess": "360 or 720 counts per turn, which so far only encoders with parallel outputs have",

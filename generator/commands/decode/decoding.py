@@ -8,15 +8,16 @@ import sys
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import TYPE_CHECKING, TextIO
 
-from ...model import Device, Flag, PlacedLayout, Scale, Variant, Verdict
+from ...model import Device, Flag, PlacedLayout, Verdict
 from ...order_codes.labels import Match
 from ...order_codes.parameters import RegisterError
 from ...reference import codec
-from ...reference.findings import Difference, Findings, Report, findings, strange_values
+from ...reference.findings import Difference, Findings, findings, strange_values
 from ...why import MOST_FRAMES
 from ..open_questions import UndecidedError, refuse_undecided
+from .channel_frames import ChannelDecoder, channel_decoder, described_channels
 from .frames import (
     FrameTextError,
     Line,
@@ -27,13 +28,14 @@ from .frames import (
     text_decoder,
     why_text,
 )
-from .text import NO_ANSWERS, NO_LINE, explain, label_lines, other_frames_line, together_lines
+from .plain_data import channel_data, decoded_data
+from .text import explain, heading, label_lines, line_prefix, other_frames_line, together_lines
 
 if TYPE_CHECKING:
-    from ...why.diagnosis import Diagnosis, Explanation
+    from ...why.diagnosis import Diagnosis
+    from ...why.hypotheses import TypedFrame
     from ...why.together import CommonMistake
 
-JSON_VERSION = 1
 DONE, FAULT, NO_FRAME, NOT_USABLE = 0, 1, 2, 3
 #: Exit codes, most severe first. With several frames, the exit code is that of the worst one.
 _WORST_FIRST = (NO_FRAME, FAULT, NOT_USABLE)
@@ -102,6 +104,8 @@ class Decoding:
         self._decode_frame = text_decoder(device, variant, sender, request.layout)
         has_known_layout = request.layout is not None or request.register is not None
         self._other_frames = None if has_known_layout else OtherFrames(device, variant, sender)
+        has_channels = sender == "encoder" and not has_known_layout
+        self._channels = channel_decoder(device, variant) if has_channels else None
         self._label = tuple(label_lines(device, request.match))
         #: The layouts whose questions are answered, and the answers that each layout needs, by name.
         self._decided_layouts: set[str] = set()
@@ -129,6 +133,10 @@ class Decoding:
             if count == MANY and self._request.register is None:
                 self._suggest_package()
             try:
+                channel_frame = self._channels.read(line.text) if self._channels is not None else None
+                if self._channels is not None and channel_frame is not None:
+                    self._print_channels(line, self._channels, channel_frame)
+                    continue
                 decoded, why = self._decode(line.text)
             except (FrameTextError, RegisterError, UndecidedError) as error:
                 self._codes.add(NO_FRAME)
@@ -150,6 +158,24 @@ class Decoding:
         if not self._request.as_json:
             common_mistakes = self._mistakes_in_all()
             print(*together_lines(common_mistakes, len(self._failed_frames)), sep="\n", end="")
+
+    def _print_channels(self, line: Line, decoder: ChannelDecoder, frame: TypedFrame) -> None:
+        """Print a frame that carries all data channels, as text or as JSON."""
+        request, result = self._request, decoder.decode(frame)
+        variant = request.match.variant
+        is_not_usable = result.findings.verdict is Verdict.NOT_USABLE
+        self._codes.add(FAULT if result.has_problem else NOT_USABLE if is_not_usable else DONE)
+        is_one_of_many = line.number is not None
+        if request.as_json:
+            data = channel_data(request.device, variant, request.sender, result, line)
+            output = _ONE_LINE.encode(data) if is_one_of_many else json.dumps(data, indent=2, ensure_ascii=False)
+        else:
+            first_line = line_prefix(line) + heading(request.device, variant, request.sender, None)
+            lines = [first_line, *self._label]
+            lines += described_channels(request.device, variant, decoder.frame, result)
+            output = ("" if self._is_first else "\n") + "\n".join(lines)
+            self._is_first = False
+        print(output, flush=is_one_of_many)
 
     def _suggest_package(self) -> None:
         """Print a notice that the Python package decodes a file with many frames faster."""
@@ -310,124 +336,3 @@ def _exit_code(decoded: codec.Decoded, frame_findings: Findings) -> int:
     if decoded.problems or any(difference.is_register for difference in frame_findings.differences):
         return FAULT
     return NOT_USABLE if frame_findings.verdict is Verdict.NOT_USABLE else DONE
-
-
-# -- plain data
-
-
-def decoded_data(
-    device: Device,
-    variant: Variant,
-    sender: str,
-    decoded: codec.Decoded,
-    frame_findings: Findings,
-    why: Diagnosis | None = None,
-    line: Line = NO_LINE,
-    answers: Mapping[str, str] = NO_ANSWERS,
-    other_layouts: Sequence[PlacedLayout] = (),
-) -> dict[str, Any]:
-    """Return a decoded frame as plain data, in the shape of ``decode.schema.json``.
-
-    ``line`` is the line of standard input, if any. ``answers`` are the answers used to decode the frame, as
-    ``{question: answer}``. ``other_layouts`` are the other layouts with which the frame is valid.
-    """
-    return {
-        "version": JSON_VERSION,
-        "line": line.number,
-        "time": line.time or None,
-        "order_code": variant.code,
-        "evidence": device.evidence.grade,
-        "alternatives": dict(answers),
-        "layout": decoded.layout.name if decoded.layout is not None else None,
-        "other_layouts": [other_layout.name for other_layout in other_layouts],
-        "direction": sender,
-        "fields": [_field_data(field) for field in decoded.fields],
-        "crc": _crc_data(decoded.crc) if decoded.crc is not None else None,
-        "problems": [_problem_data(problem) for problem in decoded.problems],
-        "reports": [_report_data(report) for report in frame_findings.reports],
-        "verdict": frame_findings.verdict.value if frame_findings.verdict is not None else None,
-        "differences": [_difference_data(difference) for difference in frame_findings.differences],
-        "why": _why_data(why) if why is not None else None,
-    }
-
-
-def _crc_data(crc: codec.CrcResult) -> dict[str, Any]:
-    return {"received": crc.received, "computed": crc.computed, "ok": crc.ok}
-
-
-def _problem_data(problem: codec.Problem) -> dict[str, Any]:
-    return {"kind": problem.fault.value, "field": problem.field or None, "message": problem.message}
-
-
-def _difference_data(difference: Difference) -> dict[str, Any]:
-    """Return a value that differs from the manual, for JSON."""
-    return {
-        "field": difference.field,
-        "found": difference.actual,
-        "documented": difference.documented,
-        "message": difference.message,
-    }
-
-
-def _field_data(field: codec.DecodedField) -> dict[str, Any]:
-    """Return a field with its value as sent and as decoded, for JSON."""
-    return {
-        "name": field.name,
-        "raw": field.raw,
-        "value": field.value,
-        "unit": field.unit or None,
-        "quantity": _quantity_data(field.scale, field.value) if field.scale is not None else None,
-        "meaning": field.meaning,
-    }
-
-
-def _quantity_data(scale: Scale, number: int | str | bool) -> dict[str, Any]:
-    """Return the quantity that a number stands for, such as 21.5 °C, as decimal and as fraction, for JSON.
-
-    ``exact`` is false if the decimal is rounded.
-    """
-    fraction = scale.quantity(int(number))
-    return {
-        "decimal": scale.decimal(int(number)),
-        "exact": scale.is_exact(int(number)),
-        "numerator": fraction.numerator,
-        "denominator": fraction.denominator,
-        "unit": scale.unit,
-    }
-
-
-def _report_data(report: Report) -> dict[str, Any]:
-    """Return a report of the encoder, for JSON."""
-    return {
-        "field": report.field,
-        "meaning": report.meaning,
-        "remedy": report.remedy or None,
-        "makes_position": report.makes_position.value if report.makes_position is not None else None,
-        "source": report.source,
-    }
-
-
-def _why_data(why: Diagnosis) -> dict[str, Any]:
-    """Return the explanations of a frame with an error, for JSON."""
-    return {
-        "explanations": [_explanation_data(explanation) for explanation in why.explanations],
-        "tried": why.tried,
-        "coincidence": round(why.coincidence, 4),
-        "cannot_see": list(why.cannot_see),
-        "disturbed": list(why.disturbed),
-        "missing": why.missing or None,
-        "another_frame_helps": why.needs_another_frame,
-    }
-
-
-def _explanation_data(explanation: Explanation) -> dict[str, Any]:
-    """Return one explanation, for JSON."""
-    return {
-        "kind": explanation.kind,
-        "text": explanation.text,
-        "one_in": explanation.one_in,
-        "twice": explanation.twice,
-        "order_codes": list(explanation.codes),
-        "reads": dict(explanation.reads),
-        "parts": [{"name": name, "bits": bits} for name, bits in explanation.parts],
-    }

@@ -10,7 +10,18 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from ...language.problems import quoted, visible
-from ...model import INTERFACES, Constant, CrcValue, Device, Fault, Layout, Parity, PlacedLayout, Variant
+from ...model import (
+    INTERFACES,
+    Constant,
+    CrcValue,
+    Device,
+    Fault,
+    Layout,
+    Parity,
+    PlacedChannels,
+    PlacedLayout,
+    Variant,
+)
 from ...model.layout import have_lengths
 from ...reference import codec
 from ...reference.registers import decode_register
@@ -137,7 +148,7 @@ def placed_bytes(placed: PlacedLayout, variant: Variant, text: str) -> bytes:
     return int(without_gaps, 2).to_bytes(length, "big")
 
 
-def frame_number(placed: PlacedLayout, text: str, *, exact: bool = False) -> TypedFrame:
+def frame_number(placed: PlacedLayout | PlacedChannels, text: str, *, exact: bool = False) -> TypedFrame:
     """Return a frame written as one number: ``0b`` and every bit, ``0x`` and hex digits, or bytes such as ``01 2A``.
 
     ``0b`` gives the exact number of bits. Hex digits do not, because the frame may begin with further zeros. With

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import lru_cache
 from types import MappingProxyType
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from ...model import Alternative, Crc, Device, Measurement, PlacedLayout, Variant, Verdict
 from ...model.expressions import Expression
@@ -16,12 +15,12 @@ from ...reference import codec
 from ...reference.findings import Findings, Report
 from ...say import report as say
 from ...say.evidence import origin, placeholders
-from ...say.names_and_places import bit_place, words
+from ...say.names_and_places import words
 from ...say.order_code import not_on_label
-from ...say.plain_text import WIDTH, decimal, quantity
-from ...say.plain_text import wrapped as wrapped_anew
+from ...say.plain_text import WIDTH, decimal
 from ...say.report import ANOTHER_FRAME, UNCERTAIN_READINGS
-from ...say.text import BY_NAME, WORTH, counted, sentence, with_unit
+from ...say.text import BY_NAME, WORTH, counted, sentence
+from .field_table import capitalized, field_table, wrapped
 from .frames import Line, is_frame_of_other_kind
 
 if TYPE_CHECKING:
@@ -31,8 +30,6 @@ if TYPE_CHECKING:
 NO_ANSWERS: Mapping[str, str] = MappingProxyType({})
 NO_LINE = Line(None, "", "")
 _NO_FINDINGS = Findings()
-#: Most paragraphs are the same for all frames.
-wrapped = lru_cache(maxsize=1024)(wrapped_anew)
 
 
 def explain(
@@ -51,26 +48,44 @@ def explain(
 
     ``label`` are the ``label_lines`` if they are known. ``other_frames`` names the other frames that it can be.
     """
-    lines = [_line_prefix(line) + _heading(device, match.variant, sender, decoded)]
+    lines = [line_prefix(line) + heading(device, match.variant, sender, decoded.layout)]
     lines += label_lines(device, match) if label is None else label
+    lines += described_frame(device, match.variant, decoded, findings, why, answers, other_frames)
+    return "\n".join([*lines, *evidence_lines(device)])
+
+
+def described_frame(
+    device: Device,
+    variant: Variant,
+    decoded: codec.Decoded,
+    findings: Findings,
+    why: Diagnosis | None = None,
+    answers: Mapping[str, str] = NO_ANSWERS,
+    other_frames: str = "",
+) -> Iterator[str]:
+    """Yield the lines about a frame itself: its layout, fields, position and CRC, its errors or reports, and causes."""
     if decoded.layout is not None:
-        lines += [_layout_line(decoded.layout), *_answer_lines(device, answers)]
+        yield _layout_line(decoded.layout)
+        yield from _answer_lines(device, answers)
     if decoded.fields:
-        lines += ["", *_field_table(decoded)]
-        position = _position_text(device, match.variant, decoded, findings.verdict)
-        lines += ["", position] if position else []
+        yield from ("", *field_table(decoded))
+        position = _position_text(device, variant, decoded, findings.verdict)
+        yield from ("", position) if position else ()
     if decoded.crc is not None:
-        lines += ["", _crc_line(device.crc(decoded.crc.name), decoded.crc)]
-    lines += ["", *_problem_lines(decoded, findings)]
+        yield from ("", _crc_line(device.crc(decoded.crc.name), decoded.crc))
+    yield from ("", *_problem_lines(decoded, findings))
     if other_frames:
-        lines.append(wrapped(other_frames, WIDTH, prefix="  ", first=""))
-    lines += _other_position_lines(device, match.variant, decoded)
+        yield wrapped(other_frames, WIDTH, prefix="  ", first="")
+    yield from _other_position_lines(device, variant, decoded)
     if why is not None:
-        lines += _why_lines(why, decoded.layout)
-    lines.append(f"evidence: {device.evidence.grade}")
+        yield from _why_lines(why, decoded.layout)
+
+
+def evidence_lines(device: Device) -> Iterator[str]:
+    """Yield the grade of the evidence, and a sentence about values that stand for unknown ones, if there are any."""
+    yield f"evidence: {device.evidence.grade}"
     if device.evidence.placeholders:
-        lines.append(wrapped(placeholders(device), WIDTH, prefix="  ", first=""))
-    return "\n".join(lines)
+        yield wrapped(placeholders(device), WIDTH, prefix="  ", first="")
 
 
 def _other_position_lines(device: Device, variant: Variant, decoded: codec.Decoded) -> Iterator[str]:
@@ -85,7 +100,7 @@ def _other_position_lines(device: Device, variant: Variant, decoded: codec.Decod
         yield wrapped(sentence(suggestion), WIDTH, prefix="  ", first="")
 
 
-def _line_prefix(line: Line) -> str:
+def line_prefix(line: Line) -> str:
     """Return the number and the time of a line of input, such as ``line 3 at 0.125: ``, or an empty string."""
     number_text = f"line {line.number}" if line.number is not None else ""
     time_text = f"at {line.time}" if line.time else ""
@@ -93,10 +108,11 @@ def _line_prefix(line: Line) -> str:
     return f"{number_and_time}: " if number_and_time else ""
 
 
-def _heading(device: Device, variant: Variant, sender: str, decoded: codec.Decoded) -> str:
-    heading = f"{variant.code}, {device.interface(variant.interface).title}"
-    is_register = decoded.layout is not None and not decoded.layout.layout.sender
-    return heading if is_register else f"{heading}, from the {sender}"
+def heading(device: Device, variant: Variant, sender: str, placed: PlacedLayout | None) -> str:
+    """Return the order code, its interface and, unless it is a register, the sender."""
+    text = f"{variant.code}, {device.interface(variant.interface).title}"
+    is_register = placed is not None and not placed.layout.sender
+    return text if is_register else f"{text}, from the {sender}"
 
 
 def label_lines(device: Device, match: Match) -> Iterator[str]:
@@ -368,73 +384,6 @@ def _parts_of_recording(explanation: Explanation) -> str:
 
 def _frequency(frames_per_match: int) -> str:
     return f"1 of {frames_per_match:,}" if frames_per_match < 1_000_000 else "fewer than 1 of a million"
-
-
-class _FieldRow(NamedTuple):
-    """A row of the table of fields: place, name, number and value of a field in columns, and then its meaning."""
-
-    cells: tuple[str, str, str, str]
-    meaning: str
-
-
-#: Columns in front of the meaning of a field, above which it begins on a line of its own.
-_WIDEST_HEAD = 56
-
-
-def _field_table(decoded: codec.Decoded) -> list[str]:
-    """Return a line per field with its cells in columns, and its meaning next to them, or below if they are wide."""
-    assert decoded.layout is not None
-    # Each unused field has a line of its own, so the one for all of them, which has no place, is omitted.
-    fields = [field for field in decoded.fields if field.name != codec.UNUSED or field.high >= 0]
-    rows = [_field_row(decoded.layout, field) for field in fields]
-    columns = zip(*(row.cells for row in rows), strict=True)
-    column_widths = [max(map(len, column)) for column in columns]
-    lines = []
-    for row in rows:
-        columns_text = "  ".join(cell.ljust(width) for cell, width in zip(row.cells, column_widths, strict=True))
-        indent = " " * (len(columns_text) + 2)
-        if not row.meaning:
-            lines.append(columns_text.rstrip())
-        elif len(indent) > _WIDEST_HEAD:
-            lines += [columns_text.rstrip(), wrapped(row.meaning, WIDTH, prefix=" " * 6)]
-        else:
-            lines.append(wrapped(row.meaning, WIDTH, prefix=indent, first=columns_text + "  "))
-    return lines
-
-
-def _field_row(placed: PlacedLayout, field: codec.DecodedField) -> _FieldRow:
-    """Return the row of a field. One bit is printed in decimal, and any other raw number as ``0x1f``."""
-    has_place = field.high >= 0  # A joined number has no place of its own.
-    place = bit_place(placed.layout, placed.bits, field.high, field.low) if has_place else ""
-    is_one_bit = has_place and field.high <= field.low
-    number_text = str(field.raw) if is_one_bit else f"{field.raw:#x}"
-    return _FieldRow(cells=(place, field.name, number_text, _value_text(field)), meaning=_meaning_text(placed, field))
-
-
-def _meaning_text(placed: PlacedLayout, field: codec.DecodedField) -> str:
-    """Return the meaning, and for a number sent in Gray code also its value as sent and converted."""
-    if not placed.gray:
-        return field.meaning
-    gray_names = (*placed.layout.names_in(placed.layout.gray_of), placed.layout.gray_of)
-    if field.name not in gray_names or not isinstance(field.value, int):
-        return field.meaning
-    gray_text = say.in_gray_code(f"{field.raw:#x}", f"{field.value:#x}")
-    return f"{sentence(field.meaning)} {capitalized(gray_text)}" if field.meaning else gray_text
-
-
-def capitalized(text: str) -> str:
-    return text[:1].upper() + text[1:]
-
-
-def _value_text(field: codec.DecodedField) -> str:
-    """Return the value of a field with its unit, and the quantity if it has a scale, such as ``215 (21.5 °C)``."""
-    if isinstance(field.value, bool):
-        value_with_unit = "yes" if field.value else "no"
-    else:
-        value_with_unit = with_unit(str(field.value), field.unit)
-    if field.scale is None:
-        return value_with_unit
-    return f"{value_with_unit} ({quantity(field.scale, int(field.value))})"
 
 
 def other_frames_line(decoded: codec.Decoded, other_layouts: Sequence[PlacedLayout]) -> str:

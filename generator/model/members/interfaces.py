@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..facts import Supply
-from ..interfaces import CableLength, Clock, DataId, MemoryAccess, Network, Port, PrintedTimeout, Timeout
+from ..interfaces import CableLength, Clock, DataChannels, DataId, MemoryAccess, Network, Port, PrintedTimeout, Timeout
 from .described import described_part
 from .member import MEANING, NAME, NAMES, NOTE, PRINTED_NAME, Member, Part
 
@@ -14,6 +14,7 @@ INTERFACES = (
     described_part(Network),
     described_part(PrintedTimeout),
     described_part(Timeout),
+    described_part(DataChannels),
     Part(
         "control_field",
         "A field of the BiSS control frame. The manual gives no complete layout of that frame.",
@@ -104,6 +105,7 @@ INTERFACES = (
             "Time-outs after a frame, each with its order codes. Empty if they do not depend on the order code.",
             of="timeouts_by_code",
         ),
+        Member("channels", "data_channels?", "Data channels in one frame. null if each is received alone."),
         Member("control_data", "[control_field]", "Fields of the BiSS control frame."),
         Member("control_data_note", "text", "Information about these fields that the manual does not give.", "words"),
         Member(

@@ -45,6 +45,7 @@ from ..registry import licence_in, our_runtime
 from .layouts import (
     Data,
     SharedParts,
+    channel_data,
     expression_data,
     frame_data,
     json_number,
@@ -213,6 +214,7 @@ def _interface_data(device: Device, interface: Interface, shared: SharedParts) -
         measure=_position_unit(device, interface),
         exact=[sender for sender in ("encoder", "master") if have_lengths(interface.layouts, sender)],
         frames=list(map(shared.with_indexes, frames)),
+        channels=channel_data(device, interface),
         told=[_dispatch_data(interface, dispatch) for dispatch in dispatches(interface.layouts)],
         registers=list(map(shared.with_indexes, registers)),
     )
@@ -303,6 +305,8 @@ _MESSAGES = {
     "looks_wrong": report.looks_wrong("{0}", "{1}"),
     "another_frame": report.ANOTHER_FRAME,
     "uncertain": report.UNCERTAIN_READINGS,
+    "compared": report.compared("{0}", "{1}", agree=True),
+    "compared_not": report.compared("{0}", "{1}", agree=False),
     "nearest": labels.nearest_codes_hint("{0}"),
 }
 

@@ -8,7 +8,20 @@ from dataclasses import fields
 from enum import Enum
 from typing import Any
 
-from ...model import Alarm, Device, Digits, Field, Layout, Register, RegisterMeaning, Scale, Value, cite
+from ...model import (
+    Alarm,
+    Device,
+    Digits,
+    Field,
+    Interface,
+    Layout,
+    Register,
+    RegisterMeaning,
+    Scale,
+    Value,
+    channel_frame,
+    cite,
+)
 from ...model.expressions import Expression, Factor, Term
 from ...model.lookup import assert_never
 from ...order_codes.labels import edition_before, tests_of
@@ -125,6 +138,24 @@ class SharedParts:
         if index == len(self.parts):
             self.parts.append(part)
         return index
+
+
+def channel_data(device: Device, interface: Interface) -> Data:
+    """Return the frame with all data channels of an interface, empty if there is none. Indexes are those of its frames.
+
+    ``order`` has the frames of the channels, ``position`` is the index in it of the one with the position, and
+    ``compared`` has the index in it and the name of each compared field.
+    """
+    frame = channel_frame(interface)
+    if frame is None:
+        return {}
+    has_position = [device.tells_position(interface.name, layout) for layout in frame.layouts]
+    return without_empty(
+        order=[interface.layouts.index(layout) for layout in frame.layouts],
+        compared=[[frame.layouts.index(field.layout), field.name] for field in frame.compared],
+        compared_bits=optional_expression_data(frame.compared_bits if frame.compared else None),
+        tolerance=frame.tolerance,
+    ) | {"position": has_position.index(True)}
 
 
 def frame_data(device: Device, layout: Layout, reporting: Reporting | None) -> Data:

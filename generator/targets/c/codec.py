@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from functools import cached_property
 
-from ...model import Biss, Field, Spi, Ssi
+from ...model import Biss, ChannelFrame, Field, Spi, Ssi, channel_frame
 from ...model.expressions import Expression
 from ...plan.limits import OutsideLimits, depends
 from ...plan.operations import FrameCrc
@@ -109,6 +109,12 @@ class StructCodec:
     def is_read(self) -> bool:
         """True if a function returns the position from a buffer."""
         return bool(self.measured and self.receiver)
+
+    @cached_property
+    def whole_frame(self) -> ChannelFrame | None:
+        """The frame with several data channels to which this one belongs, or None."""
+        frame = channel_frame(self.struct.context.interface) if self.struct.register is None else None
+        return frame if frame is not None and self.struct.layout in frame.layouts else None
 
     @property
     def length_alternatives(self) -> tuple[AlternativeCode, ...]:

@@ -22,6 +22,7 @@ from ...say.evidence import grade, origin, other_editions, removals, titled_in_l
 from ...say.order_code import initial
 from .. import TargetError
 from .about import about_crc
+from .channels import channel_code
 from .chosen import chosen_variant
 from .code_facts import CodeFacts
 from .codec import StructCodec
@@ -174,6 +175,7 @@ class DeviceView:
         self.row = self.variants.rows[device.variants.index(chosen_variant(device, context.interface))]
         self.lengths = LengthCode(context, context.interface, self.variants.rows, self.row)
         self.code_facts = CodeFacts(context, context.interface, self.variants.rows)
+        self.channels = channel_code(context, self.interface.codecs)
         self.positions = positions(context)
         self.registers = [self._register(register) for register in _bank_selectors_first(device)]
         self.crcs = list(self._crc_codes())
@@ -274,12 +276,8 @@ class DeviceView:
             [self.reports],
             self.alternatives,
             [self.interface, self.lengths, self.code_facts, self.reading],
-            [self.positions] if self.positions is not None else (),
-            self.registers,
-            self.takers,
-            self.identities,
-            self.procedures,
-            self.alarms,
+            *([optional_part] for optional_part in (self.channels, self.positions) if optional_part is not None),
+            *(self.registers, self.takers, self.identities, self.procedures, self.alarms),
         )
         for declaring_part in declaring_parts:
             yield from declaring_part.declared()

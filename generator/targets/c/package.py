@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Annotated, TypedDict
 
-from ...model import Biss, Crc, Device, Layout, Manufacturer, Spi, Ssi, Verdict, choices, first_of
+from ...model import Biss, Crc, Device, Layout, Manufacturer, Spi, Ssi, Verdict, channel_frame, choices, first_of
 from ...model.record import dataclass
 from ...plan.crcs import Residual, residual
 from ...plan.verdicts import reportings
@@ -40,6 +40,7 @@ class Assumptions(TypedDict):
     interfaces: Annotated[frozenset[str], "the interfaces of the encoders"]
     later: Annotated[bool, "whether an encoder over SPI answers with the next word"]
     parity: Annotated[list[str], "the frames with a position that have a parity bit and no CRC"]
+    compared: Annotated[list[str], "the frames with several data channels whose positions are compared"]
 
 
 def assumptions_files(
@@ -56,6 +57,7 @@ def assumptions_files(
             "interfaces": frozenset(interface.name for interface in interfaces),
             "later": any(isinstance(interface, Spi) and interface.reply == "next_word" for interface in interfaces),
             "parity": list(_with_parity(devices)),
+            "compared": list(_with_comparison(devices)),
         }
         yield f"ASSUMPTIONS-{maker.name}.md", render(TEMPLATE, values)
 
@@ -116,6 +118,16 @@ def _with_parity(devices: tuple[Device, ...]) -> Iterator[str]:
             has_only_parity = layout.has_parity and not layout.always_has_crc
             if has_only_parity and device.tells_position(interface.name, layout):
                 yield _frame_name(device, interface.title, layout) + _of_some_codes(layout)
+
+
+def _with_comparison(devices: tuple[Device, ...]) -> Iterator[str]:
+    """Yield the frames with several data channels whose positions are compared."""
+    for device in devices:
+        for interface in device.interfaces:
+            frame = channel_frame(interface)
+            if frame is not None and frame.compared:
+                names = " and ".join(words(layout.name) for layout in frame.layouts)
+                yield f"{device.name.upper()} {interface.title}: {names}"
 
 
 def _of_some_codes(layout: Layout) -> str:

@@ -45,6 +45,8 @@ def _for_interface(view: DeviceView) -> Iterator[str]:
         yield from (name.removeprefix(f"{FOLDER}/") for name in part.includes if name.startswith(f"{FOLDER}/"))
     if view.lengths.macros:
         yield "receive_frame.h" if view.lengths.length else "receive.h"
+    if view.channels is not None:
+        yield "channels.h"
     if isinstance(interface, Spi):
         yield "spi.h"
     if isinstance(interface, Rs485):

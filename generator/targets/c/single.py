@@ -26,7 +26,7 @@ from .names import Passing, runtime_headers, runtime_version
 
 TEMPLATE = "single.h.jinja"
 #: The headers of the runtime that receive frames, in the order in which they include each other.
-_RECEIVING = ("bits.h", "receive.h", "receive_frame.h", "spi.h")
+_RECEIVING = ("bits.h", "receive.h", "receive_frame.h", "channels.h", "spi.h")
 #: The part of the runtime that all headers share.
 _SHARED = "result.h"
 #: Macros of the runtime that mark functions and constants. Every header defines them alike.

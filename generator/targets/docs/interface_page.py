@@ -129,6 +129,7 @@ _KEYS_OF_FACTS = (
     "clock",
     "cable_lengths",
     "timeout",
+    "channels",
     "network",
     "port",
     "profile",

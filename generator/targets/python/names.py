@@ -83,6 +83,7 @@ PACKAGE: Mapping[str, tuple[str, ...]] = _runtime_modules(
         "registers": """RegisterParameter bytes_by_address encode_register format_parameters is_consistent
             read_parameters""",
         "reports": "Family Interface Movement Report Verdict",
+        "channels": "ChannelLayout Compared",
         "spi": "Pipeline",
         "steps": "Modify Poll Read Send Step Verify Wait write_bytes write_whole",
     }
@@ -92,10 +93,10 @@ PACKAGE: Mapping[str, tuple[str, ...]] = _runtime_modules(
 FACTS: Mapping[str, tuple[str, ...]] = _runtime_modules(
     {
         "facts": """AboveMax Access Alarm Alignment BissFacts ByteOrder CableLength Characteristic Clock Connector
-        ConnectorKind Contact ControlField Crc DataIdFacts Document Edition Erratum Exchange FieldFacts Input
-        Led LedState LostFigure Manual MemoryAccess NamedValue Network Port PrintedTimeout Purpose Quantity
-        Register RegisterMeaning Revision Rs485Facts Scale Severity SpiFacts SsiFacts Status Table Timeout
-        TimeoutRule Timing""",
+        ConnectorKind Contact ControlField Crc DataChannels DataIdFacts Document Edition Erratum Exchange
+        FieldFacts Input Led LedState LostFigure Manual MemoryAccess NamedValue Network Port PrintedTimeout
+        Purpose Quantity Register RegisterMeaning Revision Rs485Facts Scale Severity SpiFacts SsiFacts Status Table
+        Timeout TimeoutRule Timing""",
         "order_codes": "OrderCode Part PartValue SpelledValue Spelling",
         "reports": "Interface ReadOnly Report Reports Verdict",
     }

@@ -28,7 +28,11 @@ _POSITIONAL = frozenset(
 )
 #: Members that are printed last, although members that were added later follow them in the class.
 _PRINTED_LAST: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {"SsiFacts": ("timings", "note", "source"), "ControlField": ("values", "source")}
+    {
+        "SsiFacts": ("timings", "note", "source"),
+        "BissFacts": ("timings", "note", "source"),
+        "ControlField": ("values", "source"),
+    }
 )
 
 

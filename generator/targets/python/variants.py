@@ -22,6 +22,7 @@ from ...plan.values import (
 )
 from ...say.order_code import initial
 from . import docstrings
+from .channels import ChannelCode, channel_code
 from .codec import Coder
 from .frame_kinds import FrameKind
 from .literals import Atom, Call, Code, Expr, Literal, Operation, joined, number, of_number, record
@@ -90,6 +91,10 @@ class Variants:
         """Return attribute and factory default of each field in a request that has one: ``[("address", 1)]``."""
         names = ClassNames(exchange.request, None, ())
         return [(names.attribute(name), value) for name, value in exchange.defaults.items()]
+
+    def channels(self, interface: Interface) -> ChannelCode | None:
+        """Return the frame with all data channels of an interface, or None if there is none."""
+        return channel_code(self.context, interface, self._scope)
 
     @property
     def beginnings(self) -> tuple[str, ...]:

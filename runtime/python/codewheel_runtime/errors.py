@@ -50,9 +50,11 @@ class FrameError(ValueError):
         encoder: The encoder whose ``decode`` raised the error, otherwise None.
         order_code: Order code of the encoder, otherwise empty.
         usable_position: Always None, as for a frame whose position is not usable.
+        channel: Class of the data channel with the error, for a frame with several channels, otherwise empty.
     """
 
     frame: object = None
+    channel: str = ""
     encoder: Sender | None = None
     order_code: str = ""
     usable_position: None = None
@@ -102,7 +104,8 @@ class CrcError(FrameError):
         self.computed = computed
 
     def __str__(self) -> str:
-        return f"expected CRC {self.computed:#04x}, got {self.received:#04x}"
+        place = f" in {self.channel}" if self.channel else ""
+        return f"expected CRC {self.computed:#04x}{place}, got {self.received:#04x}"
 
 
 class ConstantError(FrameError):

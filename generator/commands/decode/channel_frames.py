@@ -1,0 +1,146 @@
+"""Frames that carry several data channels: each channel decoded, and the verdict of all of them together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from ...model import Device, Fault, PlacedChannels, Variant, channel_frame
+from ...reference import codec
+from ...reference.channels import ChannelFindings, channel_findings, decode_channels
+from ...reference.findings import Findings
+from ...say import report as say
+from ...say.plain_text import WIDTH
+from ...say.text import WORTH
+from ...why.hypotheses import TypedFrame
+from .field_table import wrapped
+from .frames import frame_number, undecorated, why_text
+from .text import described_frame, evidence_lines
+
+if TYPE_CHECKING:
+    from ...why.diagnosis import Diagnosis
+
+
+@dataclass(frozen=True, slots=True)
+class ChannelResult:
+    """A frame decoded: its channels with their findings and explanations, or a problem with its length.
+
+    ``readings`` are those of the whole frame with which all CRCs are correct.
+    """
+
+    channels: tuple[codec.Decoded, ...]
+    findings: ChannelFindings
+    whys: tuple[Diagnosis | None, ...]
+    problems: tuple[codec.Problem, ...]
+    readings: tuple[str, ...]
+
+    @property
+    def has_problem(self) -> bool:
+        """True if the frame or one of its channels has an error."""
+        return bool(self.problems) or any(decoded.problems for decoded in self.channels)
+
+    @property
+    def findings_with_verdict(self) -> Iterator[Findings]:
+        """The findings in each channel, with the verdict of the whole frame where the channel has one."""
+        for channel in self.findings.channels:
+            yield channel if channel.verdict is None else replace(channel, verdict=self.findings.verdict)
+
+
+class ChannelDecoder:
+    """Decoder of the frames of one order code that carry several data channels."""
+
+    def __init__(self, device: Device, variant: Variant, frame: PlacedChannels) -> None:
+        self._device, self._variant = device, variant
+        self.frame = frame
+
+    def read(self, text: str) -> TypedFrame | None:
+        """Return the frame in a text, or None if it is not longer than a single channel.
+
+        Raises:
+            FrameTextError: The text cannot be read as a number.
+        """
+        typed_frame = frame_number(self.frame, undecorated(text), exact=True)
+        longest_channel = max(channel.bits for channel in self.frame.channels)
+        written_bits = typed_frame.bits if typed_frame.exact else max(typed_frame.bits, typed_frame.written - 3)
+        return typed_frame if written_bits > longest_channel else None
+
+    def decode(self, typed_frame: TypedFrame) -> ChannelResult:
+        """Return the frame decoded. Its bits are those of all channels, in the order in which they are sent."""
+        device, frame, number = self._device, self.frame, typed_frame.number
+        bits = typed_frame.bits if typed_frame.exact else max(frame.bits, typed_frame.bits)
+        problems: tuple[codec.Problem, ...] = ()
+        decoded_channels: tuple[codec.Decoded, ...] = ()
+        findings = ChannelFindings(channels=(), agree=None, verdict=None)
+        if bits == frame.bits:
+            decoded_channels = decode_channels(device, frame, number)
+            findings = channel_findings(device, self._variant, frame, decoded_channels)
+        else:
+            message = report_of_length(frame, bits)
+            problems = (codec.Problem(Fault.LENGTH, field="", message=message),)
+        result = ChannelResult(
+            channels=decoded_channels,
+            findings=findings,
+            whys=tuple(map(self._why, decoded_channels)),
+            problems=problems,
+            readings=(),
+        )
+        return replace(result, readings=self._readings(number, bits)) if result.has_problem else result
+
+    def _why(self, decoded: codec.Decoded) -> Diagnosis | None:
+        """Return the explanations of a channel with an error, or None."""
+        assert decoded.layout is not None
+        text = f"0b{decoded.number:0{decoded.layout.bits}b}"
+        return why_text(self._device, self._variant, "encoder", text, decoded) if decoded.problems else None
+
+    def _readings(self, number: int, bits: int) -> tuple[str, ...]:
+        from ...why.channels import channel_readings
+
+        return tuple(channel_readings(self._device, self.frame, number, bits))
+
+
+def channel_decoder(device: Device, variant: Variant) -> ChannelDecoder | None:
+    """Return the decoder of frames with several data channels, or None if the encoder sends none."""
+    frame = channel_frame(device.interface(variant.interface))
+    return ChannelDecoder(device, variant, frame.place(variant.parameters)) if frame is not None else None
+
+
+def report_of_length(frame: PlacedChannels, bits: int) -> str:
+    """Return the message about a frame of another length."""
+    names = ", ".join(channel.name for channel in frame.channels)
+    return say.length(names, f"{frame.bits} bits", f"{bits}")
+
+
+def described_channels(device: Device, variant: Variant, frame: PlacedChannels, result: ChannelResult) -> Iterator[str]:
+    """Yield the lines about each channel, and then about all of them together."""
+    channels = zip(result.channels, result.findings_with_verdict, result.whys, strict=True)
+    for decoded, findings, why in channels:
+        yield from described_frame(device, variant, decoded, findings, why)
+        yield ""
+    yield from (wrapped(line, WIDTH, prefix="  ", first="") for line in _summary(frame, result))
+    yield from evidence_lines(device)
+
+
+def _summary(frame: PlacedChannels, result: ChannelResult) -> Iterator[str]:
+    """Yield the errors of the whole frame, the comparison of its positions, and its verdict."""
+    for problem in result.problems:
+        yield f"{problem.fault.value} error: {problem.message}"
+    wrong_channels = [decoded.layout.name for decoded in result.channels if decoded.problems and decoded.layout]
+    if wrong_channels:
+        yield f"error in {' and '.join(wrong_channels)}, so the frame has no position"
+    for reading in result.readings:
+        yield f"All CRCs are correct {reading}."
+    if result.findings.agree is not None:
+        yield comparison(frame, result.channels, agree=result.findings.agree)
+    if result.findings.verdict is not None:
+        yield f"all channels together: {WORTH[result.findings.verdict]}"
+
+
+def comparison(frame: PlacedChannels, decoded_channels: Sequence[codec.Decoded], *, agree: bool) -> str:
+    """Return a sentence with the compared bits of each channel, and whether they agree."""
+    numbers = frame.compared_numbers([decoded.values for decoded in decoded_channels])
+    compared = [
+        f"{frame.compared[channel.name]} of {channel.name} {number:#x}"
+        for channel, number in zip((c for c in frame.channels if c.name in frame.compared), numbers, strict=True)
+    ]
+    return say.compared(f"{frame.compared_bits}", " and ".join(compared), agree=agree)

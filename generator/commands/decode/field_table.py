@@ -1,0 +1,84 @@
+"""The table of the fields of a decoded frame, with their places, numbers, values and meanings."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import NamedTuple
+
+from ...model import PlacedLayout
+from ...reference import codec
+from ...say import report as say
+from ...say.names_and_places import bit_place
+from ...say.plain_text import WIDTH, quantity
+from ...say.plain_text import wrapped as wrapped_anew
+from ...say.text import sentence, with_unit
+
+#: Most paragraphs are the same for all frames.
+wrapped = lru_cache(maxsize=1024)(wrapped_anew)
+
+
+class _FieldRow(NamedTuple):
+    """A row of the table of fields: place, name, number and value of a field in columns, and then its meaning."""
+
+    cells: tuple[str, str, str, str]
+    meaning: str
+
+
+#: Columns in front of the meaning of a field, above which it begins on a line of its own.
+_WIDEST_HEAD = 56
+
+
+def field_table(decoded: codec.Decoded) -> list[str]:
+    """Return a line per field with its cells in columns, and its meaning next to them, or below if they are wide."""
+    assert decoded.layout is not None
+    # Each unused field has a line of its own, so the one for all of them, which has no place, is omitted.
+    fields = [field for field in decoded.fields if field.name != codec.UNUSED or field.high >= 0]
+    rows = [_field_row(decoded.layout, field) for field in fields]
+    columns = zip(*(row.cells for row in rows), strict=True)
+    column_widths = [max(map(len, column)) for column in columns]
+    lines = []
+    for row in rows:
+        columns_text = "  ".join(cell.ljust(width) for cell, width in zip(row.cells, column_widths, strict=True))
+        indent = " " * (len(columns_text) + 2)
+        if not row.meaning:
+            lines.append(columns_text.rstrip())
+        elif len(indent) > _WIDEST_HEAD:
+            lines += [columns_text.rstrip(), wrapped(row.meaning, WIDTH, prefix=" " * 6)]
+        else:
+            lines.append(wrapped(row.meaning, WIDTH, prefix=indent, first=columns_text + "  "))
+    return lines
+
+
+def _field_row(placed: PlacedLayout, field: codec.DecodedField) -> _FieldRow:
+    """Return the row of a field. One bit is printed in decimal, and any other raw number as ``0x1f``."""
+    has_place = field.high >= 0  # A joined number has no place of its own.
+    place = bit_place(placed.layout, placed.bits, field.high, field.low) if has_place else ""
+    is_one_bit = has_place and field.high <= field.low
+    number_text = str(field.raw) if is_one_bit else f"{field.raw:#x}"
+    return _FieldRow(cells=(place, field.name, number_text, _value_text(field)), meaning=_meaning_text(placed, field))
+
+
+def _meaning_text(placed: PlacedLayout, field: codec.DecodedField) -> str:
+    """Return the meaning, and for a number sent in Gray code also its value as sent and converted."""
+    if not placed.gray:
+        return field.meaning
+    gray_names = (*placed.layout.names_in(placed.layout.gray_of), placed.layout.gray_of)
+    if field.name not in gray_names or not isinstance(field.value, int):
+        return field.meaning
+    gray_text = say.in_gray_code(f"{field.raw:#x}", f"{field.value:#x}")
+    return f"{sentence(field.meaning)} {capitalized(gray_text)}" if field.meaning else gray_text
+
+
+def _value_text(field: codec.DecodedField) -> str:
+    """Return the value of a field with its unit, and the quantity if it has a scale, such as ``215 (21.5 °C)``."""
+    if isinstance(field.value, bool):
+        value_with_unit = "yes" if field.value else "no"
+    else:
+        value_with_unit = with_unit(str(field.value), field.unit)
+    if field.scale is None:
+        return value_with_unit
+    return f"{value_with_unit} ({quantity(field.scale, int(field.value))})"
+
+
+def capitalized(text: str) -> str:
+    return text[:1].upper() + text[1:]

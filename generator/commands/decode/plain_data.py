@@ -1,0 +1,154 @@
+"""Decoded frames as plain data, in the shape of ``decode.schema.json``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from ...model import Device, PlacedLayout, Scale, Variant
+from ...reference import codec
+from ...reference.findings import Difference, Findings, Report
+from .channel_frames import ChannelResult
+from .frames import Line
+from .text import NO_ANSWERS, NO_LINE
+
+if TYPE_CHECKING:
+    from ...why.diagnosis import Diagnosis, Explanation
+
+JSON_VERSION = 1
+
+
+def decoded_data(
+    device: Device,
+    variant: Variant,
+    sender: str,
+    decoded: codec.Decoded,
+    frame_findings: Findings,
+    why: Diagnosis | None = None,
+    line: Line = NO_LINE,
+    answers: Mapping[str, str] = NO_ANSWERS,
+    other_layouts: Sequence[PlacedLayout] = (),
+) -> dict[str, Any]:
+    """Return a decoded frame as plain data, in the shape of ``decode.schema.json``.
+
+    ``line`` is the line of standard input, if any. ``answers`` are the answers used to decode the frame, as
+    ``{question: answer}``. ``other_layouts`` are the other layouts with which the frame is valid.
+    """
+    return {
+        "version": JSON_VERSION,
+        "line": line.number,
+        "time": line.time or None,
+        "order_code": variant.code,
+        "evidence": device.evidence.grade,
+        "alternatives": dict(answers),
+        "layout": decoded.layout.name if decoded.layout is not None else None,
+        "other_layouts": [other_layout.name for other_layout in other_layouts],
+        "direction": sender,
+        "fields": [_field_data(field) for field in decoded.fields],
+        "crc": _crc_data(decoded.crc) if decoded.crc is not None else None,
+        "problems": [_problem_data(problem) for problem in decoded.problems],
+        "reports": [_report_data(report) for report in frame_findings.reports],
+        "verdict": frame_findings.verdict.value if frame_findings.verdict is not None else None,
+        "differences": [_difference_data(difference) for difference in frame_findings.differences],
+        "why": _why_data(why) if why is not None else None,
+    }
+
+
+def channel_data(device: Device, variant: Variant, sender: str, result: ChannelResult, line: Line) -> dict[str, Any]:
+    """Return a frame with several data channels as plain data. The members of one frame are empty, except the verdict.
+
+    Each channel has those of its frame. ``agree`` is null if nothing is compared.
+    """
+    whole_frame = codec.Decoded(layout=None, number=0, fields=(), crc=None, problems=result.problems)
+    findings_of_frame = Findings(verdict=result.findings.verdict)
+    data = decoded_data(device, variant, sender, whole_frame, findings_of_frame, line=line)
+    channels = zip(result.channels, result.findings.channels, result.whys, strict=True)
+    data["channels"] = [
+        decoded_data(device, variant, sender, decoded, channel_findings, why=why, line=line)
+        for decoded, channel_findings, why in channels
+    ]
+    data["agree"] = result.findings.agree
+    data["readings"] = list(result.readings)
+    return data
+
+
+def _crc_data(crc: codec.CrcResult) -> dict[str, Any]:
+    return {"received": crc.received, "computed": crc.computed, "ok": crc.ok}
+
+
+def _problem_data(problem: codec.Problem) -> dict[str, Any]:
+    return {"kind": problem.fault.value, "field": problem.field or None, "message": problem.message}
+
+
+def _difference_data(difference: Difference) -> dict[str, Any]:
+    """Return a value that differs from the manual, for JSON."""
+    return {
+        "field": difference.field,
+        "found": difference.actual,
+        "documented": difference.documented,
+        "message": difference.message,
+    }
+
+
+def _field_data(field: codec.DecodedField) -> dict[str, Any]:
+    """Return a field with its value as sent and as decoded, for JSON."""
+    return {
+        "name": field.name,
+        "raw": field.raw,
+        "value": field.value,
+        "unit": field.unit or None,
+        "quantity": _quantity_data(field.scale, field.value) if field.scale is not None else None,
+        "meaning": field.meaning,
+    }
+
+
+def _quantity_data(scale: Scale, number: int | str | bool) -> dict[str, Any]:
+    """Return the quantity that a number stands for, such as 21.5 °C, as decimal and as fraction, for JSON.
+
+    ``exact`` is false if the decimal is rounded.
+    """
+    fraction = scale.quantity(int(number))
+    return {
+        "decimal": scale.decimal(int(number)),
+        "exact": scale.is_exact(int(number)),
+        "numerator": fraction.numerator,
+        "denominator": fraction.denominator,
+        "unit": scale.unit,
+    }
+
+
+def _report_data(report: Report) -> dict[str, Any]:
+    """Return a report of the encoder, for JSON."""
+    return {
+        "field": report.field,
+        "meaning": report.meaning,
+        "remedy": report.remedy or None,
+        "makes_position": report.makes_position.value if report.makes_position is not None else None,
+        "source": report.source,
+    }
+
+
+def _why_data(why: Diagnosis) -> dict[str, Any]:
+    """Return the explanations of a frame with an error, for JSON."""
+    return {
+        "explanations": [_explanation_data(explanation) for explanation in why.explanations],
+        "tried": why.tried,
+        "coincidence": round(why.coincidence, 4),
+        "cannot_see": list(why.cannot_see),
+        "disturbed": list(why.disturbed),
+        "missing": why.missing or None,
+        "another_frame_helps": why.needs_another_frame,
+    }
+
+
+def _explanation_data(explanation: Explanation) -> dict[str, Any]:
+    """Return one explanation, for JSON."""
+    return {
+        "kind": explanation.kind,
+        "text": explanation.text,
+        "one_in": explanation.one_in,
+        "twice": explanation.twice,
+        "order_codes": list(explanation.codes),
+        "reads": dict(explanation.reads),
+        "parts": [{"name": name, "bits": bits} for name, bits in explanation.parts],
+    }

@@ -1,0 +1,127 @@
+"""Checks of frames that carry several data channels: their order, the position in them, and the compared fields."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from ..language.document import Path
+from ..language.problems import DocumentReport, listed, quoted
+from ..model import Biss, DataChannels, Device, Layout, Number, member_named
+from .from_mapping import Raw
+from .gaps import values_text
+from .valid_parts import valid_parts_so_far
+
+_RULE = "data-channels"
+#: Key in ``channels``, or the keys below it, with a problem there.
+_Problem = tuple[Path, str]
+
+
+def check_channels(raw: Raw, device: Device, report: DocumentReport) -> None:
+    """Report the first contradiction in the data channels of a frame.
+
+    Decoders split the frame by the lengths of the channels, decode each by itself, and then compare the positions.
+    """
+    biss = device.find_interface(Biss)
+    if biss is None or biss.channels is None or not valid_parts_so_far(report).has_frames:
+        return
+    place: Path = ("interfaces", biss.name, "channels")
+    layouts = {layout.name: layout for layout in biss.layouts}
+    names = (*biss.channels.order, *biss.channels.compared)
+    defined_names = [raw_layout["name"] for raw_layout in raw["interfaces"][biss.name]["layouts"]]
+    undefined_names = [name for name in names if name not in defined_names]
+    if undefined_names:
+        known_names = listed(map(quoted, defined_names))
+        message = f"there is no layout {quoted(undefined_names[0])} over BiSS; it has: {known_names}"
+        report.add("undefined-reference", (*place, "order"), message)
+    if not all(name in layouts for name in names):  # Layouts with a problem have not been built.
+        return
+    ordered_layouts = [layouts[name] for name in biss.channels.order]
+    problems = (
+        *_order_problems(biss, ordered_layouts),
+        *_question_problems(device, ordered_layouts),
+        *_position_problems(device, ordered_layouts),
+        *_comparison_problems(device, biss.channels, layouts),
+    )
+    for keys, message in problems[:1]:
+        report.add(_RULE, (*place, *keys), message)
+
+
+def _order_problems(biss: Biss, layouts: Sequence[Layout]) -> Iterator[_Problem]:
+    """Yield channels that are listed twice, have no number of their own, or are too long to be one word."""
+    if len(layouts) < 2:
+        yield ("order",), "a frame with several channels has at least two; list all of them, or leave 'channels' out"
+    first_layout = biss.layouts[0]
+    if layouts[0] is not first_layout:
+        name, first_name = quoted(layouts[0].name), quoted(first_layout.name)
+        message = f"{name} is the first channel of the frame, so it must be the first layout, but {first_name} is"
+        yield ("order", 0), f"{message}; correct one of them"
+    names_by_number: dict[int | None, str] = {}
+    for index, layout in enumerate(layouts):
+        path: Path = ("order", index)
+        name = quoted(layout.name)
+        other_name = names_by_number.setdefault(layout.channel, layout.name)
+        if layout.name in [earlier.name for earlier in layouts[:index]]:
+            yield path, f"{name} is listed twice; list each channel once"
+        elif layout.channel is None:
+            yield path, f"{name} has no 'channel'; give each channel of the frame its number"
+        elif other_name != layout.name:
+            yield path, f"{quoted(other_name)} and {name} have the same 'channel' {layout.channel}; correct one of them"
+        elif layout.in_bytes:
+            yield path, f"{name} is carried as bytes, but a channel of a frame is one word of at most 64 bits"
+
+
+def _question_problems(device: Device, layouts: Sequence[Layout]) -> Iterator[_Problem]:
+    """Yield channels whose bits depend on a question that the manual leaves open."""
+    for index, layout in enumerate(layouts):
+        for alternative in device.alternatives_of(layout):
+            name = quoted(layout.name)
+            message = f"{name} depends on the question {quoted(alternative.name)}, which decoders of a whole frame"
+            yield ("order", index), f"{message} do not ask; leave 'channels' out, and decode each channel alone"
+
+
+def _position_problems(device: Device, layouts: Sequence[Layout]) -> Iterator[_Problem]:
+    """Yield the reason that not exactly one channel contains the position."""
+    names = [quoted(layout.name) for layout in layouts if device.tells_position(Biss.name, layout)]
+    if not names:
+        yield ("order",), "no channel of the frame contains the position; list the one that does"
+    if len(names) > 1:
+        message = f"{listed(names)} contain the position; name its fields differently in all but one of them"
+        yield ("order",), f"{message}, and list the fields in 'compared'"
+
+
+def _comparison_problems(device: Device, channels: DataChannels, layouts: Mapping[str, Layout]) -> Iterator[_Problem]:
+    """Yield fields that cannot be compared, and a number of bits that they do not have."""
+    if bool(channels.compared) != (channels.compared_bits is not None):
+        yield (), "'compared' and 'compared_bits' need each other; give both or none"
+    if len(channels.compared) == 1:
+        yield ("compared",), "one field cannot be compared; list the field of each channel"
+    for layout_name, field_name in channels.compared.items():
+        path: Path = ("compared", layout_name)
+        field = layouts[layout_name].find_field(field_name)
+        if layout_name not in channels.order:
+            yield path, f"{quoted(layout_name)} is not in 'order'; add it, or leave it out here"
+        elif field is None:
+            yield path, f"{quoted(layout_name)} has no field {quoted(field_name)}"
+        elif not isinstance(field.kind, Number) or field.kind.signed or field.kind.zero_means:
+            yield path, f"{quoted(field_name)} is not an unsigned number, so its highest bits cannot be compared"
+        else:
+            yield from _width_problems(device, channels, layouts[layout_name], field_name)
+
+
+def _width_problems(device: Device, channels: DataChannels, layout: Layout, name: str) -> Iterator[_Problem]:
+    """Yield the first order code whose field lacks compared bits, or whose tolerance allows any two numbers."""
+    if channels.compared_bits is None:
+        return
+    width = member_named(layout.fields, name, "field").width
+    for variant in device.variants_over(Biss.name):
+        bits = channels.compared_bits.value(variant.parameters)
+        condition = values_text(variant.parameters, width, channels.compared_bits)
+        if not 1 <= bits <= width.value(variant.parameters):
+            field_bits = width.value(variant.parameters)
+            message = f"{bits} bits cannot be compared, since {quoted(name)} has {field_bits}{condition}"
+            yield ("compared_bits",), message
+            return
+        if 2 * channels.tolerance >= (1 << bits) - 1:
+            message = f"with a tolerance of {channels.tolerance}, any two numbers of {bits} bits agree{condition}"
+            yield ("tolerance",), message
+            return

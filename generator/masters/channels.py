@@ -1,0 +1,56 @@
+"""Data channels of BiSS other than that of the position: those in the same frame, and those of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..language.problems import listed
+from ..model import Biss, Interface, PlacedLayout, channel_frame
+from ..model.record import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class FrameChannels:
+    """Names of the data channels that the frame with the position carries before and after it, in the order sent."""
+
+    before: tuple[str, ...] = ()
+    after: tuple[str, ...] = ()
+
+    def __bool__(self) -> bool:
+        return bool(self.before or self.after)
+
+    def refusal(self, position_layout: str) -> str:
+        """Return the reason why a master for a single data channel cannot read the position, or an empty string."""
+        if not self.before:
+            return ""
+        first = f"'{self.before[0]}' is the first in the frame, and '{position_layout}' with the position follows it"
+        return f"The description of this master covers a single data channel, but {first}."
+
+    @property
+    def gap(self) -> str:
+        """Sentence about the channels that a master for a single data channel does not read."""
+        names = listed(f"'{name}'" for name in self.after)
+        return f"The description of this master covers a single data channel. Nothing reads {names} after it."
+
+
+#: A frame with a single data channel.
+NO_CHANNELS = FrameChannels()
+
+
+def frame_channels(interface: Interface, position_layout: PlacedLayout) -> FrameChannels:
+    """Return the other data channels of the frame with the position. There are none if it carries a single channel."""
+    frame = channel_frame(interface)
+    names = [layout.name for layout in frame.layouts] if frame is not None else []
+    if position_layout.name not in names:
+        return NO_CHANNELS
+    place = names.index(position_layout.name)
+    return FrameChannels(before=tuple(names[:place]), after=tuple(names[place + 1 :]))
+
+
+def channel_notes(interface: Interface, position_layout: PlacedLayout) -> Iterator[str]:
+    """Yield a sentence about the channels of BiSS whose data the settings leave out."""
+    channel = position_layout.layout.channel
+    other_layouts = [layout for layout in interface.layouts if layout.channel and layout.channel != channel]
+    if isinstance(interface, Biss) and channel and other_layouts:
+        other_channels = " and ".join(f"'{layout.name}' on channel {layout.channel}" for layout in other_layouts)
+        yield f"The encoder also sends {other_channels}. These settings are for channel {channel} only."

@@ -1,0 +1,42 @@
+"""Facts about frames that carry several data channels: their order, and the bits that are compared."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..language.document import Path
+from ..model import Biss, channel_frame
+from ..say.names_and_places import bits
+from .reading import Case, Fact, Reading, Sort
+
+
+def channel_facts(reading: Reading, interface: Biss) -> Iterator[Fact]:
+    """Yield the order of the data channels in a frame, and the bits of each channel that are compared.
+
+    Channels are identified by their numbers: ``1, 2``.
+    """
+    frame = channel_frame(interface)
+    if frame is None:
+        return
+    place: Path = ("interfaces", interface.name, "channels")
+    yield Fact(
+        sort=Sort.POSITION,
+        key=("channels", "order"),
+        value=", ".join(f"{layout.channel}" for layout in frame.layouts),
+        description="order of the data channels in a frame",
+        place=(*place, "order"),
+    )
+    for compared in frame.compared:
+        bits_by_case: dict[Case, str] = {}
+        for case, parameters in reading.cases(interface.name).items():
+            field = compared.layout.place(parameters).field(compared.name)
+            compared_bits = frame.compared_bits.value(parameters)
+            bits_by_case[case] = bits(field.high, field.high + 1 - compared_bits)
+        channel = compared.layout.channel or 0
+        yield Fact(
+            sort=Sort.POSITION,
+            key=("channels", "compared", channel),
+            value=bits_by_case,
+            description=f"compared bits of data channel {channel}",
+            place=(*place, "compared", compared.layout.name),
+        )

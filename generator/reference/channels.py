@@ -1,0 +1,53 @@
+"""Frames that carry several data channels: their channels decoded, and the verdict of all of them together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..model import Device, PlacedChannels, Variant, Verdict
+from ..model.record import dataclass
+from . import codec
+from .findings import Findings, findings
+
+
+@dataclass(frozen=True, slots=True)
+class ChannelFindings:
+    """Findings in a frame with several data channels.
+
+    ``agree`` is None if no fields are compared or if a channel has an error. ``verdict`` is None if one has an error.
+    """
+
+    channels: tuple[Findings, ...]
+    agree: bool | None
+    verdict: Verdict | None
+
+
+def decode_channels(device: Device, frame: PlacedChannels, number: int) -> tuple[codec.Decoded, ...]:
+    """Return the channels of a frame, each decoded by itself. ``number`` has no more bits than the frame."""
+    decoded_channels = []
+    for placed, bits in zip(frame.channels, frame.split(number), strict=True):
+        decoded_channels.append(codec.decode(device, placed, bits))
+    return tuple(decoded_channels)
+
+
+def channel_findings(
+    device: Device, variant: Variant, frame: PlacedChannels, decoded_channels: Sequence[codec.Decoded]
+) -> ChannelFindings:
+    """Return the findings in each channel, and the worst verdict of all, which also depends on the compared fields.
+
+    A channel without the position can make the verdict worse, but it is not needed for a better one.
+    """
+    findings_by_channel = tuple(findings(device, variant, decoded) for decoded in decoded_channels)
+    if any(decoded.problems for decoded in decoded_channels):
+        return ChannelFindings(channels=findings_by_channel, agree=None, verdict=None)
+    agree = None
+    if frame.compared:
+        agree = frame.agree([decoded.values for decoded in decoded_channels])
+    verdicts = [] if agree is not False else [Verdict.NOT_USABLE]
+    for placed, channel in zip(frame.channels, findings_by_channel, strict=True):
+        has_position = device.tells_position(variant.interface, placed.layout)
+        if channel.verdict is not None and (has_position or channel.verdict is not Verdict.UNKNOWN):
+            verdicts.append(channel.verdict)
+    from_worst_to_best = list(Verdict)
+    worst = min(verdicts, key=from_worst_to_best.index)
+    return ChannelFindings(channels=findings_by_channel, agree=agree, verdict=worst)

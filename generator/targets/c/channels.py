@@ -1,0 +1,83 @@
+"""Frames with several data channels in C: their struct, their lengths by order code, and the compared members."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from ...model import ChannelFrame, channel_frame, first_of
+from .codec import StructCodec
+from .context import Context
+from .names import Declared, Expr, c_name
+
+
+class ChannelCode:
+    """The values that the template prints for the frame of an interface that carries several data channels.
+
+    ``compared`` has the member and the width of each compared field.
+    """
+
+    def __init__(self, context: Context, frame: ChannelFrame, codecs: Sequence[StructCodec]) -> None:
+        self._context, self._frame = context, frame
+        self.type = f"{context.prefix}_channels"
+        codec_by_layout = {codec.struct.layout.name: codec for codec in codecs}
+        self.codecs = [codec_by_layout[layout.name] for layout in frame.layouts]
+        self.compared: list[tuple[str, Expr]] = []
+        for field in frame.compared:
+            member = f"{c_name(field.layout.name)}.{c_name(field.name)}"
+            self.compared.append((member, context.scope.of(field.width)))
+
+    def declared(self) -> Iterator[Declared]:
+        """Yield the names of the struct, its functions and its macros."""
+        path = ("interfaces", self._context.interface.name, "channels")
+        functions = ["bits", "decode", "verdict", "receive"]
+        if self.compared:
+            functions.append("agree")
+        yield self.type, path
+        yield from ((f"{self.type}_{function}", path) for function in functions)
+
+    @property
+    def about(self) -> list[str]:
+        names = " and ".join(layout.name for layout in self._frame.layouts)
+        return [f"The data channels of one frame, one directly after the other: {names}."]
+
+    @property
+    def about_comparison(self) -> list[str]:
+        """The comment on the function that compares the members."""
+        members = " and ".join(member for member, _ in self.compared)
+        tolerance = f" by more than {self._frame.tolerance}" if self._frame.tolerance else ""
+        bits = self._frame.compared_bits.render()
+        return [f"Return true unless the highest {bits} bits of {members} differ{tolerance}."]
+
+    @property
+    def compared_bits(self) -> Expr:
+        return self._context.scope.of(self._frame.compared_bits)
+
+    @property
+    def tolerance(self) -> int:
+        return self._frame.tolerance
+
+    @property
+    def depends_on_variant(self) -> bool:
+        """True if the compared bits depend on the order code."""
+        widths = [self._frame.compared_bits, *(field.width for field in self._frame.compared)]
+        return not all(width.is_constant for width in widths)
+
+    @property
+    def position_codec(self) -> StructCodec:
+        """The channel with the position."""
+        interface = self._context.interface.name
+        layouts = (layout for layout in self._frame.layouts if self._context.device.tells_position(interface, layout))
+        layout = first_of(layouts, "channel with the position")
+        return self.codecs[self._frame.layouts.index(layout)]
+
+    @property
+    def judging_codecs(self) -> list[StructCodec]:
+        """The other channels with a verdict."""
+        others = (codec for codec in self.codecs if codec is not self.position_codec)
+        return [codec for codec in others if codec.reports is not None and codec.reports.verdict]
+
+
+def channel_code(context: Context, codecs: Sequence[StructCodec]) -> ChannelCode | None:
+    """Return the frame with all data channels of an interface, or None if there is none."""
+    frame = channel_frame(context.interface)
+    return ChannelCode(context, frame, codecs) if frame is not None else None

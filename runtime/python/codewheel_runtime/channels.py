@@ -1,0 +1,205 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Frames that carry several data channels, one directly after the other. Each channel has its own class and CRC."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar, cast
+
+from .codec import Word, as_word, too_long_error
+from .encoder import Encoder
+from .errors import FrameError
+from .reports import Report, Verdict
+
+if TYPE_CHECKING:
+    from .bulk.channels import ChannelTable
+
+_Channel = TypeVar("_Channel")
+
+
+class ChannelFrame:
+    """Frame with several data channels. Immutable, like the frames of its channels.
+
+    Attributes:
+        channels: Frames of the channels, in the order in which they are sent.
+        agree: True if the highest bits of their positions agree. None if nothing is compared.
+    """
+
+    def __init__(self, layout: ChannelLayout, channels: tuple[Any, ...]) -> None:
+        self._layout = layout
+        self.channels = channels
+        self.agree = layout.compare(channels) if layout.compared else None
+
+    def of(self, kind: type[_Channel]) -> _Channel:
+        """Return the channel whose frame has this class.
+
+        Raises:
+            LookupError: There is no such channel.
+        """
+        for channel in self.channels:
+            if isinstance(channel, kind):
+                return channel
+        raise LookupError(f"the frame has no channel of the class {kind.__name__}")
+
+    @property
+    def verdict(self) -> Verdict:
+        """Worst verdict of all channels. It is also *not usable* if the positions of the channels do not agree."""
+        verdicts = [Verdict.NOT_USABLE] if self.agree is False else []
+        for index, channel in enumerate(self.channels):
+            verdict = getattr(channel, "verdict", None)
+            # A channel without the position can only make the verdict worse.
+            if verdict is not None and (index == self._layout.position or verdict is not Verdict.UNKNOWN):
+                verdicts.append(verdict)
+        worst_first = list(Verdict)
+        return min(verdicts, key=worst_first.index)
+
+    @property
+    def position(self) -> int:
+        """Raw position in counts. Check ``verdict`` before you use the position."""
+        return cast(int, self.channels[self._layout.position].position)
+
+    @property
+    def usable_position(self) -> int | None:
+        """Position in counts, or None if it is not usable."""
+        return None if self.verdict is Verdict.NOT_USABLE else self.position
+
+    @property
+    def reports(self) -> tuple[tuple[Report, ...], ...]:
+        """Encoder reports in each channel."""
+        return tuple(channel.reports for channel in self.channels)
+
+    def encode(self) -> int:
+        """Return the frame as it is sent, with the CRC of each channel."""
+        number = 0
+        for channel, bits in zip(self.channels, self._layout.channel_bits, strict=True):
+            number = number << bits | channel.encode()
+        return number
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the frame as plain values for JSON: the channels, and the verdict and position of all of them."""
+        return {
+            "channels": [channel.to_dict() for channel in self.channels],
+            "agree": self.agree,
+            "position": self.position,
+            "usable_position": self.usable_position,
+            "verdict": self.verdict.value,
+        }
+
+    def __eq__(self, other: object) -> bool:
+        return self.channels == other.channels if isinstance(other, ChannelFrame) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self.channels)
+
+    def __repr__(self) -> str:
+        return f"ChannelFrame{self.channels!r}"
+
+
+class Compared(NamedTuple):
+    """Field whose highest bits are compared: the index of its channel, its name, and its width."""
+
+    channel: int
+    field: str
+    width: int
+
+
+class ChannelLayout:
+    """Frames of one encoder that carry several data channels. ``channels()`` of an encoder makes one.
+
+    Args:
+        encoder: The encoder.
+        kinds: Classes of the frames of the channels, in the order in which they are sent.
+        position: Index of the channel with the position.
+        compared: Fields whose highest bits must agree.
+        compared_bits: Number of these bits.
+        tolerance: Highest difference of these bits.
+    """
+
+    def __init__(
+        self,
+        encoder: Encoder,
+        kinds: Sequence[Any],
+        *,
+        position: int,
+        compared: Sequence[Compared] = (),
+        compared_bits: int = 0,
+        tolerance: int = 0,
+    ) -> None:
+        self.encoder, self.kinds, self.position = encoder, tuple(kinds), position
+        self.compared, self.compared_bits, self.tolerance = tuple(compared), compared_bits, tolerance
+        self._arguments = [_encoder_if_needed(kind, encoder) for kind in self.kinds]
+        self.channel_bits: tuple[int, ...] = tuple(
+            kind.frame_bits(*arguments) for kind, arguments in zip(self.kinds, self._arguments, strict=True)
+        )
+
+    @property
+    def bits(self) -> int:
+        """Number of bits of all channels together."""
+        return sum(self.channel_bits)
+
+    def decode(self, frame: Word, *, bits: int | None = None) -> ChannelFrame:
+        """Decode a frame with all channels.
+
+        Args:
+            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
+            bits: Number of bits received, if known. The number itself does not show whether bits are missing.
+
+        Returns:
+            The frame. Check its ``verdict`` before you use the position.
+
+        Raises:
+            FrameError: The frame or one of its channels is damaged. ``channel`` is the class of the channel.
+            TypeError: ``frame`` is not a number or a string of 0 and 1.
+        """
+        number = as_word(frame, self.bits, bits)
+        if number >> self.bits:
+            raise too_long_error(number, self.bits)
+        channels = []
+        low_bit = self.bits
+        for kind, arguments, channel_bits in zip(self.kinds, self._arguments, self.channel_bits, strict=True):
+            low_bit -= channel_bits
+            try:
+                channels.append(kind.decode(number >> low_bit & (1 << channel_bits) - 1, *arguments))
+            except FrameError as error:
+                error.channel = kind.__name__
+                raise
+        return ChannelFrame(self, tuple(channels))
+
+    def try_decode(self, frame: Word, *, bits: int | None = None) -> ChannelFrame | FrameError:
+        """Decode a frame like ``decode``, but return a frame error instead of raising it."""
+        try:
+            return self.decode(frame, bits=bits)
+        except FrameError as error:
+            return error
+
+    def decode_many(self, frames: object) -> ChannelTable:
+        """Decode many frames into columns for each channel. Needs NumPy.
+
+        Args:
+            frames: The frames, as numbers, or as rows of bytes with the last bit of the frame in the lowest bit of the
+                last byte.
+
+        Returns:
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
+        """
+        from .bulk.channels import decode_channels
+
+        return decode_channels(self, frames)
+
+    def compare(self, channels: Sequence[Any]) -> bool:
+        """Return whether the compared fields of the channels agree."""
+        numbers = [getattr(channels[field.channel], field.field) for field in self.compared]
+        highest = [
+            number >> field.width - self.compared_bits for number, field in zip(numbers, self.compared, strict=True)
+        ]
+        modulus = 1 << self.compared_bits
+        # The difference is taken the shorter way around, because the lowest and the highest number are adjacent.
+        differences = [(number - highest[0]) % modulus for number in highest]
+        return all(min(difference, modulus - difference) <= self.tolerance for difference in differences)
+
+
+def _encoder_if_needed(kind: Any, encoder: Encoder) -> tuple[Encoder, ...]:
+    """Return the arguments of the methods of a class of frames: the encoder if its bits depend on it, or none."""
+    from .frames.base import Fixed
+
+    return () if issubclass(kind, Fixed) else (encoder,)

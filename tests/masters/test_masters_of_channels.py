@@ -1,0 +1,66 @@
+"""Each master says whether it takes a second data channel of a frame, and refuses if the position is in that one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from codewheel.loading.library import load_library
+from codewheel.masters.record import record
+from codewheel.masters.sheet import Sheet, sheet, shipped_masters
+
+SPECS = Path(__file__).resolve().parents[1] / "specs"
+#: Masters whose documents have settings for several slaves or encoders of a frame.
+WITH_CHANNELS = {"ic_mb", "ti_motor_control_sdk"}
+GAP = "The description of this master covers a single data channel. Nothing reads 'safety_word' after it."
+
+
+def layouts_in(text: str) -> tuple[str, str]:
+    """Return the texts of the two layouts."""
+    _, mark, both = text.partition("      - name: control_word")
+    control, other_mark, safety = both.partition("      - name: safety_word")
+    return mark + control, other_mark + safety.rstrip("\n")
+
+
+def sheets(text: str, folder: Path) -> dict[str, Sheet]:
+    """Return the settings of each master for BiSS, by its name."""
+    path = folder / "channels.yaml"
+    path.write_text(text, encoding="utf-8")
+    (device,), report = load_library([path, SPECS / "manufacturer.yaml"])
+    assert not report
+    facts = record(device, device.variant("RXH"))
+    return {master.name: sheet(master, facts) for master in shipped_masters() if "biss" in master.takes}
+
+
+def test_each_master_says_whether_it_takes_a_second_channel(tmp_path: Path) -> None:
+    for name, settings in sheets((SPECS / "channels.yaml").read_text(encoding="utf-8"), tmp_path).items():
+        gaps = [gap.reason for gap in settings.gaps]
+        if settings.refusals:
+            continue
+        assert (GAP in gaps) is (name not in WITH_CHANNELS), name
+        assert (settings.master.several_channels in settings.notes) is (name in WITH_CHANNELS), name
+
+
+def test_masters_for_one_channel_refuse_a_position_in_the_second(tmp_path: Path) -> None:
+    text = (SPECS / "channels.yaml").read_text(encoding="utf-8")
+    head, control, safety = text.partition("      - name: control_word")[0], *layouts_in(text)
+    text = f"{head}{safety}\n{control}"
+    text = text.replace("order: [control_word, safety_word]", "order: [safety_word, control_word]")
+    refusal = (
+        "The description of this master covers a single data channel, but 'safety_word' is the first in the frame, and"
+        " 'control_word' with the position follows it."
+    )
+    by_name = sheets(text, tmp_path)
+    for name, settings in by_name.items():
+        reasons = [reason.reason for reason in settings.refusals]
+        assert (refusal in reasons) is (name not in WITH_CHANNELS), name
+    assert len(by_name) > 10
+
+
+@pytest.mark.parametrize("name", sorted(WITH_CHANNELS))
+def test_a_frame_with_one_channel_has_no_such_note(name: str, tmp_path: Path) -> None:
+    text = (SPECS / "channels.yaml").read_text(encoding="utf-8")
+    start = text.index("    channels:\n")
+    text = text[:start] + text[text.index("    layouts:\n") :]
+    settings = sheets(text, tmp_path)[name]
+    assert settings.master.several_channels not in settings.notes
