@@ -14,6 +14,7 @@ from ..language.rules.parts import explained
 from ..language.rules.walk import Spec, by_name, items, mapping
 from ..model import Biss, Device, Fault, PlacedField, Register, RegisterExample, Variant, number_to_bytes
 from ..reference import codec
+from .alike_connections import compare_connectors, compare_ports
 from .from_mapping import Raw
 
 #: Shared facts of registers and CRCs with one name, with the format of numbers in messages.
@@ -29,23 +30,22 @@ def check_shared_facts(documents: Sequence[Document], report: Report) -> None:
     """Report differences between devices of a manufacturer in facts that its file lists under ``alike``."""
     device_documents = [document for document in documents if "device" in document.data and not report.faults(document)]
     for maker_document in documents:
-        alike_names = (
-            mapping(maker_document.data, "alike")
-            if "device" not in maker_document.data and not report.faults(maker_document)
-            else {}
-        )
-        name = maker_document.data.get("manufacturer")
-        documents_of_maker = [device for device in device_documents if device.data.get("manufacturer") == name]
-        # ``alike`` lists the names of registers and CRCs, such as ``{"registers": ["preset"]}``.
-        for kind, names in alike_names.items():
-            # From here, ``name`` is that of a register or CRC.
-            for name in names:
-                _compare(
-                    kind,
-                    name,
-                    [document for document in documents_of_maker if name in by_name(document.data, kind)],
-                    report,
-                )
+        if "device" in maker_document.data or report.faults(maker_document):
+            continue
+        alike_names = mapping(maker_document.data, "alike")
+        manufacturer = maker_document.data.get("manufacturer")
+        documents_of_maker = [
+            document for document in device_documents if document.data.get("manufacturer") == manufacturer
+        ]
+        for kind in _COMMON:
+            # ``name`` is that of a register or CRC.
+            for name in alike_names.get(kind, ()):
+                documents_with_fact = [
+                    document for document in documents_of_maker if name in by_name(document.data, kind)
+                ]
+                _compare(kind, name, documents_with_fact, report)
+        compare_ports(alike_names.get("ports", ()), documents_of_maker, report)
+        compare_connectors(maker_document, documents_of_maker, report)
 
 
 def _compare(kind: str, name: str, documents_with_fact: Sequence[Document], report: Report) -> None:

@@ -125,7 +125,7 @@ def incomplete_pair(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
         has_inverted = any(name.startswith("/") for name in names)
         for contact in connector.contacts:
             for name in contact.names:
-                partner = _partner(name, has_inverted)
+                partner = partner_of(name, has_inverted)
                 if partner and partner.casefold() not in names and not connector.names_in_note(partner):
                     message = (
                         f"{quoted(name)} is here, but {quoted(partner)} is not on {connector.label}; add it, or say in"
@@ -190,7 +190,7 @@ def _names(text: str) -> Iterator[str]:
             yield name.strip()
 
 
-def _partner(name: str, has_inverted: bool) -> str:
+def partner_of(name: str, has_inverted: bool) -> str:
     """Return the name of the other line of a differential pair, or an empty string.
 
     It is ``MA-`` for ``MA+``, and ``A`` for ``/A``. A single letter is the plain line of a pair if the connector has
@@ -201,3 +201,13 @@ def _partner(name: str, has_inverted: bool) -> str:
     if name.startswith("/"):
         return name[1:]
     return f"/{name}" if has_inverted and re.fullmatch("[A-Za-z]", name) else ""
+
+
+def signal_names(signal: str) -> list[str]:
+    """Return the names of a signal in lower case: ``a``, ``req+`` and ``sd+`` of ``A (REQ+ / SD+)``.
+
+    A contact that is free has none.
+    """
+    if _FREE.fullmatch(signal.strip()):
+        return []
+    return [name.casefold() for name in _Contact((), "", signal, "").names]
