@@ -49,9 +49,10 @@ def _compare_setting(first: Document, document: Document, path: Path, report: Re
 
 
 class _Contact(NamedTuple):
-    """A contact that carries a line: its number or colour, and its place in a spec."""
+    """A contact that carries a line: its number or colour, its connector, and its place in a spec."""
 
     name: str
+    connector: str
     document: Document
     path: Path
 
@@ -69,6 +70,7 @@ def compare_connectors(maker_document: Document, documents: Sequence[Document], 
     documents_by_device = {str(document.data["device"]): document for document in documents}
     for group_index, group in enumerate(mapping(maker_document.data, "alike").get("connectors", ())):
         contacts_by_line: dict[_Line, _Contact] = {}
+        cables: list[_Cable] = []
         for index, reference in enumerate(group):
             device, _, name = reference.partition(".")
             document = documents_by_device.get(device)
@@ -77,32 +79,75 @@ def compare_connectors(maker_document: Document, documents: Sequence[Document], 
             place = next((path for path, part in items(document.data, "connectors") if part.get("name") == name), None)
             if place is not None:
                 _compare_connector(contacts_by_line, document, place, report)
+                cables += _cables(document, place)
                 continue
             message = f"{quoted(device)} has no connector or cable {quoted(name)}"
             reference_path: Path = ("alike", "connectors", group_index, index)
             report.add("undefined-reference", maker_document, reference_path, message)
+        _compare_wires(cables, report)
+
+
+class _Cable(NamedTuple):
+    """A cable: its place, and the colours of its wires in lower case."""
+
+    document: Document
+    path: Path
+    wires: frozenset[str]
+
+
+def _cables(document: Document, path: Path) -> Iterator[_Cable]:
+    """Yield the cable at a place, or nothing for a connector. Shields are no wires."""
+    connector = document.data["connectors"][path[-1]]
+    if connector["kind"] == "cable":
+        wires = {
+            str(contact["contact"]).casefold()
+            for _, contact in items(connector, "contacts")
+            if not _SHIELDS.intersection(signal_names(str(contact["signal"])))
+        }
+        yield _Cable(document, path, frozenset(wires))
+
+
+def _compare_wires(cables: Sequence[_Cable], report: Report) -> None:
+    """Report each cable with other wires than the first one of its group, unless an erratum affects its contacts."""
+    for cable in cables[1:]:
+        names = [str(either.document.data["connectors"][either.path[-1]]["name"]) for either in (cables[0], cable)]
+        is_explained = any(
+            explained(either.document, "connectors", name, "contacts")
+            for either, name in zip((cables[0], cable), names, strict=True)
+        )
+        different_wires = sorted(cable.wires ^ cables[0].wires)
+        if different_wires and not is_explained:
+            line_number, _ = cables[0].document.position(cables[0].path)
+            message = (
+                f"only one of this cable and that in {PurePath(cables[0].document.file).name}:{line_number} has"
+                f" {quoted(different_wires[0])}; according to the manufacturer's file, the two are alike. If they are"
+                f" not, add an erratum that affects connectors.{names[1]}.contacts"
+            )
+            report.add("not-alike", cable.document, (*cable.path, "contacts"), message)
 
 
 def _compare_connector(contacts_by_line: dict[_Line, _Contact], document: Document, path: Path, report: Report) -> None:
     """Report the lines of a connector that have another contact in ``contacts_by_line``, and add the new ones."""
     connector = document.data["connectors"][path[-1]]
-    name = str(connector["name"])
-    if explained(document, "connectors", name):
-        return
     reported_paths: set[Path] = set()
     for line, contact in _contacts_by_line(connector, path, document).items():
         first_contact = contacts_by_line.setdefault(line, contact)
-        if first_contact.name != contact.name and contact.path not in reported_paths:
+        is_explained = any(
+            explained(either.document, "connectors", either.connector, "contacts", either.name)
+            for either in (contact, first_contact)
+        )
+        if first_contact.name != contact.name and contact.path not in reported_paths and not is_explained:
             reported_paths.add(contact.path)
-            _report_contact(line, contact, first_contact, name, report)
+            _report_contact(line, contact, first_contact, report)
 
 
-def _report_contact(line: _Line, contact: _Contact, first_contact: _Contact, name: str, report: Report) -> None:
+def _report_contact(line: _Line, contact: _Contact, first_contact: _Contact, report: Report) -> None:
     line_number, _ = first_contact.document.position(first_contact.path)
     message = (
         f"{quoted(line[1])} is on contact {quoted(contact.name)} here, but on {quoted(first_contact.name)} in"
         f" {PurePath(first_contact.document.file).name}:{line_number}; according to the manufacturer's file, the two"
-        f" connectors are alike. If they are not, add an erratum that affects connectors.{name}"
+        f" connectors are alike. If they are not, add an erratum that affects"
+        f" connectors.{contact.connector}.contacts.{contact.name}"
     )
     report.add("not-alike", contact.document, contact.path, message)
 
@@ -112,7 +157,7 @@ def _contacts_by_line(connector: Any, path: Path, document: Document) -> dict[_L
     interfaces = connector.get("interfaces") or [""]
     contacts: list[tuple[_Line, _Contact]] = []
     for contact_path, contact in items(connector, "contacts"):
-        place = _Contact(str(contact["contact"]), document, (*path, *contact_path))
+        place = _Contact(str(contact["contact"]), str(connector["name"]), document, (*path, *contact_path))
         contacts += [(line, place) for line in _lines(str(contact["signal"]), interfaces)]
     counts = Counter(line for line, _ in contacts)
     return {line: contact for line, contact in contacts if counts[line] == 1}

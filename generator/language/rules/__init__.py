@@ -247,6 +247,7 @@ RULES: tuple[Rule, ...] = (
     contact_agreement.numbered_cables,
     contact_agreement.interfaces_of_lines,
     contact_agreement.order_of_pairs,
+    contact_agreement.wires_of_contacts,
     table_agreement.edges_and_periods,
     table_agreement.order_codes_in_rows,
     table_agreement.starts_of_order_codes,

@@ -12,6 +12,7 @@ from ..schema_files import is_second
 from ..written import Located
 from ..written_parts import WrittenSpec
 from .connectors import partner_of, signal_names
+from .parts import explained
 
 _COLOURS = "white|black|brown|green|yellow|grey|gray|pink|blue|red|violet|orange|purple"
 #: A wire with one colour or two: ``White``, ``Brown_Green``.
@@ -86,6 +87,64 @@ def interfaces_of_lines(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
                 line = min(names & lines)
                 message = f"{quoted(line)} is a line of {interface}; add it, or correct the signals"
                 report.add("contact-interface", (*connector.path, "interfaces"), message)
+
+
+def wires_of_contacts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a contact and a wire with the same line have the same one over every interface.
+
+    A signal that a connector and a cable both have once belongs to a contact and a wire of one line. If another
+    connector and cable of the spec have the same titles, these two must have the same signal there too.
+    """
+    connections = list(_connections(spec))
+    for connector, cable in connections:
+        wires = _wires_by_contact(connector.part, cable.part)
+        for other_connector, other_cable in connections:
+            titles = (connector.part.title, cable.part.title)
+            if other_connector is not connector and (other_connector.part.title, other_cable.part.title) == titles:
+                _compare_signals(wires, other_connector, other_cable, report)
+
+
+def _connections(spec: WrittenSpec) -> Iterator[tuple[Located[Connector], Located[Connector]]]:
+    """Yield each connector with each cable for the same interfaces."""
+    for connector in spec.connectors:
+        for cable in spec.connectors:
+            are_both = connector.part.kind == "connector" and cable.part.kind == "cable"
+            if are_both and {*connector.part.interfaces} & {*cable.part.interfaces}:
+                yield connector, cable
+
+
+def _wires_by_contact(connector: Connector, cable: Connector) -> dict[str, str]:
+    """Return the wire of each contact, by the signals that both have once: ``{"2": "Pink"}``."""
+    signals = [_plain_signal(contact.signal) for contact in connector.contacts]
+    signals_of_wires = [_plain_signal(wire.signal) for wire in cable.contacts]
+    wires: dict[str, str] = {}
+    for contact, signal in zip(connector.contacts, signals, strict=True):
+        if signals.count(signal) == 1 and signals_of_wires.count(signal) == 1:
+            wires[contact.contact] = cable.contacts[signals_of_wires.index(signal)].contact
+    return wires
+
+
+def _plain_signal(signal: str) -> str:
+    return re.sub(r"\s+", "", signal).casefold()
+
+
+def _compare_signals(
+    wires: Mapping[str, str], connector: Located[Connector], cable: Located[Connector], report: DocumentReport
+) -> None:
+    """Report each contact whose wire has another signal, unless an erratum affects the contact or the wire."""
+    signals_of_wires = {wire.contact: wire.signal for wire in cable.part.contacts}
+    for index, contact in enumerate(connector.part.contacts):
+        wire = wires.get(contact.contact, "")
+        signal = signals_of_wires.get(wire)
+        if signal is None or _plain_signal(signal) == _plain_signal(contact.signal):
+            continue
+        places = ((connector.part.name, contact.contact), (cable.part.name, wire))
+        if not any(explained(report.document, "connectors", name, "contacts", place) for name, place in places):
+            message = (
+                f"contact {quoted(contact.contact)} and the wire {quoted(wire)} have the same line over another"
+                f" interface, but {quoted(contact.signal)} and {quoted(signal)} here; correct one of the tables"
+            )
+            report.add("contact-wire", (*connector.path, "contacts", index, "signal"), message)
 
 
 def order_of_pairs(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
