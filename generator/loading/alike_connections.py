@@ -96,7 +96,7 @@ class _Cable(NamedTuple):
 
 
 def _cables(document: Document, path: Path) -> Iterator[_Cable]:
-    """Yield the cable at a place, or nothing for a connector. Shields are no wires."""
+    """Yield the cable at a place, or nothing for a connector. A shield is not a wire."""
     connector = document.data["connectors"][path[-1]]
     if connector["kind"] == "cable":
         wires = {

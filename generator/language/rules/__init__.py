@@ -250,7 +250,7 @@ RULES: tuple[Rule, ...] = (
     contact_agreement.wires_of_contacts,
     table_agreement.edges_and_periods,
     table_agreement.order_codes_in_rows,
-    table_agreement.starts_of_order_codes,
+    table_agreement.order_codes_in_tables,
     table_agreement.reserved_addresses,
     table_agreement.lengths_of_errata,
     name_agreement.names_and_meanings,

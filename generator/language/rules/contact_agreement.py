@@ -37,6 +37,10 @@ class _Pair(NamedTuple):
         return self.plain_index < self.inverted_index
 
     @property
+    def is_apart(self) -> bool:
+        return abs(self.plain_index - self.inverted_index) > 1
+
+    @property
     def first(self) -> str:
         return self.plain if self.is_plain_first else self.inverted
 
@@ -150,6 +154,7 @@ def _compare_signals(
 def order_of_pairs(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the two lines of each pair are next to each other, and in the same order as those of the first pair.
 
+    If all of three or more pairs are apart, this is how the connector is used, and only their order is compared.
     A note such as "MA - is on a lower contact than MA +" explains another order. It must be true.
     """
     if is_second(report.document.file):  # It has no notes.
@@ -159,17 +164,18 @@ def order_of_pairs(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
         statements = list(_true_statements(connector, contacts_by_name, report))
         pairs = list(_pairs(connector.part, contacts_by_name))
         for pair in pairs:
-            problem = _wrong_order(pair, pairs[0])
-            if problem and {pair.plain, pair.inverted} not in statements:
+            are_all_apart = len(pairs) > 2 and all(each.is_apart for each in pairs)
+            problem = _wrong_order(pair, pairs[0], are_all_apart)
+            if problem and {pair.plain_index, pair.inverted_index} not in statements:
                 statement = f"{pair.first} is on a lower contact than {pair.second}"
                 message = f"{problem}; correct it, or say in a 'note' that {statement}"
                 place = (*connector.path, "contacts", min(pair.plain_index, pair.inverted_index), "signal")
                 report.add("pair-order", place, message)
 
 
-def _wrong_order(pair: _Pair, first_pair: _Pair) -> str:
+def _wrong_order(pair: _Pair, first_pair: _Pair, are_all_apart: bool) -> str:
     """Return why the order of a pair is unusual: its lines are apart, or not in the order of the first pair."""
-    if abs(pair.plain_index - pair.inverted_index) > 1:
+    if pair.is_apart and not are_all_apart:
         return f"{quoted(pair.first)} and {quoted(pair.second)} are not next to each other"
     if pair.is_plain_first != first_pair.is_plain_first:
         order_of_first_pair = f"{quoted(first_pair.first)} before {quoted(first_pair.second)}"
@@ -202,8 +208,8 @@ def _pairs(connector: Connector, indexes: Mapping[str, int]) -> Iterator[_Pair]:
 
 def _true_statements(
     connector: Located[Connector], indexes: Mapping[str, int], report: DocumentReport
-) -> Iterator[set[str]]:
-    """Yield the lines of each statement of the note about their order, and report a statement that is not true."""
+) -> Iterator[set[int]]:
+    """Yield the contacts of each statement of the note about their order, and report a statement that is not true."""
     for match in _STATEMENT.finditer(connector.part.note):
         names = [_last_line(match[key], indexes) for key in ("first", "second")]
         if not all(names):
@@ -212,7 +218,7 @@ def _true_statements(
         if indexes[first] > indexes[second]:
             message = f"the note says that {first} is on a lower contact than {second}, but it is on a higher one"
             report.add("pair-order", (*connector.path, "note"), f"{message}; correct one of the two")
-        yield {first, second}
+        yield {indexes[first], indexes[second]}
 
 
 def _last_line(text: str, indexes: Mapping[str, int]) -> str:

@@ -98,8 +98,11 @@ def _compare_rows(table: Located[Table], column: int, meanings: dict[str, str], 
             report.add("table-arithmetic", (*table.path, "rows", index, column), message)
 
 
-def starts_of_order_codes(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the order codes in a column named after them begin as the pattern does."""
+def order_codes_in_tables(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the order codes in a column named after them begin as the pattern does, and have its numbers.
+
+    A number between two hyphens is a label of a part of the order code, or one that an open part accepts.
+    """
     start = spec.order_code.pattern.partition("{")[0]
     if not start.strip("-/ "):
         return
@@ -108,10 +111,22 @@ def starts_of_order_codes(spec: WrittenSpec, raw: WrittenSpec, report: DocumentR
         column = headings.index("order code") if "order code" in headings else len(headings)
         for index, row in enumerate(table.part.rows):
             codes = re.findall(r"\S+-\.\.\.", row[column]) if column < len(row) else []
-            wrong_codes = [code for code in codes if not code.startswith(start)]
-            if wrong_codes:
-                message = f"{quoted(wrong_codes[0])} does not begin with {quoted(start)}, as order codes do; correct it"
-                report.add("table-arithmetic", (*table.path, "rows", index, column), message)
+            problem = next(filter(None, (_wrong_code(code, start, spec) for code in codes)), "")
+            if problem:
+                report.add("table-arithmetic", (*table.path, "rows", index, column), f"{problem}; correct it")
+
+
+def _wrong_code(code: str, start: str, spec: WrittenSpec) -> str:
+    """Return why a text cannot be an order code, or an empty string."""
+    if not code.startswith(start):
+        return f"{quoted(code)} does not begin with {quoted(start)}, as order codes do"
+    for word in code.removeprefix(start).split("-"):
+        is_label = any(
+            word in part.values or (part.open and re.fullmatch(part.open, word)) for part in spec.order_code.parts
+        )
+        if word.isdecimal() and not is_label:
+            return f"{quoted(word)} is not in the order code"
+    return ""
 
 
 def reserved_addresses(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
