@@ -150,9 +150,16 @@ def connector_and_cable(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
 
 
 def _report_missing_signals(incomplete: _Connector, complete: _Connector, report: DocumentReport) -> None:
-    """Report the signals of a connector or cable that another, ``incomplete``, neither has nor names in its note."""
-    signals = {_plain(contact.signal) for contact in incomplete.contacts}
-    missing_signals = [contact.signal for contact in complete.contacts if _plain(contact.signal) not in signals]
+    """Report the signals of a connector or cable that another, ``incomplete``, neither has nor names in its note.
+
+    It has a signal if it has one of its names, such as ``MA +`` of ``CLOCK IN + / MA +``.
+    """
+    names = {_plain(name) for contact in incomplete.contacts for name in (contact.signal, *contact.names)}
+    missing_signals = [
+        contact.signal
+        for contact in complete.contacts
+        if names.isdisjoint({_plain(name) for name in (contact.signal, *contact.names)})
+    ]
     unexplained = [signal for signal in dict.fromkeys(missing_signals) if not incomplete.names_in_note(signal)]
     if unexplained:
         lacking = f"{incomplete.label} lacks {listed(map(quoted, unexplained))}, which {complete.label} has"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from ...model import Connector
@@ -154,7 +154,7 @@ def _compare_signals(
 def order_of_pairs(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the two lines of each pair are next to each other, and in the same order as those of the first pair.
 
-    If all of three or more pairs are apart, this is how the connector is used, and only their order is compared.
+    If all of three or more pairs are apart, or the only one is, they are compared by their order alone.
     A note such as "MA - is on a lower contact than MA +" explains another order. It must be true.
     """
     if is_second(report.document.file):  # It has no notes.
@@ -164,8 +164,7 @@ def order_of_pairs(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
         statements = list(_true_statements(connector, contacts_by_name, report))
         pairs = list(_pairs(connector.part, contacts_by_name))
         for pair in pairs:
-            are_all_apart = len(pairs) > 2 and all(each.is_apart for each in pairs)
-            problem = _wrong_order(pair, pairs[0], are_all_apart)
+            problem = _wrong_order(pair, pairs)
             if problem and {pair.plain_index, pair.inverted_index} not in statements:
                 statement = f"{pair.first} is on a lower contact than {pair.second}"
                 message = f"{problem}; correct it, or say in a 'note' that {statement}"
@@ -173,9 +172,14 @@ def order_of_pairs(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
                 report.add("pair-order", place, message)
 
 
-def _wrong_order(pair: _Pair, first_pair: _Pair, are_all_apart: bool) -> str:
-    """Return why the order of a pair is unusual: its lines are apart, or not in the order of the first pair."""
-    if pair.is_apart and not are_all_apart:
+def _wrong_order(pair: _Pair, pairs: Sequence[_Pair]) -> str:
+    """Return why the order of a pair is unusual, or an empty string.
+
+    Its lines are apart unlike those of another pair, or are not in the order of the first pair.
+    """
+    first_pair = pairs[0]
+    is_unlike_others = any(not other.is_apart for other in pairs) or len(pairs) == 2
+    if pair.is_apart and is_unlike_others:
         return f"{quoted(pair.first)} and {quoted(pair.second)} are not next to each other"
     if pair.is_plain_first != first_pair.is_plain_first:
         order_of_first_pair = f"{quoted(first_pair.first)} before {quoted(first_pair.second)}"
