@@ -234,9 +234,9 @@ class _Change:
         """Return whether the changed words are the value, the name or the label of a fact.
 
         A number is enough if the value is a number. If a passage only adds words, such as a row, only the parts of the
-        order code count. A page of the contents counts only if the change is the name of its entry.
+        order code count. A page of the contents counts only if the change is in the name of its entry.
         """
-        if fact.is_page_of_contents and fact.own_name_text != self._text:
+        if fact.is_page_of_contents and not self._is_changed_name(fact.own_name_text):
             return False
         if isinstance(fact.value, int | float) and not isinstance(fact.value, bool) and fact.words & self._numbers:
             return True
