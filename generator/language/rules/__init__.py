@@ -38,6 +38,7 @@ from . import (
     step_agreement,
     table_agreement,
     values,
+    widths,
     words,
 )
 from . import procedures as banks
@@ -256,4 +257,5 @@ RULES: tuple[Rule, ...] = (
     name_agreement.names_and_meanings,
     name_agreement.misspelt_fields,
     name_agreement.numbers_of_leds,
+    widths.widths_and_codes,
 )
