@@ -136,8 +136,10 @@ def reserved_addresses(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
         if "reserved" not in table.part.title.casefold() or not {"first address", "last address"} <= {*headings}:
             continue
         for index, row in enumerate(table.part.rows):
+            if len(row) < len(headings):
+                continue
             addresses = [_HEX.fullmatch(row[headings.index(name)]) for name in ("first address", "last address")]
-            if None in addresses or len(row) < len(headings):
+            if None in addresses:
                 continue
             first, last = (int(address[1], 16) for address in addresses if address is not None)
             for register in spec.registers:
