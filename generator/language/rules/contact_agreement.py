@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
@@ -20,6 +21,10 @@ _WIRE = re.compile(rf"(?:{_COLOURS})(?:[-_/ ](?:{_COLOURS}))?", re.IGNORECASE)
 _SHIELD = re.compile(r"shield|screen|braid|drain", re.IGNORECASE)
 #: Lines that only one interface has, by the names that its standard gives them.
 _LINES = {"biss": frozenset(("ma+", "ma-", "slo+", "slo-")), "rs485": frozenset(("rs-485",))}
+#: A connector and a cable for the same interface.
+_Connection = tuple[Located[Connector], Located[Connector]]
+#: Connectors and cables that are compared, and those with the same titles.
+_MOST_CONNECTORS, _MOST_CONNECTIONS = 100, 10
 #: The statement of a note that explains the order of a pair.
 _STATEMENT = re.compile(r"(?P<first>[\w/ ]+?(?: ?[+-])?) is on a lower contact than (?P<second>[\w/ ]+(?: ?[+-])?)")
 
@@ -99,32 +104,36 @@ def wires_of_contacts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
     A signal that a connector and a cable both have once belongs to a contact and a wire of one line. If another
     connector and cable of the spec have the same titles, these two must have the same signal there too.
     """
-    connections = list(_connections(spec))
-    for connector, cable in connections:
-        wires = _wires_by_contact(connector.part, cable.part)
-        for other_connector, other_cable in connections:
-            titles = (connector.part.title, cable.part.title)
-            if other_connector is not connector and (other_connector.part.title, other_cable.part.title) == titles:
-                _compare_signals(wires, other_connector, other_cable, report)
+    for connections in _connections_by_titles(spec).values():
+        for connector, cable in connections[:_MOST_CONNECTIONS]:
+            wires = _wires_by_contact(connector.part, cable.part)
+            for other_connector, other_cable in connections[:_MOST_CONNECTIONS]:
+                if other_connector is not connector:
+                    _compare_signals(wires, other_connector, other_cable, report)
 
 
-def _connections(spec: WrittenSpec) -> Iterator[tuple[Located[Connector], Located[Connector]]]:
-    """Yield each connector with each cable for the same interfaces."""
-    for connector in spec.connectors:
-        for cable in spec.connectors:
-            are_both = connector.part.kind == "connector" and cable.part.kind == "cable"
-            if are_both and {*connector.part.interfaces} & {*cable.part.interfaces}:
-                yield connector, cable
+def _connections_by_titles(spec: WrittenSpec) -> dict[tuple[str, str], list[_Connection]]:
+    """Return each connector with each cable for the same interfaces, by the titles of the two."""
+    connections: dict[tuple[str, str], list[_Connection]] = {}
+    connectors = spec.connectors[:_MOST_CONNECTORS]
+    for connector in (candidate for candidate in connectors if candidate.part.kind == "connector"):
+        for cable in (candidate for candidate in connectors if candidate.part.kind == "cable"):
+            if {*connector.part.interfaces} & {*cable.part.interfaces}:
+                titles = connector.part.title, cable.part.title
+                connections.setdefault(titles, []).append((connector, cable))
+    return connections
 
 
 def _wires_by_contact(connector: Connector, cable: Connector) -> dict[str, str]:
     """Return the wire of each contact, by the signals that both have once: ``{"2": "Pink"}``."""
-    signals = [_plain_signal(contact.signal) for contact in connector.contacts]
-    signals_of_wires = [_plain_signal(wire.signal) for wire in cable.contacts]
+    counts = Counter(_plain_signal(contact.signal) for contact in connector.contacts)
+    counts_of_wires = Counter(_plain_signal(wire.signal) for wire in cable.contacts)
+    wire_by_signal = {_plain_signal(wire.signal): wire.contact for wire in cable.contacts}
     wires: dict[str, str] = {}
-    for contact, signal in zip(connector.contacts, signals, strict=True):
-        if signals.count(signal) == 1 and signals_of_wires.count(signal) == 1:
-            wires[contact.contact] = cable.contacts[signals_of_wires.index(signal)].contact
+    for contact in connector.contacts:
+        signal = _plain_signal(contact.signal)
+        if counts[signal] == 1 and counts_of_wires[signal] == 1:
+            wires[contact.contact] = wire_by_signal[signal]
     return wires
 
 
@@ -190,8 +199,8 @@ def _wrong_order(pair: _Pair, pairs: Sequence[_Pair]) -> str:
 def _indexes(connector: Connector) -> dict[str, int]:
     """Return the index of the contact of each line. Lines with several contacts are left out."""
     names = [(name, index) for index, contact in enumerate(connector.contacts) for name in signal_names(contact.signal)]
-    all_names = [name for name, _ in names]
-    return {name: index for name, index in names if all_names.count(name) == 1}
+    counts = Counter(name for name, _ in names)
+    return {name: index for name, index in names if counts[name] == 1}
 
 
 def _pairs(connector: Connector, indexes: Mapping[str, int]) -> Iterator[_Pair]:
