@@ -38,7 +38,6 @@ from . import (
     step_agreement,
     table_agreement,
     values,
-    widths,
     words,
 )
 from . import procedures as banks
@@ -257,5 +256,4 @@ RULES: tuple[Rule, ...] = (
     name_agreement.names_and_meanings,
     name_agreement.misspelt_fields,
     name_agreement.numbers_of_leds,
-    widths.widths_and_codes,
 )
