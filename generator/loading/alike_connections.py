@@ -166,7 +166,7 @@ def _contacts_by_line(connector: Any, path: Path, document: Document) -> dict[_L
 def _lines(signal: str, interfaces: Sequence[str]) -> Iterator[_Line]:
     """Yield the lines that a signal names, for each interface: ``("biss", "ma+")``, ``("", "0 V")``."""
     for name in signal_names(signal):
-        if name in _SHIELDS:  # It is on the case, which each manual calls otherwise.
+        if name in _SHIELDS:  # It is on the case, whose name differs between manuals.
             continue
         supply = _SUPPLY.fullmatch(name)
         if supply is not None:
