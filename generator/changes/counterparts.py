@@ -27,6 +27,7 @@ def remember_all_renamings(family_pair: FamilyPair) -> None:
     family_pair.remember_renamings("crc", pair_section(family_pair, "crcs"))
     family_pair.remember_renamings("decision", pair_section(family_pair, "alternatives"))
     family_pair.remember_renamings("register", pair_section(family_pair, "registers"))
+    family_pair.remember_renamings("register", _pair_replaced_registers(family_pair))
     for old_register, new_register in complete_pairs(pair_section(family_pair, "registers")):
         _remember_renamings_in_layout(
             family_pair,
@@ -39,6 +40,18 @@ def remember_all_renamings(family_pair: FamilyPair) -> None:
     for old_interface, new_interface in complete_pairs(interface_pairs):
         _remember_renamings_in_frames(family_pair, old_interface, new_interface)
     family_pair.remember_renamings("procedure", pair_section(family_pair, "procedures"))
+
+
+def _pair_replaced_registers(family_pair: FamilyPair) -> list[Pair[Register]]:
+    """Return the pairs of a register that is gone and a new one with another length or other bits at its address.
+
+    Both are reported. Those that use the register then do not count as changed too.
+    """
+    pairs = pair_section(family_pair, "registers")
+    gone_registers = [pair.old for pair in pairs if pair.old is not None and pair.new is None]
+    new_registers = [pair.new for pair in pairs if pair.new is not None and pair.old is None]
+    address_of = attrgetter("interface", "bank", "address")
+    return pair_by_name(gone_registers, new_registers, address_of)
 
 
 def _remember_renamings_in_frames(family_pair: FamilyPair, old: Interface, new: Interface) -> None:

@@ -17,6 +17,7 @@ from ..language.written_layouts import WrittenField
 from ..language.written_parts import WrittenSpec
 from ..model import Biss, Crc, Device, Fault, PlacedField, Register, RegisterExample, Variant, number_to_bytes
 from ..reference import codec
+from .alike_connections import compare_connectors, compare_ports
 from .from_mapping import Raw
 
 #: Shared facts of registers and CRCs with one name, with the format of numbers in messages.
@@ -34,13 +35,16 @@ def check_shared_facts(documents: Sequence[Document], report: Report) -> None:
     for maker_document in documents:
         if "device" in maker_document.data or report.faults(maker_document):
             continue
+        alike_names = maker_document.data.get("alike", {})
         maker = maker_document.data.get("manufacturer")
         documents_of_maker = [device for device in device_documents if device.data.get("manufacturer") == maker]
-        # ``alike`` lists the names of registers and CRCs, such as ``{"registers": ["preset"]}``.
-        for kind, names in maker_document.data.get("alike", {}).items():
-            for name in names:
+        for kind in _COMMON:
+            # ``name`` is that of a register or CRC, such as ``{"registers": ["preset"]}``.
+            for name in alike_names.get(kind, ()):
                 documents_with_fact = [document for document in documents_of_maker if name in _parts(kind, document)]
                 _compare(kind, name, documents_with_fact, report)
+        compare_ports(alike_names.get("ports", ()), documents_of_maker, report)
+        compare_connectors(maker_document, documents_of_maker, report)
 
 
 def _parts(kind: str, document: Document) -> Mapping[str, WrittenRegister | Located[Crc]]:

@@ -16,8 +16,10 @@ from ..model import Sources
 from .passages import Passage
 from .sections import COVER, WORD, plain
 
-#: Keys that hold no fact of their own.
-_NO_FACTS = frozenset({"source", "name", "erratum", "affects"})
+#: Keys that hold no fact of the manual: places, names, and the judgement of an erratum.
+_NO_FACTS = frozenset({"source", "name", "erratum", "affects", "severity", "status"})
+#: Words that manuals print for keys whose own words they never print.
+_PRINTED_FOR_KEY = {"init": "start value", "poly": "polynomial", "xorout": "inverted output"}
 #: Keys of the words that a manual prints next to a value.
 _LABELS = ("name", "printed_name", "title", "symbol", "contact", "signal")
 #: Letters of a value shown with its fact.
@@ -256,8 +258,9 @@ def _facts_in(document: Document, data: Any, path: Path, around: _Surroundings) 
         for key, member in data.items():
             is_fact = key not in _NO_FACTS and not str(key).endswith("_source")
             if is_fact:
+                printed_key = _PRINTED_FOR_KEY.get(str(key), str(key))
                 around_member = replace(
-                    in_map, source=_source_of_member(data, path, key, in_map), names=(*in_map.names, str(key))
+                    in_map, source=_source_of_member(data, path, key, in_map), names=(*in_map.names, printed_key)
                 )
                 yield from _facts_in(document, member, (*path, key), around_member)
     elif isinstance(data, list):

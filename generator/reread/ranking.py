@@ -25,6 +25,8 @@ _MOST_DIFFERING_VALUES = 4
 _HEXADECIMAL = re.compile(r"[0-9a-f]{2,}h")
 #: A label of an order code, in capital letters.
 _LABEL = re.compile(r"[A-Z][A-Z0-9]+")
+#: Facts that an insertion names, at most.
+_MOST_INSERTED = 3
 #: Groups of facts that are a changed text, at most.
 _MOST_EQUAL = 10
 #: Letters of a changed text that is looked for in other texts, with the spaces around it.
@@ -158,22 +160,23 @@ class TouchedFacts:
         return list(fact_by_path.values())
 
     def _with_changed_text(self, passage: Passage, facts: Sequence[Citing]) -> list[Citing]:
-        """Return the facts whose value or name is the changed text, then those that contain it.
+        """Return the facts that an insertion names, those whose value or name is the changed text, and those with it.
 
         Facts with the same key and value form a group, and there are at most 10 groups and containing facts together.
-        If there are more groups, as for a text such as "1", no fact is returned.
+        If there are more groups, as for a text such as "1", only the first are returned.
         """
         change = _Change(passage)
+        inserted_facts = [fact for fact in facts if change.inserts_name_of(fact)]
         equal_facts_by_value: dict[tuple[str, object], list[Citing]] = {}
         for fact in facts:
             if change.is_value_or_name_of(fact):
                 equal_facts_by_value.setdefault((key_of(fact), fact.value), []).append(fact)
         group_count = len(equal_facts_by_value)
         if group_count > _MOST_EQUAL:
-            return []
+            return inserted_facts[:_MOST_INSERTED]
         equal_facts = list(chain.from_iterable(equal_facts_by_value.values()))
         containing_facts = [fact for fact in facts if change.is_in(fact)]
-        return equal_facts + containing_facts[: _MOST_EQUAL - group_count]
+        return inserted_facts[:_MOST_INSERTED] + equal_facts + containing_facts[: _MOST_EQUAL - group_count]
 
     def _facts_of_referring_items(self, item: str, passage: Passage) -> list[Citing]:
         """Return a fact of each item that refers to this one, by path or name, for at most 3 items.
@@ -220,6 +223,7 @@ class _Change:
         self._text = spaced(" ".join(changed_words)) if is_replaced else ""
         self._old_context = spaced(shown_old_text) if is_replaced else ""
         self._adds_row = not passage.old
+        self._inserted_text = "" if passage.old else spaced(" ".join(passage.new))
         # The shown text has the changed words in brackets: ``at most [ 10 ] MHz``.
         words_before_change = shown_old_text.partition("[")[0]
         self._before = spaced(words_before_change) if passage.new else ""
@@ -230,9 +234,9 @@ class _Change:
         """Return whether the changed words are the value, the name or the label of a fact.
 
         A number is enough if the value is a number. If a passage only adds words, such as a row, only the parts of the
-        order code count. A page of the contents counts only if the change is the name of its entry.
+        order code count. A page of the contents counts only if the change is in the name of its entry.
         """
-        if fact.is_page_of_contents and fact.own_name_text != self._text:
+        if fact.is_page_of_contents and not self._is_changed_name(fact.own_name_text):
             return False
         if isinstance(fact.value, int | float) and not isinstance(fact.value, bool) and fact.words & self._numbers:
             return True
@@ -240,6 +244,11 @@ class _Change:
             return fact.path.startswith("order_code.parts.")
         is_label = not self._labels.isdisjoint((*fact.path.split("."), str(fact.value)))
         return is_label or self._is_changed_name(fact.text) or self._is_changed_name(fact.own_name_text)
+
+    def inserts_name_of(self, fact: Citing) -> bool:
+        """Return whether a passage that only adds words has the name of a fact, of several words: ``start value``."""
+        name = fact.own_name_text
+        return " " in name.strip() and name in self._inserted_text
 
     def _is_changed_name(self, text: str) -> bool:
         """Return whether a text is the changed one, or one of both is a part of the other.

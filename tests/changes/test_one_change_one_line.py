@@ -115,3 +115,22 @@ def test_another_type_in_c_is_part_of_another_width() -> None:
     assert change.text.endswith(", in C uint32_t → uint16_t")
     # The variable in C must change, the other outputs only read other bits.
     assert [impact.word for impact in change.rule.impacts] == ["breaking", "behaviour", "behaviour", "documentation"]
+
+
+def test_steps_that_use_a_register_with_another_name_and_length_do_not_change() -> None:
+    same_lines = "    meaning: Opens the preset\n    interface: biss\n    address: 0x60\n    length: "
+    old_register = f"  - name: preset_enable\n{same_lines}1\n"
+    new_register = f"  - name: opener\n{same_lines}2\n    byte_order: high_byte_first\n"
+    edits = (
+        (old_register, new_register),
+        ("opened_by: {register: preset_enable, value: enable}", "opened_by: {register: opener, value: enable}"),
+        ("{do: write, register: preset_enable", "{do: write, register: opener"),
+        (
+            "        at: 7:0\n        values:\n          disable:",
+            "        at: 15:0\n        values:\n          disable:",
+        ),
+    )
+    assert lines(*edits) == [
+        "register-gone: register 60h preset_enable is gone",
+        "register-new: registers 60h to 61h opener is new",
+    ]

@@ -22,7 +22,8 @@ RULES_WITH_BROKEN_SPECS = """
     alignment-mismatch
     also-written alternative-default alternative-use argument-not-written argument-register
     bad-expression bad-key bad-pattern bad-source bank-not-selected biss-protocol
-    byte-order-missing cable-order cited-place clock-range column-units combination contact-numbers
+    byte-order-missing cable-order cited-place clock-range column-units combination contact-interface
+    contact-kind contact-numbers contact-wire
     crc-impossible data-id-frames date default-mismatch description-file device-name
     duplicate-address duplicate-key duplicate-name error-usable evidence-grade example-shape
     explains-twice figure-number flag-differs implausible-rate incomplete-pair interface-mismatch
@@ -30,11 +31,11 @@ RULES_WITH_BROKEN_SPECS = """
     makes-position-missing meaning-mismatch measurement-shape memory-access-repeated merge-key
     missing-key missing-signal misspelt-name monoflop network-mismatch not-a-map not-allowed
     not-opened not-summed not-text number-base number-too-long open-quotation
-    order-code-ambiguous order-code-pattern out-of-range output-code parameter-cycle
+    order-code-ambiguous order-code-pattern out-of-range output-code pair-order parameter-cycle
     parameter-interface parameter-origin plain-bit port-mismatch printed-number procedure-name
     quantity-repeated quantity-text register-range repeated-item repeated-text request-purpose
     revision-not-in-history rs485-exchange same-answers saved-too-early sender several-documents signal-twice
-    spi-exchange spi-parity step-shape summed-twice summed-verdict supply-range table-shape tag
+    spi-exchange spi-parity step-shape summed-twice summed-verdict supply-range table-arithmetic table-shape tag
     time-repeated timeout-mismatch timing-order timing-without-bound too-deep too-large too-long
     too-short typographic-quotes undefined-reference unit-mismatch unknown-key unknown-standard
     unused-bits unused-crc value-clash value-too-wide value-verdict verdict-choice wait-mismatch

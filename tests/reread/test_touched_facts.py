@@ -113,6 +113,12 @@ Order codes: AMx36xx/4096-BG-... AMx36xx/4096-GG-...
 
 6 BiSS C-mode interface
 
+6.3.1 SCD structure
+
+CRC
+
+Polynomial: X6 + X1 + 1 (binary: 1000011)
+
 6.5 Implemented registers
 
 Command
@@ -134,7 +140,8 @@ This device is to be supplied by a Class 2 circuit.
 def paths_of_am36(tmp_path: Path, capsys: pytest.CaptureFixture[str], old: str, new: str) -> list[str]:
     """Return the paths of the facts that are listed for the only passage, with those of the same value and key."""
     titles = ["1 Safety summary", "2 Identification", "3 Mounting instructions", "4 Electrical connections"]
-    titles += ["5 SSI interface", "6 BiSS C-mode interface", "6.5 Implemented registers", "7 Default parameters list"]
+    titles += ["5 SSI interface", "6 BiSS C-mode interface", "6.3.1 SCD structure"]
+    titles += ["6.5 Implemented registers", "7 Default parameters list"]
     text = AM36_TEXT.format(contents="".join(f"{title}....... {page}\n" for page, title in enumerate(titles, 8)))
     assert text.count(old) == 1
     (tmp_path / "old.txt").write_text(text, encoding="utf-8")
@@ -182,3 +189,10 @@ def test_a_dropped_order_code_lists_its_option(tmp_path: Path, capsys: pytest.Ca
 def test_a_new_row_of_the_history_lists_the_rows_above(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     listed = "\n".join(paths_of_am36(tmp_path, capsys, "1.0\tFirst issue\n", "1.0\tFirst issue\n2.0\tCable colours\n"))
     assert 'revision: "1.0", changes: First issue.' in listed
+
+
+def test_an_added_start_value_lists_that_of_the_crc_first(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    added = "(binary: 1000011)\n\nStart value of the calculation: 3F hex\n"
+    listed = paths_of_am36(tmp_path, capsys, "(binary: 1000011)\n", added)[:LISTED]
+    assert listed[0] == "init: 0"
+    assert any("The start value is 0." in line for line in listed)

@@ -342,7 +342,9 @@ class _CellPair:
 
     @property
     def is_numeric(self) -> bool:
-        return all(map(_NUMBER.fullmatch, (self.cell, self.earlier_cell)))
+        """Return True if both cells are numbers, or texts with a number that have the same words: ``below 7``."""
+        words = {_NUMBER.sub("", cell) for cell in (self.cell, self.earlier_cell)}
+        return len(words) == 1 and _NUMBER.search(self.cell) is not None
 
 
 def _only_difference(table: Table, earlier_table: Table) -> _CellPair | None:

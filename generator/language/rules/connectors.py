@@ -125,7 +125,7 @@ def incomplete_pair(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
         has_inverted = any(name.startswith("/") for name in names)
         for contact in connector.contacts:
             for name in contact.names:
-                partner = _partner(name, has_inverted)
+                partner = partner_of(name, has_inverted)
                 if partner and partner.casefold() not in names and not connector.names_in_note(partner):
                     message = (
                         f"{quoted(name)} is here, but {quoted(partner)} is not on {connector.label}; add it, or say in"
@@ -150,9 +150,16 @@ def connector_and_cable(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
 
 
 def _report_missing_signals(incomplete: _Connector, complete: _Connector, report: DocumentReport) -> None:
-    """Report the signals of a connector or cable that another, ``incomplete``, neither has nor names in its note."""
-    signals = {_plain(contact.signal) for contact in incomplete.contacts}
-    missing_signals = [contact.signal for contact in complete.contacts if _plain(contact.signal) not in signals]
+    """Report the signals of a connector or cable that another, ``incomplete``, neither has nor names in its note.
+
+    It has a signal if it has one of its names, such as ``MA +`` of ``CLOCK IN + / MA +``.
+    """
+    names = {_plain(name) for contact in incomplete.contacts for name in (contact.signal, *contact.names)}
+    missing_signals = [
+        contact.signal
+        for contact in complete.contacts
+        if names.isdisjoint({_plain(name) for name in (contact.signal, *contact.names)})
+    ]
     unexplained = [signal for signal in dict.fromkeys(missing_signals) if not incomplete.names_in_note(signal)]
     if unexplained:
         lacking = f"{incomplete.label} lacks {listed(map(quoted, unexplained))}, which {complete.label} has"
@@ -190,7 +197,7 @@ def _names(text: str) -> Iterator[str]:
             yield name.strip()
 
 
-def _partner(name: str, has_inverted: bool) -> str:
+def partner_of(name: str, has_inverted: bool) -> str:
     """Return the name of the other line of a differential pair, or an empty string.
 
     It is ``MA-`` for ``MA+``, and ``A`` for ``/A``. A single letter is the plain line of a pair if the connector has
@@ -201,3 +208,13 @@ def _partner(name: str, has_inverted: bool) -> str:
     if name.startswith("/"):
         return name[1:]
     return f"/{name}" if has_inverted and re.fullmatch("[A-Za-z]", name) else ""
+
+
+def signal_names(signal: str) -> list[str]:
+    """Return the names of a signal in lower case: ``a``, ``req+`` and ``sd+`` of ``A (REQ+ / SD+)``.
+
+    A contact that is free has none.
+    """
+    if _FREE.fullmatch(signal.strip()):
+        return []
+    return [name.casefold() for name in _Contact((), "", signal, "").names]

@@ -818,7 +818,10 @@ CONNECTORS: Final[tuple[Connector, ...]] = (
             Contact("12", "0Vdc"),
             Contact("Case", "Shield"),
         ),
-        note="+Vdc is the voltage given by the order code. The table has no row for pins 5 to 10.",
+        note=(
+            "+Vdc is the voltage given by the order code. The table has no row for pins 5 to 10. CLOCK IN- is on a "
+            "lower contact than CLOCK IN+, but DATA OUT+ is on a lower contact than DATA OUT-."
+        ),
         source="4 p.13, 4.2 p.13",
     ),
     Connector(

@@ -1,0 +1,240 @@
+"""Rules for the kinds of connectors, the order of their pairs, and the interfaces of their lines."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+from ...model import Connector
+from ..problems import DocumentReport, quoted
+from ..schema_files import is_second
+from ..written import Located
+from ..written_parts import WrittenSpec
+from .connectors import partner_of, signal_names
+from .parts import explained
+
+_COLOURS = "white|black|brown|green|yellow|grey|gray|pink|blue|red|violet|orange|purple"
+#: A wire with one colour or two: ``White``, ``Brown_Green``.
+_WIRE = re.compile(rf"(?:{_COLOURS})(?:[-_/ ](?:{_COLOURS}))?", re.IGNORECASE)
+_SHIELD = re.compile(r"shield|screen|braid|drain", re.IGNORECASE)
+#: Lines that only one interface has, by the names that its standard gives them.
+_LINES = {"biss": frozenset(("ma+", "ma-", "slo+", "slo-")), "rs485": frozenset(("rs-485",))}
+#: A connector and a cable for the same interface.
+_Connection = tuple[Located[Connector], Located[Connector]]
+#: Connectors and cables that are compared, and those with the same titles.
+_MOST_CONNECTORS, _MOST_CONNECTIONS = 100, 10
+#: The statement of a note that explains the order of a pair.
+_STATEMENT = re.compile(r"(?P<first>[\w/ ]+?(?: ?[+-])?) is on a lower contact than (?P<second>[\w/ ]+(?: ?[+-])?)")
+
+
+class _Pair(NamedTuple):
+    """The two lines of a differential pair on a connector, and the indexes of their contacts."""
+
+    plain: str
+    inverted: str
+    plain_index: int
+    inverted_index: int
+
+    @property
+    def is_plain_first(self) -> bool:
+        return self.plain_index < self.inverted_index
+
+    @property
+    def is_apart(self) -> bool:
+        return abs(self.plain_index - self.inverted_index) > 1
+
+    @property
+    def first(self) -> str:
+        return self.plain if self.is_plain_first else self.inverted
+
+    @property
+    def second(self) -> str:
+        return self.inverted if self.is_plain_first else self.plain
+
+
+def kinds_of_contacts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that wires with colours are those of a cable, and that a contact named after a shield carries no signal."""
+    for connector in spec.connectors:
+        for index, contact in enumerate(connector.part.contacts):
+            place = (*connector.path, "contacts", index)
+            if connector.part.kind == "connector" and _WIRE.fullmatch(contact.contact):
+                message = f"{quoted(contact.contact)} is the colour of a wire, but the kind is 'connector'"
+                report.add("contact-kind", (*connector.path, "kind"), f"{message}; write 'kind: cable'")
+                break
+            if _SHIELD.fullmatch(contact.contact) and not _SHIELD.search(contact.signal):
+                message = f"the contact is a shield, but its signal is {quoted(contact.signal)}; correct one of the two"
+                report.add("contact-kind", (*place, "signal"), message)
+
+
+def numbered_cables(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a cable has a wire with a name that is not a number, unless a note says that they are numbered."""
+    if is_second(report.document.file):  # It has no notes.
+        return
+    for connector in spec.connectors:
+        wires = [wire.contact for wire in connector.part.contacts if not _is_case(wire.contact)]
+        is_numbered = bool(wires) and all(wire.isdecimal() for wire in wires)
+        has_case = len(wires) < len(connector.part.contacts)  # Without one, another rule reports it.
+        if connector.part.kind == "cable" and is_numbered and has_case and "number" not in connector.part.note:
+            message = "the wires have numbers, as the contacts of a connector; write 'kind: connector'"
+            report.add("contact-kind", (*connector.path, "kind"), message)
+
+
+def _is_case(name: str) -> bool:
+    return name.casefold() in ("case", "housing", "shell") or _SHIELD.fullmatch(name) is not None
+
+
+def interfaces_of_lines(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a connector with a line that only one interface has, such as ``MA +``, is for this interface."""
+    for connector in spec.connectors:
+        names = {name for contact in connector.part.contacts for name in signal_names(contact.signal)}
+        for interface, lines in _LINES.items():
+            has_interface = getattr(spec.interfaces, interface) is not None
+            is_missing = bool(connector.part.interfaces) and interface not in connector.part.interfaces
+            if has_interface and is_missing and names & lines:
+                line = min(names & lines)
+                message = f"{quoted(line)} is a line of {interface}; add it, or correct the signals"
+                report.add("contact-interface", (*connector.path, "interfaces"), message)
+
+
+def wires_of_contacts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a contact and a wire with the same line have the same one over every interface.
+
+    A signal that a connector and a cable both have once belongs to a contact and a wire of one line. If another
+    connector and cable of the spec have the same titles, these two must have the same signal there too.
+    """
+    for connections in _connections_by_titles(spec).values():
+        for connector, cable in connections[:_MOST_CONNECTIONS]:
+            wires = _wires_by_contact(connector.part, cable.part)
+            for other_connector, other_cable in connections[:_MOST_CONNECTIONS]:
+                if other_connector is not connector:
+                    _compare_signals(wires, other_connector, other_cable, report)
+
+
+def _connections_by_titles(spec: WrittenSpec) -> dict[tuple[str, str], list[_Connection]]:
+    """Return each connector with each cable for the same interfaces, by the titles of the two."""
+    connections: dict[tuple[str, str], list[_Connection]] = {}
+    connectors = spec.connectors[:_MOST_CONNECTORS]
+    for connector in (candidate for candidate in connectors if candidate.part.kind == "connector"):
+        for cable in (candidate for candidate in connectors if candidate.part.kind == "cable"):
+            if {*connector.part.interfaces} & {*cable.part.interfaces}:
+                titles = connector.part.title, cable.part.title
+                connections.setdefault(titles, []).append((connector, cable))
+    return connections
+
+
+def _wires_by_contact(connector: Connector, cable: Connector) -> dict[str, str]:
+    """Return the wire of each contact, by the signals that both have once: ``{"2": "Pink"}``."""
+    counts = Counter(_plain_signal(contact.signal) for contact in connector.contacts)
+    counts_of_wires = Counter(_plain_signal(wire.signal) for wire in cable.contacts)
+    wire_by_signal = {_plain_signal(wire.signal): wire.contact for wire in cable.contacts}
+    wires: dict[str, str] = {}
+    for contact in connector.contacts:
+        signal = _plain_signal(contact.signal)
+        if counts[signal] == 1 and counts_of_wires[signal] == 1:
+            wires[contact.contact] = wire_by_signal[signal]
+    return wires
+
+
+def _plain_signal(signal: str) -> str:
+    return re.sub(r"\s+", "", signal).casefold()
+
+
+def _compare_signals(
+    wires: Mapping[str, str], connector: Located[Connector], cable: Located[Connector], report: DocumentReport
+) -> None:
+    """Report each contact whose wire has another signal, unless an erratum affects the contact or the wire."""
+    signals_of_wires = {wire.contact: wire.signal for wire in cable.part.contacts}
+    for index, contact in enumerate(connector.part.contacts):
+        wire = wires.get(contact.contact, "")
+        signal = signals_of_wires.get(wire)
+        if signal is None or _plain_signal(signal) == _plain_signal(contact.signal):
+            continue
+        places = ((connector.part.name, contact.contact), (cable.part.name, wire))
+        if not any(explained(report.document, "connectors", name, "contacts", place) for name, place in places):
+            message = (
+                f"contact {quoted(contact.contact)} and the wire {quoted(wire)} have the same line over another"
+                f" interface, but {quoted(contact.signal)} and {quoted(signal)} here; correct one of the tables"
+            )
+            report.add("contact-wire", (*connector.path, "contacts", index, "signal"), message)
+
+
+def order_of_pairs(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the two lines of each pair are next to each other, and in the same order as those of the first pair.
+
+    If all of three or more pairs are apart, or the only one is, they are compared by their order alone.
+    A note such as "MA - is on a lower contact than MA +" explains another order. It must be true.
+    """
+    if is_second(report.document.file):  # It has no notes.
+        return
+    for connector in spec.connectors:
+        contacts_by_name = _indexes(connector.part)
+        statements = list(_true_statements(connector, contacts_by_name, report))
+        pairs = list(_pairs(connector.part, contacts_by_name))
+        for pair in pairs:
+            problem = _wrong_order(pair, pairs)
+            if problem and {pair.plain_index, pair.inverted_index} not in statements:
+                statement = f"{pair.first} is on a lower contact than {pair.second}"
+                message = f"{problem}; correct it, or say in a 'note' that {statement}"
+                place = (*connector.path, "contacts", min(pair.plain_index, pair.inverted_index), "signal")
+                report.add("pair-order", place, message)
+
+
+def _wrong_order(pair: _Pair, pairs: Sequence[_Pair]) -> str:
+    """Return why the order of a pair is unusual, or an empty string.
+
+    Its lines are apart unlike those of another pair, or are not in the order of the first pair.
+    """
+    first_pair = pairs[0]
+    is_unlike_others = any(not other.is_apart for other in pairs) or len(pairs) == 2
+    if pair.is_apart and is_unlike_others:
+        return f"{quoted(pair.first)} and {quoted(pair.second)} are not next to each other"
+    if pair.is_plain_first != first_pair.is_plain_first:
+        order_of_first_pair = f"{quoted(first_pair.first)} before {quoted(first_pair.second)}"
+        return f"{quoted(pair.first)} is before {quoted(pair.second)}, but {order_of_first_pair}"
+    return ""
+
+
+def _indexes(connector: Connector) -> dict[str, int]:
+    """Return the index of the contact of each line. Lines with several contacts are left out."""
+    names = [(name, index) for index, contact in enumerate(connector.contacts) for name in signal_names(contact.signal)]
+    counts = Counter(name for name, _ in names)
+    return {name: index for name, index in names if counts[name] == 1}
+
+
+def _pairs(connector: Connector, indexes: Mapping[str, int]) -> Iterator[_Pair]:
+    """Yield the pairs of a connector, in the order of its contacts. Several names of the same lines are one pair."""
+    has_inverted = any(name.startswith("/") for name in indexes)
+    places: set[tuple[int, int]] = set()
+    for name in indexes:
+        partner = partner_of(name, has_inverted)
+        if partner not in indexes:
+            continue
+        is_inverted = name.endswith("-") or name.startswith("/")
+        plain, inverted = (partner, name) if is_inverted else (name, partner)
+        place = (indexes[plain], indexes[inverted])
+        if place not in places:
+            places.add(place)
+            yield _Pair(plain, inverted, *place)
+
+
+def _true_statements(
+    connector: Located[Connector], indexes: Mapping[str, int], report: DocumentReport
+) -> Iterator[set[int]]:
+    """Yield the contacts of each statement of the note about their order, and report a statement that is not true."""
+    for match in _STATEMENT.finditer(connector.part.note):
+        names = [_last_line(match[key], indexes) for key in ("first", "second")]
+        if not all(names):
+            continue
+        first, second = names
+        if indexes[first] > indexes[second]:
+            message = f"the note says that {first} is on a lower contact than {second}, but it is on a higher one"
+            report.add("pair-order", (*connector.path, "note"), f"{message}; correct one of the two")
+        yield {indexes[first], indexes[second]}
+
+
+def _last_line(text: str, indexes: Mapping[str, int]) -> str:
+    """Return the line whose name ends a text before "is", or begins one behind "than", or an empty string."""
+    plain_text = re.sub(r"\s+(?=[+-])", "", text.strip()).casefold()
+    return next((name for name in indexes if plain_text in (name, f"but {name}", f"and {name}")), "")

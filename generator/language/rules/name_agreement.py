@@ -1,0 +1,92 @@
+"""Rules for names that other names or their own meanings repeat."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from itertools import combinations
+
+from ..document import Path
+from ..problems import DocumentReport, is_typo, quoted
+from ..written_parts import WrittenSpec
+from .parts import field_lists
+
+#: Words of a name, with the patterns of their opposites.
+_OPPOSITES = {
+    "singleturn": re.compile(r"multi-?turn", re.IGNORECASE),
+    "multiturn": re.compile(r"single-?turn", re.IGNORECASE),
+    "read": re.compile(r"writ(?:es?|ing|ten)", re.IGNORECASE),
+    "write": re.compile(r"read(?:s|ing)?", re.IGNORECASE),
+}
+#: Shortest word that is compared with those of other names, and most names.
+_SHORTEST, _MOST = 6, 300
+
+
+def names_and_meanings(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no meaning begins with the opposite of a word in the name, as "Write a byte" for ``read``."""
+    for name, path, text in _named_texts(spec):
+        first_word = text.partition(" ")[0]
+        words = set(name.split("_"))
+        if {"read", "write"} <= words or {"singleturn", "multiturn"} <= words:
+            continue
+        opposites = [word for word in words if word in _OPPOSITES and _OPPOSITES[word].fullmatch(first_word)]
+        if opposites:
+            message = f"the text begins with {quoted(first_word)}, but the name has {quoted(opposites[0])}"
+            report.add("words-contradict", path, f"{message}; correct one of the two")
+
+
+def numbers_of_leds(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the numbers in the name of an LED, such as ``led_1``, are those in its title, if it has any."""
+    for led in spec.leds:
+        numbers_of_name, numbers_of_title = (re.findall(r"\d+", text) for text in (led.part.name, led.part.title))
+        if numbers_of_name and numbers_of_title and numbers_of_name != numbers_of_title:
+            message = f"the title has {numbers_of_title[0]}, but the name is {quoted(led.part.name)}"
+            report.add("words-contradict", (*led.path, "title"), f"{message}; correct one of the two")
+
+
+def _named_texts(spec: WrittenSpec) -> Iterator[tuple[str, Path, str]]:
+    """Yield the name of each parameter, part of an order code, data ID, field and value, with its texts."""
+    for name, parameter in spec.parameters.items():
+        yield name, parameter.place_of("meaning"), parameter.meaning
+    for part in spec.order_code.parts:
+        yield part.name, part.place_of("meaning"), part.meaning
+    rs485 = spec.interfaces.rs485
+    for data_id in rs485.data_ids if rs485 is not None else ():
+        yield data_id.part.name, (*data_id.path, "meaning"), data_id.part.meaning
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
+            yield field.name, field.place_of("meaning"), field.meaning
+            yield field.name, field.place_of("when_active"), field.when_active
+            for name, value in field.values.items():
+                yield name, value.place_of("meaning"), value.meaning
+
+
+def misspelt_fields(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no field has the name of another one with a typo, such as ``posiion`` for ``position``.
+
+    The rarer of the two names is reported, at its first field.
+    """
+    places: dict[str, Path] = {}
+    counts: Counter[str] = Counter()
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
+            places.setdefault(field.name, field.place_of("name"))
+            counts[field.name] += 1
+    for pair in combinations(list(counts)[:_MOST], 2):
+        rarer, common = sorted(pair, key=lambda name: counts[name])
+        if _lacks_a_letter(rarer.split("_"), common.split("_")):
+            message = f"another field is {quoted(common)}; correct one of the two, or give them names that differ more"
+            report.add("misspelt-name", places[rarer], message)
+
+
+def _lacks_a_letter(words: Sequence[str], other_words: Sequence[str]) -> bool:
+    """Return True if names differ in one long word, which has a letter more or less than the other one."""
+    if len(words) != len(other_words):
+        return False
+    different = [(word, other) for word, other in zip(words, other_words, strict=True) if word != other]
+    if len(different) != 1:
+        return False
+    word, other_word = different[0]
+    is_long = min(len(word), len(other_word)) >= _SHORTEST
+    return is_long and len(word) != len(other_word) and is_typo(word, other_word)

@@ -1,0 +1,172 @@
+"""Rules for the cells of tables that other facts repeat: frequencies, resolutions, order codes, reserved addresses."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from decimal import Decimal
+
+from ...model import Table
+from ..problems import DocumentReport, quoted
+from ..written import Located
+from ..written_parts import WrittenSpec
+
+_NUMBER = re.compile(r"\d+(?:\.\d+)?")
+_HEX = re.compile(r"(?:0x)?([0-9A-F]{2,4})h?")
+#: Edges of the two signals A and B in one period.
+_EDGES = 4
+_FREQUENCIES = frozenset(("Hz", "kHz", "MHz"))
+_NANOMETRES = {"nm": 1, "µm": 1_000, "mm": 1_000_000}
+
+
+def edges_and_periods(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a table with frequencies of periods and of edges has four edges a period.
+
+    The signals A and B have two edges each in one period. An erratum about the table that has both numbers explains
+    others.
+    """
+    for table in spec.tables:
+        periods, edges = (_frequency_column(table.part, word) for word in ("periods", "edges"))
+        if periods is None or edges is None:
+            continue
+        numbers_of_errata = _numbers_of_errata(spec, f"tables.{table.part.name}")
+        for index, row in enumerate(table.part.rows):
+            period_frequency, edge_frequency = _number(row, periods), _number(row, edges)
+            if period_frequency is None or edge_frequency is None or edge_frequency == _EDGES * period_frequency:
+                continue
+            if not {row[periods], row[edges]} <= numbers_of_errata:
+                message = f"{row[edges]} edges are not {_EDGES} times {row[periods]} periods"
+                place = (*table.path, "rows", index, edges)
+                report.add("table-arithmetic", place, f"{message}; correct one of the two")
+
+
+def _numbers_of_errata(spec: WrittenSpec, place: str) -> set[str]:
+    """Return the numbers in the texts of the errata that affect a place."""
+    texts = [f"{erratum.printed} {erratum.used}" for erratum in spec.errata if place in erratum.affects]
+    return set(_NUMBER.findall(" ".join(texts)))
+
+
+def _frequency_column(table: Table, word: str) -> int | None:
+    """Return the only column of frequencies with this word in its heading, if its unit is that of the others."""
+    columns = [
+        index
+        for index, (heading, unit) in enumerate(zip(table.columns, table.units, strict=False))
+        if unit in _FREQUENCIES and re.search(rf"\b{word}\b", heading, re.IGNORECASE)
+    ]
+    frequency_units = {unit for unit in table.units if unit in _FREQUENCIES}
+    return columns[0] if len(columns) == 1 and len(frequency_units) == 1 else None
+
+
+def _number(row: tuple[str, ...], column: int) -> Decimal | None:
+    cell = row[column] if column < len(row) else ""
+    return Decimal(cell) if _NUMBER.fullmatch(cell) else None
+
+
+def order_codes_in_rows(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a row about an order code has the quantity that the meaning of its label gives.
+
+    For example, the label ``0050`` means ``50 µm``, so its row has 50 in the column ``Resolution µm``. The column
+    begins with the meaning of the part of the order code.
+    """
+    for table in spec.tables:
+        for part in spec.order_code.parts:
+            meanings = {label: value.meaning for label, value in part.values.items()}
+            columns = [
+                index
+                for index, heading in enumerate(table.part.columns)
+                if part.meaning and heading.casefold().startswith(part.meaning.casefold())
+            ]
+            if len(columns) == 1 and columns[0] < len(table.part.units):
+                _compare_rows(table, columns[0], meanings, report)
+
+
+def _compare_rows(table: Located[Table], column: int, meanings: dict[str, str], report: DocumentReport) -> None:
+    """Report each row whose quantity is not the meaning of the only label of ``meanings`` in its other cells."""
+    unit = table.part.units[column]
+    for index, row in enumerate(table.part.rows):
+        other_cells = " ".join(cell for place, cell in enumerate(row) if place != column)
+        labels = {word for word in re.split(r"[^A-Za-z0-9]+", other_cells) if word in meanings}
+        if len(labels) != 1 or _number(row, column) is None:
+            continue
+        label = labels.pop()
+        quantity = re.fullmatch(rf"({_NUMBER.pattern}) {re.escape(unit)}", meanings[label]) if unit else None
+        if quantity is not None and Decimal(quantity[1]) != Decimal(row[column]):
+            message = (
+                f"the row is about {quoted(label)}, which means {meanings[label]} in the order code, but this is"
+                f" {row[column]} {unit}; correct one of the two"
+            )
+            report.add("table-arithmetic", (*table.path, "rows", index, column), message)
+
+
+def order_codes_in_tables(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the order codes in a column named after them begin as the pattern does, and have its numbers.
+
+    A number between two hyphens is a label of a part of the order code, or one that an open part accepts.
+    """
+    start = spec.order_code.pattern.partition("{")[0]
+    if not start.strip("-/ "):
+        return
+    for table in spec.tables:
+        headings = [heading.casefold() for heading in table.part.columns]
+        column = headings.index("order code") if "order code" in headings else len(headings)
+        for index, row in enumerate(table.part.rows):
+            codes = re.findall(r"\S+-\.\.\.", row[column]) if column < len(row) else []
+            problem = next(filter(None, (_wrong_code(code, start, spec) for code in codes)), "")
+            if problem:
+                report.add("table-arithmetic", (*table.path, "rows", index, column), f"{problem}; correct it")
+
+
+def _wrong_code(code: str, start: str, spec: WrittenSpec) -> str:
+    """Return why a text cannot be an order code, or an empty string."""
+    if not code.startswith(start):
+        return f"{quoted(code)} does not begin with {quoted(start)}, as order codes do"
+    for word in code.removeprefix(start).split("-"):
+        is_label = any(
+            word in part.values or (part.open and re.fullmatch(part.open, word)) for part in spec.order_code.parts
+        )
+        if word.isdecimal() and not is_label:
+            return f"{quoted(word)} is not in the order code"
+    return ""
+
+
+def reserved_addresses(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no register is in a range of addresses that a table calls reserved."""
+    for table in spec.tables:
+        headings = [heading.casefold() for heading in table.part.columns]
+        if "reserved" not in table.part.title.casefold() or not {"first address", "last address"} <= {*headings}:
+            continue
+        for index, row in enumerate(table.part.rows):
+            if len(row) < len(headings):
+                continue
+            addresses = [_HEX.fullmatch(row[headings.index(name)]) for name in ("first address", "last address")]
+            if None in addresses:
+                continue
+            first, last = (int(address[1], 16) for address in addresses if address is not None)
+            for register in spec.registers:
+                if not register.reserved and register.bank is None and first <= register.address <= last:
+                    message = f"the register {quoted(register.name)} is at {register.address:02X}h"
+                    report.add("table-arithmetic", (*table.path, "rows", index), f"{message}; correct one of the two")
+                    break
+
+
+def lengths_of_errata(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the lengths that an erratum about a table uses are in this table, if it has a column of lengths."""
+    tables = {f"tables.{table.part.name}": table.part for table in spec.tables}
+    for erratum in spec.errata:
+        lengths = {
+            length for affected in erratum.affects if affected in tables for length in _lengths(tables[affected])
+        }
+        for number, unit in re.findall(r"(\d[\d,]*(?:\.\d+)?) (nm|µm|mm)\b", erratum.used) if lengths else ():
+            if Decimal(number.replace(",", "")) * _NANOMETRES[unit] not in lengths:
+                message = f"no table that it affects has {number} {unit}; correct one of the two"
+                report.add("left-behind", erratum.place_of("used"), message)
+                break
+
+
+def _lengths(table: Table) -> Iterator[Decimal]:
+    """Yield the numbers in the columns of lengths of a table, in nanometres."""
+    for row in table.rows:
+        for column, unit in enumerate(table.units):
+            number = _number(row, column)
+            if unit in _NANOMETRES and number is not None:
+                yield number * _NANOMETRES[unit]

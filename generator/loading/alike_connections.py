@@ -1,0 +1,177 @@
+"""Compare the serial ports and the connectors that the file of a manufacturer lists as alike."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from pathlib import PurePath
+from typing import Any, NamedTuple
+
+from ..language.document import Document, Path
+from ..language.problems import Report, quoted
+from ..language.rules.connectors import signal_names
+from ..language.rules.parts import explained
+from ..language.rules.walk import items, mapping
+
+_PORT_KEYS = ("baud", "data_bits", "parity", "stop_bits", "flow_control")
+#: A supply or ground line, such as ``0vdc`` or ``+5vdc ±5%``, but not that of a battery, ``+vb``.
+_SUPPLY = re.compile(r"(?P<ground>0\s?v(?:dc)?)|\+\s?[\d.,]*\s?v(?!b).*")
+_SHIELDS = frozenset(("shield", "screen"))
+#: Any voltage, such as ``+vb``.
+_VOLTAGE = re.compile(r"[+-]?\s?[\d.,]*\s?v\w*")
+
+
+def compare_ports(interface_names: Sequence[str], documents: Sequence[Document], report: Report) -> None:
+    """Report each serial port with a setting that differs from that of the first device with the same interface."""
+    for name in interface_names:
+        path: Path = ("interfaces", name, "port")
+        with_port = [document for document in documents if mapping(document.data, *map(str, path))]
+        for document in with_port[1:]:
+            for key in _PORT_KEYS:
+                _compare_setting(with_port[0], document, (*path, key), report)
+
+
+def _compare_setting(first: Document, document: Document, path: Path, report: Report) -> None:
+    """Report a setting of a port that differs from that of the first device, unless an erratum affects it."""
+    place = [str(step) for step in path]
+    first_setting, setting = (mapping(either.data, *place[:-1]).get(place[-1]) for either in (first, document))
+    if first_setting is None or setting is None or first_setting == setting:
+        return
+    if explained(document, *place) or explained(first, *place):
+        return
+    line, _ = first.position(path)
+    message = (
+        f"this is {setting}, but {first_setting} in {PurePath(first.file).name}:{line}; according to the manufacturer's"
+        f" file, the port is the same in all devices. If it is not, add an erratum that affects {'.'.join(place)}"
+    )
+    report.add("not-alike", document, path, message)
+
+
+class _Contact(NamedTuple):
+    """A contact that carries a line: its number or colour, its connector, and its place in a spec."""
+
+    name: str
+    connector: str
+    document: Document
+    path: Path
+
+
+#: An interface and the name of a line. The interface of supply lines is empty, because they belong to all.
+_Line = tuple[str, str]
+
+
+def compare_connectors(maker_document: Document, documents: Sequence[Document], report: Report) -> None:
+    """Report each line that two connectors of a group have on different contacts.
+
+    The file of the manufacturer lists groups of references such as ``am36.m12_connector``. A device whose spec was not
+    read is skipped. Supply lines are compared between all connectors of a group, other lines for the same interface.
+    """
+    documents_by_device = {str(document.data["device"]): document for document in documents}
+    for group_index, group in enumerate(mapping(maker_document.data, "alike").get("connectors", ())):
+        contacts_by_line: dict[_Line, _Contact] = {}
+        cables: list[_Cable] = []
+        for index, reference in enumerate(group):
+            device, _, name = reference.partition(".")
+            document = documents_by_device.get(device)
+            if document is None:
+                continue
+            place = next((path for path, part in items(document.data, "connectors") if part.get("name") == name), None)
+            if place is not None:
+                _compare_connector(contacts_by_line, document, place, report)
+                cables += _cables(document, place)
+                continue
+            message = f"{quoted(device)} has no connector or cable {quoted(name)}"
+            reference_path: Path = ("alike", "connectors", group_index, index)
+            report.add("undefined-reference", maker_document, reference_path, message)
+        _compare_wires(cables, report)
+
+
+class _Cable(NamedTuple):
+    """A cable: its place, and the colours of its wires in lower case."""
+
+    document: Document
+    path: Path
+    wires: frozenset[str]
+
+
+def _cables(document: Document, path: Path) -> Iterator[_Cable]:
+    """Yield the cable at a place, or nothing for a connector. A shield is not a wire."""
+    connector = document.data["connectors"][path[-1]]
+    if connector["kind"] == "cable":
+        wires = {
+            str(contact["contact"]).casefold()
+            for _, contact in items(connector, "contacts")
+            if not _SHIELDS.intersection(signal_names(str(contact["signal"])))
+        }
+        yield _Cable(document, path, frozenset(wires))
+
+
+def _compare_wires(cables: Sequence[_Cable], report: Report) -> None:
+    """Report each cable with other wires than the first one of its group, unless an erratum affects its contacts."""
+    for cable in cables[1:]:
+        names = [str(either.document.data["connectors"][either.path[-1]]["name"]) for either in (cables[0], cable)]
+        is_explained = any(
+            explained(either.document, "connectors", name, "contacts")
+            for either, name in zip((cables[0], cable), names, strict=True)
+        )
+        different_wires = sorted(cable.wires ^ cables[0].wires)
+        if different_wires and not is_explained:
+            line_number, _ = cables[0].document.position(cables[0].path)
+            message = (
+                f"only one of this cable and that in {PurePath(cables[0].document.file).name}:{line_number} has"
+                f" {quoted(different_wires[0])}; according to the manufacturer's file, the two are alike. If they are"
+                f" not, add an erratum that affects connectors.{names[1]}.contacts"
+            )
+            report.add("not-alike", cable.document, (*cable.path, "contacts"), message)
+
+
+def _compare_connector(contacts_by_line: dict[_Line, _Contact], document: Document, path: Path, report: Report) -> None:
+    """Report the lines of a connector that have another contact in ``contacts_by_line``, and add the new ones."""
+    connector = document.data["connectors"][path[-1]]
+    reported_paths: set[Path] = set()
+    for line, contact in _contacts_by_line(connector, path, document).items():
+        first_contact = contacts_by_line.setdefault(line, contact)
+        is_explained = any(
+            explained(either.document, "connectors", either.connector, "contacts", either.name)
+            for either in (contact, first_contact)
+        )
+        if first_contact.name != contact.name and contact.path not in reported_paths and not is_explained:
+            reported_paths.add(contact.path)
+            _report_contact(line, contact, first_contact, report)
+
+
+def _report_contact(line: _Line, contact: _Contact, first_contact: _Contact, report: Report) -> None:
+    line_number, _ = first_contact.document.position(first_contact.path)
+    message = (
+        f"{quoted(line[1])} is on contact {quoted(contact.name)} here, but on {quoted(first_contact.name)} in"
+        f" {PurePath(first_contact.document.file).name}:{line_number}; according to the manufacturer's file, the two"
+        f" connectors are alike. If they are not, add an erratum that affects"
+        f" connectors.{contact.connector}.contacts.{contact.name}"
+    )
+    report.add("not-alike", contact.document, contact.path, message)
+
+
+def _contacts_by_line(connector: Any, path: Path, document: Document) -> dict[_Line, _Contact]:
+    """Return the contact of each line of a connector. Lines with several contacts are left out."""
+    interfaces = connector.get("interfaces") or [""]
+    contacts: list[tuple[_Line, _Contact]] = []
+    for contact_path, contact in items(connector, "contacts"):
+        place = _Contact(str(contact["contact"]), str(connector["name"]), document, (*path, *contact_path))
+        contacts += [(line, place) for line in _lines(str(contact["signal"]), interfaces)]
+    counts = Counter(line for line, _ in contacts)
+    return {line: contact for line, contact in contacts if counts[line] == 1}
+
+
+def _lines(signal: str, interfaces: Sequence[str]) -> Iterator[_Line]:
+    """Yield the lines that a signal names, for each interface: ``("biss", "ma+")``, ``("", "0 V")``."""
+    for name in signal_names(signal):
+        if name in _SHIELDS:  # It is on the case, whose name differs between manuals.
+            continue
+        supply = _SUPPLY.fullmatch(name)
+        if supply is not None:
+            yield "", "0 V" if supply["ground"] else "+V"
+        elif _VOLTAGE.fullmatch(name):
+            yield "", name
+        else:
+            yield from ((interface, name) for interface in interfaces)

@@ -1,0 +1,69 @@
+"""Ports and connectors that the file of a manufacturer lists as alike are compared, even if both readings are wrong."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+from codewheel.commands.outputs import load_for, targets_named
+from codewheel.language.problems import Problem
+
+LIKA = Path(__file__).parents[2] / "specs" / "lika"
+#: Family, two texts as printed that are exchanged (AMM5 4.1.2, AM36 4.2, ASC85 4.1, SMA21 4.1), and what is named.
+EXCHANGED = [
+    ("am36", "{contact: Yellow,", "{contact: Blue,", "'clock in-' is on contact 'Blue' here, but on 'Yellow' in am36"),
+    ("asc85", "signal: 0Vdc}", "signal: +Vdc}", "'0 V' is on contact '2' here, but on '1' in am36"),
+    ("amm5", "{contact: Brown_Green,", "{contact: White_Green,", "'+V' is on contact 'Brown_Green' here, but on"),
+    ("sma21", "{contact: Red,", "{contact: Black,", "'b' is on contact 'Black' here, but on 'Red' in amm5"),
+    # One of them is exchanged with a colour that the cable does not have.
+    ("asc85", "{contact: Grey,", "{contact: Violet,", "only one of this cable and that in am36"),
+    # AMM5 7.1: 2.5 Mbaud
+    ("sma21", "baud: 2500000", "baud: 250000", "this is 250000, but 2500000 in amm5.yaml:"),
+]
+
+
+def exchanged(text: str, first: str, second: str) -> str:
+    return text.replace(first, "\0").replace(second, first).replace("\0", second)
+
+
+def unlike_parts(folder: Path) -> list[Problem]:
+    _, report = load_for([folder], targets_named())
+    return [problem for problem in report.problems if problem.rule == "not-alike"]
+
+
+@pytest.mark.parametrize(("family", "first", "second", "message"), EXCHANGED)
+def test_a_mistake_in_both_readings_is_reported(
+    tmp_path: Path, family: str, first: str, second: str, message: str
+) -> None:
+    folder = tmp_path / "lika"
+    shutil.copytree(LIKA, folder, ignore=shutil.ignore_patterns("*.words.yaml"))
+    for name in (f"{family}.yaml", f"{family}.second.yaml"):
+        text = (folder / name).read_text(encoding="utf-8")
+        assert first in text
+        (folder / name).write_text(exchanged(text, first, second), encoding="utf-8")
+    problems = unlike_parts(folder)
+    assert [problem for problem in problems if message in problem.message]
+
+
+def test_an_erratum_explains_a_contact_that_differs(tmp_path: Path) -> None:
+    folder = tmp_path / "lika"
+    shutil.copytree(LIKA, folder, ignore=shutil.ignore_patterns("*.second.yaml", "*.words.yaml", "*.coverage.json"))
+    spec = folder / "asc85.yaml"
+    text = exchanged(spec.read_text(encoding="utf-8"), "{contact: Yellow,", "{contact: Blue,")
+    spec.write_text(text, encoding="utf-8")
+    assert len(unlike_parts(folder)) == 2
+    place = "connectors.m8_cable.contacts"
+    affects = f"affects: [{place}.Yellow, {place}.Blue, connectors.m12_connector,"
+    spec.write_text(text.replace("affects: [connectors.m12_connector,", affects), encoding="utf-8")
+    assert unlike_parts(folder) == []
+
+
+def test_a_connector_that_no_device_has_is_reported(tmp_path: Path) -> None:
+    folder = tmp_path / "lika"
+    shutil.copytree(LIKA, folder)
+    maker = folder / "manufacturer.yaml"
+    text = maker.read_text(encoding="utf-8")
+    maker.write_text(text.replace("am36.m12_connector", "am36.m13_connector"), encoding="utf-8")
+    _, report = load_for([folder], targets_named())
+    assert [problem.message for problem in report.problems] == ["'am36' has no connector or cable 'm13_connector'"]
