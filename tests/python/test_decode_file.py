@@ -26,7 +26,7 @@ import pyarrow.parquet
 import pytest
 from codewheel_runtime.bulk.chunk import Chunk
 from codewheel_runtime.commands.main import main
-from codewheel_runtime.errors import ErrorKind
+from codewheel_runtime.errors import ErrorKind, UsageError
 from codewheel_runtime.files import inputs
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -234,6 +234,15 @@ def test_parts_make_the_whole(
                 assert faults == whole.fault[:count].tolist()
 
 
+def test_a_limit_that_is_no_number_of_frames(generated_python: tuple[Path, ModuleType], tmp_path: Path) -> None:
+    """A negative limit would leave out frames at the end, as a slice of Python does."""
+    (tmp_path / "it.bin").write_bytes(packed([GOOD, SPOILT]))
+    for limit, error in ((-1, UsageError), (1.5, TypeError), (True, TypeError)):
+        with pytest.raises(error, match="limit must be"):
+            generated_python[1].decode_file(CODE, tmp_path / "it.bin", tmp_path / "out.csv", limit=limit)
+        assert not (tmp_path / "out.csv").exists()
+
+
 def test_columns_that_are_asked_for(decode: Command, tmp_path: Path) -> None:
     (tmp_path / "it.bin").write_bytes(packed([GOOD]))
     assert decode(CODE, "it.bin", "--columns", "fault, position").out == f"fault,position\nnone,{POSITION}\n"
@@ -326,6 +335,7 @@ def test_files_that_are_not_there_or_in_the_way(decode: Command, tmp_path: Path)
     assert decode(CODE, "it.bin", "-o", "it.csv", "--force").code == 1
     assert str(POSITION) in (tmp_path / "it.csv").read_text()
     assert decode(CODE, "it.bin", "-o", "it.csv", "--force", "--cut").out.startswith("1 frame, 1 valid (")
+    assert decode(CODE, "it.bin", "-o", "none/it.csv").err == "lika-encoders: none/it.csv: No such file or directory\n"
 
 
 def test_parquet_without_frames(decode: Command, tmp_path: Path) -> None:

@@ -166,7 +166,11 @@ def test_si_units_of_a_file_with_a_time(lika: Any, decode: Any, tmp_path: Path, 
     ("content", "code", "message"),
     [
         ("word\n0x1\n", 2, "it.csv has no column 'time', which speeds in SI units need"),
-        (f"time,word\nnoon,{GOOD:#x}\n", 1, "it.csv, column 'time': expected numbers in seconds"),
+        (
+            f"time;word\n0.1;{GOOD:#x}\n0,2;{GOOD:#x}\n",
+            1,
+            "it.csv, column 'time': expected numbers in seconds with a decimal point, got '0,2'",
+        ),
         (f"time,word,radians\n0,{GOOD:#x},1\n", 2, "it.csv already has a column 'radians'"),
     ],
 )
