@@ -105,7 +105,7 @@ def test_each_reading_is_a_row(encoder: Any, tmp_path: Path) -> None:
 
 
 def test_readings_keep_their_interval(encoder: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Every 10 ms, although a reading takes 4 ms. The third one takes 25 ms, so the next ones are counted from its end."""
+    """Every 10 ms, although a reading takes 4 ms. The third one takes 25 ms: the next ones are counted from its end."""
     now = 0.0
 
     def advance(seconds: float) -> None:
