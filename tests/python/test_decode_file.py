@@ -340,7 +340,7 @@ def test_files_that_are_not_there_or_in_the_way(decode: Command, tmp_path: Path)
 
 def test_parquet_without_frames(decode: Command, tmp_path: Path) -> None:
     for table, message in (
-        ({"word": [1.5]}, "column 'word': the frame in row 1 is not an integer: 1.5"),
+        ({"word": [1.5]}, "column 'word': the frame at index 0 must be an integer, got 1.5"),
         ({"word": [True]}, "column 'word': expected numbers, bytes or text, got items of the type bool"),
         ({"word": ["0x1", "time", "date"]}, "row 2 of column 'word': 'time' is not a hexadecimal number"),
         ({"a": [1], "b": [2]}, "choose the column with the frames; the columns are 'a', 'b'"),
@@ -527,8 +527,8 @@ def test_partitions(generated_python: tuple[Path, ModuleType]) -> None:
     for unusable_table, message in (
         (table.append_column("position", [[1, 2, 3]]), "already has a column 'position'"),
         (pyarrow.table({"word": ["x"]}), "'x' is not a hexadecimal number"),
-        (pandas.DataFrame({"word": [1.5]}), "the frame in row 1 is not an integer: 1.5"),
-        (pandas.DataFrame({"word": [True]}), "the frame in row 1 must be an integer, got True"),
+        (pandas.DataFrame({"word": [1.5]}), "the frame at index 0 must be an integer, got 1.5"),
+        (pandas.DataFrame({"word": [True]}), "the frame at index 0 must be an integer, got True"),
     ):
         with pytest.raises(ValueError, match=message):
             lika.decode_partition(unusable_table, encoder, "word")

@@ -310,7 +310,7 @@ def test_flags_of_missing_frames_are_null_in_pandas(lika: Any) -> None:
 def test_a_column_that_is_not_frames_names_the_row(lika: Any) -> None:
     encoder = lika.lookup(CODE)
     for frames in (numpy.array([1.0, 0.5]), [1, 0.5], pyarrow.array([1.0, 0.5])):
-        with pytest.raises(TypeError, match="the frame in row 2 "):
+        with pytest.raises(TypeError, match="the frame at index 1 "):
             encoder.decode_many(frames)
     with pytest.raises(InputError, match="row 1: frames as text need 0x in front: convert the column to integers"):
         encoder.decode_many(pyarrow.array([str(GOOD)]))
