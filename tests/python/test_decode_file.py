@@ -182,6 +182,8 @@ def test_a_frame_whose_length_is_left_open(decode: Command, tmp_path: Path) -> N
         outcome = decode("ASC8525/SC1", "it.bin")
         assert outcome.code == 2
         assert "choose as_printed or left_out" in outcome.err
+        wrong = decode("ASC8525/SC1", "0x5", "--choose", "zero_bit=printed")
+        assert wrong.err.endswith("expected --choose zero_bit=as_printed or --choose zero_bit=left_out\n")
         (row,) = rows(decode("ASC8525/SC1", "it.bin", "--choose", f"zero_bit={answer}").out)
         assert (row["position"], row["fault"]) == ("1", "none")
 
@@ -278,6 +280,7 @@ def test_nothing_in_nothing_out(decode: Command, tmp_path: Path) -> None:
             1,
             "it.csv, line 2: '17' can be decimal or hexadecimal: choose --digits decimal or",
         ),
+        ("it.csv", b"word\n1f\n", [], 1, "line 2: '1f' is hexadecimal: choose --digits hex, or put 0x in front"),
         ("it.csv", b"word\n1f\n", ["--digits", "decimal"], 1, "line 2: '1f' is not a decimal number"),
         ("it.csv", b"a,b\n1,0x2\n", [], 1, "choose the column with the frames; the columns are 'a', 'b'"),
         ("it.csv", b"a,b\n1,0x2\n", ["--column", "c"], 1, "line 1: no column 'c'; the columns are 'a', 'b'"),
@@ -294,7 +297,7 @@ def test_nothing_in_nothing_out(decode: Command, tmp_path: Path) -> None:
         ("it.bin", b"", ["--write", "parquet"], 2, "only CSV can be written to standard output"),
         ("it.bin", b"", ["-o", "it.bin", "--force"], 2, "it.bin is also the source; write to another file"),
         ("it.bin", b"", ["-o", "."], 2, ". is not a regular file, so it cannot be replaced"),
-        ("it.bin", b"", ["-o", "no/where.csv"], 1, ".part: No such file or directory"),
+        ("it.bin", b"", ["-o", "no/where.csv"], 1, "lika-encoders: no/where.csv: No such file or directory"),
     ],
 )
 def test_what_is_told(

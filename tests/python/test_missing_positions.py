@@ -289,7 +289,7 @@ def test_missing_frames_are_rows(lika: Any) -> None:
     reply = bytes.fromhex("02 00 15 CD 5B 81")
     assert serial.decode_many([reply, None], lika.amm5.SingleturnReply).fault.tolist() == [0, 1]
     for unusable_words, message in (
-        ([1.5], "not an integer"),
+        ([1.5], "must be an integer"),
         (numpy.array([1.0], numpy.float32), "cannot represent every frame"),
     ):
         with pytest.raises(TypeError, match=message):

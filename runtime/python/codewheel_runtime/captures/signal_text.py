@@ -302,7 +302,8 @@ class _RowReader:
         """Return the numbers in these columns, with a row for each line. Raises InputError for other cells."""
         try:
             text = io.BytesIO(block)
-            return np.loadtxt(text, delimiter=self._form.delimiter, usecols=columns, ndmin=2, comments=None)
+            delimiter = self._form.delimiter
+            return np.loadtxt(text, delimiter=delimiter, quotechar='"', usecols=columns, ndmin=2, comments=None)
         except (ValueError, IndexError) as error:
             reason = str(error).splitlines()[0]
             if b"X" in block:

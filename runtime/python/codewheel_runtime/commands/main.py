@@ -26,6 +26,7 @@ from .common import (
     USAGE,
     Failed,
     distribution,
+    find_answer,
     find_encoder,
     missing_package_error,
     show_progress,
@@ -349,10 +350,12 @@ def _add_answers(encoder: Encoder, frame: int | bytes | str, answers: dict[str, 
     hints = get_type_hints(encoder.try_decode)
     for name, answer in answers.items():
         kinds = [kind for kind in get_args(hints.get(name)) if kind is not type(None)]
-        members = [member for kind in kinds for member in kind if member.name.lower() == answer.lower()]
-        if len(members) != 1:
-            raise Failed(f"--choose {name}={answer} does not apply to the frames of {encoder.code}", USAGE)
-        open_answers[name] = members[0]
+        if not kinds:
+            raise Failed(f"--choose {name} does not apply to the frames of {encoder.code}", USAGE)
+        try:
+            open_answers[name] = find_answer(name, answer, kinds[0])
+        except ValueError as error:
+            raise Failed(error, USAGE) from None
     decode: Any = encoder.try_decode
     try:
         return decode(frame, **open_answers)
