@@ -438,14 +438,8 @@ class Session:
 
     def _take_reply(self, found: FoundReply, received: bytes, pending: PendingRequest) -> bytes:
         """Return the reply, and count other replies. Raises an error if they differ."""
-        extra_replies = [*found.same_kind, *found.other_kinds]
-        if extra_replies:
-            self._single_replies = 0
-            counted_replies = self._count_extra(len(extra_replies))
-            # One of the unknown replies of this kind is the reply to this request, so all but one are foreign.
-            unknown_replies = {*found.same_kind, found.reply}.difference(self._recent_replies)
-            foreign_replies = [*self._find_foreign(found.other_kinds), *sorted(unknown_replies)[1:]]
-            self._count_foreign(foreign_replies[:counted_replies], received, _FOREIGN_REPLIES)
+        if found.same_kind or found.other_kinds:
+            self._count_replies_beside(found, received)
         else:
             self._single_replies += 1
         if not found.is_ambiguous:
@@ -455,6 +449,16 @@ class Session:
         different_replies = [reply for reply in found.same_kind if reply != found.reply]
         replies_text = f"{_format_hex(different_replies[0])} and {_format_hex(found.reply)}"
         raise DisturbedError(f"two different replies to {request_text}, so neither is used: {replies_text}", received)
+
+    def _count_replies_beside(self, found: FoundReply, received: bytes) -> None:
+        """Count the replies that arrived with a reply. Raises SecondDeviceError if a second device seems to answer."""
+        self._single_replies = 0
+        extra_count = self._count_extra(len(found.same_kind) + len(found.other_kinds))
+        # One of the unknown replies of this kind is the reply to this request, so all but one are foreign.
+        unknown_replies = {*found.same_kind, found.reply}.difference(self._recent_replies)
+        foreign_replies = [*self._find_foreign(found.other_kinds), *sorted(unknown_replies)[1:]]
+        # Late replies to failed requests are not extra ones.
+        self._count_foreign(foreign_replies[:extra_count], received, _FOREIGN_REPLIES)
 
     def _find_foreign(self, replies: Sequence[bytes]) -> list[bytes]:
         """Return the replies that equal none of the last replies to requests. They may be from a second device."""

@@ -17,14 +17,14 @@ from .shape import (
     Join,
     Shape,
     choose_smallest_type,
-    find_late_fields,
+    count_unused_bits,
+    find_deferred_fields,
+    find_position_columns,
     find_quick_checks,
+    find_scales,
     find_width,
     group_unused_bits,
     list_column_types,
-    measured,
-    scales,
-    unused_bits,
 )
 from .table import FrameSource, Table, all_match
 from .words import read_floats
@@ -59,7 +59,7 @@ def decode_many(frames: object, shape: Shape, encoder: FrameSource | None) -> Ta
         verdicts[wrong_rows] = 0
     parts: dict[str, tuple[str, int, int]] = {}
     for join in shape.joins:
-        parts |= {name: (join.name, low, width) for name, low, width in find_late_fields(shape, join)}
+        parts |= {name: (join.name, low, width) for name, low, width in find_deferred_fields(shape, join)}
     return Table(
         encoder=encoder,
         columns=out,
@@ -68,8 +68,8 @@ def decode_many(frames: object, shape: Shape, encoder: FrameSource | None) -> Ta
         position=shape.position,
         parts=parts,
         report_causes=shape.report_causes,
-        measured=measured(shape),
-        scales=scales(shape),
+        position_columns=find_position_columns(shape),
+        scales=find_scales(shape),
         frame=shape.frame,
     )
 
@@ -285,17 +285,21 @@ def _write_unused(chunk: Chunk, shape: Shape, out: Any) -> None:
 
     Groups of bits are moved from ``low`` in the frame to ``place`` in ``out``, in as few bytes as possible.
     """
-    kind = np.dtype(choose_smallest_type(unused_bits(shape))).type
+    kind = np.dtype(choose_smallest_type(count_unused_bits(shape))).type
     number = kind(0)
-    for low, mask, value, place in group_unused_bits(shape):
-        width = mask.bit_length()
+    for group in group_unused_bits(shape):
+        width = group.mask.bit_length()
         # Within a byte of the frame, the bits are taken from the byte.
-        is_in_one_byte = low % 8 + width <= 8
-        differing = chunk.small(low, mask) if is_in_one_byte else chunk.take(low, width) & np.uint64(mask)
-        if value:
-            differing = differing ^ differing.dtype.type(value)
+        if group.low % 8 + width <= 8:
+            differing = chunk.small(group.low, group.mask)
+        else:
+            differing = chunk.take(group.low, width) & np.uint64(group.mask)
+        if group.value:
+            differing = differing ^ differing.dtype.type(group.value)
         differing = differing.astype(kind, copy=False)
-        number = number | (differing << kind(place) if place else differing)
+        if group.place:
+            differing = differing << kind(group.place)
+        number = number | differing
     out[:] = number
 
 

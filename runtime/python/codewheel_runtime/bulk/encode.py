@@ -10,7 +10,7 @@ from ..codec import NO_SUCH_FLAG, assert_never
 from ..errors import RangeError
 from .chunk import Chunk, are_within, compare_crc, compute_parity, np
 from .decode import CHUNK
-from .shape import Column, Join, Shape, find_width, scales
+from .shape import Column, Join, Shape, find_scales, find_width
 from .table import Table
 
 #: Kinds of NumPy arrays for a field, as ``dtype.kind``, unless they are integers. Bools are not numbers.
@@ -141,7 +141,7 @@ def _check_names(
             optional.update(name for name, _ in join.fields)
     missing = sorted(fields.keys() - {*columns} - optional)
     joined_names = {join.name for join in shape.joins}
-    ignored = {*other_names, *scales(shape), "unused", "fault", "verdict"}
+    ignored = {*other_names, *find_scales(shape), "unused", "fault", "verdict"}
     unknown = sorted({*columns} - ignored - fields.keys() - joined_names)
     known_columns = ", ".join([*fields, *sorted(joined_names)])
     if unknown:

@@ -110,17 +110,17 @@ class Table(_TableOf[_Name, _Unit]):
         position: str,
         parts: Mapping[str, tuple[str, int, int]],
         report_causes: tuple[ReportCause, ...] = (),
-        measured: frozenset[str] = frozenset(),
+        position_columns: frozenset[str] = frozenset(),
         scales: Mapping[str, tuple[str, Scale]] = _NOTHING,
         other_columns: Mapping[str, Any] = _NOTHING,
         frame: str = "",
     ) -> None:
         # _parts: for each column that is a part of a joined number, this number, the lowest bit in it, and the width.
         # _scales: for each column of quantities, the column of its numbers, and their scale.
-        # _measured: names of the position and its parts, which are hidden where the position is not usable.
+        # _position_columns: names of the position and its parts, which are hidden where the position is not usable.
         # Copies as dictionaries, so that a table can be pickled.
         self._others, self._scales = dict(other_columns), dict(scales)
-        self.encoder, self._measured = encoder, measured
+        self.encoder, self._position_columns = encoder, position_columns
         self._report_causes = report_causes
         self._columns, self._frame = columns, frame
         self._fault, self._verdict, self._position, self._parts = fault, verdict, position, parts
@@ -250,7 +250,7 @@ class Table(_TableOf[_Name, _Unit]):
             position=self._position,
             parts=self._parts,
             report_causes=self._report_causes,
-            measured=self._measured,
+            position_columns=self._position_columns,
             scales=self._scales,
             other_columns=other_columns,
             frame=self._frame,
@@ -554,7 +554,7 @@ class Table(_TableOf[_Name, _Unit]):
         # A quantity has no meaning where its number has none.
         if name in self._scales:
             return self.hidden(self._scales[name][0])
-        if name in self._measured:
+        if name in self._position_columns:
             return ~self.usable
         column = self._columns.get(name)
         return self._fault == ErrorKind.LENGTH if column is not None and column.dtype == bool else None

@@ -163,7 +163,7 @@ class Accesses:
         elif self._bit_count == HEADER_BITS + 1:
             # The value is not known yet. Any value makes it a write.
             request = Request(self._head >> 7 & 7, self._head & 0x7F, 0 if self._is_write else None)
-            outcome = request._judge_echo(self._answers)
+            outcome = request._check_echo(self._answers)
             if outcome is not Outcome.RUNNING:
                 yield self._make_access(None, outcome.value)
                 self._end_access()

@@ -282,13 +282,11 @@ def _find_frames(
         line = read_serial_bytes(signals, _find_baud_rate(encoder, probes))
         opened = _find_replies(encoder, line, name, probes, layout, answers)
         return opened._replace(time=time, total=signals.total)
-    if isinstance(encoder, Encoder):
-        shape, is_biss = find_shape(encoder, layout, answers), encoder.interface is Interface.BISS
-    else:
-        shape, is_biss = encoder.shape, True
+    is_ssi = isinstance(encoder, Encoder) and encoder.interface is Interface.SSI
+    shape = find_shape(encoder, layout, answers) if isinstance(encoder, Encoder) else encoder.shape
     if shape.bits > 64:
         raise UsageError(f"frames of {shape.bits} bits do not fit into words of 64")
-    stretches = find_clocked_frames(signals, name, "biss" if is_biss else "ssi", shape.bits, probes.rest)
+    stretches = find_clocked_frames(signals, name, "ssi" if is_ssi else "biss", shape.bits, probes.rest)
     return _CaptureFrames(stretches, shape, time, signals.total)
 
 
