@@ -174,7 +174,7 @@ def _decode(source: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> No
         doubts.append(compare_crc(chunk, shape.crc))
     if shape.gray is not None:
         chunk.ungray(*shape.gray, shape.excess)
-    doubts += _find_doubts(chunk, shape)
+    doubts += _find_doubtful_frames(chunk, shape)
     doubtful = [doubt for doubt in doubts if doubt.any()]
     _write(chunk, shape, out)
     if shape.default_verdict is not None:
@@ -196,18 +196,20 @@ def _write_faults(source: Any, limbs: list[Any], where: Any, shape: Shape, out: 
         verdicts *= fault == 0
 
 
-def _find_doubts(chunk: Chunk, shape: Shape) -> list[Any]:
-    """Return arrays that are nonzero for frames that fail a check other than the CRC."""
+def _find_doubtful_frames(chunk: Chunk, shape: Shape) -> list[Any]:
+    """Return arrays that are nonzero for frames that fail a check other than the CRC: one array for each check."""
     checks = find_quick_checks(shape)
-    doubts: list[Any] = []
+    failures: list[Any] = []
     for limb, (mask, value) in zip(chunk.limbs, checks.fixed, strict=False):
         if mask:
-            doubts.append(limb & np.uint64(mask) ^ np.uint64(value))
-    # Here True is a frame whose byte has none of the allowed values.
-    for place, values in checks.bytes:
+            failures.append(limb & np.uint64(mask) ^ np.uint64(value))
+    for place, allowed_values in checks.bytes:
         byte = chunk.byte(place)
-        doubts.append(~reduce(np.logical_or, (byte == np.uint8(value) for value in values)))
-    return [*doubts, *(~_is_met(chunk, check) for check in checks.remaining)]
+        is_allowed = reduce(np.logical_or, (byte == np.uint8(value) for value in allowed_values))
+        failures.append(~is_allowed)
+    for check in checks.remaining:
+        failures.append(~_is_met(chunk, check))
+    return failures
 
 
 def _find_faults(source: Any, limbs: list[Any], shape: Shape) -> Any:
