@@ -179,7 +179,7 @@ class _Log:
         for name, count in stretch.others.items():
             self.others[name] = self.others.get(name, 0) + count
         if stretch.control is not None:
-            self._add_accesses(self._finder.feed(*stretch.control))
+            self._add_accesses(self._finder.feed(stretch.control))
 
     def finish(self) -> None:
         """Add the access that the end of the capture cuts off."""
