@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 from ..biss import ADDRESS_BITS, BYTE_BITS, HEADER_BITS, ZEROS, Outcome, Request, crc, decode_byte
 from ..errors import CrcError
 from ..packages import load
+from .clocked import ControlBits
 
 np: Any = load("numpy")
 
@@ -64,8 +65,9 @@ class Accesses:
         self._time, self._head = 0.0, 0
         self._is_write, self._is_free = False, True
 
-    def feed(self, times: Any, cds: Any, cdm: Any) -> Iterator[Access]:
-        """Yield the accesses that end in these cycles. Without a CDS bit (-1), a cycle was lost."""
+    def feed(self, bits: ControlBits) -> Iterator[Access]:
+        """Yield the accesses that end in the cycles of these bits."""
+        times, cds, cdm = bits
         ones = np.flatnonzero(cdm)
         cycle, count = 0, len(cdm)
         while cycle < count:
@@ -163,7 +165,7 @@ class Accesses:
         elif self._bit_count == HEADER_BITS + 1:
             # The value is not known yet. Any value makes it a write.
             request = Request(self._head >> 7 & 7, self._head & 0x7F, 0 if self._is_write else None)
-            outcome = request._judge_echo(self._answers)
+            outcome = request._check_echo(self._answers)
             if outcome is not Outcome.RUNNING:
                 yield self._make_access(None, outcome.value)
                 self._end_access()

@@ -50,6 +50,14 @@ class Lost(NamedTuple):
     reason: str
 
 
+class ControlBits(NamedTuple):
+    """Time, CDS bit and CDM bit of each cycle over BiSS, also of lost ones, whose CDS bit is -1."""
+
+    times: Any
+    cds: Any
+    cdm: Any
+
+
 class CapturedFrames(NamedTuple):
     """Frames in a stretch of a capture.
 
@@ -59,7 +67,7 @@ class CapturedFrames(NamedTuple):
             seconds, or in samples if the sample rate is unknown.
         lost: Cycles without a frame.
         done: Amount of the file that has been read.
-        control: Over BiSS, the time, CDS bit and CDM bit of each cycle, including lost ones, whose CDS bit is -1.
+        control: Over BiSS, the bits of register accesses.
         kind: Over RS-485, the kind of the frames. Empty if no valid frame was found.
         others: Number of frames of other kinds, by name.
     """
@@ -68,7 +76,7 @@ class CapturedFrames(NamedTuple):
     times: Any
     lost: list[Lost]
     done: int = 0
-    control: tuple[Any, Any, Any] | None = None
+    control: ControlBits | None = None
     kind: str = ""
     others: Mapping[str, int] = MappingProxyType({})
 
@@ -127,6 +135,14 @@ class _Cycles(NamedTuple):
     last: Any
     after: Any
     period: Any
+
+
+class _Timing(NamedTuple):
+    """Times of the rising edges of the clock in each cycle, delay of the data line, and time to the middle of a bit."""
+
+    edges: Any
+    delay: Any
+    half_bit: Any
 
 
 class _Bits(NamedTuple):
@@ -269,13 +285,13 @@ class _CycleFinder:
             control=self._find_control_bits(cycles, good, levels) if self._is_biss else None,
         )
 
-    def _find_control_bits(self, cycles: _Cycles, good: Any, levels: Any) -> tuple[Any, Any, Any]:
-        """Return the time, CDS bit and CDM bit of each cycle. The CDS bit of a lost cycle is -1."""
+    def _find_control_bits(self, cycles: _Cycles, good: Any, levels: Any) -> ControlBits:
+        """Return the bits of register accesses. ``good`` are the indices of the cycles with the ``levels`` of bits."""
         cds = np.full(len(cycles.falls), -1, np.int64)
         cds[good] = levels[:, 0]
         # CDM is the inverse of the clock's level during the time-out.
         timeout_level = self._levels[0] ^ (cycles.ends & 1)
-        return cycles.begin * self._unit, cds, timeout_level ^ 1
+        return ControlBits(times=cycles.begin * self._unit, cds=cds, cdm=timeout_level ^ 1)
 
     def _find_cycles(self, starts: Any, ends: Any) -> _Cycles:
         """Return the cycles with edges from ``starts`` to ``ends``. Those without a falling edge are left out."""
@@ -380,21 +396,22 @@ class _CycleFinder:
         if rises_beyond.any():
             times += rises_beyond * period[:, None]
         # A bit changes up to one sample before its edge is seen.
-        half = period / 2 - self._early
+        timing = _Timing(edges=times, delay=delay, half_bit=period / 2 - self._early)
         if self._early and len(period) and period.min() < _COARSE:
-            times, delay, half = self._refine_delays(times, rises_beyond == 0, delay, period)
-        times += (delay + half)[:, None]
+            timing = self._refine(timing, rises_beyond == 0)
+        times = timing.edges + (timing.delay + timing.half_bit)[:, None]
         # An odd number of edges before a time inverts the first level.
         edge_counts = np.searchsorted(data, times.ravel(), "right").reshape(times.shape)
         return edge_counts & 1 ^ self._levels[1]
 
-    def _refine_delays(self, times: Any, has_edge: Any, delay: Any, period: Any) -> tuple[Any, Any, Any]:
-        """Refine the times of the clock's edges, the delay, and half a bit, if there are few samples per period.
+    def _refine(self, timing: _Timing, has_edge: Any) -> _Timing:
+        """Return the timing of cycles with few samples per period, exact to a fraction of a sample.
 
-        A straight line through all edges of a cycle, and the mean of the delays of all bits, are exact to a fraction of
-        a sample. ``has_edge`` is False for times after the last edge. Where edges are not on a line, because the clock
-        is uneven, all three stay unrefined.
+        The edges are those of a straight line through all edges of a cycle, and the delay is the mean of those of all
+        bits. ``has_edge`` is False for times after the last edge. Cycles whose edges are not on a line, because the
+        clock is uneven, keep their timing.
         """
+        times = timing.edges
         # Least squares: the time of an edge (y) over its number (x).
         x, weight = np.arange(times.shape[1], dtype=np.float64)[None, :], has_edge.astype(np.float64)
         count = np.maximum(weight.sum(axis=1), 1)
@@ -407,16 +424,16 @@ class _CycleFinder:
         # Sampling alone moves an edge by at most one sample.
         is_even = (np.abs(line - times) * weight).max(axis=1) < 1.5
         # The first edge of the data line near each bit.
-        expected = line + delay[:, None]
+        expected = line + timing.delay[:, None]
         data = np.append(self._data, np.inf)
         next_edges = np.searchsorted(self._data, (expected - slope[:, None] / 2).ravel())
         distances = data[next_edges].reshape(times.shape) - expected
         is_near = distances < slope[:, None] / 2
         mean_distance = np.where(is_near, distances, 0.0).sum(axis=1) / np.maximum(is_near.sum(axis=1), 1)
-        return (
-            np.where(is_even[:, None], line, times),
-            np.where(is_even, delay + mean_distance, delay),
-            np.where(is_even, slope / 2, period / 2 - self._early),
+        return _Timing(
+            edges=np.where(is_even[:, None], line, times),
+            delay=np.where(is_even, timing.delay + mean_distance, timing.delay),
+            half_bit=np.where(is_even, slope / 2, timing.half_bit),
         )
 
     def _explain_loss(self, reason: int, bits_sent: int, is_cut: bool) -> str:

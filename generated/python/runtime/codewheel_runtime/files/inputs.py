@@ -75,7 +75,7 @@ class Source(NamedTuple):
     empty_columns: Mapping[str, Any] = MappingProxyType({})
 
 
-def kept_columns(names: Iterable[str], stored: Stored, empty: Callable[[str], Any], file: str) -> dict[str, Any]:
+def select_columns(names: Iterable[str], stored: Stored, empty: Callable[[str], Any], file: str) -> dict[str, Any]:
     """Return an empty column, made by ``empty``, for each of the other columns to keep, by name.
 
     Raises:
@@ -100,13 +100,13 @@ def find_column(names: list[str], wanted: str, file: str) -> str:
             return wanted
         problem = "several columns" if wanted in names else "no column"
         raise InputError(file, "", f"{problem} {short(wanted)}; the columns are {listed(names)}")
-    place = named_place(names)
+    place = find_usual_column(names)
     if place is None:
         raise InputError(file, "", f"choose the column with the frames; the columns are {listed(names)}")
     return names[place]
 
 
-def named_place(names: list[str]) -> int | None:
+def find_usual_column(names: list[str]) -> int | None:
     """Return the index of the only column, or of the only one named ``frame`` or ``word``. None if there is none."""
     named = [place for place, name in enumerate(names) if len(names) == 1 or name.lower() in _NAMES]
     return named[0] if len(named) == 1 else None

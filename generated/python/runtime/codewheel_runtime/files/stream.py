@@ -15,6 +15,7 @@ from ..bulk.decode import decode_many
 from ..bulk.shape import Shape
 from ..bulk.table import FrameSource, Table
 from ..bulk.words import DigitKind, WordKind
+from ..codec import shorten, whole_number
 from ..encoder import Encoder
 from ..errors import ErrorKind, InputError, UsageError
 from ..packages import load
@@ -295,7 +296,12 @@ def decode_parts(
         limit: Maximum number of frames to decode.
         progress: Called after each part with the amount read, the total if known, and the number of frames.
         derived: Function that adds columns to a table. It also gets the other columns of the same rows.
+
+    Raises:
+        UsageError: ``limit`` is negative.
     """
+    if limit is not None and whole_number("limit", limit) < 0:
+        raise UsageError(f"limit must be at least 0, got {limit}")
     counts = _Counts()
     for part in read.parts:
         # As many rows as the limit leaves.
@@ -359,10 +365,14 @@ def read_seconds(cells: Any, source: str) -> Any:
     if hasattr(cells, "dtype"):
         return cells
     cells = cells.to_pylist() if hasattr(cells, "to_pylist") else cells
-    try:
-        return np.array([np.nan if cell in (None, "") else float(cell) for cell in cells], np.float64)
-    except (TypeError, ValueError):
-        raise InputError(source, "column 'time'", "expected numbers in seconds") from None
+    seconds: list[float] = []
+    for cell in cells:
+        try:
+            seconds.append(np.nan if cell in (None, "") else float(cell))
+        except (TypeError, ValueError):
+            reason = f"expected numbers in seconds with a decimal point, got {shorten(cell)}"
+            raise InputError(source, "column 'time'", reason) from None
+    return np.array(seconds, np.float64)
 
 
 class _Counts:
@@ -430,7 +440,12 @@ def open_for_writing(target: str, sources: Iterable[str | os.PathLike[str]], for
             raise UsageError(f"{target} already exists; use force to replace it")
     folder, name = os.path.split(real_path)
     temporary_path = os.path.join(folder, f".{name[:100]}.{os.getpid()}.part")
-    file = open(temporary_path, "xb")  # noqa: SIM115 (closed below)
+    try:
+        file = open(temporary_path, "xb")  # noqa: SIM115 (closed below)
+    except OSError as error:
+        # The user knows the name of the target, not that of the temporary file.
+        error.filename = target
+        raise
     try:
         with file:
             yield file
