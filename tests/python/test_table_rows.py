@@ -49,11 +49,12 @@ def test_a_table_can_be_sent_to_another_process(lika: Any) -> None:
     """Also a table with other columns, and one of a layout without a package."""
     layout = lika.biss_layout("multiturn=16,singleturn=21,error,warning,crc=6:0x43")
     for encoder in (lika.lookup(CODE), layout):
-        table = encoder.decode_many([GOOD, SPOILT]).with_columns(time=[1, 2])
-        for copied in (pickle.loads(pickle.dumps(table)), copy.deepcopy(table)):
-            assert [*copied] == [*table]
-            # The position is 42 revolutions and 1821973 of 2^21 counts.
-            assert copied.in_units("degrees")[0] == 1821973 * 360 / 2**21
+        decoded = encoder.decode_many([GOOD, SPOILT])
+        for table in (decoded, decoded.with_columns(time=[1, 2])):
+            for copied in (pickle.loads(pickle.dumps(table)), copy.deepcopy(table)):
+                assert [*copied] == [*table]
+                # The position is 42 revolutions and 1821973 of 2^21 counts.
+                assert copied.in_units("degrees")[0] == 1821973 * 360 / 2**21
 
 
 def test_a_table_encodes(lika: Any) -> None:
