@@ -272,6 +272,7 @@ def test_nothing_in_nothing_out(decode: Command, tmp_path: Path) -> None:
     [
         ("it.bin", bytes(13), [], 1, "it.bin, offset 12: 2 complete frames of 6 bytes end here, and 1 more byte"),
         ("it.bin", bytes(9), ["--words", "big"], 1, "offset 8: 1 complete frames of 8 bytes end here"),
+        ("it.csv", "word\n0x1\n".encode("utf-16"), [], 1, "it.csv: the text is UTF-16: save the file as UTF-8"),
         ("it.csv", b"word\nxyz\n0x1\nzyx\n", [], 1, "it.csv, line 2: 'xyz' is not a hexadecimal number"),
         (
             "it.csv",

@@ -62,7 +62,7 @@ exit codes:
   3    the frame is valid, but its position is not usable
   130  interrupted
 With too many errors (--max-errors) the output is still written. With any
-other nonzero exit code, no output is written and an existing file is unchanged.
+other nonzero exit code, no file is written and an existing file is unchanged.
 """
 
 

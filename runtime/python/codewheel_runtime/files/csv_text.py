@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import csv
 import io
+from codecs import BOM_UTF16_BE, BOM_UTF16_LE
 from collections.abc import Callable, Generator, Iterable, Iterator
 from itertools import chain, islice
 from typing import BinaryIO, Final, NamedTuple
@@ -25,9 +26,14 @@ def read_csv_rows(file: BinaryIO, name: str, size: int | None, stored: Stored, s
     """Return the frames and the other columns of a CSV file.
 
     ``name`` and ``size`` in bytes are those of the file. ``share`` returns the fraction of valid frames.
+
+    Raises:
+        InputError: The text is UTF-16, there is no such column, or the first row cannot be read.
     """
     blocks = split_into_blocks(b"", file)
     head = next(blocks, b"")
+    if head.startswith((BOM_UTF16_LE, BOM_UTF16_BE)):
+        raise InputError(name, "", "the text is UTF-16: save the file as UTF-8")
     lines = _Lines(_open_text([head]), name)
     delimiter, rows = _open_rows(lines)
     # The first row decides about the header and the columns. Then the rows are read again from its block.
