@@ -179,7 +179,8 @@ class Accesses:
         """Follow the bits before a byte. The slave is busy until its start bit."""
         if cds:
             # This CDM bit is the first one of the byte.
-            self._state, self._bit_count, self._sent, self._answers = self._follow_byte, 0, cdm, 0
+            self._state = self._follow_byte
+            self._bit_count, self._sent, self._answers = 0, cdm, 0
         elif not cdm:
             yield self._make_access(None, Outcome.BUSY.value)
             self._end_access()
