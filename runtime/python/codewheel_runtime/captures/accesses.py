@@ -9,12 +9,19 @@ from typing import Any, NamedTuple
 from ..biss import ADDRESS_BITS, BYTE_BITS, HEADER_BITS, ZEROS, Outcome, Request, crc, decode_byte
 from ..errors import CrcError
 from ..packages import load
-from .clocked import ControlBits
 
 np: Any = load("numpy")
 
 _LOST = "a cycle of the access was lost"
 _ENDED = "the capture ends within the access"
+
+
+class ControlBits(NamedTuple):
+    """Time, CDS bit and CDM bit of each cycle over BiSS, also of lost ones, whose CDS bit is -1."""
+
+    times: Any
+    cds: Any
+    cdm: Any
 
 
 class Access(NamedTuple):

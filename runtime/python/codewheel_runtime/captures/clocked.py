@@ -17,6 +17,7 @@ from typing import Any, Final, Literal, NamedTuple
 
 from ..errors import InputError
 from ..packages import load
+from .accesses import ControlBits
 from .signals import Edges, Signals
 
 np: Any = load("numpy")
@@ -48,14 +49,6 @@ class Lost(NamedTuple):
 
     time: float
     reason: str
-
-
-class ControlBits(NamedTuple):
-    """Time, CDS bit and CDM bit of each cycle over BiSS, also of lost ones, whose CDS bit is -1."""
-
-    times: Any
-    cds: Any
-    cdm: Any
 
 
 class CapturedFrames(NamedTuple):
@@ -349,7 +342,6 @@ class _CycleFinder:
     def _find_ssi_bits(self, cycles: _Cycles) -> _Bits:
         """Return the bits, one for each rising edge. The first change of the data line shows its delay."""
         clock, falls, ends = self._clock, cycles.falls, cycles.ends
-        period = cycles.period
         # The first change of the data line after the first rising edge of the clock, and the rising edge before it.
         # The index after the last edge finds infinity: the data line does not change any more.
         padded = np.append(self._data, [np.inf, np.inf])
@@ -358,8 +350,8 @@ class _CycleFinder:
         rises_before = (np.searchsorted(clock, change, "right") - falls) // 2
         nearest_rise = falls + 1 + 2 * np.maximum(rises_before - 1, 0)
         # Without a change in the cycle, or with one more than a period after its edge, the delay is not known.
-        delay = np.where(change < cycles.last + period, change - clock[np.minimum(nearest_rise, ends - 1)], 0.0)
-        delay = np.where(delay < period, delay, 0.0)
+        delay = np.where(change < cycles.last + cycles.period, change - clock[np.minimum(nearest_rise, ends - 1)], 0.0)
+        delay = np.where(delay < cycles.period, delay, 0.0)
         reasons = np.zeros(len(falls), np.int64)
         reasons[cycles.rises < self._bits] = _SHORT
         return _Bits(reasons=reasons, skipped=np.zeros(len(falls), np.int64), delay=delay, sent=cycles.rises)
