@@ -167,8 +167,7 @@ class Session:
         if encoder.interface is not Interface.RS485:
             raise InterfaceError(encoder.code, encoder.interface, Interface.RS485)
         _check_seconds("timeout_s", timeout_s)
-        if settle_s is not None:
-            _check_seconds("settle_s", settle_s)
+        _check_seconds("settle_s", 0.0 if settle_s is None else settle_s)
         if whole_number("retries", retries) < 0:
             raise ValueError(f"retries must be at least 0, got {retries}")
         self.encoder, self.timeout_s, self.retries, self.clock = encoder, timeout_s, retries, clock

@@ -9,12 +9,19 @@ from typing import Any, NamedTuple
 from ..biss import ADDRESS_BITS, BYTE_BITS, HEADER_BITS, ZEROS, Outcome, Request, crc, decode_byte
 from ..errors import CrcError
 from ..packages import load
-from .clocked import ControlBits
 
 np: Any = load("numpy")
 
 _LOST = "a cycle of the access was lost"
 _ENDED = "the capture ends within the access"
+
+
+class ControlBits(NamedTuple):
+    """Time, CDS bit and CDM bit of each cycle over BiSS, also of lost ones, whose CDS bit is -1."""
+
+    times: Any
+    cds: Any
+    cdm: Any
 
 
 class Access(NamedTuple):
@@ -179,7 +186,8 @@ class Accesses:
         """Follow the bits before a byte. The slave is busy until its start bit."""
         if cds:
             # This CDM bit is the first one of the byte.
-            self._state, self._bit_count, self._sent, self._answers = self._follow_byte, 0, cdm, 0
+            self._state = self._follow_byte
+            self._bit_count, self._sent, self._answers = 0, cdm, 0
         elif not cdm:
             yield self._make_access(None, Outcome.BUSY.value)
             self._end_access()

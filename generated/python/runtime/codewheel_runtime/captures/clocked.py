@@ -17,6 +17,7 @@ from typing import Any, Final, Literal, NamedTuple
 
 from ..errors import InputError
 from ..packages import load
+from .accesses import ControlBits
 from .signals import Edges, Signals
 
 np: Any = load("numpy")
@@ -48,14 +49,6 @@ class Lost(NamedTuple):
 
     time: float
     reason: str
-
-
-class ControlBits(NamedTuple):
-    """Time, CDS bit and CDM bit of each cycle over BiSS, also of lost ones, whose CDS bit is -1."""
-
-    times: Any
-    cds: Any
-    cdm: Any
 
 
 class CapturedFrames(NamedTuple):
@@ -318,7 +311,8 @@ class _CycleFinder:
 
         If several reasons apply to a cycle, the last one that is set below counts.
         """
-        clock, falls, ends, last, period = self._clock, cycles.falls, cycles.ends, cycles.last, cycles.period
+        clock, falls, ends = self._clock, cycles.falls, cycles.ends
+        last, period = cycles.last, cycles.period
         # The data line goes low as an acknowledgement, and rises with the start bit.
         first_index = np.searchsorted(self._data, cycles.begin, "left")
         level = self._levels[1] ^ (first_index & 1)
@@ -330,23 +324,24 @@ class _CycleFinder:
         start_bit = falls + 1 + 2 * np.maximum(start_rise, 0)
         second_rise = clock[np.minimum(falls + 3, ends - 1)]
         # Whole periods by which the acknowledgement, and so the data line, is late.
-        late_periods = np.maximum(np.floor((np.where(np.isfinite(data_fall), data_fall, 0) - second_rise) / period), 0)
+        acknowledgement = np.where(np.isfinite(data_fall), data_fall, 0)
+        late_periods = np.maximum(np.floor((acknowledgement - second_rise) / period), 0)
         # CDS and the frame need this many rising edges after the start bit.
-        is_short = cycles.rises - 1 - (start_rise - late_periods) < self._bits + 1
+        rises_after_start = cycles.rises - 1 - (start_rise - late_periods)
+        is_start_late = (data_rise > last + period * (late_periods + 2)) | (data_rise >= cycles.after)
         reasons = np.zeros(len(falls), np.int64)
-        reasons[is_short] = _SHORT
-        reasons[(data_rise > last + period * (late_periods + 2)) | (data_rise >= cycles.after) | (start_rise < 0)] = (
-            _NO_START
-        )
+        reasons[rises_after_start < self._bits + 1] = _SHORT
+        reasons[is_start_late | (start_rise < 0)] = _NO_START
         reasons[data_fall > np.minimum(cycles.after, last + _DELAY * period)] = _HIGH
         reasons[level == 0] = _LOW
         delay = data_rise - clock[np.minimum(start_bit, len(clock) - 1)]
-        sent = np.where(reasons == _SHORT, np.maximum(cycles.rises - 2 - (start_rise - late_periods), 0), cycles.rises)
+        # The first of these rising edges is that of CDS.
+        sent = np.where(reasons == _SHORT, np.maximum(rises_after_start - 1, 0), cycles.rises)
         return _Bits(reasons=reasons, skipped=start_rise + 1, delay=delay, sent=sent)
 
     def _find_ssi_bits(self, cycles: _Cycles) -> _Bits:
         """Return the bits, one for each rising edge. The first change of the data line shows its delay."""
-        clock, falls, ends, period = self._clock, cycles.falls, cycles.ends, cycles.period
+        clock, falls, ends = self._clock, cycles.falls, cycles.ends
         # The first change of the data line after the first rising edge of the clock, and the rising edge before it.
         # The index after the last edge finds infinity: the data line does not change any more.
         padded = np.append(self._data, [np.inf, np.inf])
@@ -355,8 +350,8 @@ class _CycleFinder:
         rises_before = (np.searchsorted(clock, change, "right") - falls) // 2
         nearest_rise = falls + 1 + 2 * np.maximum(rises_before - 1, 0)
         # Without a change in the cycle, or with one more than a period after its edge, the delay is not known.
-        delay = np.where(change < cycles.last + period, change - clock[np.minimum(nearest_rise, ends - 1)], 0.0)
-        delay = np.where(delay < period, delay, 0.0)
+        delay = np.where(change < cycles.last + cycles.period, change - clock[np.minimum(nearest_rise, ends - 1)], 0.0)
+        delay = np.where(delay < cycles.period, delay, 0.0)
         reasons = np.zeros(len(falls), np.int64)
         reasons[cycles.rises < self._bits] = _SHORT
         return _Bits(reasons=reasons, skipped=np.zeros(len(falls), np.int64), delay=delay, sent=cycles.rises)

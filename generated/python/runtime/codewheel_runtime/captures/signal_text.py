@@ -140,10 +140,9 @@ def _find_table_form(path: str, head: bytes) -> _TableForm:
     # Four rows are enough to recognise numbers of samples.
     first_rows = [_split_cells(row, delimiter) for row in rows[header_count : header_count + 4]]
     is_stamped = bool(first_rows) and bool(first_rows[0]) and _is_stamp(first_rows[0][0])
-    unit = _find_unit(unit_cells[0].lower() if has_units else cells[0]) if has_header else None
-    if is_stamped:
-        unit = 1.0
-    elif unit is None and _are_numbered(first_rows):
+    header_cell = cells[0] if has_header else ""
+    unit = 1.0 if is_stamped else _find_unit(unit_cells[0].lower() if has_units else header_cell)
+    if unit is None and _are_numbered(first_rows):
         unit = 0.0
     if not has_header:
         # Channels are numbered from 1. The column of times or of numbers is not a channel, so it gets 0.

@@ -46,13 +46,19 @@ def read_serial_bytes(signals: Signals, baud: float) -> Generator[_Bytes, None, 
         baud: Bits per second, or per sample if the sample rate is unknown.
     """
     bit = 1 / baud / (signals.seconds or 1.0)
+    # An edge between two samples is seen at the second one, half a sample late on average.
     early = 0.5 if signals.is_sampled else 0.0
-    # Edges that are not used yet, the level before them, and the time from which a byte can begin.
-    edges, level, earliest_start, end, done, is_new = np.zeros(0), 1, -np.inf, 0.0, 0, True
+    # Edges that are not used yet, and the level before them.
+    edges, level = np.zeros(0), 1
+    # Time from which a byte can begin.
+    earliest_start = -np.inf
+    end, done, is_first_part = 0.0, 0, True
     for part in _split_parts(signals):
         if part is not None:
-            level, is_new = (part.levels[0], False) if is_new else (level, False)
-            edges, end, done = np.concatenate([edges, part.times[0]]), part.end, part.done
+            if is_first_part:
+                level, is_first_part = part.levels[0], False
+            edges = np.concatenate([edges, part.times[0]])
+            end, done = part.end, part.done
         # An edge with an even index starts from the first level.
         falls = edges[1 - level :: 2]
         # Falling edges whose byte is complete. At the end of the capture (None), all are used.

@@ -214,7 +214,8 @@ class _Lines:
     """
 
     def __init__(self, file: io.TextIOWrapper, name: str, number: int = 0, read: int = 0) -> None:
-        self._file, self.name, self.number, self.read, self.is_cut = file, name, number, read, False
+        self._file, self.name = file, name
+        self.number, self.read, self.is_cut = number, read, False
 
     def __iter__(self) -> Iterator[str]:
         """Yield the lines. Raises InputError if one is too long."""

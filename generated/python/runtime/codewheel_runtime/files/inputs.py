@@ -8,7 +8,11 @@ from types import MappingProxyType
 from typing import Any, Final, Literal, NamedTuple
 
 from ..bulk.words import DigitKind, WordKind, listed, short
+from ..codec import shorten
 from ..errors import InputError, UsageError
+from ..packages import load
+
+np: Any = load("numpy")
 
 #: Number of frames read at once: large enough to keep the overhead low, small enough to limit memory use.
 CHUNK: Final = 1 << 17
@@ -131,3 +135,23 @@ def check_form(name: str, chosen_frames: Any, other_forms: Iterable[tuple[str, A
         if len(frames) > 2 and (fitting := share(frames)) >= 0.95:
             problem = f"{1 - valid:.0%} of the first {len(chosen_frames)} frames have an error"
             raise InputError(name, "", f"{problem}; with {option}, {fitting:.0%} are valid")
+
+
+def read_seconds(cells: Any, source: str) -> Any:
+    """Return the cells of a column of times as an array of seconds. An empty cell becomes NaN.
+
+    Raises:
+        InputError: A cell is not a number.
+    """
+    # It is a NumPy array already. Others are lists or Arrow arrays.
+    if hasattr(cells, "dtype"):
+        return cells
+    cells = cells.to_pylist() if hasattr(cells, "to_pylist") else cells
+    seconds: list[float] = []
+    for cell in cells:
+        try:
+            seconds.append(np.nan if cell in (None, "") else float(cell))
+        except (TypeError, ValueError):
+            reason = f"expected numbers in seconds with a decimal point, got {shorten(cell)}"
+            raise InputError(source, "column 'time'", reason) from None
+    return np.array(seconds, np.float64)

@@ -15,12 +15,12 @@ from ..bulk.decode import decode_many
 from ..bulk.shape import Shape
 from ..bulk.table import FrameSource, Table
 from ..bulk.words import DigitKind, WordKind
-from ..codec import shorten, whole_number
+from ..codec import whole_number
 from ..encoder import Encoder
 from ..errors import ErrorKind, InputError, UsageError
 from ..packages import load
 from ..reports import Verdict
-from .inputs import FileKind, Source, Stored
+from .inputs import FileKind, Source, Stored, read_seconds
 from .layouts import Layout, find_shape
 from .partitions import PartitionDecoder, check_apart
 from .sinks import SINKS, Plan, Sink, TargetKind, find_target_kind
@@ -353,26 +353,6 @@ class Derived:
             previous = None if self._last is None else self._last[0]
             self._last = (int(table.unwrapped(previous)[-1]), float(times[usable_rows[-1]]))
         return extended
-
-
-def read_seconds(cells: Any, source: str) -> Any:
-    """Return the cells of a column of times as an array of seconds. An empty cell becomes NaN.
-
-    Raises:
-        InputError: A cell is not a number.
-    """
-    # It is a NumPy array already. Others are lists or Arrow arrays.
-    if hasattr(cells, "dtype"):
-        return cells
-    cells = cells.to_pylist() if hasattr(cells, "to_pylist") else cells
-    seconds: list[float] = []
-    for cell in cells:
-        try:
-            seconds.append(np.nan if cell in (None, "") else float(cell))
-        except (TypeError, ValueError):
-            reason = f"expected numbers in seconds with a decimal point, got {shorten(cell)}"
-            raise InputError(source, "column 'time'", reason) from None
-    return np.array(seconds, np.float64)
 
 
 class _Counts:
