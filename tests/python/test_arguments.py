@@ -192,6 +192,9 @@ def test_a_count_of_bits_that_is_wrong_is_refused(lika: Any) -> None:
             encoder.decode(f"{read:0{bits}b}")
     with pytest.raises(lika.LengthError):
         encoder.decode(f"{word:039b}", bits=40)
+    for not_a_count in ("39", 39.0, True):
+        with pytest.raises(TypeError, match="bits must be an integer, got "):
+            encoder.decode(word, bits=not_a_count)
     with pytest.raises(TypeError, match="unexpected keyword argument 'bits'"):
         lika.lookup("AMM5A23/65KJP1").decode(REPLY, bits=48)
 

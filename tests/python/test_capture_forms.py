@@ -52,6 +52,14 @@ def one_header(path: Path, line: Wave) -> Sequence[Path]:
     return voltages(path, line, "Time (s),CH1,CH2\n")
 
 
+def quoted(path: Path, line: Wave) -> Sequence[Path]:
+    """Edges with their times, and all cells in quotes, as spreadsheets can write them."""
+    (csv_path,) = saleae_csv(path, line)
+    rows = csv_path.read_text().splitlines()
+    path.write_text("".join(",".join(f'"{cell.strip()}"' for cell in row.split(",")) + "\n" for row in rows))
+    return [path]
+
+
 def numbered(path: Path, line: Wave) -> Sequence[Path]:
     path.write_text("Sample,MA,SLO\n" + "".join(f"{row},{c},{d}\n" for row, (c, d) in enumerate(line.samples(RATE))))
     return [path]
@@ -78,6 +86,7 @@ FORMS: dict[str, tuple[Writer, dict[str, Any]]] = {
     "voltages": (voltages, {"clock": 1, "data": 2}),
     "voltages with a threshold": (voltages, {"clock": 1, "data": 2, "threshold": 1.2}),
     "voltages with one header": (one_header, {"clock": "CH1", "data": "CH2"}),
+    "quoted cells": (quoted, {}),
     "sample numbers": (numbered, {"rate": HERTZ}),
     "sample numbers without names": (numbered_without_names, {"rate": HERTZ, "clock": 1, "data": 2}),
     "channels of NumPy": (channels, {}),
@@ -163,6 +172,20 @@ def test_lines_without_a_valid_frame_are_not_called_exchanged(tmp_path: Path) ->
 def test_a_channel_is_a_name_or_a_number(tmp_path: Path, channel: Any) -> None:
     with pytest.raises(UsageError, match=r"^a channel is a name or a number from 1, got "):
         read(saleae_csv(tmp_path / "line.csv", wave()), clock=channel)
+
+
+def test_one_channel_is_too_few(tmp_path: Path) -> None:
+    (tmp_path / "line.csv").write_text("Time [s],MA\n0.0,1\n0.1,0\n")
+    with pytest.raises(InputError, match=r"expected channels of a clock and a data line, got 'MA'$"):
+        read([tmp_path / "line.csv"])
+
+
+@pytest.mark.parametrize("name", ["rate", "rest", "baud", "threshold"])
+def test_numbers_that_are_none(tmp_path: Path, name: str) -> None:
+    paths = saleae_csv(tmp_path / "line.csv", wave())
+    for wrong in ("10MHz", True, float("nan"), *([] if name == "threshold" else [0, -1.0])):
+        with pytest.raises(UsageError, match=f"^{name} must be a number"):
+            read(paths, **{name: wrong})
 
 
 # Bytes of a serial line

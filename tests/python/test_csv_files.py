@@ -30,7 +30,7 @@ def decoded(generated_python: tuple[Path, ModuleType], tmp_path: Path, monkeypat
         (tmp_path / "in.csv").write_bytes(content)
         with monkeypatch.context() as patched:
             if not fast:
-                patched.setattr(csv_text, "reader", lambda *_: None)
+                patched.setattr(csv_text, "make_block_reader", lambda *_: None)
                 patched.setattr(sinks.CsvSink, "_formatter", None)
             patched.setattr(sinks, "_FEW_ROWS", 0)
             lika.decode_file(CODE, tmp_path / "in.csv", tmp_path / target, column="word", force=True)
@@ -48,7 +48,7 @@ def test_quotes_are_read_at_once(decoded: Any, monkeypatch: pytest.MonkeyPatch) 
     def refuse(*_: object) -> None:
         raise AssertionError("rows were read one by one")
 
-    monkeypatch.setattr(csv_text._Table, "open", refuse)
+    monkeypatch.setattr(csv_text._SlowReader, "open", refuse)
     assert decoded(text.encode(), fast=True) == expected
 
 
@@ -97,14 +97,14 @@ def test_only_the_block_with_an_unusual_cell_is_read_row_by_row(decoded: Any, mo
     text = "time,word,note\n" + "".join(rows)
     monkeypatch.setattr(fast_csv, "BLOCK", len(text) // 10)
     opened: list[int] = []
-    open_blocks = csv_text._Table.open
+    open_blocks = csv_text._SlowReader.open
 
     def count(table: Any, blocks: Any, *numbers: int) -> None:
         block_list = list(blocks)
         opened.append(len(block_list))
         open_blocks(table, block_list, *numbers)
 
-    monkeypatch.setattr(csv_text._Table, "open", count)
+    monkeypatch.setattr(csv_text._SlowReader, "open", count)
     fast = decoded(text.encode(), fast=True)
     assert opened == [1]
     assert fast == decoded(text.encode(), fast=False)

@@ -26,7 +26,7 @@ import pyarrow.parquet
 import pytest
 from codewheel_runtime.bulk.chunk import Chunk
 from codewheel_runtime.commands.main import main
-from codewheel_runtime.errors import ErrorKind
+from codewheel_runtime.errors import ErrorKind, UsageError
 from codewheel_runtime.files import inputs
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -182,6 +182,8 @@ def test_a_frame_whose_length_is_left_open(decode: Command, tmp_path: Path) -> N
         outcome = decode("ASC8525/SC1", "it.bin")
         assert outcome.code == 2
         assert "choose as_printed or left_out" in outcome.err
+        wrong = decode("ASC8525/SC1", "0x5", "--choose", "zero_bit=printed")
+        assert wrong.err.endswith("expected --choose zero_bit=as_printed or --choose zero_bit=left_out\n")
         (row,) = rows(decode("ASC8525/SC1", "it.bin", "--choose", f"zero_bit={answer}").out)
         assert (row["position"], row["fault"]) == ("1", "none")
 
@@ -234,6 +236,15 @@ def test_parts_make_the_whole(
                 assert faults == whole.fault[:count].tolist()
 
 
+def test_a_limit_that_is_no_number_of_frames(generated_python: tuple[Path, ModuleType], tmp_path: Path) -> None:
+    """A negative limit would leave out frames at the end, as a slice of Python does."""
+    (tmp_path / "it.bin").write_bytes(packed([GOOD, SPOILT]))
+    for limit, error in ((-1, UsageError), (1.5, TypeError), (True, TypeError)):
+        with pytest.raises(error, match="limit must be"):
+            generated_python[1].decode_file(CODE, tmp_path / "it.bin", tmp_path / "out.csv", limit=limit)
+        assert not (tmp_path / "out.csv").exists()
+
+
 def test_columns_that_are_asked_for(decode: Command, tmp_path: Path) -> None:
     (tmp_path / "it.bin").write_bytes(packed([GOOD]))
     assert decode(CODE, "it.bin", "--columns", "fault, position").out == f"fault,position\nnone,{POSITION}\n"
@@ -261,6 +272,7 @@ def test_nothing_in_nothing_out(decode: Command, tmp_path: Path) -> None:
     [
         ("it.bin", bytes(13), [], 1, "it.bin, offset 12: 2 complete frames of 6 bytes end here, and 1 more byte"),
         ("it.bin", bytes(9), ["--words", "big"], 1, "offset 8: 1 complete frames of 8 bytes end here"),
+        ("it.csv", "word\n0x1\n".encode("utf-16"), [], 1, "it.csv: the text is UTF-16: save the file as UTF-8"),
         ("it.csv", b"word\nxyz\n0x1\nzyx\n", [], 1, "it.csv, line 2: 'xyz' is not a hexadecimal number"),
         (
             "it.csv",
@@ -269,6 +281,7 @@ def test_nothing_in_nothing_out(decode: Command, tmp_path: Path) -> None:
             1,
             "it.csv, line 2: '17' can be decimal or hexadecimal: choose --digits decimal or",
         ),
+        ("it.csv", b"word\n1f\n", [], 1, "line 2: '1f' is hexadecimal: choose --digits hex, or put 0x in front"),
         ("it.csv", b"word\n1f\n", ["--digits", "decimal"], 1, "line 2: '1f' is not a decimal number"),
         ("it.csv", b"a,b\n1,0x2\n", [], 1, "choose the column with the frames; the columns are 'a', 'b'"),
         ("it.csv", b"a,b\n1,0x2\n", ["--column", "c"], 1, "line 1: no column 'c'; the columns are 'a', 'b'"),
@@ -285,7 +298,7 @@ def test_nothing_in_nothing_out(decode: Command, tmp_path: Path) -> None:
         ("it.bin", b"", ["--write", "parquet"], 2, "only CSV can be written to standard output"),
         ("it.bin", b"", ["-o", "it.bin", "--force"], 2, "it.bin is also the source; write to another file"),
         ("it.bin", b"", ["-o", "."], 2, ". is not a regular file, so it cannot be replaced"),
-        ("it.bin", b"", ["-o", "no/where.csv"], 1, ".part: No such file or directory"),
+        ("it.bin", b"", ["-o", "no/where.csv"], 1, "lika-encoders: no/where.csv: No such file or directory"),
     ],
 )
 def test_what_is_told(
@@ -326,11 +339,12 @@ def test_files_that_are_not_there_or_in_the_way(decode: Command, tmp_path: Path)
     assert decode(CODE, "it.bin", "-o", "it.csv", "--force").code == 1
     assert str(POSITION) in (tmp_path / "it.csv").read_text()
     assert decode(CODE, "it.bin", "-o", "it.csv", "--force", "--cut").out.startswith("1 frame, 1 valid (")
+    assert decode(CODE, "it.bin", "-o", "none/it.csv").err == "lika-encoders: none/it.csv: No such file or directory\n"
 
 
 def test_parquet_without_frames(decode: Command, tmp_path: Path) -> None:
     for table, message in (
-        ({"word": [1.5]}, "column 'word': the frame in row 1 is not an integer: 1.5"),
+        ({"word": [1.5]}, "column 'word': the frame at index 0 must be an integer, got 1.5"),
         ({"word": [True]}, "column 'word': expected numbers, bytes or text, got items of the type bool"),
         ({"word": ["0x1", "time", "date"]}, "row 2 of column 'word': 'time' is not a hexadecimal number"),
         ({"a": [1], "b": [2]}, "choose the column with the frames; the columns are 'a', 'b'"),
@@ -517,8 +531,8 @@ def test_partitions(generated_python: tuple[Path, ModuleType]) -> None:
     for unusable_table, message in (
         (table.append_column("position", [[1, 2, 3]]), "already has a column 'position'"),
         (pyarrow.table({"word": ["x"]}), "'x' is not a hexadecimal number"),
-        (pandas.DataFrame({"word": [1.5]}), "the frame in row 1 is not an integer: 1.5"),
-        (pandas.DataFrame({"word": [True]}), "the frame in row 1 must be an integer, got True"),
+        (pandas.DataFrame({"word": [1.5]}), "the frame at index 0 must be an integer, got 1.5"),
+        (pandas.DataFrame({"word": [True]}), "the frame at index 0 must be an integer, got True"),
     ):
         with pytest.raises(ValueError, match=message):
             lika.decode_partition(unusable_table, encoder, "word")

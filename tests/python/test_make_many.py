@@ -119,12 +119,21 @@ def test_what_is_left_out(families: dict[str, Family]) -> None:
     words = encoder.encode_many({"position": numpy.array([89902357, 5]), "warning": True})
     frames = [amm5.SingleCycleData.from_position(encoder, at, error=False, warning=True) for at in (89902357, 5)]
     assert words.tolist() == [frame.encode() for frame in frames]
-    for columns in ({"position": [1], "speed": [2]}, {"singleturn": [1]}, {"position": [1.5]}, {"position": ["1"]}):
-        with pytest.raises(TypeError):
+    for columns, message in (
+        (
+            {"position": [1], "speed": [2]},
+            "^unknown columns: speed; the columns are .*, position$",
+        ),
+        ({"singleturn": [1]}, "^missing columns: multiturn; the columns are "),
+        ({"position": [1.5]}, "column position has the type float64"),
+        ({"position": ["1"]}, "column position has the type <U1"),
+    ):
+        with pytest.raises(TypeError, match=message):
             encoder.encode_many(columns)
     with pytest.raises(ValueError, match="2 rows"):
         encoder.encode_many({"singleturn": [1, 2], "multiturn": [1]})
-    assert encoder.encode_many({"position": numpy.zeros(0, int)}).tolist() == []
+    for nothing in (numpy.zeros(0, int), [], ()):
+        assert encoder.encode_many({"position": nothing}).tolist() == []
     # A frame with an error has no values, and contradictory values are refused.
     with pytest.raises(ValueError, match=r"row 1: fault must be 0 \(a frame with an error has no values\), got 2"):
         encoder.encode_many(encoder.decode_many([frames[0].encode(), frames[0].encode() ^ 1]))

@@ -370,7 +370,7 @@ def test_what_is_no_frame_and_no_kind_is_refused(family: Family) -> None:
     amm5 = family.module
     bits, serial = amm5.lookup("AMM5A21/65KSC1"), amm5.lookup("AMM5A23/65KJP1")
     for not_words in (["1"], [5.9], [True]):
-        with pytest.raises(TypeError, match="the frame in row 1 must be an integer, got "):
+        with pytest.raises(TypeError, match="the frame at index 0 must be an integer, got "):
             bits.decode_many(not_words)
     for not_words in ([2, 0, 199], ["02 00 C7 D1 6A 7E"]):
         with pytest.raises(TypeError, match="expected bytes, got "):

@@ -166,7 +166,11 @@ def test_si_units_of_a_file_with_a_time(lika: Any, decode: Any, tmp_path: Path, 
     ("content", "code", "message"),
     [
         ("word\n0x1\n", 2, "it.csv has no column 'time', which speeds in SI units need"),
-        (f"time,word\nnoon,{GOOD:#x}\n", 1, "it.csv, column 'time': expected numbers in seconds"),
+        (
+            f"time;word\n0.1;{GOOD:#x}\n0,2;{GOOD:#x}\n",
+            1,
+            "it.csv, column 'time': expected numbers in seconds with a decimal point, got '0,2'",
+        ),
         (f"time,word,radians\n0,{GOOD:#x},1\n", 2, "it.csv already has a column 'radians'"),
     ],
 )
@@ -285,7 +289,7 @@ def test_missing_frames_are_rows(lika: Any) -> None:
     reply = bytes.fromhex("02 00 15 CD 5B 81")
     assert serial.decode_many([reply, None], lika.amm5.SingleturnReply).fault.tolist() == [0, 1]
     for unusable_words, message in (
-        ([1.5], "not an integer"),
+        ([1.5], "must be an integer"),
         (numpy.array([1.0], numpy.float32), "cannot represent every frame"),
     ):
         with pytest.raises(TypeError, match=message):
@@ -306,7 +310,7 @@ def test_flags_of_missing_frames_are_null_in_pandas(lika: Any) -> None:
 def test_a_column_that_is_not_frames_names_the_row(lika: Any) -> None:
     encoder = lika.lookup(CODE)
     for frames in (numpy.array([1.0, 0.5]), [1, 0.5], pyarrow.array([1.0, 0.5])):
-        with pytest.raises(TypeError, match="the frame in row 2 "):
+        with pytest.raises(TypeError, match="the frame at index 1 "):
             encoder.decode_many(frames)
     with pytest.raises(InputError, match="row 1: frames as text need 0x in front: convert the column to integers"):
         encoder.decode_many(pyarrow.array([str(GOOD)]))

@@ -104,6 +104,31 @@ def test_each_reading_is_a_row(encoder: Any, tmp_path: Path) -> None:
     assert parquet.read_table(tmp_path / "log.parquet").to_pylist() == objects
 
 
+def test_readings_keep_their_interval(encoder: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every 10 ms, although a reading takes 4 ms. The third one takes 25 ms: the next ones are counted from its end."""
+    now = 0.0
+
+    def advance(seconds: float) -> None:
+        nonlocal now
+        now += seconds
+
+    class SlowReader:
+        durations = iter((0.004, 0.004, 0.025, 0.004, 0.004))
+
+        def read(self) -> Any:
+            advance(next(self.durations))
+            return encoder.decode(GOOD)
+
+    monkeypatch.setattr(monitor, "monotonic", lambda: now)
+    monkeypatch.setattr(monitor, "sleep", advance)
+    with open_recorder(str(tmp_path / "log.jsonl"), None, force=False) as recorder:
+        monitor.watch(SlowReader(), encoder, "COM3", count=5, interval_s=0.01, out=io.StringIO(), recorder=recorder)
+    times = [json.loads(line)["time"] for line in (tmp_path / "log.jsonl").read_text("utf-8").splitlines()]
+    # The third starts at 20 ms and ends at 45 ms, where the fourth starts, and the fifth follows 10 ms later.
+    assert times == pytest.approx([0.004, 0.014, 0.045, 0.049, 0.059])
+    assert now == pytest.approx(0.059), "there is no wait after the last reading"
+
+
 def test_an_existing_file_is_kept(encoder: Any, tmp_path: Path) -> None:
     from codewheel_runtime.errors import UsageError
 

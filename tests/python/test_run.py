@@ -108,6 +108,14 @@ def test_bits_that_were_changed_are_put_back(lika: Any) -> None:
     assert broken.registers[change.address] == before
 
 
+@pytest.mark.parametrize(("value", "length", "allowed"), [(256, 1, 255), (-1, 1, 255), (1 << 16, 2, 65535)])
+def test_a_value_that_does_not_fit_is_not_written(lika: Any, value: int, length: int, allowed: int) -> None:
+    memory = Memory()
+    with pytest.raises(lika.StepError, match=f"^step 1, Write: value must be 0 to {allowed}, got {value}$"):
+        lika.run([codewheel_runtime.Write(5, value, "it", length=length)], memory)
+    assert memory.written == []
+
+
 def test_byte_order_of_a_step(lika: Any) -> None:
     for order, expected in (("little", b"\x01\x80"), ("big", b"\x80\x01")):
         memory = Memory({5: 1, 6: 0} if order == "little" else {5: 0, 6: 1})

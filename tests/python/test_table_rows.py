@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 import subprocess
 import sys
 import threading
@@ -28,8 +30,12 @@ def test_rows_and_columns(lika: Any) -> None:
     assert [row["position"] for row in table] == [POSITION, None, None]
     assert [table[index] for index in range(len(table))] == [*table] == [*table.rows()]
     assert table[-1] == table[2]
-    with pytest.raises(IndexError):
-        table[3]
+    for index in (3, -4):
+        with pytest.raises(IndexError, match=f"no row {index}; the table has 3"):
+            table[index]
+    for not_a_row in (True, 1.0, [0, 1], table.ok):
+        with pytest.raises(TypeError, match="the row must be an integer, got "):
+            table[not_a_row]
     assert len(table[1:]) == 2
     assert [*table.columns] == [*table.names] == COLUMNS
     assert all((table.columns[name] == table[name]).all() for name in COLUMNS)
@@ -37,6 +43,18 @@ def test_rows_and_columns(lika: Any) -> None:
     assert "time" not in table
     assert [*table.with_columns(time=[1, 2, 3]).columns] == ["time", *COLUMNS]
     assert not len(table[:0])
+
+
+def test_a_table_can_be_sent_to_another_process(lika: Any) -> None:
+    """Also a table with other columns, and one of a layout without a package."""
+    layout = lika.biss_layout("multiturn=16,singleturn=21,error,warning,crc=6:0x43")
+    for encoder in (lika.lookup(CODE), layout):
+        decoded = encoder.decode_many([GOOD, SPOILT])
+        for table in (decoded, decoded.with_columns(time=[1, 2])):
+            for copied in (pickle.loads(pickle.dumps(table)), copy.deepcopy(table)):
+                assert [*copied] == [*table]
+                # The position is 42 revolutions and 1821973 of 2^21 counts.
+                assert copied.in_units("degrees")[0] == 1821973 * 360 / 2**21
 
 
 def test_a_table_encodes(lika: Any) -> None:

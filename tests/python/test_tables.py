@@ -46,6 +46,8 @@ def test_columns_of_another_length_or_name_are_refused(table: Any) -> None:
         table.with_columns(time=[1.0])
     with pytest.raises(ValueError, match=r"^the frames already have a column 'fault'$"):
         table.with_columns(fault=[0] * 4)
+    with pytest.raises(TypeError, match=r"^'time' must have a value for every frame, got 1.5$"):
+        table.with_columns(time=1.5)
 
 
 def test_speeds_in_every_unit(lika: Any) -> None:
@@ -67,6 +69,17 @@ def test_speeds_in_every_unit(lika: Any) -> None:
         table.in_units("rpm")
     with pytest.raises(ValueError, match="the table has no column 'time'"):
         encoder.decode_many(words).velocity()
+
+
+def test_speeds_without_a_time_that_passes(lika: Any) -> None:
+    """The clock of a log can stand still or be set back. A frame every 0 s is a mistake."""
+    encoder = lika.lookup("AMM5A21/65KSC1")
+    table = encoder.decode_many(encoder.encode_many({"position": [0, 100, 200, 300, 400]}))
+    speeds = table.with_columns(time=[0.0, 0.0, 1.0, 0.5, 1.5]).velocity()
+    assert speeds.tolist() == pytest.approx([math.nan, math.nan, 100, math.nan, 100], nan_ok=True)
+    for seconds in (0, -0.1, math.nan):
+        with pytest.raises(ValueError, match=r"^the time between two frames must be above 0 s, got "):
+            table.velocity(seconds)
 
 
 def test_other_libraries_read_the_stream(table: Any) -> None:

@@ -184,6 +184,21 @@ def test_many_copies_are_not_a_second_device(generated_python: Package) -> None:
     assert line.extras > 900
 
 
+def test_cancelled_requests_are_not_a_second_device(generated_python: Package) -> None:
+    """Five requests are cancelled before their replies arrive, as Ctrl-C and a time-out of asyncio do."""
+    line = Line(turnaround=0.0002)
+    session = session_on(generated_python[1], line)
+    for _ in range(5):
+        cancelled = session.position()
+        ask = next(cancelled)
+        while not ask.send:
+            ask = cancelled.send(line.read(ask.wait_s))
+        line.write(ask.send)
+        cancelled.close()
+        assert line.do(session.position()) == line.last
+    assert (session.statistics.extra_replies, session.statistics.late_replies) == (0, 5)
+
+
 @pytest.mark.parametrize("longest_s", [0.00002, 0.0001, 0.001])
 def test_without_a_time_to_settle(generated_python: Package, longest_s: float) -> None:
     """Requests of another kind between those for the position: at most one stale position for each copy."""
@@ -241,6 +256,13 @@ def test_a_second_device_is_an_error(generated_python: Package, second: float, p
 
 def test_values_of_the_parameter(generated_python: Package) -> None:
     line = Line()
-    for wrong in (-1e-9, float("nan")):
-        with pytest.raises(ValueError, match="settle_s must be at least 0, got "):
-            session_on(generated_python[1], line, settle_s=wrong)
+    for name in ("settle_s", "timeout_s"):
+        for wrong in (-1e-9, float("nan"), float("inf")):
+            with pytest.raises(ValueError, match=f"{name} must be finite and at least 0, got "):
+                session_on(generated_python[1], line, **{name: wrong})
+        with pytest.raises(TypeError, match=f"{name} must be a number of seconds, got True"):
+            session_on(generated_python[1], line, **{name: True})
+    with pytest.raises(ValueError, match="retries must be at least 0, got -1"):
+        session_on(generated_python[1], line, retries=-1)
+    with pytest.raises(TypeError, match=r"retries must be an integer, got 1\.5"):
+        session_on(generated_python[1], line, retries=1.5)

@@ -143,7 +143,7 @@ def test_requests_that_there_are_not(generated_python: Package) -> None:
     from codewheel_runtime.link import LinkError
 
     bench = Bench(generated_python[1], "AMM5A23/65KJP1")
-    for request in (b"\x55", b"", generated_python[1].sma21.DataId.POSITION):
+    for request in (b"\x55", b"", generated_python[1].sma21.DataId.POSITION, "position", 5):
         with pytest.raises(
             LinkError, match=r"AMM5A23/65KJP1 has no request '.*'; its requests are 02 \(singleturn\), "
         ):

@@ -324,6 +324,34 @@ def test_the_asyncio_example_of_the_package(generated_python: Package, capsys: p
     assert capsys.readouterr().out == "1000003\n"
 
 
+def test_a_cancelled_read_ends_before_its_task(generated_python: Package) -> None:
+    """Otherwise its thread would take bytes of the reply to the next request."""
+    from codewheel_runtime.link_async import ThreadTransport
+
+    class SlowLine:
+        is_reading = False
+
+        def write(self, data: bytes) -> None:
+            raise AssertionError
+
+        def read(self, timeout_s: float) -> bytes:
+            self.is_reading = True
+            time.sleep(timeout_s)
+            self.is_reading = False
+            return b""
+
+    async def cancel_read(line: SlowLine) -> None:
+        task = asyncio.create_task(ThreadTransport(line).read(0.1))
+        while not line.is_reading:
+            await asyncio.sleep(0)
+        task.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await task
+        assert not line.is_reading
+
+    asyncio.run(cancel_read(SlowLine()))
+
+
 def test_all_errors_of_links_are_at_the_top(generated_python: Package) -> None:
     lika: Any = generated_python[1]
     from codewheel_runtime import link_errors

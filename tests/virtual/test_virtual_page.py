@@ -32,7 +32,7 @@ def test_the_programs(generated_python: tuple[Path, ModuleType], capsys: pytest.
 
 
 def test_the_fixture(generated_python: tuple[Path, ModuleType], virtual_encoder: Callable[..., Any]) -> None:
-    names: dict[str, Any] = {"open_encoder": generated_python[1].open_encoder}
+    names: dict[str, Any] = {}
     exec(program_with("virtual_encoder"), names)
     names["test_a_lost_reply"](virtual_encoder)
 

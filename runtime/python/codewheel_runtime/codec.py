@@ -135,7 +135,10 @@ def as_word(frame: Word, length: int, bits: int | None) -> int:
     Raises:
         LengthError: There are more or fewer bits.
         RangeError: The text contains characters other than 0 and 1.
+        TypeError: ``bits`` is not an integer.
     """
+    if bits is not None:
+        bits = whole_number("bits", bits)
     if isinstance(frame, str):
         # Underscores and spaces between digits are accepted: they make long frames readable.
         text = frame.strip().removeprefix("0b").replace("_", "").replace(" ", "")
@@ -230,10 +233,11 @@ def check_limits(field: str, value: SupportsIndex, limits: tuple[int, int]) -> i
 def check_signed(field: str, value: SupportsIndex, bits: int) -> int:
     """Return ``value`` as an int. Raises RangeError unless it fits into ``bits`` bits as two's complement."""
     number = value if type(value) is int else whole_number(field, value)
-    # Without bits, only 0 fits.
-    top = 1 << bits >> 1
-    if not -top <= number < max(top, 1):
-        raise RangeError(field, number, f"{-top} to {top - 1}")
+    sign_bit = 1 << bits >> 1
+    # A field without bits has only the value 0.
+    highest = max(sign_bit, 1) - 1
+    if not -sign_bit <= number <= highest:
+        raise RangeError(field, number, f"{-sign_bit} to {highest}")
     return number
 
 

@@ -233,7 +233,7 @@ class Request:
         word = self.encode()
         return (0,) * ZEROS + (1,) + tuple(word >> bit & 1 for bit in range(31, -1, -1))
 
-    def _judge_echo(self, answers: int) -> Outcome:
+    def _check_echo(self, answers: int) -> Outcome:
         """Return the outcome of 18 answers, from IDL0 in bit 17 to W in bit 0. RUNNING if the slave participates."""
         # With all answers 1, CDS never changes. With the IDL bit of the ID at 0, no slave has taken this ID.
         if answers == 0x3FFFF or not answers >> 17 - self.slave_id & 1:
@@ -249,7 +249,7 @@ class Request:
         # Only a read gets here with 00.
         return Outcome.NO_ANSWER if answers & 0b11 == 0 else Outcome.BAD_ECHO
 
-    def _judge_data(self, answers: int) -> tuple[Outcome, int | None]:
+    def _check_data(self, answers: int) -> tuple[Outcome, int | None]:
         """Return the outcome of the 12 answers to DATA and CRC, and the byte that was read, otherwise None.
 
         A write is done if the slave has echoed the byte and its CRC.
@@ -300,12 +300,12 @@ class Answer:
         # bit  31..16   15  14  13  12..5  4..1  0
         #      IDL0..15  R   W   S  DATA   CRC   P
         slaves = _count_slaves(cds >> 16)
-        echo = request._judge_echo(cds >> 14)
+        echo = request._check_echo(cds >> 14)
         if echo is not Outcome.RUNNING:
             return cls(echo, slaves)
         if not cds >> 13 & 1:
             return cls(Outcome.BUSY, slaves)
-        outcome, value = request._judge_data(cds >> 1 & 0xFFF)
+        outcome, value = request._check_data(cds >> 1 & 0xFFF)
         return cls(outcome, slaves, value)
 
 
@@ -352,11 +352,11 @@ class Master:
         #: Number of CDS bits in ``_answers``, which are those of this phase, the last one in bit 0.
         self._bit_count = 0
         #: Number of successive frames in which the slave was busy, and the allowed number.
-        self._busy = 0
+        self._busy_count = 0
         self._busy_limit = 0
         #: CDM bits of this phase, the first one highest: CTS to W, or a byte and its CRC.
-        self._sending = 0
-        self._answers = 0
+        self._bits_to_send = 0
+        self._answer_bits = 0
 
     def read(self, address: int, count: int = 1, *, slave_id: int = 0, busy_limit: int) -> None:
         """Start to read registers. An access in progress is aborted.
@@ -400,13 +400,13 @@ class Master:
         if not 0 < len(values) <= count_limit:
             raise RangeError("the number of registers", len(values), f"1 to {count_limit} from address {address:02X}h")
         self.outcome = Outcome.RUNNING
-        self.slaves = self.done = self._bit_count = self._answers = 0
-        self.data = b""
+        self.slaves, self.done, self.data = 0, 0, b""
+        self._bit_count = self._answer_bits = 0
         self._phase = _Phase.WAIT
         self._requests = tuple(Request(slave_id, address + index, value) for index, value in enumerate(values))
         self._busy_limit = busy_limit
         # The highest 17 of 32 bits: CTS to W.
-        self._sending = head >> 15
+        self._bits_to_send = head >> 15
 
     def abort(self) -> None:
         """Abort the access by sending zeros. An aborted write can store another value, as described above."""
@@ -428,7 +428,7 @@ class Master:
         if self._phase is _Phase.HEADER:
             cdm = self._follow_header(cds)
         elif self._phase is _Phase.START:
-            cdm = self._start(cds)
+            cdm = self._follow_start(cds)
         elif self._phase is _Phase.BYTE:
             cdm = self._follow_byte(cds)
         else:
@@ -439,7 +439,7 @@ class Master:
         self._zeros = 0 if cdm else self._zeros + 1
         return cdm
 
-    def _end(self, outcome: Outcome) -> int:
+    def _end_access(self, outcome: Outcome) -> int:
         """End the access with this outcome. Return the CDM bit 0, which ends the control frame."""
         self.outcome = outcome
         self._phase = _Phase.WAIT
@@ -447,56 +447,56 @@ class Master:
 
     def _follow_header(self, cds: int) -> int:
         """Return the bits of steps 2 and 3 (CTS to W), then S once R W is answered."""
-        self._answers = self._answers << 1 | cds
+        self._answer_bits = self._answer_bits << 1 | cds
         self._bit_count += 1
         if self._bit_count <= HEADER_BITS:
             # The first call, with one answer, returns CTS, the highest bit.
-            return self._sending >> HEADER_BITS - self._bit_count & 1
-        self.slaves = _count_slaves(self._answers >> 2)
-        echo = self._requests[0]._judge_echo(self._answers)
+            return self._bits_to_send >> HEADER_BITS - self._bit_count & 1
+        self.slaves = _count_slaves(self._answer_bits >> 2)
+        echo = self._requests[0]._check_echo(self._answer_bits)
         if echo is not Outcome.RUNNING:
-            return self._end(echo)
-        return self._look_up_register()
+            return self._end_access(echo)
+        return self._request_register()
 
-    def _look_up_register(self) -> int:
+    def _request_register(self) -> int:
         """Begin step 4: return S = 1, which asks the slave to look up a register."""
         self._phase = _Phase.START
-        self._busy = 0
+        self._busy_count = 0
         return 1
 
-    def _start(self, cds: int) -> int:
+    def _follow_start(self, cds: int) -> int:
         """Return the CDM bit of step 4: S = 1 until the slave answers 1, and then DATA7.
 
         An answer of 0 means that the slave is busy. After ``_busy_limit`` of them, the access ends.
         """
         if not cds:
-            if self._busy >= self._busy_limit:
-                return self._end(Outcome.BUSY)
-            self._busy += 1
+            if self._busy_count >= self._busy_limit:
+                return self._end_access(Outcome.BUSY)
+            self._busy_count += 1
             return 1
         self._phase = _Phase.BYTE
-        self._bit_count = self._answers = 0
+        self._bit_count = self._answer_bits = 0
         value = self._requests[self.done].value
-        self._sending = 0 if value is None else encode_byte(value)
-        return self._sending >> 11 & 1
+        self._bits_to_send = 0 if value is None else encode_byte(value)
+        return self._bits_to_send >> 11 & 1
 
     def _follow_byte(self, cds: int) -> int:
         """Return the bits of steps 5 to 7: the rest of DATA and CRC, P, and S if a register follows."""
         if self._bit_count == BYTE_BITS:
             # This answer is that to P: 1 refuses the next register.
-            return self._end(Outcome.REFUSED) if cds else self._look_up_register()
-        self._answers = self._answers << 1 | cds
+            return self._end_access(Outcome.REFUSED) if cds else self._request_register()
+        self._answer_bits = self._answer_bits << 1 | cds
         self._bit_count += 1
         if self._bit_count < BYTE_BITS:
-            return self._sending >> BYTE_BITS - 1 - self._bit_count & 1
-        outcome, value = self._requests[self.done]._judge_data(self._answers)
+            return self._bits_to_send >> BYTE_BITS - 1 - self._bit_count & 1
+        outcome, value = self._requests[self.done]._check_data(self._answer_bits)
         if outcome is not Outcome.DONE:
-            return self._end(outcome)
+            return self._end_access(outcome)
         if value is not None:
             self.data += bytes([value])
         self.done += 1
         # The answer to the last P does not matter, because it concerns a register that was not requested.
-        return self._end(outcome) if self.done == len(self._requests) else 0
+        return self._end_access(outcome) if self.done == len(self._requests) else 0
 
 
 class AccessError(RuntimeError):
@@ -598,13 +598,13 @@ class Slave:
         self.slave_id: int | None = None
         self._phase = _Phase.WAIT
         #: True once this slave has taken an IDL bit.
-        self._locked = False
+        self._has_taken_id = False
         #: True if the access is a write.
-        self._writes = False
+        self._is_write = False
         #: Byte to read and its CRC. None for a write, or until ``give`` is called.
         self._byte_to_send: int | None = None
         #: Address of the register that is read or written next.
-        self._current = 0
+        self._register_address = 0
         #: Number of zeros that were received since the last 1.
         self._zeros = 0
         #: Number of CDM bits in ``_received``, which are those of this phase, the last one in bit 0.
@@ -641,61 +641,63 @@ class Slave:
         Returns:
             The CDS bit of this frame.
         """
-        cdm, upstream, ready = int(cdm & 1), int(upstream & 1), self._zeros >= ZEROS
+        cdm, upstream = int(cdm & 1), int(upstream & 1)
+        # A control frame begins with a 1 after enough zeros.
+        may_begin = self._zeros >= ZEROS
         self._zeros = 0 if cdm else self._zeros + 1
         if self._zeros >= ZEROS:
-            return self._leave(upstream)
+            self._leave_frame()
+            return upstream
         if self._phase is _Phase.HEADER:
             return self._follow_header(cdm, upstream)
         if self._phase is _Phase.START:
-            return self._start(cdm, upstream)
+            return self._follow_start(cdm, upstream)
         if self._phase is _Phase.BYTE:
             return self._follow_byte(cdm)
-        if not cdm or not ready:
+        if not cdm or not may_begin:
             return upstream
         self._phase = _Phase.HEADER
         self._bit_count = self._received = 0
         self.slave_id = None
-        self._locked = False
-        return self._take_id(upstream)
+        self._has_taken_id = False
+        return self._answer_id_bit(upstream)
 
-    def _is_allowed(self) -> bool:
+    def _may_access_register(self) -> bool:
         """Return whether the master is allowed this kind of access to the current register."""
-        return self._current in (self.writable if self._writes else self.readable)
+        return self._register_address in (self.writable if self._is_write else self.readable)
 
-    def _fetch(self) -> None:
+    def _request_byte(self) -> None:
         """In a read, request the byte of the current register.
 
         Nothing is requested if the byte is known already, or while an earlier value is not stored.
         """
-        if not self._writes and self._byte_to_send is None and self.wants is Wants.NOTHING:
+        if not self._is_write and self._byte_to_send is None and self.wants is Wants.NOTHING:
             self.wants = Wants.BYTE
-            self.address = self._current
+            self.address = self._register_address
 
-    def _leave(self, cds: int) -> int:
-        """Leave the control frame, because the rest of it is not for this slave. Return ``cds``.
+    def _leave_frame(self) -> None:
+        """Leave the control frame, because the rest of it is not for this slave.
 
         The program need not fulfil a request for a byte any more, but a value that was received is still stored.
         """
         self._phase = _Phase.WAIT
         if self.wants is Wants.BYTE:
             self.wants = Wants.NOTHING
-        return cds
 
     def _await_start(self) -> None:
         """Request the byte of the current register in a read, after W or P, and wait for S."""
         self._phase = _Phase.START
         self._byte_to_send = None
-        self._fetch()
+        self._request_byte()
 
-    def _take_id(self, upstream: int) -> int:
+    def _answer_id_bit(self, upstream: int) -> int:
         """Return the CDS bit of an IDL bit: 1 to take it as the ID, otherwise the bit that arrives at SLI.
 
         A slave takes the first IDL bit that no slave further from the master has taken.
         """
-        if upstream or self._locked or self._bit_count > IDS:
+        if upstream or self._has_taken_id or self._bit_count > IDS:
             return upstream
-        self._locked = True
+        self._has_taken_id = True
         # IDL8 only shows that there are more slaves than IDs.
         self.slave_id = self._bit_count if self._bit_count < IDS else None
         return 1
@@ -705,31 +707,35 @@ class Slave:
         self._received = self._received << 1 | cdm
         self._bit_count += 1
         if self._bit_count <= ADDRESS_BITS:
-            cds = self._take_id(upstream)
+            cds = self._answer_id_bit(upstream)
             if self._bit_count < ADDRESS_BITS:
                 return cds
             # All 15 bits are here: CTS, ID and ADR, then the CRC. Other slaves and commands are not for this slave.
             head, received = self._received >> 4, self._received & 0xF
             if not head >> 10 or received != crc(head, 11) or head >> 7 & 0x7 != self.slave_id:
-                return self._leave(cds)
-            self._current = head & 0x7F
+                self._leave_frame()
+                return cds
+            self._register_address = head & 0x7F
             return cds
         if self._bit_count == HEADER_BITS - 1:
             return cdm
-        self._writes = bool(cdm)
+        self._is_write = bool(cdm)
         if self._received >> 1 & 1 == cdm:
             # R W is neither 10 nor 01. It is echoed as received, to inform the master.
-            return self._leave(cdm)
-        if not self._is_allowed():
-            return self._leave(1 - cdm)
+            self._leave_frame()
+            return cdm
+        if not self._may_access_register():
+            self._leave_frame()
+            return 1 - cdm
         self._await_start()
         return cdm
 
-    def _start(self, cdm: int, upstream: int) -> int:
+    def _follow_start(self, cdm: int, upstream: int) -> int:
         """Return the answer of step 4 to S: 1 once every request is fulfilled, 0 while the slave is busy."""
         if not cdm:
-            return self._leave(upstream)
-        self._fetch()
+            self._leave_frame()
+            return upstream
+        self._request_byte()
         if self.wants is not Wants.NOTHING:
             return 0
         self._phase = _Phase.BYTE
@@ -746,10 +752,11 @@ class Slave:
         self._bit_count += 1
         if self._bit_count > BYTE_BITS:
             # This bit is P. A control frame cannot go beyond 3Fh or 7Fh.
-            is_last = self._current & 0x3F == 0x3F
-            self._current += not is_last
-            if cdm or is_last or not self._is_allowed():
-                return self._leave(1)
+            is_last = self._register_address & 0x3F == 0x3F
+            self._register_address += not is_last
+            if cdm or is_last or not self._may_access_register():
+                self._leave_frame()
+                return 1
             self._await_start()
             return 0
         if self._byte_to_send is not None:
@@ -759,7 +766,8 @@ class Slave:
                 self.value = decode_byte(self._received)
             except CrcError:
                 # The byte has a CRC error and is not stored. The master notices by the echo.
-                return self._leave(cdm)
+                self._leave_frame()
+                return cdm
             self.wants = Wants.STORE
-            self.address = self._current
+            self.address = self._register_address
         return cdm

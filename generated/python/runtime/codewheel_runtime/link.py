@@ -79,7 +79,8 @@ class Link:
 
     Raises:
         InterfaceError: The encoder has a different interface.
-        ValueError: ``settle_s`` is negative, or 0 although the encoder has too few kinds of requests.
+        TypeError, ValueError: A time or ``retries`` is out of range, or ``settle_s`` is 0 although the encoder has too
+            few kinds of requests.
     """
 
     def __init__(
@@ -357,7 +358,7 @@ class Ports:
             InterfaceError: The encoder has a different interface.
             PortError: The port cannot be opened, or pyserial is not installed.
         """
-        encoder = self._lookup(label) if isinstance(label, str) else label
+        encoder = label if isinstance(label, Encoder) else self._lookup(label)
         return open_encoder(port, encoder, timeout_s=timeout_s, retries=retries, settle_s=settle_s, rs485=rs485)
 
 

@@ -3,7 +3,17 @@
 
 from __future__ import annotations
 
-from asyncio import Lock, StreamReader, StreamWriter, to_thread, wait_for
+from asyncio import (
+    CancelledError,
+    Lock,
+    StreamReader,
+    StreamWriter,
+    ensure_future,
+    gather,
+    shield,
+    to_thread,
+    wait_for,
+)
 from asyncio import TimeoutError as Late
 from collections.abc import Callable, Sequence
 from inspect import isawaitable
@@ -17,6 +27,7 @@ from .steps import Step
 
 __all__ = ["AsyncLink", "AsyncPorts", "AsyncTransport", "StreamTransport", "ThreadTransport", "open_async"]
 
+_Argument = TypeVar("_Argument")
 _Result = TypeVar("_Result")
 
 
@@ -63,17 +74,31 @@ class ThreadTransport:
 
     async def write(self, data: bytes, /) -> None:
         """Send bytes."""
-        await to_thread(self._transport.write, data)
+        await _finish_in_thread(self._transport.write, data)
 
     async def read(self, timeout_s: float, /) -> bytes:
         """Return all bytes that have arrived. If there are none, wait for the first for at most ``timeout_s``."""
-        return await to_thread(self._transport.read, timeout_s)
+        return await _finish_in_thread(self._transport.read, timeout_s)
 
     def close(self) -> None:
         """Close the transport, if it can be closed."""
         close = getattr(self._transport, "close", None)
         if close is not None:
             close()
+
+
+async def _finish_in_thread(function: Callable[[_Argument], _Result], argument: _Argument) -> _Result:
+    """Return the result of a function that is called in a thread.
+
+    A cancelled task first waits for the thread, which cannot be stopped. Otherwise its read would take bytes of the
+    reply to the next request.
+    """
+    call = ensure_future(to_thread(function, argument))
+    try:
+        return await shield(call)
+    except CancelledError:
+        await gather(call, return_exceptions=True)
+        raise
 
 
 class AsyncLink:
@@ -91,7 +116,8 @@ class AsyncLink:
 
     Raises:
         InterfaceError: The encoder has a different interface.
-        ValueError: ``settle_s`` is negative, or 0 although the encoder has too few kinds of requests.
+        TypeError, ValueError: A time or ``retries`` is out of range, or ``settle_s`` is 0 although the encoder has too
+            few kinds of requests.
     """
 
     def __init__(
@@ -230,5 +256,5 @@ class AsyncPorts:
             InterfaceError: The encoder has a different interface.
             PortError: The port cannot be opened, or pyserial is not installed.
         """
-        encoder = self._lookup(label) if isinstance(label, str) else label
+        encoder = label if isinstance(label, Encoder) else self._lookup(label)
         return open_async(port, encoder, timeout_s=timeout_s, retries=retries, settle_s=settle_s)

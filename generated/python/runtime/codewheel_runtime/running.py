@@ -105,8 +105,9 @@ class _Procedure:
         self.readings: list[Reading] = []
         #: Addresses to which steps have written.
         self._written: set[int] = set()
-        #: Last value of each byte, by its address, or by that of its register and its index there.
-        self._stored: dict[tuple[int, int], int] = {}
+        #: Last value that was written to each byte, and to each register with a single address, by address.
+        self._stored_bytes: dict[int, int] = {}
+        self._stored_registers: dict[int, bytes] = {}
         #: Name and bytes of each modified register before its first change, by address.
         self._before: dict[int, tuple[str, bytes]] = {}
 
@@ -157,20 +158,18 @@ class _Procedure:
             self._poll(step)
 
     def _store(self, address: int, data: bytes, *, whole: bool) -> None:
-        """Remember written bytes, by two numbers.
-
-        These are the address of the register and the index of the byte if the register has a single address
-        (``whole``), and otherwise the address of the byte and 0.
-        """
-        for index, byte in enumerate(data):
-            self._stored[(address, index) if whole else (address + index, 0)] = byte
+        """Remember written bytes. With ``whole``, they are those of a register with a single address."""
+        if whole:
+            self._stored_registers[address] = data
+        else:
+            self._stored_bytes.update(enumerate(data, address))
 
     def _verify(self, step: Verify) -> None:
         """Raise VerifyError if a bit of the step's mask differs between a register and the bytes that were written."""
-        stored, address = self._stored, step.address
-        # The last bytes that were written, in either form of ``_store``.
-        last_bytes = [stored.get((address, index), stored.get((address + index, 0))) for index in range(step.length)]
-        written = bytes(byte for byte in last_bytes if byte is not None)
+        written = self._stored_registers.get(step.address)
+        if written is None:
+            addresses = range(step.address, step.address + step.length)
+            written = bytes(self._stored_bytes[address] for address in addresses if address in self._stored_bytes)
         if len(written) < step.length:
             raise ValueError(f"no earlier step wrote to {step.register}, so it cannot be verified")
         data = self._read(step)

@@ -30,10 +30,12 @@ from dataclasses import dataclass
 from enum import Enum, IntEnum
 from functools import partial
 from importlib import import_module
+from math import inf
 from time import monotonic
 from typing import Any, NamedTuple, TypeVar, cast, get_args
 
 from .bulk.shape import Shape, holds
+from .codec import shorten, whole_number
 from .encoder import Encoder, Exchanged, Frame, PositionFrame
 from .errors import FrameError, InterfaceError
 from .frames.decoders import cached_decoder, raise_error
@@ -148,7 +150,9 @@ class Session:
 
     Raises:
         InterfaceError: The encoder has a different interface.
-        ValueError: ``settle_s`` is negative, or 0 although the encoder has too few kinds of requests.
+        TypeError: A time is not a number, or ``retries`` is not an integer.
+        ValueError: A time or ``retries`` is negative, or ``settle_s`` is 0 although the encoder has too few kinds of
+            requests.
     """
 
     def __init__(
@@ -162,14 +166,16 @@ class Session:
     ) -> None:
         if encoder.interface is not Interface.RS485:
             raise InterfaceError(encoder.code, encoder.interface, Interface.RS485)
+        _check_seconds("timeout_s", timeout_s)
+        _check_seconds("settle_s", 0.0 if settle_s is None else settle_s)
+        if whole_number("retries", retries) < 0:
+            raise ValueError(f"retries must be at least 0, got {retries}")
         self.encoder, self.timeout_s, self.retries, self.clock = encoder, timeout_s, retries, clock
         self.settle_s, self.statistics = settle_s, Statistics()
         self.exchanges = encoder.exchanges()
         self.kinds = {} if self.exchanges else _find_request_kinds(encoder)
         captures = [kind for kind in self.kinds.values() if kind.purpose == "capture"]
         self._capture_controls = [kind.control for kind in captures]
-        if settle_s is not None and not settle_s >= 0:
-            raise ValueError(f"settle_s must be at least 0, got {settle_s}")
         if settle_s == 0 and len(self._capture_controls) < _KINDS:
             raise ValueError(f"settle_s must be more than 0, because {encoder.code} has too few kinds of requests")
         port = load_rs485_facts(encoder).port
@@ -365,6 +371,10 @@ class Session:
             # A reply that has not arrived can still do so.
             self._unanswered += isinstance(error, NoReplyError)
             raise
+        except GeneratorExit:
+            # The caller was cancelled or interrupted while the reply was on its way.
+            self._unanswered += 1
+            raise
         self.statistics.replies += 1
         self._recent_replies.append(reply)
         self._unanswered = 0
@@ -427,14 +437,8 @@ class Session:
 
     def _take_reply(self, found: FoundReply, received: bytes, pending: PendingRequest) -> bytes:
         """Return the reply, and count other replies. Raises an error if they differ."""
-        extra_replies = [*found.same_kind, *found.other_kinds]
-        if extra_replies:
-            self._single_replies = 0
-            counted_replies = self._count_extra(len(extra_replies))
-            # One of the unknown replies of this kind is the reply to this request, so all but one are foreign.
-            unknown_replies = {*found.same_kind, found.reply}.difference(self._recent_replies)
-            foreign_replies = [*self._find_foreign(found.other_kinds), *sorted(unknown_replies)[1:]]
-            self._count_foreign(foreign_replies[:counted_replies], received, _FOREIGN_REPLIES)
+        if found.same_kind or found.other_kinds:
+            self._count_replies_beside(found, received)
         else:
             self._single_replies += 1
         if not found.is_ambiguous:
@@ -444,6 +448,16 @@ class Session:
         different_replies = [reply for reply in found.same_kind if reply != found.reply]
         replies_text = f"{_format_hex(different_replies[0])} and {_format_hex(found.reply)}"
         raise DisturbedError(f"two different replies to {request_text}, so neither is used: {replies_text}", received)
+
+    def _count_replies_beside(self, found: FoundReply, received: bytes) -> None:
+        """Count the replies that arrived with a reply. Raises SecondDeviceError if a second device seems to answer."""
+        self._single_replies = 0
+        extra_count = self._count_extra(len(found.same_kind) + len(found.other_kinds))
+        # One of the unknown replies of this kind is the reply to this request, so all but one are foreign.
+        unknown_replies = {*found.same_kind, found.reply}.difference(self._recent_replies)
+        foreign_replies = [*self._find_foreign(found.other_kinds), *sorted(unknown_replies)[1:]]
+        # Late replies to failed requests are not extra ones.
+        self._count_foreign(foreign_replies[:extra_count], received, _FOREIGN_REPLIES)
 
     def _find_foreign(self, replies: Sequence[bytes]) -> list[bytes]:
         """Return the replies that equal none of the last replies to requests. They may be from a second device."""
@@ -575,6 +589,9 @@ class Session:
             data = bytes(kind.control for kind in self.kinds.values() if kind.id == request)
         elif isinstance(request, (bytes, bytearray)):
             data = bytes(request)
+        elif not hasattr(type(request), "_fields"):
+            # Neither a request nor its bytes.
+            data = b""
         else:
             data = request.encode()
             for name in request._fields:
@@ -585,7 +602,8 @@ class Session:
         request_kind = self.kinds.get(data[0]) if data else None
         if request_kind is None:
             requests = ", ".join(f"{kind.control:02X} ({kind.name})" for kind in self.kinds.values())
-            raise LinkError(f"{self.encoder.code} has no request '{_format_hex(data)}'; its requests are {requests}")
+            request_text = _format_hex(data) or repr(request)
+            raise LinkError(f"{self.encoder.code} has no request '{request_text}'; its requests are {requests}")
         decode = cast(Callable[..., Frame], self.encoder.decode)
         return PendingRequest(request, data, request_kind, partial(decode, **answers), answers)
 
@@ -620,6 +638,19 @@ class Session:
         requests = ", ".join(exchange.request.__name__ for exchange in self.exchanges)
         request_text = _format_hex(data) or f"{object_or_bytes!r}"
         raise LinkError(f"{self.encoder.code} has no request '{request_text}'; its requests are {requests}")
+
+
+def _check_seconds(name: str, seconds: float) -> None:
+    """Raise an error unless a time is a finite number that is not negative.
+
+    Raises:
+        TypeError: It is not a number.
+        ValueError: It is negative, infinite or NaN.
+    """
+    if isinstance(seconds, bool) or not isinstance(seconds, (int, float)):
+        raise TypeError(f"{name} must be a number of seconds, got {shorten(seconds)}")
+    if not 0 <= seconds < inf:
+        raise ValueError(f"{name} must be finite and at least 0, got {seconds}")
 
 
 def _decode_request(exchange: Exchanged, data: bytes) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import Literal, NamedTuple
 
-from .codec import by_class
+from .codec import by_class, check_width
 
 
 @by_class
@@ -30,8 +30,8 @@ class Write(NamedTuple):
 
     @property
     def data(self) -> bytes:
-        """Bytes to write."""
-        return self.value.to_bytes(self.length, "big")
+        """Bytes to write. Raises RangeError if the value does not fit into them."""
+        return check_width("value", self.value, 8 * self.length).to_bytes(self.length, "big")
 
 
 @by_class

@@ -17,14 +17,14 @@ from .shape import (
     Join,
     Shape,
     choose_smallest_type,
-    find_late_fields,
+    count_unused_bits,
+    find_deferred_fields,
+    find_position_columns,
     find_quick_checks,
+    find_scales,
     find_width,
     group_unused_bits,
     list_column_types,
-    measured,
-    scales,
-    unused_bits,
 )
 from .table import FrameSource, Table, all_match
 from .words import read_floats
@@ -59,7 +59,7 @@ def decode_many(frames: object, shape: Shape, encoder: FrameSource | None) -> Ta
         verdicts[wrong_rows] = 0
     parts: dict[str, tuple[str, int, int]] = {}
     for join in shape.joins:
-        parts |= {name: (join.name, low, width) for name, low, width in find_late_fields(shape, join)}
+        parts |= {name: (join.name, low, width) for name, low, width in find_deferred_fields(shape, join)}
     return Table(
         encoder=encoder,
         columns=out,
@@ -68,8 +68,8 @@ def decode_many(frames: object, shape: Shape, encoder: FrameSource | None) -> Ta
         position=shape.position,
         parts=parts,
         report_causes=shape.report_causes,
-        measured=measured(shape),
-        scales=scales(shape),
+        position_columns=find_position_columns(shape),
+        scales=find_scales(shape),
         frame=shape.frame,
     )
 
@@ -135,9 +135,9 @@ def _read_words(frames: Any, bits: int) -> tuple[Any, Any]:
     if not isinstance(frames, Iterable) or isinstance(frames, str):
         raise TypeError(f"frames must be numbers or packed bytes, got {type(frames).__name__}")
     words: list[int] = []
-    for row, frame in enumerate(cast(list[Any], frames), 1):
+    for index, frame in enumerate(frames):
         # A missing frame is replaced by -1, because both have a length error.
-        words.append(-1 if _is_missing(frame) else whole_number(f"the frame in row {row}", frame))
+        words.append(-1 if _is_missing(frame) else whole_number(f"the frame at index {index}", frame))
     wrong_rows = [index for index, word in enumerate(words) if not 0 <= word < 1 << 64]
     for index in wrong_rows:
         words[index] = 0
@@ -174,7 +174,7 @@ def _decode(source: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> No
         doubts.append(compare_crc(chunk, shape.crc))
     if shape.gray is not None:
         chunk.ungray(*shape.gray, shape.excess)
-    doubts += _find_doubts(chunk, shape)
+    doubts += _find_doubtful_frames(chunk, shape)
     doubtful = [doubt for doubt in doubts if doubt.any()]
     _write(chunk, shape, out)
     if shape.default_verdict is not None:
@@ -196,18 +196,20 @@ def _write_faults(source: Any, limbs: list[Any], where: Any, shape: Shape, out: 
         verdicts *= fault == 0
 
 
-def _find_doubts(chunk: Chunk, shape: Shape) -> list[Any]:
-    """Return arrays that are nonzero for frames that fail a check other than the CRC."""
+def _find_doubtful_frames(chunk: Chunk, shape: Shape) -> list[Any]:
+    """Return arrays that are nonzero for frames that fail a check other than the CRC: one array for each check."""
     checks = find_quick_checks(shape)
-    doubts: list[Any] = []
+    failures: list[Any] = []
     for limb, (mask, value) in zip(chunk.limbs, checks.fixed, strict=False):
         if mask:
-            doubts.append(limb & np.uint64(mask) ^ np.uint64(value))
-    # Here True is a frame whose byte has none of the allowed values.
-    for place, values in checks.bytes:
+            failures.append(limb & np.uint64(mask) ^ np.uint64(value))
+    for place, allowed_values in checks.bytes:
         byte = chunk.byte(place)
-        doubts.append(~reduce(np.logical_or, (byte == np.uint8(value) for value in values)))
-    return [*doubts, *(~_is_met(chunk, check) for check in checks.remaining)]
+        is_allowed = reduce(np.logical_or, (byte == np.uint8(value) for value in allowed_values))
+        failures.append(~is_allowed)
+    for check in checks.remaining:
+        failures.append(~_is_met(chunk, check))
+    return failures
 
 
 def _find_faults(source: Any, limbs: list[Any], shape: Shape) -> Any:
@@ -285,17 +287,21 @@ def _write_unused(chunk: Chunk, shape: Shape, out: Any) -> None:
 
     Groups of bits are moved from ``low`` in the frame to ``place`` in ``out``, in as few bytes as possible.
     """
-    kind = np.dtype(choose_smallest_type(unused_bits(shape))).type
+    kind = np.dtype(choose_smallest_type(count_unused_bits(shape))).type
     number = kind(0)
-    for low, mask, value, place in group_unused_bits(shape):
-        width = mask.bit_length()
+    for group in group_unused_bits(shape):
+        width = group.mask.bit_length()
         # Within a byte of the frame, the bits are taken from the byte.
-        is_in_one_byte = low % 8 + width <= 8
-        differing = chunk.small(low, mask) if is_in_one_byte else chunk.take(low, width) & np.uint64(mask)
-        if value:
-            differing = differing ^ differing.dtype.type(value)
+        if group.low % 8 + width <= 8:
+            differing = chunk.small(group.low, group.mask)
+        else:
+            differing = chunk.take(group.low, width) & np.uint64(group.mask)
+        if group.value:
+            differing = differing ^ differing.dtype.type(group.value)
         differing = differing.astype(kind, copy=False)
-        number = number | (differing << kind(place) if place else differing)
+        if group.place:
+            differing = differing << kind(group.place)
+        number = number | differing
     out[:] = number
 
 

@@ -10,7 +10,7 @@ from ..codec import NO_SUCH_FLAG, assert_never
 from ..errors import RangeError
 from .chunk import Chunk, are_within, compare_crc, compute_parity, np
 from .decode import CHUNK
-from .shape import Column, Join, Shape, find_width, scales
+from .shape import Column, Join, Shape, find_scales, find_width
 from .table import Table
 
 #: Kinds of NumPy arrays for a field, as ``dtype.kind``, unless they are integers. Bools are not numbers.
@@ -111,7 +111,8 @@ def _check_array(name: str, array: Any, cells: Any, kind: str, row_count: int) -
     is_single_value = array.ndim == 0
     if not is_single_value and array.shape != (row_count,):
         raise ValueError(f"column {name} has the shape {array.shape}, but others have {row_count} rows")
-    if array.dtype.kind not in ARRAY_KINDS.get(kind, "ui"):
+    # An empty list has no type.
+    if array.size and array.dtype.kind not in ARRAY_KINDS.get(kind, "ui"):
         raise TypeError(f"column {name} has the type {array.dtype}, which does not fit the field")
     # NumPy converts bools to numbers if the list also has numbers, so the type of the array does not show them.
     if not kind.endswith("flag") and isinstance(cells, (list, tuple)) and _has_bool(cells):
@@ -140,10 +141,13 @@ def _check_names(
             optional.update(name for name, _ in join.fields)
     missing = sorted(fields.keys() - {*columns} - optional)
     joined_names = {join.name for join in shape.joins}
-    ignored = {*other_names, *scales(shape), "unused", "fault", "verdict"}
+    ignored = {*other_names, *find_scales(shape), "unused", "fault", "verdict"}
     unknown = sorted({*columns} - ignored - fields.keys() - joined_names)
-    if missing or unknown:
-        raise TypeError(f"missing columns: {missing}; unknown columns: {unknown}")
+    known_columns = ", ".join([*fields, *sorted(joined_names)])
+    if unknown:
+        raise TypeError(f"unknown columns: {', '.join(unknown)}; the columns are {known_columns}")
+    if missing:
+        raise TypeError(f"missing columns: {', '.join(missing)}; the columns are {known_columns}")
 
 
 def list_names(column: Column) -> tuple[str, ...]:
@@ -214,7 +218,7 @@ def _encode_field(arrays: Mapping[str, Any], column: Column, first_error: FirstE
             is_wrong = values > highest if sign_bit else values != 0
             if values.dtype.kind == "i":
                 is_wrong = is_wrong | (values < -sign_bit)
-            first_error.add(is_wrong, column.name, values, f"{-sign_bit} to {sign_bit - 1}")
+            first_error.add(is_wrong, column.name, values, f"{-sign_bit} to {highest}")
             yield column.low, column.width, values.astype(np.int64).view(np.uint64) & np.uint64((1 << column.width) - 1)
         case "number" | "choice":
             yield column.low, column.width, _encode_number(values, column, first_error)

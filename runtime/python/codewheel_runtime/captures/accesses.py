@@ -16,6 +16,14 @@ _LOST = "a cycle of the access was lost"
 _ENDED = "the capture ends within the access"
 
 
+class ControlBits(NamedTuple):
+    """Time, CDS bit and CDM bit of each cycle over BiSS, also of lost ones, whose CDS bit is -1."""
+
+    times: Any
+    cds: Any
+    cdm: Any
+
+
 class Access(NamedTuple):
     """Access of the master to one register.
 
@@ -64,8 +72,9 @@ class Accesses:
         self._time, self._head = 0.0, 0
         self._is_write, self._is_free = False, True
 
-    def feed(self, times: Any, cds: Any, cdm: Any) -> Iterator[Access]:
-        """Yield the accesses that end in these cycles. Without a CDS bit (-1), a cycle was lost."""
+    def feed(self, bits: ControlBits) -> Iterator[Access]:
+        """Yield the accesses that end in the cycles of these bits."""
+        times, cds, cdm = bits
         ones = np.flatnonzero(cdm)
         cycle, count = 0, len(cdm)
         while cycle < count:
@@ -163,7 +172,7 @@ class Accesses:
         elif self._bit_count == HEADER_BITS + 1:
             # The value is not known yet. Any value makes it a write.
             request = Request(self._head >> 7 & 7, self._head & 0x7F, 0 if self._is_write else None)
-            outcome = request._judge_echo(self._answers)
+            outcome = request._check_echo(self._answers)
             if outcome is not Outcome.RUNNING:
                 yield self._make_access(None, outcome.value)
                 self._end_access()
@@ -177,7 +186,8 @@ class Accesses:
         """Follow the bits before a byte. The slave is busy until its start bit."""
         if cds:
             # This CDM bit is the first one of the byte.
-            self._state, self._bit_count, self._sent, self._answers = self._follow_byte, 0, cdm, 0
+            self._state = self._follow_byte
+            self._bit_count, self._sent, self._answers = 0, cdm, 0
         elif not cdm:
             yield self._make_access(None, Outcome.BUSY.value)
             self._end_access()

@@ -9,6 +9,7 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext, supp
 from enum import Enum
 from functools import partial
 from importlib import import_module
+from math import isfinite
 from types import MappingProxyType
 from typing import Any, Final, NamedTuple
 
@@ -71,12 +72,26 @@ class Probes(NamedTuple):
     baud: float | None = None
     threshold: float | None = None
 
+    def check(self) -> None:
+        """Raise UsageError unless the rates and the rest are above 0, and the threshold is a number."""
+        for name in ("rate", "rest", "baud"):
+            number = getattr(self, name)
+            if number is not None and not (_is_finite(number) and number > 0):
+                raise UsageError(f"{name} must be a number above 0, got {number!r}")
+        if self.threshold is not None and not _is_finite(self.threshold):
+            raise UsageError(f"threshold must be a number, got {self.threshold!r}")
+
     def names(self, is_serial: bool) -> Names:
         """Return the channels by their names or numbers."""
         for channel in (self.clock, self.data):
             if not isinstance(channel, (str, int)) or isinstance(channel, bool):
                 raise UsageError(f"a channel is a name or a number from 1, got {channel!r}")
         return Names(None if is_serial else str(self.clock), str(self.data))
+
+
+def _is_finite(number: object) -> bool:
+    """Return whether an argument is a finite number."""
+    return isinstance(number, (int, float)) and not isinstance(number, bool) and isfinite(number)
 
 
 class Capture(NamedTuple):
@@ -164,7 +179,7 @@ class _Log:
         for name, count in stretch.others.items():
             self.others[name] = self.others.get(name, 0) + count
         if stretch.control is not None:
-            self._add_accesses(self._finder.feed(*stretch.control))
+            self._add_accesses(self._finder.feed(stretch.control))
 
     def finish(self) -> None:
         """Add the access that the end of the capture cuts off."""
@@ -199,7 +214,7 @@ def _open_capture(
     """Open a capture, and yield its frames. With ``exchanged``, the clock and the data line are exchanged.
 
     Raises:
-        UsageError: Captures of this encoder are not read.
+        UsageError: Captures of this encoder are not read, or a rate or another number is not one.
     """
     if isinstance(encoder, Encoder) and encoder.interface is Interface.SPI:
         how = "let the analyser's own SPI decoder export the words, and decode them as a file of frames"
@@ -207,6 +222,7 @@ def _open_capture(
     if isinstance(encoder, Encoder) and encoder.exchanges():
         how = "let the analyser's own serial decoder export the bytes, and decode the replies as a file of frames"
         raise UsageError(f"the replies of {encoder.code} have no data ID, so they are not found in captures: {how}")
+    probes.check()
     is_serial = isinstance(encoder, Encoder) and encoder.interface is Interface.RS485
     names = probes.names(is_serial)._replace(exchanged=exchanged)
     name = "the array"
@@ -266,13 +282,11 @@ def _find_frames(
         line = read_serial_bytes(signals, _find_baud_rate(encoder, probes))
         opened = _find_replies(encoder, line, name, probes, layout, answers)
         return opened._replace(time=time, total=signals.total)
-    if isinstance(encoder, Encoder):
-        shape, is_biss = find_shape(encoder, layout, answers), encoder.interface is Interface.BISS
-    else:
-        shape, is_biss = encoder.shape, True
+    is_ssi = isinstance(encoder, Encoder) and encoder.interface is Interface.SSI
+    shape = find_shape(encoder, layout, answers) if isinstance(encoder, Encoder) else encoder.shape
     if shape.bits > 64:
         raise UsageError(f"frames of {shape.bits} bits do not fit into words of 64")
-    stretches = find_clocked_frames(signals, name, "biss" if is_biss else "ssi", shape.bits, probes.rest)
+    stretches = find_clocked_frames(signals, name, "ssi" if is_ssi else "biss", shape.bits, probes.rest)
     return _CaptureFrames(stretches, shape, time, signals.total)
 
 

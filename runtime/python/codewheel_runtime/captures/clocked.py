@@ -17,6 +17,7 @@ from typing import Any, Final, Literal, NamedTuple
 
 from ..errors import InputError
 from ..packages import load
+from .accesses import ControlBits
 from .signals import Edges, Signals
 
 np: Any = load("numpy")
@@ -59,7 +60,7 @@ class CapturedFrames(NamedTuple):
             seconds, or in samples if the sample rate is unknown.
         lost: Cycles without a frame.
         done: Amount of the file that has been read.
-        control: Over BiSS, the time, CDS bit and CDM bit of each cycle, including lost ones, whose CDS bit is -1.
+        control: Over BiSS, the bits of register accesses.
         kind: Over RS-485, the kind of the frames. Empty if no valid frame was found.
         others: Number of frames of other kinds, by name.
     """
@@ -68,7 +69,7 @@ class CapturedFrames(NamedTuple):
     times: Any
     lost: list[Lost]
     done: int = 0
-    control: tuple[Any, Any, Any] | None = None
+    control: ControlBits | None = None
     kind: str = ""
     others: Mapping[str, int] = MappingProxyType({})
 
@@ -127,6 +128,14 @@ class _Cycles(NamedTuple):
     last: Any
     after: Any
     period: Any
+
+
+class _Timing(NamedTuple):
+    """Times of the rising edges of the clock in each cycle, delay of the data line, and time to the middle of a bit."""
+
+    edges: Any
+    delay: Any
+    half_bit: Any
 
 
 class _Bits(NamedTuple):
@@ -269,13 +278,13 @@ class _CycleFinder:
             control=self._find_control_bits(cycles, good, levels) if self._is_biss else None,
         )
 
-    def _find_control_bits(self, cycles: _Cycles, good: Any, levels: Any) -> tuple[Any, Any, Any]:
-        """Return the time, CDS bit and CDM bit of each cycle. The CDS bit of a lost cycle is -1."""
+    def _find_control_bits(self, cycles: _Cycles, good: Any, levels: Any) -> ControlBits:
+        """Return the bits of register accesses. ``good`` are the indices of the cycles with the ``levels`` of bits."""
         cds = np.full(len(cycles.falls), -1, np.int64)
         cds[good] = levels[:, 0]
         # CDM is the inverse of the clock's level during the time-out.
         timeout_level = self._levels[0] ^ (cycles.ends & 1)
-        return cycles.begin * self._unit, cds, timeout_level ^ 1
+        return ControlBits(times=cycles.begin * self._unit, cds=cds, cdm=timeout_level ^ 1)
 
     def _find_cycles(self, starts: Any, ends: Any) -> _Cycles:
         """Return the cycles with edges from ``starts`` to ``ends``. Those without a falling edge are left out."""
@@ -302,7 +311,8 @@ class _CycleFinder:
 
         If several reasons apply to a cycle, the last one that is set below counts.
         """
-        clock, falls, ends, last, period = self._clock, cycles.falls, cycles.ends, cycles.last, cycles.period
+        clock, falls, ends = self._clock, cycles.falls, cycles.ends
+        last, period = cycles.last, cycles.period
         # The data line goes low as an acknowledgement, and rises with the start bit.
         first_index = np.searchsorted(self._data, cycles.begin, "left")
         level = self._levels[1] ^ (first_index & 1)
@@ -314,23 +324,24 @@ class _CycleFinder:
         start_bit = falls + 1 + 2 * np.maximum(start_rise, 0)
         second_rise = clock[np.minimum(falls + 3, ends - 1)]
         # Whole periods by which the acknowledgement, and so the data line, is late.
-        late_periods = np.maximum(np.floor((np.where(np.isfinite(data_fall), data_fall, 0) - second_rise) / period), 0)
+        acknowledgement = np.where(np.isfinite(data_fall), data_fall, 0)
+        late_periods = np.maximum(np.floor((acknowledgement - second_rise) / period), 0)
         # CDS and the frame need this many rising edges after the start bit.
-        is_short = cycles.rises - 1 - (start_rise - late_periods) < self._bits + 1
+        rises_after_start = cycles.rises - 1 - (start_rise - late_periods)
+        is_start_late = (data_rise > last + period * (late_periods + 2)) | (data_rise >= cycles.after)
         reasons = np.zeros(len(falls), np.int64)
-        reasons[is_short] = _SHORT
-        reasons[(data_rise > last + period * (late_periods + 2)) | (data_rise >= cycles.after) | (start_rise < 0)] = (
-            _NO_START
-        )
+        reasons[rises_after_start < self._bits + 1] = _SHORT
+        reasons[is_start_late | (start_rise < 0)] = _NO_START
         reasons[data_fall > np.minimum(cycles.after, last + _DELAY * period)] = _HIGH
         reasons[level == 0] = _LOW
         delay = data_rise - clock[np.minimum(start_bit, len(clock) - 1)]
-        sent = np.where(reasons == _SHORT, np.maximum(cycles.rises - 2 - (start_rise - late_periods), 0), cycles.rises)
+        # The first of these rising edges is that of CDS.
+        sent = np.where(reasons == _SHORT, np.maximum(rises_after_start - 1, 0), cycles.rises)
         return _Bits(reasons=reasons, skipped=start_rise + 1, delay=delay, sent=sent)
 
     def _find_ssi_bits(self, cycles: _Cycles) -> _Bits:
         """Return the bits, one for each rising edge. The first change of the data line shows its delay."""
-        clock, falls, ends, period = self._clock, cycles.falls, cycles.ends, cycles.period
+        clock, falls, ends = self._clock, cycles.falls, cycles.ends
         # The first change of the data line after the first rising edge of the clock, and the rising edge before it.
         # The index after the last edge finds infinity: the data line does not change any more.
         padded = np.append(self._data, [np.inf, np.inf])
@@ -339,8 +350,8 @@ class _CycleFinder:
         rises_before = (np.searchsorted(clock, change, "right") - falls) // 2
         nearest_rise = falls + 1 + 2 * np.maximum(rises_before - 1, 0)
         # Without a change in the cycle, or with one more than a period after its edge, the delay is not known.
-        delay = np.where(change < cycles.last + period, change - clock[np.minimum(nearest_rise, ends - 1)], 0.0)
-        delay = np.where(delay < period, delay, 0.0)
+        delay = np.where(change < cycles.last + cycles.period, change - clock[np.minimum(nearest_rise, ends - 1)], 0.0)
+        delay = np.where(delay < cycles.period, delay, 0.0)
         reasons = np.zeros(len(falls), np.int64)
         reasons[cycles.rises < self._bits] = _SHORT
         return _Bits(reasons=reasons, skipped=np.zeros(len(falls), np.int64), delay=delay, sent=cycles.rises)
@@ -380,21 +391,22 @@ class _CycleFinder:
         if rises_beyond.any():
             times += rises_beyond * period[:, None]
         # A bit changes up to one sample before its edge is seen.
-        half = period / 2 - self._early
+        timing = _Timing(edges=times, delay=delay, half_bit=period / 2 - self._early)
         if self._early and len(period) and period.min() < _COARSE:
-            times, delay, half = self._refine_delays(times, rises_beyond == 0, delay, period)
-        times += (delay + half)[:, None]
+            timing = self._refine(timing, rises_beyond == 0)
+        times = timing.edges + (timing.delay + timing.half_bit)[:, None]
         # An odd number of edges before a time inverts the first level.
         edge_counts = np.searchsorted(data, times.ravel(), "right").reshape(times.shape)
         return edge_counts & 1 ^ self._levels[1]
 
-    def _refine_delays(self, times: Any, has_edge: Any, delay: Any, period: Any) -> tuple[Any, Any, Any]:
-        """Refine the times of the clock's edges, the delay, and half a bit, if there are few samples per period.
+    def _refine(self, timing: _Timing, has_edge: Any) -> _Timing:
+        """Return the timing of cycles with few samples per period, exact to a fraction of a sample.
 
-        A straight line through all edges of a cycle, and the mean of the delays of all bits, are exact to a fraction of
-        a sample. ``has_edge`` is False for times after the last edge. Where edges are not on a line, because the clock
-        is uneven, all three stay unrefined.
+        The edges are those of a straight line through all edges of a cycle, and the delay is the mean of those of all
+        bits. ``has_edge`` is False for times after the last edge. Cycles whose edges are not on a line, because the
+        clock is uneven, keep their timing.
         """
+        times = timing.edges
         # Least squares: the time of an edge (y) over its number (x).
         x, weight = np.arange(times.shape[1], dtype=np.float64)[None, :], has_edge.astype(np.float64)
         count = np.maximum(weight.sum(axis=1), 1)
@@ -407,16 +419,16 @@ class _CycleFinder:
         # Sampling alone moves an edge by at most one sample.
         is_even = (np.abs(line - times) * weight).max(axis=1) < 1.5
         # The first edge of the data line near each bit.
-        expected = line + delay[:, None]
+        expected = line + timing.delay[:, None]
         data = np.append(self._data, np.inf)
         next_edges = np.searchsorted(self._data, (expected - slope[:, None] / 2).ravel())
         distances = data[next_edges].reshape(times.shape) - expected
         is_near = distances < slope[:, None] / 2
         mean_distance = np.where(is_near, distances, 0.0).sum(axis=1) / np.maximum(is_near.sum(axis=1), 1)
-        return (
-            np.where(is_even[:, None], line, times),
-            np.where(is_even, delay + mean_distance, delay),
-            np.where(is_even, slope / 2, period / 2 - self._early),
+        return _Timing(
+            edges=np.where(is_even[:, None], line, times),
+            delay=np.where(is_even, timing.delay + mean_distance, timing.delay),
+            half_bit=np.where(is_even, slope / 2, timing.half_bit),
         )
 
     def _explain_loss(self, reason: int, bits_sent: int, is_cut: bool) -> str:

@@ -80,6 +80,8 @@ class Names(NamedTuple):
         signals: list[_Signal] = [(self.data, _SERIAL, "--data")]
         if self.clock is not None:
             signals = [(self.clock, _CLOCKS, "--clock"), (self.data, _DATA, "--data")]
+        if len(channels) < len(signals):
+            raise InputError(file, "", f"expected channels of a clock and a data line, got {listed(list(channels))}")
         places: list[int | None] = []
         for name, usual_names, _ in signals:
             places.append(_find_place(channels, name) if name else _find_usual_place(channels, usual_names))

@@ -9,6 +9,7 @@ import signal
 import sys
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
+from enum import Enum
 from importlib import import_module
 from time import monotonic
 from types import FrameType
@@ -76,12 +77,18 @@ def _add_optional_answers(encoder: Encoder, chosen: argparse.Namespace) -> Encod
     answers: dict[str, Any] = {name: next(iter(kind)) for name, kind in kinds.items() if name not in ("self", "return")}
     for name, answer in chosen.choose:
         if name in chosen_kinds:
-            members = [member for member in chosen_kinds[name] if member.name.lower() == answer.lower()]
-            if not members:
-                raise ValueError(f"--choose {name}={answer} does not apply to {encoder.code}")
-            answers[name] = members[0]
+            answers[name] = find_answer(name, answer, chosen_kinds[name])
     chosen.choose = [(name, answer) for name, answer in chosen.choose if name not in chosen_kinds]
     return with_answers(**answers) if chosen_kinds else encoder
+
+
+def find_answer(name: str, answer: str, kind: type[Enum]) -> Enum:
+    """Return the member of ``kind`` that ``--choose`` selects. Raises ValueError if there is none."""
+    for member in kind:
+        if member.name.lower() == answer.lower():
+            return member
+    choices = " or ".join(f"--choose {name}={member.name.lower()}" for member in kind)
+    raise ValueError(f"--choose {name}={answer} is not an answer: expected {choices}")
 
 
 @contextmanager

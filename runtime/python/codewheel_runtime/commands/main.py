@@ -26,6 +26,7 @@ from .common import (
     USAGE,
     Failed,
     distribution,
+    find_answer,
     find_encoder,
     missing_package_error,
     show_progress,
@@ -61,7 +62,7 @@ exit codes:
   3    the frame is valid, but its position is not usable
   130  interrupted
 With too many errors (--max-errors) the output is still written. With any
-other nonzero exit code, no output is written and an existing file is unchanged.
+other nonzero exit code, no file is written and an existing file is unchanged.
 """
 
 
@@ -272,30 +273,30 @@ def _parse_frame(text: str, encoder: Encoder) -> int | bytes | str | None:
     return int(packed, 16) if re.fullmatch("(0x)?[0-9a-fA-F]{1,64}", packed) else None
 
 
-def _list_others(encoder: Encoder, frame: int | bytes | str, result: Any) -> str:
+def _list_other_frames(encoder: Encoder, frame: int | bytes | str, result: Any) -> str:
     """Return the other frames that a frame can be, in words, or an empty string. ``result`` can be its error."""
     # Its return type is a union of the classes of frames that it decodes, and of FrameError.
     hint = get_type_hints(type(encoder).try_decode)["return"]
-    decoded = [kind for kind in get_args(hint) or (hint,) if not issubclass(kind, FrameError)]
-    names = [kind.__name__ for kind in find_kinds(encoder) if _can_be(kind, decoded, encoder, frame, result)]
+    decoded_kinds = [kind for kind in get_args(hint) or (hint,) if not issubclass(kind, FrameError)]
+    # An encoder with several classes identifies its frames by a field.
+    if len(decoded_kinds) != 1:
+        return ""
+    (decoded_kind,) = decoded_kinds
+    names: list[str] = []
+    for kind in find_kinds(encoder):
+        # Hex digits imply leading zeros, so without this, a short frame would be valid as a long one.
+        has_same_length = find_any_shape(kind, encoder).bits == find_any_shape(decoded_kind, encoder).bits
+        may_fit = has_same_length or isinstance(result, LengthError)
+        if kind is not decoded_kind and may_fit and _is_valid_as(kind, encoder, frame):
+            names.append(kind.__name__)
     if not names:
         return ""
     words = "This can be another frame" if isinstance(result, FrameError) else "This can also be another frame"
     return f"{words}: {', '.join(names)} (decode it with the class in {type(encoder).__module__})"
 
 
-def _can_be(kind: Any, decoded: Sequence[type], encoder: Encoder, frame: int | bytes | str, result: Any) -> bool:
-    """Return whether a frame is also a valid frame of ``kind``, another class than that in ``decoded``.
-
-    ``decoded`` are the classes that the encoder's ``try_decode`` returns, and ``result`` is what it has returned.
-    """
-    # An encoder with several classes identifies its frames by a field.
-    if len(decoded) != 1 or kind in decoded:
-        return False
-    # Hex digits imply leading zeros, so without this, a short frame would be valid as a long one.
-    has_length = find_any_shape(kind, encoder).bits == find_any_shape(decoded[0], encoder).bits
-    if not has_length and not isinstance(result, LengthError):
-        return False
+def _is_valid_as(kind: Any, encoder: Encoder, frame: int | bytes | str) -> bool:
+    """Return whether a frame is a valid frame of the class ``kind``."""
     try:
         cached_decoder(kind._make_decoder, encoder, raise_error)(frame)
     except (FrameError, TypeError):
@@ -311,7 +312,7 @@ def _show(encoder: Encoder, frame: int | bytes | str, chosen: argparse.Namespace
     """
     result = _add_answers(encoder, frame, dict(chosen.choose))
     values: dict[str, Any] = result.to_dict()
-    other_frames = _list_others(encoder, frame, result)
+    other_frames = _list_other_frames(encoder, frame, result)
     if chosen.json:
         print(json.dumps(values, ensure_ascii=False))
     elif isinstance(result, FrameError):
@@ -349,10 +350,12 @@ def _add_answers(encoder: Encoder, frame: int | bytes | str, answers: dict[str, 
     hints = get_type_hints(encoder.try_decode)
     for name, answer in answers.items():
         kinds = [kind for kind in get_args(hints.get(name)) if kind is not type(None)]
-        members = [member for kind in kinds for member in kind if member.name.lower() == answer.lower()]
-        if len(members) != 1:
-            raise Failed(f"--choose {name}={answer} does not apply to the frames of {encoder.code}", USAGE)
-        open_answers[name] = members[0]
+        if not kinds:
+            raise Failed(f"--choose {name} does not apply to the frames of {encoder.code}", USAGE)
+        try:
+            open_answers[name] = find_answer(name, answer, kinds[0])
+        except ValueError as error:
+            raise Failed(error, USAGE) from None
     decode: Any = encoder.try_decode
     try:
         return decode(frame, **open_answers)

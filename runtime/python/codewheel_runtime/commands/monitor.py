@@ -57,7 +57,7 @@ def watch(
         encoder: The encoder.
         place: Name of the port.
         count: Number of readings. By default, until interrupted.
-        interval_s: Time in seconds between two readings.
+        interval_s: Time in seconds from the start of a reading to that of the next one.
         out: File to write to. The default is standard output.
         recorder: Output for all readings.
         is_shown: Show the readings if ``out`` is a terminal.
@@ -69,18 +69,27 @@ def watch(
         RuntimeError: The encoder never answered. This is the error that ``reader`` raised.
     """
     screen = _Screen(encoder, place, out or sys.stdout, recorder, is_shown)
-    done = 0
+    done, due = 0, 0.0
     try:
         while count is None or done < count:
+            if interval_s:
+                due = _wait_until(due) + interval_s
             screen.show_reading_of(reader)
             done += 1
-            if interval_s:
-                sleep(interval_s)
     except KeyboardInterrupt:
         pass
     finally:
         screen.end()
     return Readings(screen.frames + screen.failures, screen.failures)
+
+
+def _wait_until(due: float) -> float:
+    """Wait until a time, and return it, or the present time if that is later.
+
+    So readings keep their interval, and after a late one the interval is counted from that.
+    """
+    sleep(max(0.0, due - monotonic()))
+    return max(due, monotonic())
 
 
 class _Screen:

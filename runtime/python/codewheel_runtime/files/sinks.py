@@ -300,7 +300,8 @@ class _ArrowFormatter:
 
     def _convert_decoded(self, name: str, table: Table) -> Any:
         """Return a decoded column for CSV, as an Arrow array."""
-        column, hidden = table[name], None if self._plan.raw else table.hidden(name)
+        column = table[name]
+        hidden = None if self._plan.raw else table.hidden(name)
         if name in WORDS:
             # A fault or a verdict is the index of its word.
             return self._pa.array(WORDS[name], self._pa.string()).take(self._pa.array(column))

@@ -37,9 +37,11 @@ def read_text(text: str, shape: Shape, digits: DigitKind | None) -> int | bytes:
     if not _HEX.fullmatch(packed):
         raise ValueError(f"{short(text)} is not a hexadecimal number")
     if digits is None:
-        raise ValueError(
-            f"{short(text)} can be decimal or hexadecimal: choose --digits decimal or --digits hex, or put 0x in front"
+        is_ambiguous = _DECIMAL.fullmatch(packed) is not None
+        bases = (
+            "can be decimal or hexadecimal: choose --digits decimal or" if is_ambiguous else "is hexadecimal: choose"
         )
+        raise ValueError(f"{short(text)} {bases} --digits hex, or put 0x in front")
     return int(packed, 16)
 
 

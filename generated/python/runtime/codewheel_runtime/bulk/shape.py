@@ -206,7 +206,7 @@ def list_column_types(shape: Shape) -> dict[str, str]:
 
     Plain parts of a joined number are not among them, because they are extracted on access. Nor is ``fault``.
     """
-    late_names = {name for join in shape.joins for name, _, _ in find_late_fields(shape, join)}
+    late_names = {name for join in shape.joins for name, _, _ in find_deferred_fields(shape, join)}
     types: dict[str, str] = {}
     for column in shape.columns:
         if column.name not in late_names:
@@ -214,7 +214,7 @@ def list_column_types(shape: Shape) -> dict[str, str]:
     for join in shape.joins:
         types[join.name] = "u8" if find_width(shape, join) == 64 else "i8"
     if shape.unused:
-        types["unused"] = choose_smallest_type(unused_bits(shape))
+        types["unused"] = choose_smallest_type(count_unused_bits(shape))
     if shape.default_verdict is not None:
         types["verdict"] = "u1"
     return types
@@ -248,22 +248,34 @@ def choose_smallest_type(width: int) -> str:
     return "u8"
 
 
-def unused_bits(shape: Shape) -> int:
+def count_unused_bits(shape: Shape) -> int:
     """Return the width of the number that all unused bits form."""
     return max(unused.place + unused.width for unused in shape.unused)
 
 
-@lru_cache(maxsize=256)
-def group_unused_bits(shape: Shape) -> tuple[tuple[int, int, int, int], ...]:
-    """Return groups of unused bits that are shifted together, as tuples of lowest bit, mask, value and place.
+class UnusedGroup(NamedTuple):
+    """Unused bits that are shifted together.
 
-    Bits with the same shift from the frame to ``unused`` form a group if they begin in the same byte of the frame. The
-    lowest bit is that of the group in the frame, the place that in ``unused``. Bit 0 of mask and value is this bit.
+    ``low`` is their lowest bit in the frame, and ``place`` that in ``unused``. Bit 0 of ``mask``, and of the ``value``
+    in the manual, is this bit.
+    """
+
+    low: int
+    mask: int
+    value: int
+    place: int
+
+
+@lru_cache(maxsize=256)
+def group_unused_bits(shape: Shape) -> tuple[UnusedGroup, ...]:
+    """Return the groups of unused bits.
+
+    Bits with the same shift from the frame to ``unused`` form a group if they begin in the same byte of the frame.
     """
     by_shift: dict[tuple[int, int], list[Unused]] = {}
     for unused in shape.unused:
         by_shift.setdefault((unused.low - unused.place, unused.low // 8), []).append(unused)
-    groups: list[tuple[int, int, int, int]] = []
+    groups: list[UnusedGroup] = []
     for group in by_shift.values():
         first = min(group)
         mask = value = 0
@@ -272,7 +284,7 @@ def group_unused_bits(shape: Shape) -> tuple[tuple[int, int, int, int], ...]:
             unused_mask = (1 << unused.width) - 1 << offset
             mask |= unused_mask
             value |= unused_mask & unused.value << offset
-        groups.append((first.low, mask, value, first.place))
+        groups.append(UnusedGroup(low=first.low, mask=mask, value=value, place=first.place))
     return tuple(groups)
 
 
@@ -282,7 +294,7 @@ def find_width(shape: Shape, join: Join) -> int:
     return sum(by_name[name].width for name, _ in join.fields)
 
 
-def find_late_fields(shape: Shape, join: Join) -> list[tuple[str, int, int]]:
+def find_deferred_fields(shape: Shape, join: Join) -> list[tuple[str, int, int]]:
     """Return the fields that are plain bits of a joined number: name, lowest bit in this number, and width.
 
     They are extracted from it on access. Only the first joined number of a shape has such fields, and only if it has
@@ -291,15 +303,15 @@ def find_late_fields(shape: Shape, join: Join) -> list[tuple[str, int, int]]:
     by_name = {column.name: column for column in shape.columns}
     if find_width(shape, join) > 63 or join is not shape.joins[0]:
         return []
-    late_fields: list[tuple[str, int, int]] = []
+    deferred_fields: list[tuple[str, int, int]] = []
     for name, low in join.fields:
         column = by_name[name]
         if column.kind == "number" and not column.zero_means:
-            late_fields.append((name, low, column.width))
-    return late_fields
+            deferred_fields.append((name, low, column.width))
+    return deferred_fields
 
 
-def measured(shape: Shape) -> frozenset[str]:
+def find_position_columns(shape: Shape) -> frozenset[str]:
     """Return the columns whose values have no meaning if the position is not usable.
 
     These are the position and its parts. A frame without the whole position but with a verdict has only a part of it,
@@ -313,7 +325,7 @@ def measured(shape: Shape) -> frozenset[str]:
     return frozenset(column.name for column in shape.columns if column.kind in ("number", "signed"))
 
 
-def scales(shape: Shape) -> dict[str, tuple[str, Scale]]:
+def find_scales(shape: Shape) -> dict[str, tuple[str, Scale]]:
     """Return the name of each column of quantities, with the column of its number and the scale.
 
     An example is ``{"temperature (°C)": ("temperature", Scale(…))}``. No field can have such a name.

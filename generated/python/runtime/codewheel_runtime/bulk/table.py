@@ -10,7 +10,7 @@ from math import tau
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Generic, Literal, Protocol, overload
 
-from ..codec import PositionRange
+from ..codec import PositionRange, shorten, whole_number
 from ..errors import ErrorKind, RangeError
 from ..facts import Scale
 from ..packages import load
@@ -110,17 +110,19 @@ class Table(_TableOf[_Name, _Unit]):
         position: str,
         parts: Mapping[str, tuple[str, int, int]],
         report_causes: tuple[ReportCause, ...] = (),
-        measured: frozenset[str] = frozenset(),
+        position_columns: frozenset[str] = frozenset(),
         scales: Mapping[str, tuple[str, Scale]] = _NOTHING,
         other_columns: Mapping[str, Any] = _NOTHING,
         frame: str = "",
     ) -> None:
         # _parts: for each column that is a part of a joined number, this number, the lowest bit in it, and the width.
         # _scales: for each column of quantities, the column of its numbers, and their scale.
-        # _measured: names of the position and its parts, which are hidden where the position is not usable.
-        self.encoder, self._measured, self._others = encoder, measured, other_columns
+        # _position_columns: names of the position and its parts, which are hidden where the position is not usable.
+        # Copies as dictionaries, so that a table can be pickled.
+        self._others, self._scales = dict(other_columns), dict(scales)
+        self.encoder, self._position_columns = encoder, position_columns
         self._report_causes = report_causes
-        self._columns, self._scales, self._frame = columns, scales, frame
+        self._columns, self._frame = columns, frame
         self._fault, self._verdict, self._position, self._parts = fault, verdict, position, parts
         verdict_names = ["verdict"] if verdict is not None else []
         self._names = [*other_columns, *parts, *columns, *scales, *verdict_names, "fault"]
@@ -224,9 +226,12 @@ class Table(_TableOf[_Name, _Unit]):
             The table.
 
         Raises:
+            TypeError: A column is a single value.
             ValueError: A column has another length, or the name of a decoded column.
         """
         for name, column in columns.items():
+            if not hasattr(column, "__len__"):
+                raise TypeError(f"'{name}' must have a value for every frame, got {shorten(column)}")
             if name in self._names and name not in self._others:
                 raise ValueError(f"the frames already have a column '{name}'")
             if len(column) != self.count:
@@ -245,7 +250,7 @@ class Table(_TableOf[_Name, _Unit]):
             position=self._position,
             parts=self._parts,
             report_causes=self._report_causes,
-            measured=self._measured,
+            position_columns=self._position_columns,
             scales=self._scales,
             other_columns=other_columns,
             frame=self._frame,
@@ -269,10 +274,12 @@ class Table(_TableOf[_Name, _Unit]):
             return self._replace_columns(columns, self._fault[name], verdict, other_columns)
         if isinstance(name, str):
             return self._find_column(name)
-        index: int = name
-        # This raises IndexError, and counts negative indices from the end.
-        place = range(self.count)[index]
-        return next(self[place : place + 1].rows())
+        index = whole_number("the row", name)
+        if not -self.count <= index < self.count:
+            raise IndexError(f"no row {index}; the table has {self.count}")
+        # Negative numbers count from the end.
+        row = range(self.count)[index]
+        return next(self[row : row + 1].rows())
 
     def rows(self) -> Iterator[dict[str, Any]]:
         """Yield the values of each frame by the names of the columns.
@@ -429,10 +436,12 @@ class Table(_TableOf[_Name, _Unit]):
             unit: Unit of length or angle per second, or ``rpm`` for revolutions per minute.
 
         Returns:
-            An array of speeds. It is NaN for frames without a usable position, and for the first frame that has one.
+            An array of speeds. It is NaN for frames without a usable position, for the first frame that has one, and
+            where the time is not after that of the previous usable frame.
 
         Raises:
             AttributeError, RangeError, ValueError: See ``unwrapped`` and ``in_units``.
+            ValueError: The time between two frames is 0 or negative.
         """
         return self._compute_speed(seconds, unit, None)
 
@@ -455,8 +464,11 @@ class Table(_TableOf[_Name, _Unit]):
             positions, times = np.insert(positions, 0, previous[0]), np.insert(times, 0, previous[1])
         numerator, denominator = self._find_unit_size("turns" if unit == "rpm" else unit)
         per_minute = 60 if unit == "rpm" else 1
+        elapsed = np.diff(times)
+        # A clock that stands still or is set back gives no speed.
+        elapsed = np.where(elapsed > 0, elapsed, np.nan)
         speeds = np.full(self.count, np.nan)
-        speeds[rows_with_speed] = np.diff(positions) * (per_minute * numerator) / denominator / np.diff(times)
+        speeds[rows_with_speed] = np.diff(positions) * (per_minute * numerator) / denominator / elapsed
         return speeds
 
     def _check_times(self, seconds: Any) -> Any:
@@ -465,14 +477,19 @@ class Table(_TableOf[_Name, _Unit]):
         ``seconds`` is the time between two frames, an array of times, or None for the column ``time``.
 
         Raises:
-            ValueError: There is no such column, or the number of times is not that of the frames.
+            ValueError: There is no such column, the number of times is not that of the frames, or the time between two
+                frames is 0 or negative.
         """
         np: Any = load("numpy")
         if seconds is None:
             if "time" not in self._others:
                 raise ValueError("the table has no column 'time'; pass the time between two frames in seconds")
             seconds = self._others["time"]
-        times = np.arange(self.count) * seconds if np.ndim(seconds) == 0 else np.asarray(seconds)
+        if np.ndim(seconds) == 0:
+            if not seconds > 0:
+                raise ValueError(f"the time between two frames must be above 0 s, got {seconds}")
+            return np.arange(self.count) * seconds
+        times = np.asarray(seconds)
         if len(times) != self.count:
             raise ValueError(f"expected {self.count} times, one per frame, got {len(times)}")
         return times
@@ -537,7 +554,7 @@ class Table(_TableOf[_Name, _Unit]):
         # A quantity has no meaning where its number has none.
         if name in self._scales:
             return self.hidden(self._scales[name][0])
-        if name in self._measured:
+        if name in self._position_columns:
             return ~self.usable
         column = self._columns.get(name)
         return self._fault == ErrorKind.LENGTH if column is not None and column.dtype == bool else None

@@ -58,9 +58,8 @@ def read_floats(frames: Any, bits: int, done: int = 0) -> Any:
     whole = np.where(is_frame, frames, 0)
     fractional_rows = np.flatnonzero(whole != np.floor(whole))
     if len(fractional_rows):
-        raise TypeError(
-            f"the frame in row {done + fractional_rows[0] + 1} is not an integer: {whole[fractional_rows[0]]}"
-        )
+        first_row = fractional_rows[0]
+        raise TypeError(f"the frame at index {done + first_row} must be an integer, got {whole[first_row]}")
     return np.ma.masked_array(whole.astype(np.uint64), ~is_frame)
 
 

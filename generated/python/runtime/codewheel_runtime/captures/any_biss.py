@@ -55,6 +55,10 @@ class BissLayout(NamedTuple):
         """The layout as text, in place of an order code."""
         return self.text
 
+    def __reduce__(self) -> tuple[Callable[[str], BissLayout], tuple[str]]:
+        """Pickle the text, because the functions of the CRC in ``shape`` cannot be pickled."""
+        return biss_layout, (self.text,)
+
     @property
     def _no_size(self) -> str:
         """Message if the counts per turn are needed, but not known."""

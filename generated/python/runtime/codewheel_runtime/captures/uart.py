@@ -46,13 +46,19 @@ def read_serial_bytes(signals: Signals, baud: float) -> Generator[_Bytes, None, 
         baud: Bits per second, or per sample if the sample rate is unknown.
     """
     bit = 1 / baud / (signals.seconds or 1.0)
+    # An edge between two samples is seen at the second one, half a sample late on average.
     early = 0.5 if signals.is_sampled else 0.0
-    # Edges that are not used yet, the level before them, and the time from which a byte can begin.
-    edges, level, earliest_start, end, done, is_new = np.zeros(0), 1, -np.inf, 0.0, 0, True
+    # Edges that are not used yet, and the level before them.
+    edges, level = np.zeros(0), 1
+    # Time from which a byte can begin.
+    earliest_start = -np.inf
+    end, done, is_first_part = 0.0, 0, True
     for part in _split_parts(signals):
         if part is not None:
-            level, is_new = (part.levels[0], False) if is_new else (level, False)
-            edges, end, done = np.concatenate([edges, part.times[0]]), part.end, part.done
+            if is_first_part:
+                level, is_first_part = part.levels[0], False
+            edges = np.concatenate([edges, part.times[0]])
+            end, done = part.end, part.done
         # An edge with an even index starts from the first level.
         falls = edges[1 - level :: 2]
         # Falling edges whose byte is complete. At the end of the capture (None), all are used.
@@ -191,6 +197,21 @@ def find_replies(
     yield from map(finder.with_kind, [*first, finder.finish()])
 
 
+class _Places(NamedTuple):
+    """Places of replies and other bytes on a line, as indices of their bytes.
+
+    Attributes:
+        starts: First byte of each reply, by the name of its kind.
+        gaps: First byte, and the byte after the last one, of each gap between replies. A request directly before its
+            reply is in no gap.
+        end: End of the bytes that belong to a reply or a gap.
+    """
+
+    starts: dict[str, list[int]]
+    gaps: list[tuple[int, int]]
+    end: int
+
+
 class _Replies:
     """Finder of replies in bytes. It keeps the last bytes until more arrive.
 
@@ -210,11 +231,11 @@ class _Replies:
         self._has_stop_bit = np.concatenate([self._has_stop_bit, part.has_stop_bit])
         self._done = part.done
         # A reply that begins in the last bytes may not be complete.
-        return self._find(max(len(self._values) - _KEPT, 0))
+        return self._take_replies(max(len(self._values) - _KEPT, 0))
 
     def finish(self) -> CapturedFrames:
         """Return the replies among the last bytes."""
-        return self._find(len(self._values))
+        return self._take_replies(len(self._values))
 
     def with_kind(self, stretch: CapturedFrames) -> CapturedFrames:
         """Return a stretch with the name of the kind of replies, which may not have been known when it was found.
@@ -247,24 +268,29 @@ class _Replies:
         is_valid[:start_count] = has_no_error & has_no_pause & has_stop_bits
         return is_valid
 
-    def _find(self, until: int) -> CapturedFrames:
-        """Return the replies that begin before the byte ``until``, and forget their bytes.
-
-        If no kind is requested, the first call that finds a reply with a position chooses the most frequent kind.
-        """
+    def _take_replies(self, until: int) -> CapturedFrames:
+        """Return the replies that begin before the byte ``until``, and forget their bytes."""
         shapes = self._kinds.replies
         # At each byte, the longest reply counts.
         names = sorted(shapes, key=lambda name: (-shapes[name].length, name))
         request_lengths = self._find_request_lengths()
-        starts, gaps, end = self._walk(until, names, self._find_reply_kinds(names), request_lengths)
+        places = self._place_replies(until, names, self._find_reply_kinds(names), request_lengths)
         if not self.wanted:
-            candidates = [name for name in names if starts[name] and shapes[name].default_verdict is not None]
-            if candidates:
-                self.wanted = max((len(starts[name]), name) for name in candidates)[1]
-        stretch = self._collect_frames(starts, gaps, request_lengths)
-        self._values, self._times = self._values[end:], self._times[end:]
-        self._has_stop_bit = self._has_stop_bit[end:]
-        return stretch
+            self.wanted = self._choose_kind(places.starts)
+        frames = self._collect_frames(places, request_lengths)
+        self._values, self._times = self._values[places.end :], self._times[places.end :]
+        self._has_stop_bit = self._has_stop_bit[places.end :]
+        return frames
+
+    def _choose_kind(self, starts: Mapping[str, Sequence[int]]) -> str:
+        """Return the name of the most frequent kind of reply with a position, or an empty string if there is none."""
+        counts: list[tuple[int, str]] = []
+        for name, reply_starts in starts.items():
+            has_position = self._kinds.replies[name].default_verdict is not None
+            if reply_starts and has_position:
+                counts.append((len(reply_starts), name))
+        _, most_frequent = max(counts, default=(0, ""))
+        return most_frequent
 
     def _find_reply_kinds(self, names: Sequence[str]) -> list[int]:
         """Return the index in ``names`` of the reply that begins at each byte, or -1."""
@@ -283,14 +309,10 @@ class _Replies:
         lengths: list[int] = longest.tolist()
         return lengths
 
-    def _walk(
+    def _place_replies(
         self, until: int, names: Sequence[str], reply_kinds: list[int], request_lengths: list[int]
-    ) -> tuple[dict[str, list[int]], list[tuple[int, int]], int]:
-        """Return the starts of the replies by name, the gaps between them, and the end of the bytes that are done.
-
-        A gap has the index of its first byte and the index after its last one. A request directly before its reply is
-        in no gap.
-        """
+    ) -> _Places:
+        """Return the places of the replies that begin before ``until``, one after another, and of the gaps."""
         count = len(self._values)
         starts: dict[str, list[int]] = {name: [] for name in names}
         gaps: list[tuple[int, int]] = []
@@ -314,18 +336,16 @@ class _Replies:
             end = gap_start
         if gap_start < end:
             gaps.append((gap_start, end))
-        return starts, gaps, end
+        return _Places(starts=starts, gaps=gaps, end=end)
 
-    def _collect_frames(
-        self, starts: dict[str, list[int]], gaps: Sequence[tuple[int, int]], request_lengths: list[int]
-    ) -> CapturedFrames:
-        """Return the replies of the wanted kind, and the gaps as lost bytes. ``starts`` and ``gaps`` are of ``_walk``.
+    def _collect_frames(self, places: _Places, request_lengths: list[int]) -> CapturedFrames:
+        """Return the replies of the wanted kind, and the gaps as lost bytes.
 
         A gap with exactly one reply that has a CRC error, after a request or not, is a frame with an error instead.
         """
         lost: list[Lost] = []
-        reply_starts = starts.pop(self.wanted, [])
-        for first, end in gaps:
+        reply_starts = [*places.starts.get(self.wanted, [])]
+        for first, end in places.gaps:
             # The bytes after the request, if the gap begins with one and goes on.
             after_request = first + request_lengths[first] if request_lengths[first] < end - first else first
             if self._is_damaged_reply(first, after_request, end):
@@ -333,19 +353,20 @@ class _Replies:
             else:
                 lost.append(Lost(float(self._times[first]), self._explain_loss(first, end, request_lengths)))
         reply_starts.sort()
-        places = np.array(reply_starts, np.int64)
+        first_bytes = np.array(reply_starts, np.int64)
         shape = self._kinds.replies.get(self.wanted)
         length = shape.length if shape is not None else 1
         rows = np.zeros((0, length), "u1")
-        if len(places):
-            rows = self._values[places[:, None] + np.arange(length)[None, :]]
+        if len(first_bytes):
+            rows = self._values[first_bytes[:, None] + np.arange(length)[None, :]]
+        other_counts = {name: len(starts) for name, starts in places.starts.items() if starts and name != self.wanted}
         return CapturedFrames(
             frames=rows,
-            times=self._times[places],
+            times=self._times[first_bytes],
             lost=lost,
             done=self._done,
             kind=self.wanted,
-            others={name: len(name_starts) for name, name_starts in starts.items() if name_starts},
+            others=other_counts,
         )
 
     def _is_damaged_reply(self, first: int, start: int, end: int) -> bool:

@@ -18,10 +18,9 @@ from ..captures.any_biss import BissLayout, biss_layout
 from ..captures.capture import Captures, CaptureSummary, Lost
 from ..encoder import Encoder
 from ..errors import InputError, UsageError
-from ..files.inputs import Stored
+from ..files.inputs import Stored, read_seconds
 from ..files.layouts import find_shape
 from ..files.sources import find_kind, open_source
-from ..files.stream import read_seconds
 from ..reports import Interface
 from .common import USAGE, Failed, find_encoder, missing_package_error, show_progress
 

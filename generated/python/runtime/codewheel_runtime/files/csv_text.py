@@ -5,17 +5,18 @@ from __future__ import annotations
 
 import csv
 import io
+from codecs import BOM_UTF16_BE, BOM_UTF16_LE
 from collections.abc import Callable, Generator, Iterable, Iterator
 from itertools import chain, islice
-from typing import BinaryIO, Final
+from typing import BinaryIO, Final, NamedTuple
 
 from ..bulk.cells import Cells, read_text
 from ..bulk.shape import Shape
 from ..bulk.words import DigitKind, listed, short
 from ..errors import InputError
 from . import inputs
-from .fast_csv import Block, Joined, ends_with_row, is_plain, reader, whole_lines
-from .inputs import FIRST, Part, Share, Source, Stored, check_form, kept_columns, named_place
+from .fast_csv import Block, JoinedBlocks, ends_with_row, has_a_row_per_line, make_block_reader, split_into_blocks
+from .inputs import FIRST, Part, Share, Source, Stored, check_form, find_usual_column, select_columns
 
 #: Limit for the length of a line. A longer one means that the file is not CSV.
 _LONGEST: Final = 1 << 20
@@ -25,20 +26,25 @@ def read_csv_rows(file: BinaryIO, name: str, size: int | None, stored: Stored, s
     """Return the frames and the other columns of a CSV file.
 
     ``name`` and ``size`` in bytes are those of the file. ``share`` returns the fraction of valid frames.
+
+    Raises:
+        InputError: The text is UTF-16, there is no such column, or the first row cannot be read.
     """
-    blocks = whole_lines(b"", file)
+    blocks = split_into_blocks(b"", file)
     head = next(blocks, b"")
-    lines = _Lines(_text_of([head]), name)
+    if head.startswith((BOM_UTF16_LE, BOM_UTF16_BE)):
+        raise InputError(name, "", "the text is UTF-16: save the file as UTF-8")
+    lines = _Lines(_open_text([head]), name)
     delimiter, rows = _open_rows(lines)
     # The first row decides about the header and the columns. Then the rows are read again from its block.
     first_row = next(rows, None)
     if first_row is None:
-        return Source(_nothing(), size)
-    place, is_header = _place(first_row, name, stored, shape)
+        return Source(_yield_no_parts(), size)
+    place, is_header = _find_frame_column(first_row, name, stored, shape)
     header = [cell.strip() for cell in first_row] if is_header else [""] * len(first_row)
     names = [cell or f"column_{number}" for number, cell in enumerate(header, 1)]
     other_names = [(index, cell) for index, cell in enumerate(names) if index != place]
-    empty_columns = kept_columns((cell for _, cell in other_names), stored, lambda _: [], name)
+    empty_columns = select_columns((cell for _, cell in other_names), stored, lambda _: [], name)
     columns = [(index, cell) for index, cell in other_names if cell in empty_columns]
     # Lines before the first row of frames: comments, empty lines and the header. ``start`` is their length in bytes.
     skipped = lines.number if is_header else lines.number - 1
@@ -49,26 +55,39 @@ def read_csv_rows(file: BinaryIO, name: str, size: int | None, stored: Stored, s
         # A line ends with a single CR, which only the reader of rows counts. It reads from the beginning, so it skips
         # the header itself.
         skipped, start = 0, 0
-    table = _Table(lines, delimiter, place, columns, is_header and not start)
-    read_fast = reader(names, place, columns, delimiter, shape, stored.digits) if start or not is_header else None
-    parts = _read_parts(table, read_fast, chain([head[start:]], blocks), skipped, start, (name, stored, shape, share))
+    slow_reader = _SlowReader(lines, delimiter, place, columns, is_header and not start)
+    read_fast = None
+    # The fast reader does not skip a header.
+    if start or not is_header:
+        read_fast = make_block_reader(names, place, columns, delimiter, shape, stored.digits)
+    csv_file = _CsvFile(name, stored, shape, share)
+    parts = _read_parts(slow_reader, read_fast, chain([head[start:]], blocks), skipped, start, csv_file)
     return Source(parts, size, tuple(cell for _, cell in other_names), empty_columns)
 
 
-def _text_of(blocks: Iterable[bytes]) -> io.TextIOWrapper:
+def _open_text(blocks: Iterable[bytes]) -> io.TextIOWrapper:
     """Return blocks as one text file."""
-    return io.TextIOWrapper(io.BufferedReader(Joined(blocks)), "utf-8-sig", "replace", newline="")
+    return io.TextIOWrapper(io.BufferedReader(JoinedBlocks(blocks)), "utf-8-sig", "replace", newline="")
 
 
-def _nothing() -> Generator[Part, None, None]:
+def _yield_no_parts() -> Generator[Part, None, None]:
     """Yield no frames."""
     yield from ()
 
 
-class _Table:
-    """Rows of a CSV file, read one by one: the delimiter, the column of frames, and the other columns to keep.
+class _Batch(NamedTuple):
+    """Cells of some frames, their line numbers, and the cells of other columns in the same rows by name."""
 
-    ``place`` is the index of the column of frames, and ``count`` the number of rows that ``take`` returns at once.
+    cells: list[str]
+    line_numbers: list[int]
+    other_columns: dict[str, list[str]]
+
+
+class _SlowReader:
+    """Reader of a CSV file row by row, for all contents.
+
+    ``place`` is the index of the column of frames, ``columns`` are those of the other columns to keep, with their
+    names, and ``count`` is the number of rows that are read at once.
     """
 
     def __init__(
@@ -79,107 +98,110 @@ class _Table:
         # Cells take memory, so more columns mean fewer rows at once.
         self.count = max(inputs.ROWS // (1 + len(columns)), 1)
         #: Frame in the last row that was read, as text.
-        self._before = ""
+        self._last_cell = ""
         self._rows: Iterator[list[str]] = iter(())
 
     def open(self, blocks: Iterable[bytes], lines: int, done: int) -> None:
         """Read these blocks. ``lines`` and ``done`` are the numbers of lines and bytes before these blocks."""
-        self.lines = _Lines(_text_of(blocks), self.lines.name, lines, done)
+        self.lines = _Lines(_open_text(blocks), self.lines.name, lines, done)
         self._rows = _open_rows(self.lines, self.delimiter)[1]
         if self._skips_header:
             next(self._rows, None)
             self._skips_header = False
 
-    def take(self) -> tuple[list[str], list[int], dict[str, list[str]]]:
-        """Return the cells of some frames, their line numbers, and the cells of other columns in the same rows by name.
-
-        At the end of the blocks, all of them are empty.
-        """
+    def read_batch(self) -> _Batch:
+        """Return the cells of the next rows. At the end of the blocks, there are none."""
         cells: list[str] = []
-        numbers: list[int] = []
+        line_numbers: list[int] = []
         # Only cells are kept, because rows are lists, which the garbage collector would traverse repeatedly.
         other_columns: dict[str, list[str]] = {name: [] for _, name in self.columns}
         appenders = [(index, other_columns[name].append) for index, name in self.columns]
         lines, place = self.lines, self.place
         for row in islice(self._rows, self.count):
             cells.append(row[place] if len(row) > place else "")
-            numbers.append(lines.number)
+            line_numbers.append(lines.number)
             for index, append in appenders:
                 append(row[index] if len(row) > index else "")
-        # The row before the last one can be in the previous batch.
-        if lines.is_cut and cells and len(cells[-1]) < len(cells[-2] if len(cells) > 1 else self._before):
-            # The last line is not terminated and is shorter than the previous one, so digits may be missing.
-            cells[-1] = ""
-        self._before = cells[-1] if cells else self._before
-        return cells, numbers, other_columns
+        if cells:
+            # The cell before the last one can be in the previous batch.
+            cell_before = cells[-2] if len(cells) > 1 else self._last_cell
+            if lines.is_cut and len(cells[-1]) < len(cell_before):
+                # The last line is not terminated and is shorter than the previous one, so digits may be missing.
+                cells[-1] = ""
+            self._last_cell = cells[-1]
+        return _Batch(cells, line_numbers, other_columns)
 
-    def skip(self, last: str) -> None:
-        """Remember the last cell of a block that was read in another way."""
-        self._before = last
+    def remember_last_cell(self, cell: str) -> None:
+        """Remember the last cell of a block that the fast reader has read."""
+        self._last_cell = cell
 
 
-#: Name of the file for errors, storage format, description of the frames, and fraction of valid frames.
-_Where = tuple[str, Stored, Shape, Share]
+class _CsvFile(NamedTuple):
+    """Name of the file for errors, storage format, description of the frames, and fraction of valid frames."""
+
+    name: str
+    stored: Stored
+    shape: Shape
+    share: Share
 
 
 def _read_parts(
-    table: _Table,
-    read: Callable[[bytes], Block | None] | None,
+    slow_reader: _SlowReader,
+    read_fast: Callable[[bytes], Block | None] | None,
     blocks: Iterator[bytes],
     lines: int,
     done: int,
-    where: _Where,
+    csv_file: _CsvFile,
 ) -> Generator[Part, None, None]:
     """Yield the frames of blocks. ``lines`` and ``done`` are the numbers of lines and bytes before the first block.
 
-    ``read`` is the fast reader of a block, or None if there is none. It returns None for blocks with unusual content.
-    ``table`` reads these row by row, and the rest of the file with them if a row may continue in the next block.
+    ``read_fast`` reads a block, or is None without pyarrow. It returns None for blocks with unusual content.
+    ``slow_reader`` reads these, and the rest of the file with them if a row may continue in the next block.
     """
-    name, stored, shape, share = where
-    cells, is_first = Cells(shape, stored.digits), True
+    cells, is_first = Cells(csv_file.shape, csv_file.stored.digits), True
     for block in blocks:
         is_whole = block.endswith(b"\n")
-        parsed = read(block) if read is not None and is_whole and is_plain(block) else None
+        parsed = read_fast(block) if read_fast is not None and is_whole and has_a_row_per_line(block) else None
         if parsed is not None:
             lines, done = lines + parsed.lines, done + len(block)
             cells.seen += len(parsed.frames)
             if is_first and len(parsed.frames):
-                _check_first(cells, parsed.first, name, stored, shape, share)
+                _check_first_cells(cells, parsed.first, csv_file)
                 is_first = False
             # The next block can end with an incomplete row, which is compared with this cell.
-            table.skip(parsed.last)
+            slow_reader.remember_last_cell(parsed.last)
             yield Part(parsed.frames, done, parsed.other_columns)
             continue
         # After a quote, a row can continue in the next block.
-        is_alone = read is not None and is_plain(block) and ends_with_row(block, table.delimiter)
-        table.open([block] if is_alone else chain([block], blocks), lines, done)
-        while (batch := table.take())[0]:
-            texts, numbers, other_columns = batch
-            frames = [cells.read(text, number) for text, number in zip(texts, numbers, strict=False)]
+        is_alone = read_fast is not None and has_a_row_per_line(block) and ends_with_row(block, slow_reader.delimiter)
+        slow_reader.open([block] if is_alone else chain([block], blocks), lines, done)
+        while (batch := slow_reader.read_batch()).cells:
+            frames = [cells.read(text, number) for text, number in zip(batch.cells, batch.line_numbers, strict=False)]
             if is_first:
-                _check_first(cells, texts[:FIRST], name, stored, shape, share)
+                _check_first_cells(cells, batch.cells[:FIRST], csv_file)
                 is_first = False
-            yield Part(frames, table.lines.read, other_columns)
-        # If the table has read all blocks, this was the last one.
+            yield Part(frames, slow_reader.lines.read, batch.other_columns)
+        # If the slow reader has read all blocks, this was the last one.
         lines, done = lines + block.count(b"\n"), done + len(block)
 
 
-def _check_first(cells: Cells, texts: list[str], name: str, stored: Stored, shape: Shape, share: Share) -> None:
+def _check_first_cells(cells: Cells, texts: list[str], csv_file: _CsvFile) -> None:
     """Raise InputError if most of the first cells are not frames, or if they fit the other base much better.
 
     The base is checked only if ``--digits`` chose one: ``check_form`` compares the fraction of valid frames, which
     ``share`` returns, in both bases. ``cells`` has read the cells already, and ``texts`` are up to 1000 of them.
     """
+    name, stored, shape, share = csv_file
     if cells.are_mostly_unread:
         raise InputError(name, f"line {cells.place}", cells.error)
     if stored.digits is not None and not shape.length:
         other_base: DigitKind = "hex" if stored.digits == "decimal" else "decimal"
-        chosen_frames = _read(texts, shape, stored.digits)
-        other_forms = [(f"--digits {other_base}", _read(texts, shape, other_base))]
+        chosen_frames = _read_frames(texts, shape, stored.digits)
+        other_forms = [(f"--digits {other_base}", _read_frames(texts, shape, other_base))]
         check_form(name, chosen_frames, other_forms, share)
 
 
-def _read(texts: list[str], shape: Shape, digits: DigitKind) -> list[int | bytes]:
+def _read_frames(texts: list[str], shape: Shape, digits: DigitKind) -> list[int | bytes]:
     """Return the frames in cells, read in this base. Cells without a frame are skipped."""
     cells = Cells(shape, digits)
     return [frame for text in texts if (frame := cells.read(text, 0)) is not None]
@@ -192,7 +214,8 @@ class _Lines:
     """
 
     def __init__(self, file: io.TextIOWrapper, name: str, number: int = 0, read: int = 0) -> None:
-        self._file, self.name, self.number, self.read, self.is_cut = file, name, number, read, False
+        self._file, self.name = file, name
+        self.number, self.read, self.is_cut = number, read, False
 
     def __iter__(self) -> Iterator[str]:
         """Yield the lines. Raises InputError if one is too long."""
@@ -200,11 +223,11 @@ class _Lines:
             self.number += 1
             self.read += len(line)
             if len(line) == _LONGEST:
-                raise self.wrong(f"a line has more than {_LONGEST} characters: this is not a CSV file")
+                raise self.make_error(f"a line has more than {_LONGEST} characters: this is not a CSV file")
             self.is_cut = line[-1] not in "\r\n"
             yield line
 
-    def wrong(self, message: str) -> InputError:
+    def make_error(self, message: str) -> InputError:
         """Return an error in the current line."""
         return InputError(self.name, f"line {self.number}", message)
 
@@ -220,10 +243,10 @@ def _open_rows(lines: _Lines, delimiter: str = "") -> tuple[str, Iterator[list[s
     while first_line and (not first_line.strip() or first_line.lstrip().startswith("#")):
         first_line = next(texts, "")
     delimiter = delimiter or max(",;\t", key=first_line.count)
-    return delimiter, _check_row(lines, chain([first_line], texts), delimiter) if first_line else iter(())
+    return delimiter, _split_rows(lines, chain([first_line], texts), delimiter) if first_line else iter(())
 
 
-def _check_row(lines: _Lines, texts: Iterable[str], delimiter: str) -> Iterator[list[str]]:
+def _split_rows(lines: _Lines, texts: Iterable[str], delimiter: str) -> Iterator[list[str]]:
     """Yield rows, without empty ones and # comments."""
     try:
         for row in csv.reader(texts, delimiter=delimiter):
@@ -232,10 +255,10 @@ def _check_row(lines: _Lines, texts: Iterable[str], delimiter: str) -> Iterator[
             if start[:1] != "#" and (start or any(cell.strip() for cell in row)):
                 yield row
     except csv.Error as error:
-        raise lines.wrong(str(error)) from None
+        raise lines.make_error(str(error)) from None
 
 
-def _place(first: list[str], name: str, stored: Stored, shape: Shape) -> tuple[int, bool]:
+def _find_frame_column(first_row: list[str], name: str, stored: Stored, shape: Shape) -> tuple[int, bool]:
     """Return the index of the column of frames, and whether the first row is a header.
 
     The column is the requested one, by name or by number from 1, or the only one, or one named ``frame`` or ``word``.
@@ -244,7 +267,7 @@ def _place(first: list[str], name: str, stored: Stored, shape: Shape) -> tuple[i
     Raises:
         InputError: There is no such column.
     """
-    names = [cell.strip() for cell in first]
+    names = [cell.strip() for cell in first_row]
     wanted = stored.column
     if wanted and wanted in names:
         return names.index(wanted), True
@@ -255,12 +278,14 @@ def _place(first: list[str], name: str, stored: Stored, shape: Shape) -> tuple[i
     elif len(names) == 1:
         index = 0
     else:
-        named_index = named_place(names)
+        named_index = find_usual_column(names)
         if named_index is None:
             raise InputError(name, "line 1", f"choose the column with the frames; the columns are {listed(names)}")
         return named_index, True
     # An empty cell is a missing frame, not a header.
-    return index, bool(first[index].strip()) and not _is_frame(first[index], shape)
+    cell = first_row[index]
+    is_header = bool(cell.strip()) and not _is_frame(cell, shape)
+    return index, is_header
 
 
 def _is_frame(text: str, shape: Shape) -> bool:

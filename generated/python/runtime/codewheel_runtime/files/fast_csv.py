@@ -32,7 +32,7 @@ class Block(NamedTuple):
     lines: int
 
 
-def whole_lines(data: bytes, file: BinaryIO) -> Iterator[bytes]:
+def split_into_blocks(data: bytes, file: BinaryIO) -> Iterator[bytes]:
     """Yield blocks of whole lines. The last block may end within one. ``data`` was read from the file before.
 
     A line that is longer than a block ends the blocks, because the file is not CSV.
@@ -49,7 +49,7 @@ def whole_lines(data: bytes, file: BinaryIO) -> Iterator[bytes]:
         yield data
 
 
-def is_plain(block: bytes) -> bool:
+def has_a_row_per_line(block: bytes) -> bool:
     """Return whether each line of a block is a row, without comments. Cells can have quotes.
 
     With an odd number of quotes, the last row of the block can continue in the next one.
@@ -70,7 +70,7 @@ def ends_with_row(block: bytes, delimiter: str) -> bool:
     return b'"' not in re.sub(cells_in_quotes, b"", block)
 
 
-class Joined(io.RawIOBase):
+class JoinedBlocks(io.RawIOBase):
     """Blocks of bytes as one file."""
 
     def __init__(self, blocks: Iterable[bytes]) -> None:
@@ -90,7 +90,7 @@ class Joined(io.RawIOBase):
         return len(part)
 
 
-def reader(
+def make_block_reader(
     names: Sequence[str],
     place: int,
     kept_columns: Sequence[tuple[int, str]],
@@ -145,15 +145,15 @@ def _read_words(cells: Any, digits: DigitKind | None, pa: Any, pc: Any) -> Any:
     Cells without ``0x`` are in the base ``digits``. If this is hexadecimal, all cells or none must have ``0x``.
     """
 
-    def begins(text: str) -> Any:
+    def begins_with(text: str) -> Any:
         """Return whether each cell begins with ``text``, regardless of case."""
         return pc.starts_with(cells, text, ignore_case=True)
 
-    if not pc.all(begins("0x"), min_count=0).as_py():
-        if digits is None or pc.any(begins("0b"), min_count=0).as_py():
+    if not pc.all(begins_with("0x"), min_count=0).as_py():
+        if digits is None or pc.any(begins_with("0b"), min_count=0).as_py():
             return None
         if digits == "hex":
-            if pc.any(begins("0x"), min_count=0).as_py():
+            if pc.any(begins_with("0x"), min_count=0).as_py():
                 return None
             cells = pc.binary_join_element_wise("0x", cells, "")
     return cells.cast(pa.uint64()).to_numpy(zero_copy_only=False)

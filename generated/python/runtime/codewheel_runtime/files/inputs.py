@@ -8,7 +8,11 @@ from types import MappingProxyType
 from typing import Any, Final, Literal, NamedTuple
 
 from ..bulk.words import DigitKind, WordKind, listed, short
+from ..codec import shorten
 from ..errors import InputError, UsageError
+from ..packages import load
+
+np: Any = load("numpy")
 
 #: Number of frames read at once: large enough to keep the overhead low, small enough to limit memory use.
 CHUNK: Final = 1 << 17
@@ -75,7 +79,7 @@ class Source(NamedTuple):
     empty_columns: Mapping[str, Any] = MappingProxyType({})
 
 
-def kept_columns(names: Iterable[str], stored: Stored, empty: Callable[[str], Any], file: str) -> dict[str, Any]:
+def select_columns(names: Iterable[str], stored: Stored, empty: Callable[[str], Any], file: str) -> dict[str, Any]:
     """Return an empty column, made by ``empty``, for each of the other columns to keep, by name.
 
     Raises:
@@ -100,13 +104,13 @@ def find_column(names: list[str], wanted: str, file: str) -> str:
             return wanted
         problem = "several columns" if wanted in names else "no column"
         raise InputError(file, "", f"{problem} {short(wanted)}; the columns are {listed(names)}")
-    place = named_place(names)
+    place = find_usual_column(names)
     if place is None:
         raise InputError(file, "", f"choose the column with the frames; the columns are {listed(names)}")
     return names[place]
 
 
-def named_place(names: list[str]) -> int | None:
+def find_usual_column(names: list[str]) -> int | None:
     """Return the index of the only column, or of the only one named ``frame`` or ``word``. None if there is none."""
     named = [place for place, name in enumerate(names) if len(names) == 1 or name.lower() in _NAMES]
     return named[0] if len(named) == 1 else None
@@ -131,3 +135,23 @@ def check_form(name: str, chosen_frames: Any, other_forms: Iterable[tuple[str, A
         if len(frames) > 2 and (fitting := share(frames)) >= 0.95:
             problem = f"{1 - valid:.0%} of the first {len(chosen_frames)} frames have an error"
             raise InputError(name, "", f"{problem}; with {option}, {fitting:.0%} are valid")
+
+
+def read_seconds(cells: Any, source: str) -> Any:
+    """Return the cells of a column of times as an array of seconds. An empty cell becomes NaN.
+
+    Raises:
+        InputError: A cell is not a number.
+    """
+    # It is a NumPy array already. Others are lists or Arrow arrays.
+    if hasattr(cells, "dtype"):
+        return cells
+    cells = cells.to_pylist() if hasattr(cells, "to_pylist") else cells
+    seconds: list[float] = []
+    for cell in cells:
+        try:
+            seconds.append(np.nan if cell in (None, "") else float(cell))
+        except (TypeError, ValueError):
+            reason = f"expected numbers in seconds with a decimal point, got {shorten(cell)}"
+            raise InputError(source, "column 'time'", reason) from None
+    return np.array(seconds, np.float64)

@@ -13,7 +13,7 @@ from ..bulk.words import short
 from ..errors import InputError
 from ..packages import load
 from . import inputs
-from .inputs import Part, Source, Stored, find_column, kept_columns
+from .inputs import Part, Source, Stored, find_column, select_columns
 
 #: Number of bytes of a Parquet column that are read at once.
 _BUFFER: Final = 1 << 20
@@ -29,7 +29,7 @@ def read_parquet_batches(file: BinaryIO, name: str, stored: Stored, shape: Shape
         total = int(opened_file.metadata.num_rows)
     other_names = tuple(column_name for column_name in schema.names if column_name != column)
     pa: Any = load("pyarrow")
-    empty_columns = kept_columns(
+    empty_columns = select_columns(
         other_names, stored, lambda column_name: pa.array([], schema.field(column_name).type), name
     )
     return Source(

@@ -15,11 +15,12 @@ from ..bulk.decode import decode_many
 from ..bulk.shape import Shape
 from ..bulk.table import FrameSource, Table
 from ..bulk.words import DigitKind, WordKind
+from ..codec import whole_number
 from ..encoder import Encoder
 from ..errors import ErrorKind, InputError, UsageError
 from ..packages import load
 from ..reports import Verdict
-from .inputs import FileKind, Source, Stored
+from .inputs import FileKind, Source, Stored, read_seconds
 from .layouts import Layout, find_shape
 from .partitions import PartitionDecoder, check_apart
 from .sinks import SINKS, Plan, Sink, TargetKind, find_target_kind
@@ -295,7 +296,12 @@ def decode_parts(
         limit: Maximum number of frames to decode.
         progress: Called after each part with the amount read, the total if known, and the number of frames.
         derived: Function that adds columns to a table. It also gets the other columns of the same rows.
+
+    Raises:
+        UsageError: ``limit`` is negative.
     """
+    if limit is not None and whole_number("limit", limit) < 0:
+        raise UsageError(f"limit must be at least 0, got {limit}")
     counts = _Counts()
     for part in read.parts:
         # As many rows as the limit leaves.
@@ -347,22 +353,6 @@ class Derived:
             previous = None if self._last is None else self._last[0]
             self._last = (int(table.unwrapped(previous)[-1]), float(times[usable_rows[-1]]))
         return extended
-
-
-def read_seconds(cells: Any, source: str) -> Any:
-    """Return the cells of a column of times as an array of seconds. An empty cell becomes NaN.
-
-    Raises:
-        InputError: A cell is not a number.
-    """
-    # It is a NumPy array already. Others are lists or Arrow arrays.
-    if hasattr(cells, "dtype"):
-        return cells
-    cells = cells.to_pylist() if hasattr(cells, "to_pylist") else cells
-    try:
-        return np.array([np.nan if cell in (None, "") else float(cell) for cell in cells], np.float64)
-    except (TypeError, ValueError):
-        raise InputError(source, "column 'time'", "expected numbers in seconds") from None
 
 
 class _Counts:
@@ -430,7 +420,12 @@ def open_for_writing(target: str, sources: Iterable[str | os.PathLike[str]], for
             raise UsageError(f"{target} already exists; use force to replace it")
     folder, name = os.path.split(real_path)
     temporary_path = os.path.join(folder, f".{name[:100]}.{os.getpid()}.part")
-    file = open(temporary_path, "xb")  # noqa: SIM115 (closed below)
+    try:
+        file = open(temporary_path, "xb")  # noqa: SIM115 (closed below)
+    except OSError as error:
+        # The user knows the name of the target, not that of the temporary file.
+        error.filename = target
+        raise
     try:
         with file:
             yield file
