@@ -24,8 +24,8 @@ def device_of(path: Path) -> Device:
 
 
 def test_the_page_of_verdicts_lists_values_and_combinations() -> None:
-    rows = page_values([device_of(TESTS / "specs" / "signs.yaml")])["decides_rows"]
-    conditions = {row[3].partition("<br>")[0]: row[4:6] for row in rows}
+    rows = page_values(device_of(TESTS / "specs" / "signs.yaml"))["decides_rows"]
+    conditions = {row[2].partition("<br>")[0]: row[3:5] for row in rows}
     assert conditions["`light_dark`"] == ("`light` is 3 (`dark`)", "`not_usable`")
     assert conditions["`light_good`"] == ("`light` is 0 (`good`)", "`usable`")
     combination = "`increasing` is 1 and `decreasing` is 1"
@@ -36,8 +36,8 @@ def test_the_page_of_verdicts_lists_values_and_combinations() -> None:
 
 
 def test_a_verdict_of_a_value_links_to_the_erratum_about_its_field() -> None:
-    rows = page_values([device_of(MT6701)])["decides_rows"]
-    errata = {row[3]: row[7] for row in rows}
+    rows = page_values(device_of(MT6701))["decides_rows"]
+    errata = {row[2]: row[6] for row in rows}
     assert "status_and_position" in errata["`field_too_weak`"]
 
 
