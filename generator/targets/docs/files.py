@@ -44,9 +44,9 @@ class Index(TypedDict):
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """Return ``docs/README.md``, the pages across families, and the pages and pictures of each family.
 
-    A family has the page ``docs/<device>.md``, with the pages of its master settings, verdicts and changes next to it. The folder
-    ``docs/<device>/`` has the pages of each interface and each order code, those of the hardware, the errata and the
-    manual, and the pictures.
+    A family has the page ``docs/<device>.md``, with the pages of its master settings, verdicts and changes next to it.
+    The folder ``docs/<device>/`` has the pages of each interface and each order code, those of the hardware, the errata
+    and the manual, and the pictures.
     """
     files = licence_in("docs")
     sections: list[Section] = []

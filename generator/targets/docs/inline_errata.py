@@ -267,7 +267,7 @@ def all_values(devices: Sequence[Device]) -> AllErrataPage:
 
 
 def _rows_of_all_families(devices: Sequence[Device], status: str) -> Iterator[tuple[str, ...]]:
-    """Yield rows of impact, family, title, printed text and value used of the errata with this status.
+    """Yield rows of impact, family and title of the errata with this status.
 
     Wrong bytes come before wording.
     """
@@ -279,6 +279,4 @@ def _rows_of_all_families(devices: Sequence[Device], status: str) -> Iterator[tu
                         text(fact_tables.severity_text(severity)),
                         link(text(device.name.upper()), f"{device.name}.md"),
                         link_to_erratum(device, erratum),
-                        text(erratum.printed),
-                        text(erratum.used),
                     )
