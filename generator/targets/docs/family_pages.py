@@ -304,7 +304,8 @@ def _second_reading_text(counts: TimesRead | None) -> str:
         were_verb = "was" if counts.once == 1 else "were"
         sentence_parts.append(f"and {counts.once} {were_verb} read only once")
     summary = f"Twice. {', '.join(sentence_parts)}"
-    return f"{summary}. {counts.derived} more follow from others" if counts.derived else summary
+    follow_verb = "follows" if counts.derived == 1 else "follow"
+    return f"{summary}. {counts.derived} more {follow_verb} from others" if counts.derived else summary
 
 
 def _edition_rows(device: Device) -> Iterator[tuple[str, ...]]:

@@ -229,8 +229,10 @@ def _setting_notes(group_sheets: GroupSettings) -> Iterator[str]:
 
 def _setting_note(setting: Setting, sheet: Sheet) -> str:
     """Return the note on a setting with its conditions and its source, or "" without a note and conditions."""
-    note = " ".join(filter(None, [setting.note, *condition_texts(setting, sheet)]))
-    return f"{text(setting.name)}: {text(note)} \\[{text(cited(setting.source))}\\]" if note else ""
+    note = text(" ".join(filter(None, [setting.note, *condition_texts(setting, sheet)])))
+    source = f" \\[{text(cited(setting.source))}\\]"
+    # The last condition may have the same source.
+    return f"{text(setting.name)}: {note.removesuffix(source)}{source}" if note else ""
 
 
 def _with_order_codes(groups_by_note: Mapping[str, Sequence[Group]], group_count: int) -> Iterator[str]:
