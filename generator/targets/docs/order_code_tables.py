@@ -390,7 +390,7 @@ def crc_line(family: Device, crc: Crc) -> str:
         "over everything before it",
     ]
     xor_sentence = ". It equals the XOR of these bytes" if crc.is_xor else ""
-    return ", ".join(crc_properties) + xor_sentence
+    return ", ".join(filter(None, crc_properties)) + xor_sentence
 
 
 def _in_superscript(exponent: re.Match[str]) -> str:
