@@ -6,12 +6,13 @@ import re
 from collections.abc import Iterator, Mapping
 
 import pytest
-from codewheel.model import Choice, Device, Flag, Layout, Number, Unused
+from codewheel.model import Choice, Device, Flag, Layout, Number, Unused, Verdict
 from codewheel.order_codes.parameters import with_answers
 from codewheel.plan.verdicts import reports_of
 from codewheel.reference import codec
 from codewheel.reference.findings import Findings, findings
 from codewheel.targets import Library
+from codewheel.targets.docs.verdict_table import EFFECTS
 
 Row = tuple[str, ...]
 #: Number of columns of the table below each heading.
@@ -92,7 +93,7 @@ def test_the_table_is_what_the_reference_codec_decides(library: Library, pages: 
             speaks = plain(name).strip("`")
             decided = findings_of_frame(device, layout, speaks, when).verdict
             assert decided is not None
-            assert f"`{decided.value}`" == verdict, (layout.name, name)
+            assert EFFECTS[decided] == verdict, (layout.name, name)
             names_by_layout.setdefault((device.name, layout.name), set()).add(speaks)
             if speaks in {field.name for field in layout.fields}:
                 assert when.startswith(active_value(layout, speaks)), (layout.name, name)
@@ -153,7 +154,7 @@ def test_as_the_manuals_have_it(
             frame_names = [layout.name for layout in frames(device, row[1])]
             if frame in frame_names:
                 verdict_rows.append(row[3:5])
-    assert verdict_rows == [(when, f"`{verdict}`")]
+    assert verdict_rows == [(when, EFFECTS[Verdict(verdict)])]
 
 
 def test_what_a_battery_decides_goes_by_the_order_code(library: Library, pages: Mapping[str, str]) -> None:
@@ -165,10 +166,10 @@ def test_what_a_battery_decides_goes_by_the_order_code(library: Library, pages: 
         "mt_error": ("1 with `.../65K...`", "1 with all others"),
     }
     for name, (with_battery, without) in chosen.items():
-        assert (name, with_battery, "`not_usable`") in conditions
-        assert (name, without, "`usable_with_warning`") in conditions
+        assert (name, with_battery, "✕ **not usable**") in conditions
+        assert (name, without, "▲ usable with a warning") in conditions
     with_answer = "0 with `.../65K...` and your choice is `low_battery`"
-    assert ("warning", with_answer, "`usable_with_warning`") in conditions
+    assert ("warning", with_answer, "▲ usable with a warning") in conditions
 
 
 def test_where_the_manual_is_silent_the_erratum_is_named(library: Library, pages: Mapping[str, str]) -> None:

@@ -15,6 +15,7 @@ from ...say.names_and_places import own_names
 from ...say.report import alarm_of, by_hand, conditions, deciding, meaning, remedy_text, source
 from ...say.text import Code, listed, statement
 from .page_links import link_to_erratum, link_to_layout, links_to_steps, path_to_anchor
+from .verdict_table import EFFECTS
 
 #: File name of the page on verdicts, which no family can have.
 PAGE = "usable-or-not.md"
@@ -87,11 +88,11 @@ def _rows_of_frame(device: Device, interface: Interface, layout: Layout, judgeme
     for decider in deciders:
         yield _decider_row(device, interface, layout, decider, signs.get(decider.field.name))
     name_of_other_cases = "none of these" if deciders else "no field decides"
-    yield name_of_other_cases, "", code(judgement.otherwise.value), "", ""
+    yield name_of_other_cases, "", EFFECTS[judgement.otherwise], "", ""
     if judgement.may_be_unknown:
         judging_names = [Code(field.name) for field in layout.judging_fields]
         missing_names = STYLE.phrase(statement(*listed(judging_names)))
-        yield f"order codes that lack {missing_names}", "", code(Verdict.UNKNOWN.value), "", ""
+        yield f"order codes that lack {missing_names}", "", EFFECTS[Verdict.UNKNOWN], "", ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,7 +138,7 @@ def _decider_row(device: Device, interface: Interface, layout: Layout, decider: 
     else:
         active_value = _values_of_sign(layout, sign)
     errata_links = _errata_links(device, interface, layout, field, sign)
-    return _name_cell(field), active_value, code(decider.verdict.value), _source_cell(device, field), errata_links
+    return _name_cell(field), active_value, EFFECTS[decider.verdict], _source_cell(device, field), errata_links
 
 
 def _active_value(device: Device, field: Field, conditions_on_codes: Sequence[Only]) -> str:
