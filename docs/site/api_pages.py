@@ -93,7 +93,11 @@ def _page(title: str, language: str, entries: Iterable[Entry]) -> str:
 
 def _section(language: str, entry: Entry) -> str:
     """Return the section about an entry: its declaration, its comment, and its folded members."""
-    section = f"## {text(entry.name)}\n\n```{language}\n{entry.declaration}\n```\n\n```text\n{entry.comment}\n```\n"
+    section = f"## {text(entry.name)}\n\n"
+    # The heading of a class without parameters says all that its declaration does.
+    if entry.declaration != f"class {entry.name}":
+        section += f"```{language}\n{entry.declaration}\n```\n\n"
+    section += f"```text\n{entry.comment}\n```\n"
     if entry.members:
         members = "\n\n".join(entry.members)
         summary = "Methods and properties" if language == "python" else "Functions"
