@@ -5,7 +5,8 @@ from __future__ import annotations
 import ast
 import re
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from codewheel.say.markdown import code, text
@@ -24,6 +25,21 @@ _DECLARED = re.compile(
 _NAME = re.compile(r"(\w+)(?:\(|;$)")
 
 
+@dataclass(frozen=True)
+class Entry:
+    """Type, class or function with its comment.
+
+    ``members`` are its functions or methods, as code with comments. ``subject`` is ``frames`` or ``registers`` for a
+    class of one, and otherwise empty.
+    """
+
+    name: str
+    declaration: str
+    comment: str
+    members: list[str] = field(default_factory=list)
+    subject: str = ""
+
+
 def api_pages(root: Path) -> Iterator[tuple[str, str]]:
     """Yield the path and text of each page."""
     headers = [path for path in sorted((root / HEADERS).glob("*/*.h")) if path.parent.name != "codewheel"]
@@ -38,11 +54,12 @@ def api_pages(root: Path) -> Iterator[tuple[str, str]]:
             f"api/c/{path.stem}.md",
             _page(f"{path.parent.name}/{path.name}", "c", c_entries(path.read_text(encoding="utf-8"))),
         )
-    for path in (*modules, *runtime):
+    for path in runtime:
         entries = python_entries(ast.parse(path.read_text(encoding="utf-8")))
-        kind, folder = ("runtime", (root / RUNTIME).parent) if path in runtime else ("python", path.parent.parent)
-        module = ".".join(path.relative_to(folder).with_suffix("").parts)
-        yield f"api/{kind}/{path.stem}.md", _page(module, "python", entries)
+        module = ".".join(path.relative_to((root / RUNTIME).parent).with_suffix("").parts)
+        yield f"api/runtime/{path.stem}.md", _page(module, "python", entries)
+    for path in modules:
+        yield from _family_pages(path)
 
 
 def _index(kind: str, title: str, folder: str, files: list[Path]) -> str:
@@ -55,37 +72,93 @@ def _index(kind: str, title: str, folder: str, files: list[Path]) -> str:
     )
 
 
-def _page(title: str, language: str, entries: Iterator[tuple[str, str, str]]) -> str:
-    parts = [_section(language, *entry) for entry in entries]
-    return f"# {text(title)}\n\n" + "\n".join(parts)
+def _family_pages(path: Path) -> Iterator[tuple[str, str]]:
+    """Yield the page of a module with order codes and procedures, and those of its frames and its registers."""
+    entries_by_subject: dict[str, list[Entry]] = {"": [], "frames": [], "registers": []}
+    for entry in python_entries(ast.parse(path.read_text(encoding="utf-8"))):
+        entries_by_subject[entry.subject].append(entry)
+    module = f"{path.parent.name}.{path.stem}"
+    subjects = [subject for subject, entries in entries_by_subject.items() if subject and entries]
+    for subject in subjects:
+        page = _page(f"{module}: {subject}", "python", entries_by_subject[subject])
+        yield f"api/python/{path.stem}-{subject}.md", page
+    links = " and ".join(f"[{subject}]({path.stem}-{subject}.md)" for subject in subjects)
+    heading, _, sections = _page(module, "python", entries_by_subject[""]).partition("\n\n")
+    yield f"api/python/{path.stem}.md", f"{heading}\n\nThe classes of {links} are on their own pages.\n\n{sections}"
 
 
-def _section(language: str, name: str, declaration: str, comment: str) -> str:
-    return f"## {text(name)}\n\n```{language}\n{declaration}\n```\n\n```text\n{comment}\n```\n"
+def _page(title: str, language: str, entries: Iterable[Entry]) -> str:
+    return f"# {text(title)}\n\n" + "\n".join(_section(language, entry) for entry in entries)
 
 
-def c_entries(header: str) -> Iterator[tuple[str, str, str]]:
-    """Yield the name, declaration and comment of each function and type that has a comment."""
+def _section(language: str, entry: Entry) -> str:
+    """Return the section about an entry: its declaration, its comment, and its folded members."""
+    section = f"## {text(entry.name)}\n\n"
+    # The heading of a class without parameters says all that its declaration does.
+    if entry.declaration != f"class {entry.name}":
+        section += f"```{language}\n{entry.declaration}\n```\n\n"
+    section += f"```text\n{entry.comment}\n```\n"
+    if entry.members:
+        members = "\n\n".join(entry.members)
+        summary = "Methods and properties" if language == "python" else "Functions"
+        section += f"\n<details>\n<summary>{summary}</summary>\n\n```{language}\n{members}\n```\n\n</details>\n"
+    return section
+
+
+def c_entries(header: str) -> Iterator[Entry]:
+    """Yield each type with a comment, and the functions whose names begin with it. Other functions come alone."""
+    last_type: Entry | None = None
     for match in _DECLARED.finditer(header):
         lines = (line.strip().removeprefix("*").removeprefix(" ") for line in match["comment"].splitlines())
+        comment = "\n".join(lines).strip()
         declared = match["what"].strip()
-        yield _NAME.findall(declared)[-1 if "typedef" in declared else 0], declared, "\n".join(lines).strip()
+        is_type = "typedef" in declared
+        name = _NAME.findall(declared)[-1 if is_type else 0]
+        if last_type is not None and not is_type and name.startswith(f"{last_type.name}_"):
+            comment_lines = textwrap.indent(comment, " * ", lambda _line: True).replace(" * \n", " *\n")
+            last_type.members.append(f"/*\n{comment_lines}\n */\n{declared}")
+            continue
+        if last_type is not None:
+            yield last_type
+        last_type = Entry(name, declared, comment) if is_type else None
+        if not is_type:
+            yield Entry(name, declared, comment)
+    if last_type is not None:
+        yield last_type
 
 
-def python_entries(module: ast.Module) -> Iterator[tuple[str, str, str]]:
-    """Yield the same for the public classes and functions of a module, and for the methods of its classes."""
+def python_entries(module: ast.Module) -> Iterator[Entry]:
+    """Yield the public classes of a module with their methods, and its public functions."""
     for node in module.body:
         if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
-            yield node.name, f"class {node.name}", _documented(node)
-            for method in node.body:
-                if (
-                    isinstance(method, ast.FunctionDef)
-                    and not method.name.startswith("_")
-                    and ast.get_docstring(method)
-                ):
-                    yield f"{node.name}.{method.name}", _signature(method), _documented(method)
+            methods = list(_public_methods(node))
+            stubs = [_stub(method) for method in methods]
+            yield Entry(node.name, f"class {node.name}", _documented(node), stubs, _subject(node, methods))
         elif isinstance(node, ast.FunctionDef) and not node.name.startswith("_") and not node.decorator_list:
-            yield node.name, _signature(node), _documented(node)
+            yield Entry(node.name, _signature(node), _documented(node))
+
+
+def _public_methods(class_node: ast.ClassDef) -> Iterator[ast.FunctionDef]:
+    """Yield the documented methods of a class whose names have no leading underscore."""
+    for node in class_node.body:
+        if isinstance(node, ast.FunctionDef) and not node.name.startswith("_") and ast.get_docstring(node):
+            yield node
+
+
+def _subject(class_node: ast.ClassDef, methods: Iterable[ast.FunctionDef]) -> str:
+    """Return the subject of a class with a method ``decode``. Enumerations with one are registers."""
+    if class_node.name.endswith("Encoder") or all(method.name != "decode" for method in methods):
+        return ""
+    bases = [ast.unparse(base) for base in class_node.bases]
+    is_register = any("Register" in base or base.endswith("Enum") for base in bases)
+    return "registers" if is_register else "frames"
+
+
+def _stub(method: ast.FunctionDef) -> str:
+    """Return a method without its body, as in a stub file: decorators, signature and docstring."""
+    decorators = [f"@{ast.unparse(decorator)}" for decorator in method.decorator_list]
+    docstring = textwrap.indent(f'"""{_documented(method)}"""', " " * 4)
+    return "\n".join([*decorators, f"{_signature(method)}:", docstring])
 
 
 def _signature(function: ast.FunctionDef) -> str:

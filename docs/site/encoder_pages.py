@@ -20,7 +20,7 @@ from codewheel.targets.docs.files import generate
 LISTS = ("README.md", "docs/encoder/encoders.md")
 #: The title of the page of an order code, and the paragraph below it.
 _TITLE = re.compile(r"^# (\S+)\n\n.+\n", re.MULTILINE)
-_SPEC_LINK = re.compile(r"\]\(((?:\.\./)*)specs/\w+/(\w+)\.yaml\)(?: \(pages on the site only\))?")
+_SPEC_LINK = re.compile(r"\]\(((?:\.\./)*)specs/\w+/(\w+)\.yaml\)")
 
 
 def encoder_pages(root: Path) -> Iterator[tuple[str, str]]:

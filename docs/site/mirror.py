@@ -20,7 +20,7 @@ _TARGET = re.compile(r"""\b(href)=(["'])([^"']+)\2""")
 #: The page above those that have no other parent.
 _REST = "CONTRIBUTING"
 #: Order of the pages of a family after its interfaces.
-_ORDER = ("", "hardware", "errata", "masters", "manual", "changes")
+_ORDER = ("", "hardware", "errata", "masters", "verdicts", "manual", "changes")
 _NOT_IN_A_SLUG = re.compile(r"[^\w\- ]")
 
 

@@ -14,7 +14,15 @@ _MOST_PLACES = 3
 _PATH = re.compile(r"([\w-]+(?:\[\d+\])?(?:\.[\w-]+(?:\[\d+\])?)*)(?:: .*)?", re.DOTALL)
 _LIST_POSITION = re.compile(r"\[\d+\]")
 #: Steps of a path that only lead to named items.
-_PASSED_STEPS = {"parts", "values", "fields", "contacts"}
+_PASSED_STEPS = {"parts", "values", "fields", "contacts", "timings"}
+#: Keys that end a path, as phrases before the name of their owner.
+_KEY_PHRASES = {
+    "implemented": "implementation of",
+    "interfaces": "interfaces of",
+    "meaning": "meaning of",
+    "note": "note on",
+    "when_active": "active state of",
+}
 #: Words of names that prose writes in another way.
 _SPELLINGS = {"crc": "CRC", "eeprom": "EEPROM", "id": "ID", "led": "LED"}
 _SPELLINGS |= {interface.name: interface.short for interface in (Ssi, Biss, Rs485, Spi)}
@@ -50,13 +58,27 @@ def change_title(layer_words: str, changed_places: Sequence[str]) -> str:
 def _place_name(place: str) -> str:
     """Return the name of the part at a path, in words: ``preset max`` for ``registers.preset.max: 15``.
 
-    Steps that only lead to named items are left out, and so is the section if its items are known by their names. A
-    sentence is returned as it is.
+    Steps that only lead to named items are left out, and so is the section if its items are known by their names. A key
+    comes first: ``note on configuration``. A sentence is returned as it is.
     """
     path = _PATH.fullmatch(place)
     if path is None:
         return place
     steps = [_LIST_POSITION.sub("", step) for step in path[1].split(".") if step not in _PASSED_STEPS]
-    named_steps = steps[1:] if len(steps) > 1 and steps[0] in _SECTIONS else steps
-    words = " ".join(named_steps).replace("_", " ").split()
+    section, *names = steps
+    if section == "order_code" and names:
+        part_name = "other spellings" if names[0] == "also_written" else _in_words(names[0])
+        return f"order code ({part_name})"
+    named_steps = names if names and section in _SECTIONS else steps
+    if section == "field_groups" and len(named_steps) > 1:
+        named_steps = named_steps[1:]
+    if len(named_steps) > 1 and named_steps[-1] in _KEY_PHRASES:
+        return f"{_KEY_PHRASES[named_steps[-1]]} {_in_words(*named_steps[:-1])}"
+    if section == "connectors" and len(named_steps) > 1:
+        return f"contact {named_steps[1]} of {_in_words(named_steps[0])}"
+    return f"example {_in_words(*named_steps)}" if section == "examples" else _in_words(*named_steps)
+
+
+def _in_words(*steps: str) -> str:
+    words = " ".join(steps).replace("_", " ").split()
     return " ".join(_SPELLINGS.get(word, word) for word in words)

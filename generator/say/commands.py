@@ -110,14 +110,14 @@ def _register_access(device: Device, procedure_step: RegisterStep) -> Iterator[P
         case ModifyStep(field=field, value_name=name, value=value):
             yield from ("Write ", *_value_or_argument(name, value), " to ")
             yield from (_register_or_field(device, register.name, field), address_text)
-            yield ", and keep the other fields of the register as read"
+            yield ", and leave the other fields of the register unchanged"
         case _:
             assert_never(procedure_step)
 
 
 def _value_or_argument(name: str, value: int | None) -> tuple[Part, ...]:
-    """Return the name of a value or, if ``value`` is None, ``the argument`` with the name of what the caller passes."""
-    return ("the argument ", Code(name)) if value is None else (Code(name),)
+    """Return the name of a value or, if ``value`` is None, the name of the argument whose value is written."""
+    return ("the value of ", Code(name)) if value is None else (Code(name),)
 
 
 def _register_or_field(device: Device, register: str, field: str) -> Part:

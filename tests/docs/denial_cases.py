@@ -402,7 +402,7 @@ def frame_text(device: Device) -> str:
 
 
 def verdict_rows(device: Device) -> str:
-    page = verdict_page.page_values([device])
+    page = verdict_page.page_values(device)
     return "\n".join(" | ".join(row) for rows in (page["decides_rows"], page["report_rows"]) for row in rows)
 
 
@@ -637,8 +637,8 @@ def summary(*errata: Erratum) -> str:
 
 def errata_page(*errata: Erratum) -> str:
     page = inline_errata.page_values(replace(tv62(), errata=errata))
-    rows = (" ".join(row) for values in page["errata_list"] for row in values["rows"])
-    return "\n".join((page["errata_summary"], *rows))
+    texts = (" ".join((values["summary"], *values["cells"])) for values in page["errata_list"])
+    return "\n".join((page["errata_summary"], *texts))
 
 
 case("errata_none", summary, lambda: summary(an_erratum()))

@@ -186,7 +186,7 @@ def test_patterns_as_the_manuals_have_their_order_codes(pages: Files) -> None:
     assert "| `AMM5xy/zBG1` with x = A or B, y = 17, 21 or 23, z = 1 or 65K |" in pages["docs/amm5.md"]
     assert "[`AMM5A21/65KSC1`, `AMM5B21/65KSC1`](amm5/AMM5A21-65KSC1.md)" in pages["docs/README.md"]
     sma21 = "`SMA21-xy-z` with x = GG or G1, y = 1 or 4, z = 0050, 0010, 0005, 0002 or 0001"
-    assert sma21 in pages["docs/sma21-masters.md"]
+    assert sma21 in pages["docs/sma21-ssi-masters.md"]
 
 
 def device(name: str) -> Device:

@@ -175,7 +175,7 @@ def leaves(value: Any, key: str = "") -> Iterator[tuple[str, str]]:
 
 
 def test_what_a_flag_makes_of_the_position(files: Files) -> None:
-    page = files["docs/sma21/rs485.md"]
+    page = files["docs/sma21/rs485-fields.md"]
     (alarm,) = [line for line in page.splitlines() if line.startswith("| `status_alarm`")]
     assert (
         "<br>Combines `temperature_alarm` and `signal_strength_alarm`.<br>While it is active, the position is usable, "

@@ -14,8 +14,8 @@ from codewheel.targets.docs.cross_family_pages import page_values
     ("term", "places"),
     [
         # AMM5 7.4 p.43 and 7.5 p.46; 5.1 and 5.3 of the manuals with SSI; SMA21 6.4: one register is preset or offset.
-        ("ALMC", ["amm5/rs485.md#group-alarm_field"]),
-        ("MEM BUSY", ["amm5/rs485.md#group-address_of_request"]),
+        ("ALMC", ["amm5/rs485-fields.md#group-alarm_field"]),
+        ("MEM BUSY", ["amm5/rs485-fields.md#group-address_of_request"]),
         ("Tm, monoflop time", ["am36/ssi.md#timings", "amm5/ssi.md#timings"]),
         ("Tp, pause", ["asc85/ssi.md#timings", "sma21/ssi.md#timings"]),
         ("Preset", ["amm5/biss-registers.md#register-preset", "sma21/biss-registers.md#register-preset_offset"]),

@@ -55,7 +55,7 @@ def test_every_alarm_and_led_is_listed(library: Library, pages: Files) -> None:
     ],
 )
 def test_what_tells_the_families_apart(pages: Files, row: str) -> None:
-    assert rows(pages["docs/which-encoder.md"], row.removeprefix("| "))
+    assert rows(pages["docs/which-encoder.md"] + pages["docs/compare-encoders.md"], row.removeprefix("| "))
 
 
 #: A link to a register or a frame, after its numbers: `[42h to 43h](am36/biss-registers.md#register-profile_id)`.
@@ -90,7 +90,7 @@ def test_addresses_and_contents_by_which_an_encoder_is_recognised(devices: Mappi
         (register,) = (register for register in devices[device].registers if register.name == register_name)
         assert numbers(addresses, 16) == sorted({register.address, register.address + register.length - 1}), where
         assert any(shows_value(content, field.equals) for field in register.layout.fields), (name, content)
-    for _, _, links in cells(page, "## Byte order of registers"):
+    for _, _, links in cells(pages["docs/compare-encoders.md"], "## Byte order of registers"):
         for addresses, device, register_name in LINK.findall(links):
             (register,) = (register for register in devices[device].registers if register.name == register_name)
             last = register.address + register.length - 1
@@ -98,7 +98,7 @@ def test_addresses_and_contents_by_which_an_encoder_is_recognised(devices: Mappi
 
 
 def test_frames_and_resolutions_side_by_side(devices: Mapping[str, Device], pages: Files) -> None:
-    page = pages["docs/which-encoder.md"]
+    page = pages["docs/compare-encoders.md"]
     for _, _, frame, bits, order, _ in cells(page, "## Frames with a position"):
         ((_, name, layout_name),) = LINK.findall(frame)
         ((interface, layout),) = (pair for pair in devices[name].layouts() if pair[1].name == layout_name)
@@ -114,7 +114,7 @@ def test_frames_and_resolutions_side_by_side(devices: Mapping[str, Device], page
 
 
 def test_interfaces_stand_together(pages: Files) -> None:
-    page = pages["docs/which-encoder.md"].partition('<a id="interfaces"></a>')[2]
+    page = pages["docs/compare-encoders.md"].partition('<a id="interfaces"></a>')[2]
     titles = [line.split(" | ")[0] for line in page.splitlines() if line.startswith(("| SSI", "| BiSS", "| RS"))]
     assert titles == sorted(titles, key=["| SSI", "| BiSS C-mode", "| RS-485"].index)
 
@@ -122,6 +122,7 @@ def test_interfaces_stand_together(pages: Files) -> None:
 def test_the_index_leads_to_them(pages: Files) -> None:
     for name in (
         "which-encoder.md",
+        "compare-encoders.md",
         "registers-by-address.md",
         "alarms-and-leds.md",
         "all-errata.md",

@@ -1,4 +1,4 @@
-"""The page on verdicts: its tables agree with the reference codec for every frame."""
+"""The pages with the verdicts of the families: their tables agree with the reference codec for every frame."""
 
 from __future__ import annotations
 
@@ -6,19 +6,17 @@ import re
 from collections.abc import Iterator, Mapping
 
 import pytest
-from codewheel.model import Choice, Device, Flag, Layout, Number, Unused
+from codewheel.model import Choice, Device, Flag, Layout, Number, Unused, Verdict
 from codewheel.order_codes.parameters import with_answers
 from codewheel.plan.verdicts import reports_of
 from codewheel.reference import codec
 from codewheel.reference.findings import Findings, findings
 from codewheel.targets import Library
+from codewheel.targets.docs.verdict_table import EFFECTS
 
 Row = tuple[str, ...]
-
-
-@pytest.fixture
-def page(pages: Mapping[str, str]) -> str:
-    return pages["docs/usable-or-not.md"]
+#: Number of columns of the table below each heading.
+COLUMNS = {"Deciding bits": 7, "Reports of each frame": 3, "Meaning of each report": 4}
 
 
 def rows(page: str, after: str) -> list[Row]:
@@ -27,7 +25,7 @@ def rows(page: str, after: str) -> list[Row]:
     table = [re.split(r" ?(?<!\\)\| ?", line)[1:-1] for line in lines if line.startswith("|")][2:]
     table_rows: list[Row] = []
     for cells in table:
-        # A family, an interface and a frame apply until the next one is named.
+        # An interface and a frame apply until the next one is named.
         first_filled = next((index for index, cell in enumerate(cells) if cell), 0)
         above = table_rows[-1][:first_filled] if table_rows else ()
         table_rows.append((*above, *cells[len(above) :]))
@@ -80,21 +78,22 @@ def findings_of_frame(device: Device, layout: Layout, active: str, when: str = "
     return findings(device, variant, decoded)
 
 
-def by_family(library: Library, page: str, heading: str) -> Iterator[tuple[Device, Row]]:
-    titles = {device.title: device for device in library.devices}
-    for row in rows(page, heading):
-        yield titles[plain(row[0])], row[1:]
+def by_family(library: Library, pages: Mapping[str, str], heading: str) -> Iterator[tuple[Device, Row]]:
+    for device in library.devices:
+        for row in rows(pages[f"docs/{device.name}-verdicts.md"], heading):
+            # A table has no column that is empty for the whole family.
+            yield device, (*row, *[""] * (COLUMNS[heading] - len(row)))
 
 
-def test_the_table_is_what_the_reference_codec_decides(library: Library, page: str) -> None:
+def test_the_table_is_what_the_reference_codec_decides(library: Library, pages: Mapping[str, str]) -> None:
     names_by_layout: dict[tuple[str, str], set[str]] = {}
-    for device, (title, cell, name, when, verdict, *_) in by_family(library, page, "Deciding bits"):
+    for device, (title, cell, name, when, verdict, *_) in by_family(library, pages, "Deciding bits"):
         for layout in frames(device, cell):
             assert title in {kind.title for kind, candidate in device.layouts() if candidate is layout}
             speaks = plain(name).strip("`")
             decided = findings_of_frame(device, layout, speaks, when).verdict
             assert decided is not None
-            assert f"`{decided.value}`" == verdict, (layout.name, name)
+            assert EFFECTS[decided] == verdict, (layout.name, name)
             names_by_layout.setdefault((device.name, layout.name), set()).add(speaks)
             if speaks in {field.name for field in layout.fields}:
                 assert when.startswith(active_value(layout, speaks)), (layout.name, name)
@@ -147,35 +146,35 @@ def active_value(layout: Layout, name: str) -> str:
     ],
 )
 def test_as_the_manuals_have_it(
-    library: Library, page: str, family: str, frame: str, name: str, when: str, verdict: str
+    library: Library, pages: Mapping[str, str], family: str, frame: str, name: str, when: str, verdict: str
 ) -> None:
     verdict_rows = []
-    for device, row in by_family(library, page, "Deciding bits"):
+    for device, row in by_family(library, pages, "Deciding bits"):
         if device.name == family and plain(row[2]).strip("`") == name:
             frame_names = [layout.name for layout in frames(device, row[1])]
             if frame in frame_names:
                 verdict_rows.append(row[3:5])
-    assert verdict_rows == [(when, f"`{verdict}`")]
+    assert verdict_rows == [(when, EFFECTS[Verdict(verdict)])]
 
 
-def test_what_a_battery_decides_goes_by_the_order_code(library: Library, page: str) -> None:
+def test_what_a_battery_decides_goes_by_the_order_code(library: Library, pages: Mapping[str, str]) -> None:
     """AMM5, 6.2.1 p.33 and 7.4.1 p.44: only multiturn models have a battery (4.3 p.23)."""
-    amm5_rows = [row for device, row in by_family(library, page, "Deciding bits") if device.name == "amm5"]
+    amm5_rows = [row for device, row in by_family(library, pages, "Deciding bits") if device.name == "amm5"]
     conditions = {(plain(row[2]).strip("`"), plain(row[3]).partition(", ")[0], row[4]) for row in amm5_rows}
     chosen = {
         "warning": ("0 with `.../65K...` and your choice is `either_cause`", "0 with all others"),
         "mt_error": ("1 with `.../65K...`", "1 with all others"),
     }
     for name, (with_battery, without) in chosen.items():
-        assert (name, with_battery, "`not_usable`") in conditions
-        assert (name, without, "`usable_with_warning`") in conditions
+        assert (name, with_battery, "✕ **not usable**") in conditions
+        assert (name, without, "▲ usable with a warning") in conditions
     with_answer = "0 with `.../65K...` and your choice is `low_battery`"
-    assert ("warning", with_answer, "`usable_with_warning`") in conditions
+    assert ("warning", with_answer, "▲ usable with a warning") in conditions
 
 
-def test_where_the_manual_is_silent_the_erratum_is_named(library: Library, page: str) -> None:
+def test_where_the_manual_is_silent_the_erratum_is_named(library: Library, pages: Mapping[str, str]) -> None:
     silent = {"amm5", "asc85", "sma21"}
-    for device, row in by_family(library, page, "Deciding bits"):
+    for device, row in by_family(library, pages, "Deciding bits"):
         name = plain(row[2]).strip("`")
         fields = [field for layout in frames(device, row[1]) for field in layout.fields]
         flags = {field.name for field in fields if isinstance(field.kind, Flag)}
@@ -200,22 +199,24 @@ def test_where_the_manual_is_silent_the_erratum_is_named(library: Library, page:
         ("sma21", "status_error", "Reset the errors with data ID B"),
     ],
 )
-def test_a_remedy_of_the_manual_is_named(library: Library, page: str, family: str, name: str, remedy: str) -> None:
-    meanings = by_family(library, page, "Meaning of each report")
+def test_a_remedy_of_the_manual_is_named(
+    library: Library, pages: Mapping[str, str], family: str, name: str, remedy: str
+) -> None:
+    meanings = by_family(library, pages, "Meaning of each report")
     rows_of_family = [row for device, row in meanings if device.name == family]
     assert [row[2] for row in rows_of_family if plain(row[0]).strip("`") == name] == [remedy]
 
 
-def test_every_report_is_there_and_each_frame_says_which(library: Library, page: str) -> None:
+def test_every_report_is_there_and_each_frame_says_which(library: Library, pages: Mapping[str, str]) -> None:
     listed: dict[str, list[str]] = {}
-    for device, row in by_family(library, page, "Meaning of each report"):
+    for device, row in by_family(library, pages, "Meaning of each report"):
         listed.setdefault(device.name, []).append(plain(row[0]).strip("`"))
         assert row[1]
     for device in library.devices:
         assert listed[device.name] == [report.name for report in reports_of(device)]
     assert set(listed) == {device.name for device in library.devices}
     reported: dict[str, set[str]] = {}
-    for device, row in by_family(library, page, "Reports of each frame"):
+    for device, row in by_family(library, pages, "Reports of each frame"):
         reported.setdefault(device.name, set()).update(re.findall("`([a-z0-9_]+)`", row[2]))
         for layout in frames(device, row[1]):
             assert layout.sender == "encoder"
@@ -231,4 +232,7 @@ def test_every_report_is_there_and_each_frame_says_which(library: Library, page:
 def test_every_page_leads_to_it(library: Library, pages: Mapping[str, str]) -> None:
     assert "[page on verdicts](usable-or-not.md)" in pages["docs/README.md"]
     for device in library.devices:
-        assert f"[usable or not](usable-or-not.md#{device.name})" in pages[f"docs/{device.name}.md"]
+        page = f"{device.name}-verdicts.md"
+        assert f"[usable or not]({page})" in pages[f"docs/{device.name}.md"]
+        assert f"[{device.title}]({page})" in pages["docs/usable-or-not.md"]
+        assert "[page on verdicts](usable-or-not.md)" in pages[f"docs/{page}"]

@@ -24,20 +24,20 @@ def device_of(path: Path) -> Device:
 
 
 def test_the_page_of_verdicts_lists_values_and_combinations() -> None:
-    rows = page_values([device_of(TESTS / "specs" / "signs.yaml")])["decides_rows"]
-    conditions = {row[3].partition("<br>")[0]: row[4:6] for row in rows}
-    assert conditions["`light_dark`"] == ("`light` is 3 (`dark`)", "`not_usable`")
-    assert conditions["`light_good`"] == ("`light` is 0 (`good`)", "`usable`")
+    rows = page_values(device_of(TESTS / "specs" / "signs.yaml"))["decides_rows"]
+    conditions = {row[2].partition("<br>")[0]: row[3:5] for row in rows}
+    assert conditions["`light_dark`"] == ("`light` is 3 (`dark`)", "✕ **not usable**")
+    assert conditions["`light_good`"] == ("`light` is 0 (`good`)", "✓ usable")
     combination = "`increasing` is 1 and `decreasing` is 1"
-    assert conditions["`field_out_of_range`"] == (combination, "`usable_with_warning`")
+    assert conditions["`field_out_of_range`"] == (combination, "▲ usable with a warning")
     # The flag is active low.
     three = "`quality` is 1 (`fair`) and `moving` is 1 and `cold` is 1"
-    assert conditions["`fair_while_moving`"] == (three, "`not_usable`")
+    assert conditions["`fair_while_moving`"] == (three, "✕ **not usable**")
 
 
 def test_a_verdict_of_a_value_links_to_the_erratum_about_its_field() -> None:
-    rows = page_values([device_of(MT6701)])["decides_rows"]
-    errata = {row[3]: row[7] for row in rows}
+    rows = page_values(device_of(MT6701))["decides_rows"]
+    errata = {row[2]: row[6] for row in rows}
     assert "status_and_position" in errata["`field_too_weak`"]
 
 

@@ -342,8 +342,8 @@ def _short_lines(section: str) -> list[str]:
 
 
 def test_the_page_of_verdicts_says_which_order_codes_have_none() -> None:
-    page = _pages()["docs/usable-or-not.md"]
-    assert "| order codes that lack `failed` and `worn` |  | `unknown` |" in page
+    page = _pages()["docs/options-verdicts.md"]
+    assert "| order codes that lack `failed` and `worn` |  | ? unknown |" in page
     assert page.count("| order codes that lack") == 3
 
 

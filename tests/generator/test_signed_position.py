@@ -267,7 +267,8 @@ def test_the_c_readme_and_examples_handle_negative_positions(generated: Path) ->
 @pytest.mark.slow
 def test_the_pages_say_that_the_position_is_signed(tmp_path: Path) -> None:
     assert main(["generate", *map(str, SPECS), "-o", str(tmp_path), "--target", "docs"]) == 0
-    masters = " ".join((tmp_path / "docs" / "scale-masters.md").read_text(encoding="utf-8").split())
+    pages = [tmp_path / "docs" / f"scale-{interface}-masters.md" for interface in ("biss", "ssi")]
+    masters = " ".join(" ".join(page.read_text(encoding="utf-8") for page in pages).split())
     ends = "-383999 to 16000000. A master that reads it as unsigned shows -1 as 33554431."
     assert f"The position is signed, in two's complement: {ends}" in masters
     assert "The position is signed, in two's complement: -500 to 499." in masters

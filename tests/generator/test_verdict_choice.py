@@ -227,10 +227,10 @@ def test_the_pages_state_the_question_and_both_answers(pages: dict[str, str]) ->
     assert "| ✕ **not usable** |" in warning
     assert '<a id="alternative-warning_cause"></a>' in page
     assert "warning_cause" not in pages["docs/amm5/AMM5A21-1SC1.md"]
-    usable = pages["docs/usable-or-not.md"].splitlines()
+    usable = pages["docs/amm5-verdicts.md"].splitlines()
     deciding = [line for line in usable if "#alternative-warning_cause" in line]
-    assert ["`either_cause`, the default | `not_usable`" in line for line in deciding] == [True, False]
-    assert ["`low_battery` | `usable_with_warning`" in line for line in deciding] == [False, True]
+    assert ["`either_cause`, the default | ✕ **not usable**" in line for line in deciding] == [True, False]
+    assert ["`low_battery` | ▲ usable with a warning" in line for line in deciding] == [False, True]
 
 
 @pytest.mark.slow

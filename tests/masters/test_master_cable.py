@@ -106,14 +106,15 @@ def test_what_cannot_be_said(
 
 @pytest.mark.slow
 def test_the_page_leads_to_the_erratum(pages: dict[str, str]) -> None:
-    page = pages["docs/amm5-masters.md"]
+    page = pages["docs/amm5-ssi-masters.md"]
     assert (
         "Errata about the clock for each cable length: [The clock for cables under 400 m is below the allowed range]"
         "(amm5/errata.md#erratum-ssi_cable_400_m) · [The table of cable lengths has no cable for 400 kHz to 4 MHz]"
         "(amm5/errata.md#erratum-ssi_cable_50_m)"
     ) in page
     assert "| Clock by cable | shorter than 50 m: below 400 kHz, shorter than 100 m: below 300 kHz," in page
-    assert "| Clock by cable | up to 10 m: 10 MHz, up to 25 m: 5 MHz, up to 60 m: 2 MHz," in page
+    biss_page = pages["docs/amm5-biss-masters.md"]
+    assert "| Clock by cable | up to 10 m: 10 MHz, up to 25 m: 5 MHz, up to 60 m: 2 MHz," in biss_page
 
 
 def test_sources_with_a_place_come_last() -> None:

@@ -183,31 +183,37 @@ def test_json_has_its_shape(capsys: pytest.CaptureFixture[str], code: str) -> No
 
 def test_every_page_is_linked(pages: dict[str, str], library: Library) -> None:
     for device in library.devices:
-        assert f"{device.name}-masters.md" in pages["docs/README.md"]
-        assert f"({device.name}-masters.md)" in pages[f"docs/{device.name}.md"]
-        page = pages[f"docs/{device.name}-masters.md"]
-        assert f"({device.name}.md)" in page
-        anchors = set(re.findall(r'<a id="([^"]+)">', page))
-        assert set(re.findall(r"\]\(#([^)]+)\)", page)) <= anchors
+        kinds = masters_page.kinds_with_masters(device)
+        assert kinds == [interface.name for interface in device.interfaces if interface.name != "rs485"]
+        for kind in kinds:
+            name = f"{device.name}-{kind}-masters.md"
+            assert f"({name})" in pages["docs/README.md"]
+            assert f"({name})" in pages[f"docs/{device.name}.md"]
+            page = pages[f"docs/{name}"]
+            assert f"({device.name}.md)" in page
+            anchors = set(re.findall(r'<a id="([^"]+)">', page))
+            assert set(re.findall(r"\]\(#([^)]+)\)", page)) <= anchors
 
 
 def test_every_order_code_is_on_the_page(pages: dict[str, str], library: Library) -> None:
     for device in library.devices:
-        page = pages[f"docs/{device.name}-masters.md"]
-        for variant in device.variants:
-            is_on_page = f"`{variant.code}`" in page
-            assert is_on_page == (variant.interface != "rs485"), variant.code
+        for kind in masters_page.kinds_with_masters(device):
+            page = pages[f"docs/{device.name}-{kind}-masters.md"]
+            for variant in device.variants:
+                is_on_page = f"`{variant.code}`" in page
+                assert is_on_page == (variant.interface == kind), variant.code
 
 
 def test_the_page_says_what_the_command_says(pages: dict[str, str]) -> None:
     """It lists what differs between masters. The values are those of an order code, so they are not on it."""
-    page = pages["docs/sma21-masters.md"]
-    ic_mb = page.split("### iC-Haus")[1].split("###")[0]
-    assert re.search(r"`--master ic_mb` sets .*SENSCRCPOLY", ic_mb)
+    page = pages["docs/sma21-biss-masters.md"]
+    ic_mb = page.split("## iC-Haus")[1].split("## ")[0]
+    assert re.search(r"`--master ic_mb` prints: .*SENSCRCPOLY", ic_mb)
     assert "0x21" not in ic_mb
-    assert "Not supported" in page.split("### KEB Combivert F5")[1].split("###")[0]
-    assert "### Galil" in page
-    assert "No SSI settings are known for: " in page
+    assert "Not supported" in page.split("## KEB Combivert F5")[1].split("## ")[0]
+    ssi_page = pages["docs/sma21-ssi-masters.md"]
+    assert "## Galil" in ssi_page
+    assert "No SSI settings are known for: " in ssi_page
 
 
 @pytest.mark.slow
@@ -232,7 +238,7 @@ def test_hostile_texts_stay_text(library: Library, monkeypatch: pytest.MonkeyPat
         limits=({"item": "data_bits", "at_most": 1, "reason": hostile, "source": hostile},),
     )
     monkeypatch.setattr("codewheel.targets.docs.files.shipped_masters", lambda: (spoilt, replace(spoilt, limits=())))
-    page = generate(library)["docs/amm5-masters.md"]
+    page = generate(library)["docs/amm5-biss-masters.md"]
     assert "<script>" not in page
     assert "<!-- g" not in page
     assert "[d](e)" not in page
@@ -245,17 +251,17 @@ def test_hostile_texts_stay_text(library: Library, monkeypatch: pytest.MonkeyPat
 def test_a_device_without_masters(library: Library) -> None:
     """A family with only RS-485 has no page."""
     device: Device = next(device for device in library.devices if device.name == "amm5")
-    assert masters_page.has_masters(device)
+    assert masters_page.kinds_with_masters(device) == ["ssi", "biss"]
     from dataclasses import replace
 
     alone = replace(device, variants=tuple(variant for variant in device.variants if variant.interface == "rs485"))
-    assert not masters_page.has_masters(alone)
-    assert "docs/amm5-masters.md" not in generate(Library((alone,)))
+    assert masters_page.kinds_with_masters(alone) == []
+    assert not any(path.endswith("-masters.md") for path in generate(Library((alone,))))
 
 
 def test_a_note_on_the_page_names_its_order_codes(pages: dict[str, str]) -> None:
     """ASC85/SC2 needs 10 V, /SC1 5 V: only the former has the note that the supply of the terminal is not enough."""
-    page = pages["docs/asc85-masters.md"].partition('<a id="biss-beckhoff_el5042"></a>')[2].partition("<a id=")[0]
+    page = pages["docs/asc85-biss-masters.md"].partition('<a id="biss-beckhoff_el5042"></a>')[2].partition("<a id=")[0]
     note = next(line for line in page.splitlines() if "which is not enough for this encoder" in line)
     assert note.startswith("- `ASC8520/SC2`, `ASC8521/SC2`")
     assert "/SC1`" not in note

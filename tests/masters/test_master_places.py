@@ -333,8 +333,8 @@ def test_as_text(capsys: pytest.CaptureFixture[str], pages: dict[str, str]) -> N
     assert "EJ5042: 0x8008:11 (channel 1), 0x8018:11 (channel 2), INT64, factory default 0x43, leave it [ej5042]" in out
     assert "EP7041-4032: 0x8008:17, unit bits, data type and factory default not given [ep7041_objects]" in out
     assert "F008 (Code word): EL5042, EP7041-4032: 0xF008:00, UINT32, factory default 0x00 * [profile, supply]" in out
-    assert "`--master beckhoff_el5042` sets Mode · " in pages["docs/amm5-masters.md"]
-    assert "0x8008:11" not in pages["docs/amm5-masters.md"], "places are on the settings page and in the command"
+    assert "Parameters that `--master beckhoff_el5042` prints: Mode · " in pages["docs/amm5-biss-masters.md"]
+    assert "0x8008:11" not in pages["docs/amm5-biss-masters.md"], "places are on the settings page and in the command"
 
 
 def test_every_setting_has_places(masters: dict[str, Master], sheet_of: SheetOf) -> None:

@@ -113,8 +113,8 @@ Lika AMM5A21/65KSC1 SN1234      | AMM5A21/65KSC1      | amm5/AMM5A21-65KSC1.html
 SMA21-JP1-0050 No. 10/2019      | SMA21-JP1-0050      | sma21/SMA21-JP1-0050.html
 AMM5A21/65KSC1 1234             | AMM5A21/65KSC1      | amm5/AMM5A21-65KSC1.html
 AMM5A21/65KSC1 serial number    | 44h to 47h Serial number | amm5/AMM5A21-65KSC1.html#register-serial_number
-C2000                           | TI C2000 PM_bissc   | am36-masters.html#ti-c2000-pm_bissc
-AMM5 novanta                    | Novanta (Ingenia) drives | amm5-masters.html#novanta-ingenia-drives
+C2000                           | TI C2000 PM_bissc   | am36-biss-masters.html#ti-c2000-pm_bissc
+AMM5 novanta                    | Novanta (Ingenia) drives | amm5-biss-masters.html#novanta-ingenia-drives
 zero position                   | Input: Zero setting/Preset | am36/biss-procedures.html#input-zero-settingpreset
 AMM5A21/65KSC1 zero position    | What to send        | amm5/AMM5A21-65KSC1.html#what-to-send
 how do I set zero               | Input: Zero setting/Preset | am36/biss-procedures.html#input-zero-settingpreset
@@ -137,7 +137,7 @@ checksums                       | CRC biss_6          | am36/biss.html#crc-biss_
 batteries                       | Battery alarm       | amm5/rs485-procedures.html#battery-alarm
 dead battery                    | Battery alarm       | amm5/rs485-procedures.html#battery-alarm
 wire colors                     | Wiring              | am36/biss-wiring.html#wiring
-clock frequency                 | Clocks, ports and codes | docs/which-encoder.html#clocks-ports-and-codes
+clock frequency                 | Clocks, ports and codes | docs/compare-encoders.html#clocks-ports-and-codes
 how fast                        | Times               | am36/biss.html#times
 startup time                    | Times               | msa213c/biss.html#times
 power consumption               | Wiring              | am36/biss-wiring.html#wiring
@@ -149,13 +149,13 @@ counting direction reverse | Input: Counting direction (Complementary input) | -
 factory reset                   | Load and save the default parameters | #load-and-save-the-default-parameters
 crc wrong                       | The BiSS CRC is always wrong | docs/encoder/questions-crc-always-wrong.html
 crc fails                       | The BiSS CRC is always wrong | docs/encoder/questions-crc-always-wrong.html
-nE bit                          | Deciding bits       | docs/usable-or-not.html#deciding-bits
+nE bit                          | Deciding bits       | amm5-verdicts.html#deciding-bits
 AMM5A21/65KSC1 how long is a frame | Frame            | amm5/AMM5A21-65KSC1.html#frame
 AMM5A21/65KSC1 which bit says error | Frame           | amm5/AMM5A21-65KSC1.html#frame
 tape                            | Tape length, travel and number of positions | -travel-and-number-of-positions
 mounting                        | Characteristics, mounting, safety | am36/hardware.html#characteristics-mounting-safety
 acknowledge                     | Acknowledge         | spi.html#acknowledge
-siemens                         | Siemens TM PosInput | docs/am36-masters.html#siemens-tm-posinput
+siemens                         | Siemens TM PosInput | docs/am36-ssi-masters.html#siemens-tm-posinput
 arduino                         | Five minutes: an encoder in your firmware | docs/firmware/start-firmware.html
 """
 

@@ -27,7 +27,7 @@ SAMPLE = (
     "docs/transcribe/spec-language.html",
     "generated/docs/README.html",
     "generated/docs/amm5.html",
-    "generated/docs/amm5-masters.html",
+    "generated/docs/amm5-biss-masters.html",
     "generated/docs/registers-by-address.html",
     "generated/docs/amm5/AMM5A21-65KSC1.html",
     "generated/docs/sma21/SMA21-JP1-0050.html",

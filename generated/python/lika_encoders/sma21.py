@@ -1164,9 +1164,8 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
 
     See also in ERRATA: The parity bit of the control field is printed as part of the ID; How single alarms affect the
     position is not described; The reply in the example sets an unused status bit; The level of the error bit is given
-    without its interface; Before edition 1.1: alarm field encoder inharmonious error implemented and encoder
-    inharmonious error implemented; Before edition 1.1: alarm field encoder inharmonious error when active; Before
-    edition 1.1: alarm field encoder inharmonious error meaning and encoder inharmonious error meaning.
+    without its interface; Before edition 1.1: implementation of encoder inharmonious error; Before edition 1.1: active
+    state of encoder inharmonious error; Before edition 1.1: meaning of encoder inharmonious error.
 
     Bits of unused:
         bits 3:0, status_info: dd0 ... dd3: Information, not used in this encoder. Unused, documented as 0. Frames with
@@ -1526,9 +1525,8 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
 
     See also in ERRATA: The parity bit of the control field is printed as part of the ID; How single alarms affect the
     position is not described; The reply in the example sets an unused status bit; The level of the error bit is given
-    without its interface; Before edition 1.1: alarm field encoder inharmonious error implemented and encoder
-    inharmonious error implemented; Before edition 1.1: alarm field encoder inharmonious error when active; Before
-    edition 1.1: alarm field encoder inharmonious error meaning and encoder inharmonious error meaning.
+    without its interface; Before edition 1.1: implementation of encoder inharmonious error; Before edition 1.1: active
+    state of encoder inharmonious error; Before edition 1.1: meaning of encoder inharmonious error.
 
     Bits of unused:
         bits 3:0, status_info: dd0 ... dd3: Information, not used in this encoder. Unused, documented as 0. Frames with

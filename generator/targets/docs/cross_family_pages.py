@@ -21,8 +21,9 @@ from .order_code_tables import order_codes
 from .page_links import link_to_alarm, link_to_layout, link_to_register, links_to_steps, path_to_anchor
 
 #: File names of the pages, which no family can have.
-WHICH_ENCODER, REGISTERS, ALARMS = (
+WHICH_ENCODER, COMPARISON, REGISTERS, ALARMS = (
     "which-encoder.md",
+    "compare-encoders.md",
     "registers-by-address.md",
     "alarms-and-leds.md",
 )
@@ -34,6 +35,7 @@ _COMPARED_LABELS = ("Clock", "Alignment", "Code", "Time-out", "Baud rate")
 class WhichPage(TypedDict):
     label_rows: Annotated[list[Row], "family, title, patterns of its order codes, interfaces, supply"]
     told_rows: Annotated[list[Row], "family, identifying register, name, content, source"]
+    compare_page: Annotated[str, "the page that compares the families"]
     compared_rows: Annotated[list[Row], "interface of a family, fact, value, source"]
     resolution_rows: Annotated[list[Row], "quantities set by order codes: family, quantity, values, unit, source"]
     frame_rows: Annotated[list[Row], "frames with a position: interface, family, frame, bits, order, CRC"]
@@ -54,6 +56,7 @@ def identification_page_values(devices: Sequence[Device]) -> WhichPage:
     return {
         "label_rows": [_label_row(device) for device in devices],
         "told_rows": _rows_of_all(devices, _identity_rows),
+        "compare_page": COMPARISON,
         "resolution_rows": _rows_of_all(devices, _resolution_rows),
         "byte_order_rows": _rows_of_all(devices, _byte_order_rows),
         "compared_rows": _grouped_by_interface(_rows_of_all(devices, _interface_fact_rows)),

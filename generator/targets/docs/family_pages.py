@@ -13,7 +13,7 @@ from ...say.markdown import STYLE, cited, code, joined, link, link_list, text
 from ...say.order_code import settings
 from ...say.plain_text import counted
 from ...say.text import Statement, language
-from . import fact_tables, inline_errata, order_code_tables, page_links, verdict_page
+from . import fact_tables, inline_errata, masters_page, order_code_tables, page_links, verdict_page
 from .interface_page import subjects
 from .order_code_page import ManualProcedure, OrderCodes, manual_procedures
 from .order_code_tables import order_codes
@@ -100,7 +100,6 @@ class FamilyPage(TypedDict):
     part_rows: Annotated[Rows, "parts of an order code and the meaning of each value"]
     spelling_rows: Annotated[Rows, "other spellings on labels"]
     measurement_rows: Annotated[Rows, "unit of the position"]
-    has_masters: Annotated[bool, "true if there is a page of master settings"]
     changes_page: Annotated[str, "page that lists the changes in each version"]
 
 
@@ -121,7 +120,7 @@ class ManualPage(TypedDict):
     history_rows: Annotated[Rows, "the revisions of the manual"]
 
 
-def index_values(family: OrderCodes, has_masters: bool) -> FamilyPage:
+def index_values(family: OrderCodes) -> FamilyPage:
     """Return the values of the first page of a family."""
     device = family.device
     return {
@@ -131,13 +130,12 @@ def index_values(family: OrderCodes, has_masters: bool) -> FamilyPage:
         "evidence": grade(device),
         "errata_at": inline_errata.ErrataLines(device, f"{device.name}/"),
         "errata_count": f"{len(device.errata)}",
-        "wish_rows": list(_task_rows(device, has_masters)),
+        "wish_rows": list(_task_rows(device)),
         "interface_rows": [_interface_row(device, interface) for interface in device.interfaces],
         "code_links": list(_order_code_links(family)),
         "part_rows": list(order_code_tables.part_rows(device)),
         "spelling_rows": list(order_code_tables.spelling_rows(device)),
         "measurement_rows": list(order_code_tables.measurement_rows(device)),
-        "has_masters": has_masters,
         "changes_page": file_name(device),
     }
 
@@ -171,7 +169,7 @@ def _order_code_links(family: OrderCodes) -> Iterator[tuple[str, list[str]]]:
             yield f"{interface.title}: {counted(len(order_codes), 'order code')}", code_links
 
 
-def _task_rows(device: Device, has_masters: bool) -> Iterator[tuple[str, str]]:
+def _task_rows(device: Device) -> Iterator[tuple[str, str]]:
     """Yield rows of task, links to its instructions.
 
     Procedures, also those by hand, have their titles as tasks. Tasks without instructions are left out.
@@ -179,7 +177,7 @@ def _task_rows(device: Device, has_masters: bool) -> Iterator[tuple[str, str]]:
     frame_links = list(_position_frame_links(device))
     if frame_links:
         yield "Read the position", ", ".join(frame_links)
-    yield "Check whether the position is usable", link("usable or not", f"{verdict_page.PAGE}#{device.name}")
+    yield "Check whether the position is usable", link("usable or not", verdict_page.file_name(device))
     for section, task in _TASKS_BY_SECTION.items():
         if section_links := list(_section_links(device, section)):
             yield task, ", ".join(section_links)
@@ -190,8 +188,8 @@ def _task_rows(device: Device, has_masters: bool) -> Iterator[tuple[str, str]]:
         yield text(manual_procedure.title), link("by hand", f"{device.name}/hardware.md#{anchor_of_steps}")
     if device.characteristics:
         yield "Mount it, look up its limits", link("mounting and characteristics", f"{device.name}/hardware.md")
-    if has_masters:
-        yield "Set up a BiSS or SSI master", link("master settings", f"{device.name}-masters.md")
+    if master_links := masters_page.page_links(device):
+        yield "Set up a BiSS or SSI master", "master settings: " + ", ".join(master_links)
 
 
 def _position_frame_links(device: Device) -> Iterator[str]:
@@ -307,7 +305,8 @@ def _second_reading_text(counts: TimesRead | None) -> str:
         were_verb = "was" if counts.once == 1 else "were"
         sentence_parts.append(f"and {counts.once} {were_verb} read only once")
     summary = f"Twice. {', '.join(sentence_parts)}"
-    return f"{summary}. {counts.derived} more follow from others" if counts.derived else summary
+    follow_verb = "follows" if counts.derived == 1 else "follow"
+    return f"{summary}. {counts.derived} more {follow_verb} from others" if counts.derived else summary
 
 
 def _edition_rows(device: Device) -> Iterator[tuple[str, ...]]:

@@ -8,7 +8,6 @@ from typing import Annotated, Any, TypedDict
 
 from ...masters.sheet import Master, shipped_masters
 from ...model import Device
-from ...order_codes.reduction import for_interface
 from ...render import Templates, our_templates
 from ...say import markdown
 from ...say.markdown import link, text
@@ -45,22 +44,21 @@ class Index(TypedDict):
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """Return ``docs/README.md``, the pages across families, and the pages and pictures of each family.
 
-    A family has the page ``docs/<device>.md``, with the pages of its master settings and changes next to it. The folder
-    ``docs/<device>/`` has the pages of each interface and each order code, those of the hardware, the errata and the
-    manual, and the pictures.
+    A family has the page ``docs/<device>.md``, with the pages of its master settings, verdicts and changes next to it.
+    The folder ``docs/<device>/`` has the pages of each interface and each order code, those of the hardware, the errata
+    and the manual, and the pictures.
     """
     files = licence_in("docs")
     sections: list[Section] = []
     for device in library.devices:
         files |= library.files_of(_family, device, options)
         sections += _order_code_sections(order_code_page.OrderCodes(device))
+    identification_values = cross_family_pages.identification_page_values(library.devices)
     pages: dict[str, tuple[str, Mapping[str, Any]]] = {
         "README.md": ("index.md.jinja", _index(library, sections)),
-        verdict_page.PAGE: ("usable.md.jinja", verdict_page.page_values(library.devices)),
-        cross_family_pages.WHICH_ENCODER: (
-            f"{cross_family_pages.WHICH_ENCODER}.jinja",
-            cross_family_pages.identification_page_values(library.devices),
-        ),
+        verdict_page.PAGE: ("usable.md.jinja", verdict_page.usable_values(library.devices)),
+        cross_family_pages.WHICH_ENCODER: (f"{cross_family_pages.WHICH_ENCODER}.jinja", identification_values),
+        cross_family_pages.COMPARISON: (f"{cross_family_pages.COMPARISON}.jinja", identification_values),
         cross_family_pages.REGISTERS: (
             f"{cross_family_pages.REGISTERS}.jinja",
             cross_family_pages.registers_page_values(library.devices),
@@ -115,9 +113,8 @@ def _pages(
     """Yield the name of each page, its template, and a function for its values."""
     device, folder = codes.device, codes.device.name
     kinds = [interface.name for interface in device.interfaces]
-    kinds_with_masters = {kind for kind in kinds if masters_page.has_masters(for_interface(device, kind))}
-    has_any_masters = bool(kinds_with_masters)
-    yield f"{folder}.md", "device.md.jinja", partial(family_pages.index_values, codes, has_any_masters)
+    kinds_with_masters = masters_page.kinds_with_masters(device)
+    yield f"{folder}.md", "device.md.jinja", partial(family_pages.index_values, codes)
     for kind in kinds:
         interface_values = partial(_interface_values, codes, kind, kinds_with_masters)
         yield f"{folder}/{page_links.page_in_folder(kind)}", "interface.md.jinja", interface_values
@@ -129,8 +126,10 @@ def _pages(
     yield f"{folder}/hardware.md", "hardware.md.jinja", partial(family_pages.hardware_values, device)
     yield f"{folder}/{page_links.ERRATA}", "errata.md.jinja", partial(inline_errata.page_values, device)
     yield f"{folder}/manual.md", "manual.md.jinja", partial(family_pages.manual_values, device)
-    if has_any_masters:
-        yield f"{folder}-masters.md", "masters.md.jinja", partial(masters_page.page_values, device, masters)
+    for kind in kinds_with_masters:
+        page_values = partial(masters_page.page_values, device, kind, masters)
+        yield masters_page.file_name(device, kind), "masters.md.jinja", page_values
+    yield verdict_page.file_name(device), "verdicts.md.jinja", partial(verdict_page.page_values, device)
     yield changes_page.file_name(device), "changes.md.jinja", partial(changes_page.page_values, device)
 
 
@@ -213,7 +212,7 @@ def _index_row(device: Device) -> tuple[str, ...]:
         text(device.manufacturer.title),
         ", ".join(interface_links),
         f"{len(device.variants)}",
-        link("settings", f"{folder}-masters.md") if masters_page.has_masters(device) else "",
+        ", ".join(masters_page.page_links(device)),
         f"{text(device.manual.title)}, revision {family_pages.revision_and_date(device.manual)}",
         text(device.evidence.grade),
     )
@@ -233,7 +232,9 @@ TEMPLATES = Templates(
         "masters.md.jinja": masters_page.MastersPage,
         "changes.md.jinja": changes_page.ChangesPage,
         "usable.md.jinja": verdict_page.UsablePage,
+        "verdicts.md.jinja": verdict_page.VerdictPage,
         f"{cross_family_pages.WHICH_ENCODER}.jinja": cross_family_pages.WhichPage,
+        f"{cross_family_pages.COMPARISON}.jinja": cross_family_pages.WhichPage,
         f"{cross_family_pages.REGISTERS}.jinja": cross_family_pages.RegistersPage,
         f"{cross_family_pages.ALARMS}.jinja": cross_family_pages.AlarmsPage,
         f"{inline_errata.ALL_ERRATA}.jinja": inline_errata.AllErrataPage,

@@ -25,7 +25,9 @@ class ErrataPage(TypedDict):
     device: Annotated[Device, "the family"]
     errata_summary: Annotated[str, "number of errata and of open errata"]
     erratum_links: Annotated[list[tuple[str, list[str]]], "status and impact, and links to the errata of that kind"]
-    errata_list: Annotated[list[dict[str, Any]], "complete errata: erratum, title, rows"]
+    errata_list: Annotated[
+        list[dict[str, Any]], "complete errata: erratum, title, summary, and a table of one row: head, cells"
+    ]
 
 
 class AllErrataPage(TypedDict):
@@ -216,16 +218,12 @@ def page_values(device: Device) -> ErrataPage:
 
 
 def _erratum_section(erratum: Erratum) -> dict[str, Any]:
-    """Return one erratum with its rows for the page of errata."""
-    rows = [
-        *fact_tables.printed_and_used_rows(erratum),
-        ("Why", text(erratum.why)),
-        ("Status", status_badge(erratum)),
-        ("Impact", fact_tables.severity_text(erratum.severity)),
-        ("Affects", ", ".join(map(code, erratum.affects))),
-        ("Source", cited(erratum.source)),
-    ]
-    return {"erratum": erratum, "title": text(erratum.title), "rows": rows}
+    """Return one erratum for the page of errata: a summary, and its texts as a table of one row."""
+    head, cells = zip(*fact_tables.printed_and_used_rows(erratum), ("Why", text(erratum.why)), strict=True)
+    affected = ", ".join(map(code, erratum.affects))
+    kind = f"{status_badge(erratum)}, {fact_tables.severity_text(erratum.severity)}"
+    summary = f"{kind}. Source: {cited(erratum.source)}. Affects {affected}."
+    return {"erratum": erratum, "title": text(erratum.title), "summary": summary, "head": head, "cells": cells}
 
 
 def _summary(count: int, open_count: int) -> str:
@@ -269,7 +267,7 @@ def all_values(devices: Sequence[Device]) -> AllErrataPage:
 
 
 def _rows_of_all_families(devices: Sequence[Device], status: str) -> Iterator[tuple[str, ...]]:
-    """Yield rows of impact, family, title, printed text and value used of the errata with this status.
+    """Yield rows of impact, family and title of the errata with this status.
 
     Wrong bytes come before wording.
     """
@@ -281,6 +279,4 @@ def _rows_of_all_families(devices: Sequence[Device], status: str) -> Iterator[tu
                         text(fact_tables.severity_text(severity)),
                         link(text(device.name.upper()), f"{device.name}.md"),
                         link_to_erratum(device, erratum),
-                        text(erratum.printed),
-                        text(erratum.used),
                     )

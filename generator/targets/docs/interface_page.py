@@ -58,7 +58,7 @@ class Sections(TypedDict):
     device: Annotated[Device, "the family, with only the data relevant to this page"]
     document: Annotated[str, "manual, or spec if not all of the manual was read"]
     origin: Annotated[list[Statement], "overlays and the edition of the family"]
-    usable_page: Annotated[str, "the page on verdicts"]
+    verdict_page: Annotated[str, "the page with the verdicts of the family"]
     errata_at: Annotated[
         Callable[..., str],
         "errata of one or more paths in the spec, in full at the first mention, then as links",
@@ -82,7 +82,7 @@ def page_sections(device: Device) -> Sections:
         "device": device,
         "document": document(device),
         "origin": [*origin(device), *other_editions(device)],
-        "usable_page": verdict_page.PAGE,
+        "verdict_page": verdict_page.file_name(device),
         "errata_at": inline_errata.ErrataLines(device),
         "alternatives": order_code_tables.alternative_sections(device),
         "interfaces": [_interface_section(device, interface) for interface in device.interfaces],
@@ -322,7 +322,7 @@ class InterfacePage(Sections, InterfaceValues):
 
 
 class SubjectPage(InterfacePage):
-    subject: Annotated[str, "subject of the page: `registers`, `procedures`, `wiring` or `examples`"]
+    subject: Annotated[str, "subject of the page: `fields`, `registers`, `procedures`, `wiring` or `examples`"]
     contents: Annotated[str, "contents of the page, such as `wiring and LEDs`"]
 
 
@@ -336,8 +336,10 @@ def _contents_by_subject(device: Device) -> dict[str, list[str]]:
 
     ``device`` is reduced to one interface. A subject without content is left out.
     """
+    (interface,) = device.interfaces
     contents: dict[str, list[str]] = {}
     for subject, content, parts in (
+        ("fields", "bit fields", layout_tables.used_groups(interface)),
         ("registers", "registers", device.registers),
         ("procedures", "procedures", device.procedures),
         ("procedures", "errors", device.alarms),

@@ -1,10 +1,9 @@
-"""Page of the BiSS and SSI master settings for the order codes of a family."""
+"""Pages of the BiSS and SSI master settings for the order codes of a family, one for each interface."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from functools import partial
 from math import prod
 from typing import Annotated, Any, TypedDict
 
@@ -19,7 +18,7 @@ from ...masters.text import (
     refusal_text,
     standing_mark,
 )
-from ...model import Device, Interface
+from ...model import Device, Interface, first_of
 from ...say.markdown import code, joined, link, link_list, text
 from .fact_tables import document_rows
 from .order_code_tables import order_codes
@@ -35,9 +34,9 @@ Columns = Sequence[tuple[Group, Mapping[Any, Row]]]
 GroupSettings = Sequence[tuple[Group, Sheet]]
 
 
-def has_masters(device: Device) -> bool:
-    """Return whether an order code of the family has settings for masters."""
-    return any(map(partial(_has_records, device), device.interfaces))
+def kinds_with_masters(device: Device) -> list[str]:
+    """Return the kinds of interface for which an order code of the family has settings for masters."""
+    return [interface.name for interface in device.interfaces if _has_records(device, interface)]
 
 
 def _has_records(device: Device, interface: Interface) -> bool:
@@ -48,21 +47,32 @@ class MastersPage(TypedDict):
     device: Annotated[Device, "the family"]
     legend: Annotated[str, "meaning of the marks on the page"]
     example: Annotated[str, "an order code that masters support"]
-    interfaces: Annotated[list[dict[str, Any]], "interfaces that masters support, with the settings of each master"]
+    part: Annotated[dict[str, Any], "facts of the interface, with the settings of each master"]
 
 
-def page_values(device: Device, masters: Sequence[Master]) -> MastersPage:
-    """Return the values of the page with the settings of all masters for a family that has any."""
+def file_name(device: Device, kind: str) -> str:
+    """Return the name of the page with the master settings of an interface."""
+    return f"{device.name}-{kind}-masters.md"
+
+
+def page_links(device: Device) -> list[str]:
+    """Return a link to the page of each interface that has settings for masters."""
+    kinds = kinds_with_masters(device)
+    return [link(device.interface(kind).title, file_name(device, kind)) for kind in kinds]
+
+
+def page_values(device: Device, kind: str, masters: Sequence[Master]) -> MastersPage:
+    """Return the values of the page with the settings of all masters for interface ``kind``, which has some."""
     interface_sheets = sheets_of(device, masters)
+    group_sheets = first_of((group for group in interface_sheets if group.interface.name == kind), f"sheets of {kind}")
     sheets: list[Sheet] = []
-    for group_sheets in interface_sheets:
-        for _, master_sheets in group_sheets.sheets:
-            sheets += master_sheets
+    for _, master_sheets in group_sheets.sheets:
+        sheets += master_sheets
     return {
         "device": device,
-        "example": interface_sheets[0].groups[0].codes[0],
+        "example": group_sheets.groups[0].codes[0],
         "legend": text(legend(masters, sheets, with_places=False)),
-        "interfaces": [_interface_section(device, group_sheets) for group_sheets in interface_sheets],
+        "part": _interface_section(device, group_sheets),
     }
 
 
@@ -219,8 +229,10 @@ def _setting_notes(group_sheets: GroupSettings) -> Iterator[str]:
 
 def _setting_note(setting: Setting, sheet: Sheet) -> str:
     """Return the note on a setting with its conditions and its source, or "" without a note and conditions."""
-    note = " ".join(filter(None, [setting.note, *condition_texts(setting, sheet)]))
-    return f"{text(setting.name)}: {text(note)} \\[{text(cited(setting.source))}\\]" if note else ""
+    note = text(" ".join(filter(None, [setting.note, *condition_texts(setting, sheet)])))
+    source = f" \\[{text(cited(setting.source))}\\]"
+    # The last condition may have the same source.
+    return f"{text(setting.name)}: {note.removesuffix(source)}{source}" if note else ""
 
 
 def _with_order_codes(groups_by_note: Mapping[str, Sequence[Group]], group_count: int) -> Iterator[str]:

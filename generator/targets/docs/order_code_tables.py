@@ -36,7 +36,7 @@ from ...say.register import measurement, own_ranges, position_range
 from ...say.report import conditions, deciding
 from ...say.text import WORTH, statement
 from .page_links import style_in_folder
-from .verdict_table import EFFECTS, applicable_causes, judgement_of
+from .verdict_table import EFFECTS, any_of, applicable_causes, judgement_of
 
 
 def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
@@ -388,9 +388,9 @@ def crc_line(family: Device, crc: Crc) -> str:
         crc_inverted(crc),
         counted(crc.width, "bit"),
         "over everything before it",
-        "which is the XOR of these bytes" if crc.is_xor else "",
     ]
-    return ", ".join(filter(None, crc_properties))
+    xor_sentence = ". It equals the XOR of these bytes" if crc.is_xor else ""
+    return ", ".join(filter(None, crc_properties)) + xor_sentence
 
 
 def _in_superscript(exponent: re.Match[str]) -> str:
@@ -431,7 +431,7 @@ def _cause_texts(causes: Sequence[VerdictCause]) -> Iterator[str]:
         if not isinstance(cause.by, Match):
             # deciding() gives the level at which the flag is active, such as "1".
             names_by_level.setdefault(deciding(cause.by.field), []).append(_cause_text(cause))
-    yield from (f"{' or '.join(names)} is {level}" for level, names in names_by_level.items())
+    yield from (f"{any_of(names)} is {level}" for level, names in names_by_level.items())
     for cause in causes:
         if isinstance(cause.by, Match):
             yield STYLE.phrase(conditions((part.field, value) for part, value in cause.by.conditions))

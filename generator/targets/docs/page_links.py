@@ -17,6 +17,7 @@ ERRATA = "errata.md"
 
 #: Subjects of an interface with pages of their own, and how the anchors on these pages begin.
 ANCHORS_BY_SUBJECT = {
+    "fields": ("group",),
     "registers": ("register",),
     "procedures": ("procedure", "alarm", "input"),
     "wiring": ("wiring", "connector", "led"),

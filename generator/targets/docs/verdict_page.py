@@ -1,8 +1,8 @@
-"""Page of the verdicts and reports for each frame of every family."""
+"""Page on verdicts, and a page for each family with the verdicts and reports of its frames."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Annotated, TypedDict
 
 from ...model import Alarm, Alternative, Device, Field, Interface, Layout, Sign, Verdict, first_of
@@ -10,42 +10,50 @@ from ...model.record import dataclass
 from ...plan.values import Active, meaning_of
 from ...plan.verdicts import Judgement, Only, Reporting, reportings, reports_of, sums_up, verdict_of
 from ...say.evidence import document
-from ...say.markdown import STYLE, anchor, cited, code, joined, link, link_list, text
+from ...say.markdown import STYLE, cited, code, joined, link, link_list, text
 from ...say.names_and_places import own_names
 from ...say.report import alarm_of, by_hand, conditions, deciding, meaning, remedy_text, source
 from ...say.text import Code, listed, statement
 from .page_links import link_to_erratum, link_to_layout, links_to_steps, path_to_anchor
+from .verdict_table import EFFECTS
 
-#: File name of the page, which no family can have.
+#: File name of the page on verdicts, which no family can have.
 PAGE = "usable-or-not.md"
 Row = tuple[str, ...]
 
 
 class UsablePage(TypedDict):
+    family_links: Annotated[list[str], "links to the page of each family with a frame"]
+
+
+class VerdictPage(TypedDict):
+    device: Annotated[Device, "the family"]
+    usable_page: Annotated[str, "the page on verdicts"]
     decides_rows: Annotated[list[Row], "deciding bits and verdict of each frame, with source and errata"]
     frame_rows: Annotated[list[Row], "possible reports of each frame"]
     report_rows: Annotated[list[Row], "meaning and remedy of each report"]
 
 
-def page_values(devices: Sequence[Device]) -> UsablePage:
-    """Return the values of the page about verdicts, with the rows of all families."""
-    values: UsablePage = {"decides_rows": [], "frame_rows": [], "report_rows": []}
-    for device in devices:
-        reporting_frames = list(reportings(device))
-        deciding_rows = _deciding_rows(device, reporting_frames)
-        values["decides_rows"] += _with_family(device, deciding_rows, device.name)
-        values["frame_rows"] += _with_family(device, _frame_rows(device, reporting_frames))
-        values["report_rows"] += _with_family(device, _report_rows(device))
-    return values
+def file_name(device: Device) -> str:
+    """Return the name of the page with the verdicts of a family."""
+    return f"{device.name}-verdicts.md"
 
 
-def _with_family(device: Device, rows: Iterable[Row], anchor_name: str = "") -> Iterator[Row]:
-    """Yield the rows, with the family in the first row."""
-    family_anchor = anchor(anchor_name) if anchor_name else ""
-    family_cell = family_anchor + link(text(device.title), f"{device.name}.md")
-    for index, row in enumerate(rows):
-        first_cell = family_cell if index == 0 else ""
-        yield first_cell, *row
+def usable_values(devices: Sequence[Device]) -> UsablePage:
+    """Return the values of the page on verdicts."""
+    return {"family_links": [link(text(device.title), file_name(device)) for device in devices]}
+
+
+def page_values(device: Device) -> VerdictPage:
+    """Return the values of the page with the verdicts of a family."""
+    reporting_frames = list(reportings(device))
+    return {
+        "device": device,
+        "usable_page": PAGE,
+        "decides_rows": list(_deciding_rows(device, reporting_frames)),
+        "frame_rows": list(_frame_rows(device, reporting_frames)),
+        "report_rows": list(_report_rows(device)),
+    }
 
 
 def _deciding_rows(device: Device, reporting_frames: Sequence[Reporting]) -> Iterator[Row]:
@@ -80,11 +88,11 @@ def _rows_of_frame(device: Device, interface: Interface, layout: Layout, judgeme
     for decider in deciders:
         yield _decider_row(device, interface, layout, decider, signs.get(decider.field.name))
     name_of_other_cases = "none of these" if deciders else "no field decides"
-    yield name_of_other_cases, "", code(judgement.otherwise.value), "", ""
+    yield name_of_other_cases, "", EFFECTS[judgement.otherwise], "", ""
     if judgement.may_be_unknown:
         judging_names = [Code(field.name) for field in layout.judging_fields]
         missing_names = STYLE.phrase(statement(*listed(judging_names)))
-        yield f"order codes that lack {missing_names}", "", code(Verdict.UNKNOWN.value), "", ""
+        yield f"order codes that lack {missing_names}", "", EFFECTS[Verdict.UNKNOWN], "", ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,7 +138,7 @@ def _decider_row(device: Device, interface: Interface, layout: Layout, decider: 
     else:
         active_value = _values_of_sign(layout, sign)
     errata_links = _errata_links(device, interface, layout, field, sign)
-    return _name_cell(field), active_value, code(decider.verdict.value), _source_cell(device, field), errata_links
+    return _name_cell(field), active_value, EFFECTS[decider.verdict], _source_cell(device, field), errata_links
 
 
 def _active_value(device: Device, field: Field, conditions_on_codes: Sequence[Only]) -> str:

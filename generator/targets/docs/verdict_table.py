@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 from ...model import Device, Field, Layout, PlacedLayout, Variant, Verdict
 from ...plan.values import Active, meaning_of
@@ -21,6 +21,8 @@ EFFECTS = {
     Verdict.NOT_USABLE: "✕ **not usable**",
     Verdict.UNKNOWN: "? unknown",
 }
+#: Largest number of flags that "or" joins.
+_MOST_ALTERNATIVES = 3
 _HEAD = ("Bit", "Flag", "Active at", "Position", "What to do")
 
 
@@ -162,3 +164,8 @@ def applicable_causes(judgement: Judgement, variant: Variant) -> dict[Verdict, l
 def _applies(cause: VerdictCause, variant: Variant) -> bool:
     """Return whether all conditions of a cause hold for an order code and the answers chosen for it."""
     return all(bool(variant.parameters.get(only.parameter, 0)) == only.holds for only in cause.conditions)
+
+
+def any_of(names: Sequence[str]) -> str:
+    """Return names as ``a or b``, and more than three as ``any of a, b, c, d``."""
+    return f"any of {', '.join(names)}" if len(names) > _MOST_ALTERNATIVES else " or ".join(names)

@@ -1548,7 +1548,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_1_1_1",
-        title="In edition 1.1: order code singleturn open, order code singleturn open only with and others",
+        title="In edition 1.1: order code (singleturn) and order code (turns)",
         printed=(
             "order_code.parts.singleturn.open, order_code.parts.singleturn.open_only_with, "
             "order_code.parts.turns.open, order_code.parts.turns.open_only_with"
@@ -1567,7 +1567,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_1_1_2",
-        title="In edition 1.1: order code output BG, order code output GG and others",
+        title="In edition 1.1: order code (output), SSI and modulus",
         printed=(
             "order_code.parts.output.values.BG, order_code.parts.output.values.GG, interfaces.ssi, parameters.modulus"
         ),
@@ -1580,7 +1580,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_1_1_3",
-        title="In edition 1.1: order code also written output",
+        title="In edition 1.1: order code (other spellings)",
         printed="order_code.also_written[1].values.output, order_code.also_written[2].values.output",
         used="SC = I7",
         why="The labels of the SSI models are not known either.",
@@ -1591,7 +1591,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_1_1_4",
-        title="In edition 1.1: configuration note",
+        title="In edition 1.1: note on configuration",
         printed="configuration.note",
         used=(
             "For edition 1.1, only two facts are known: the address of the register, and that one of its bits must be "
@@ -1607,7 +1607,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_1_1_5",
-        title="In edition 1.1: BiSS note",
+        title="In edition 1.1: note on BiSS",
         printed="interfaces.biss.note",
         used=(
             "The clock range is taken from edition 1.0. It is not known for 1.1. The encoder is always a slave, and "
@@ -1650,7 +1650,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_1_1_7",
-        title="In edition 1.1: configuration register, configuration default and others",
+        title="In edition 1.1: example configuration register, example configuration default and others",
         printed=(
             "examples.configuration_register, examples.configuration_default, examples.configuration_procedure, "
             "examples.preset_register, examples.preset_maximum, examples.preset_procedure, "

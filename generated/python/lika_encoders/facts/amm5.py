@@ -2867,7 +2867,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_8_1",
-        title="Before edition 1.8: order code mount B",
+        title="Before edition 1.8: order code (mount)",
         printed="order_code.parts.mount.values.B",
         used="left out",
         why="This revision introduced AMM5B.",
@@ -2938,7 +2938,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_6_1",
-        title="Before edition 1.6: order code interface BG1 and order code interface JP1",
+        title="Before edition 1.6: order code (interface)",
         printed="order_code.parts.interface.values.BG1, order_code.parts.interface.values.JP1",
         used="left out",
         why="This revision added the versions with SSI and with RS-485. All earlier encoders had BiSS.",
@@ -3007,7 +3007,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_6_4",
-        title="Before edition 1.6: SSI BiSS connector interfaces and SSI BiSS cable interfaces",
+        title="Before edition 1.6: interfaces of SSI BiSS connector and interfaces of SSI BiSS cable",
         printed="connectors.ssi_biss_connector.interfaces, connectors.ssi_biss_cable.interfaces",
         used="biss",
         why="SSI did not exist yet.",
@@ -3018,7 +3018,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_5_1",
-        title="Before edition 1.5: SSI BiSS connector 1 and ground",
+        title="Before edition 1.5: contact 1 of SSI BiSS connector and ground",
         printed="connectors.ssi_biss_connector.contacts.1, characteristics.ground",
         used="not known",
         why="This revision connected pin 1 to ground. The table does not give the earlier connection.",
@@ -3039,7 +3039,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_4_2",
-        title="Before edition 1.4: command, BiSS timings EEPROM write and others",
+        title="Before edition 1.4: command, BiSS EEPROM write and others",
         printed=(
             "command, interfaces.biss.timings.eeprom_write, procedures.set_preset, procedures.store_preset, "
             "procedures.save_parameters, procedures.activate_preset"

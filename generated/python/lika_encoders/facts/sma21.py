@@ -2765,7 +2765,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_2_1",
-        title="Before edition 1.2: order code output JP meaning",
+        title="Before edition 1.2: order code (output)",
         printed="order_code.parts.output.values.JP.meaning",
         used="RS-485 serial interface",
         why="This revision added the name Panasonic® to the RS-485 interface.",
@@ -2776,10 +2776,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_1_1",
-        title=(
-            "Before edition 1.1: alarm field encoder inharmonious error implemented and encoder inharmonious error "
-            "implemented"
-        ),
+        title="Before edition 1.1: implementation of encoder inharmonious error",
         printed=(
             "field_groups.alarm_field.fields.encoder_inharmonious_error.implemented, "
             "alarms.encoder_inharmonious_error.implemented"
@@ -2796,7 +2793,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_1_2",
-        title="Before edition 1.1: alarm field encoder inharmonious error when active",
+        title="Before edition 1.1: active state of encoder inharmonious error",
         printed="field_groups.alarm_field.fields.encoder_inharmonious_error.when_active",
         used="encoder inharmonious error",
         why="Only the name of the alarm is known. Its description in manual 1.0 is not known.",
@@ -2807,10 +2804,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_1_3",
-        title=(
-            "Before edition 1.1: alarm field encoder inharmonious error meaning and encoder inharmonious error "
-            "meaning"
-        ),
+        title="Before edition 1.1: meaning of encoder inharmonious error",
         printed=(
             "field_groups.alarm_field.fields.encoder_inharmonious_error.meaning, "
             "alarms.encoder_inharmonious_error.meaning"

@@ -71,8 +71,8 @@ ORDER_CODE: Final = OrderCode(
         Part(name="zeros", meaning="Zero bits", values=(PartValue(text="0"), PartValue(text="2"), PartValue(text="7"))),
     ),
     not_on_label=(
-        "The label of the chip has only its name. The numbers are those that its configuration selects: position bits "
-        "and zero bits."
+        "The label of the chip has only its name. The numbers in the order code are its configured position bits and "
+        "zero bits."
     ),
     note="Other sums of OUT_MSB and OUT_LSB give other widths.",
     source="p.28",
