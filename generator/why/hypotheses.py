@@ -59,7 +59,7 @@ MISTAKES: Mapping[str, float] = MappingProxyType(
         "status_left_out": 4,  # a driver computes the CRC over the position only
         "status_not_sent": 4,  # a master's switch for status bits removes them from the data
         "raw_buffer": 64,  # the rule of the receiver finds the frame in every complete buffer
-        "bits_around": 2,  # a buffer without acknowledge, since the program removed it
+        "bits_around": 2,  # a buffer without acknowledge, or with a clock too many on both sides of the word
         "frame_inside": 0.5,  # nothing but the CRC shows where the frame begins
         "zeros_behind": 8,  # SSI with more clocks than the word has bits
         "zeros_in_front": 8,  # the word is at the end of a fixed number of clocks

@@ -8,6 +8,7 @@ from math import prod
 
 from ..model import Answer, Crc, Device, Flag, Kind, PlacedLayout, Unused, Variant, choices
 from ..reference.bits import reflect
+from .exchanges import echo_hypotheses
 from .hypotheses import ACTIVE, IDLE, Hypothesis, TypedFrame, frame_hypothesis, likelihood
 from .other_crcs import other_crc_hypotheses, other_polynomial_hypotheses, status_mask
 from .other_order_codes import other_order_code_hypotheses
@@ -52,7 +53,7 @@ def _possible_lengths(placed_layout: PlacedLayout, typed_frame: TypedFrame) -> l
 def moved_frame_hypotheses(
     device: Device, variant: Variant, placed_layout: PlacedLayout, crc: Crc | None, typed_frame: TypedFrame
 ) -> Iterator[Hypothesis]:
-    """Yield hypotheses with bits around the frame, or without its first or last bits.
+    """Yield hypotheses with bits around the frame, or without its first or last bits, or an own request in its place.
 
     The offsets and recordings of the line are tried. Only if none of them fits, and there is a CRC, the frame is
     searched at every bit.
@@ -60,6 +61,8 @@ def moved_frame_hypotheses(
     line = LINES.get(line_name(device.interface(variant.interface)))
     if line is None:
         return
+    if typed_frame.may_have(placed_layout.bits):
+        yield from echo_hypotheses(device, variant, placed_layout, typed_frame.number)
     received_bits = recorded_bits(typed_frame, placed_layout.bits)
     hypotheses_by_rule: list[Hypothesis] = []
     for length in _possible_lengths(placed_layout, typed_frame):

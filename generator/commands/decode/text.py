@@ -22,7 +22,7 @@ from ...say.plain_text import WIDTH, decimal, quantity
 from ...say.plain_text import wrapped as wrapped_anew
 from ...say.report import ANOTHER_FRAME, UNCERTAIN_READINGS
 from ...say.text import BY_NAME, WORTH, counted, sentence, with_unit
-from .frames import Line, is_frame_of_other_kind
+from .frames import Line, frame_number, is_frame_of_other_kind, undecorated
 
 if TYPE_CHECKING:
     from ...why.diagnosis import Diagnosis, Explanation
@@ -64,7 +64,7 @@ def explain(
     lines += ["", *_problem_lines(decoded, findings)]
     if other_frames:
         lines.append(wrapped(other_frames, WIDTH, prefix="  ", first=""))
-    lines += _other_position_lines(device, match.variant, decoded)
+    lines += _other_position_lines(device, match.variant, decoded, line.text)
     if why is not None:
         lines += _why_lines(why, decoded.layout)
     lines.append(f"evidence: {device.evidence.grade}")
@@ -73,16 +73,26 @@ def explain(
     return "\n".join(lines)
 
 
-def _other_position_lines(device: Device, variant: Variant, decoded: codec.Decoded) -> Iterator[str]:
-    """Yield a line with other readings of the position, for a frame without errors and without a CRC to prove it."""
-    if decoded.problems or decoded.crc is not None:
+def _other_position_lines(device: Device, variant: Variant, decoded: codec.Decoded, text: str) -> Iterator[str]:
+    """Yield lines about a frame without errors that may still be wrong: other readings, and an own request over SPI.
+
+    ``text`` is the frame as typed.
+    """
+    placed_layout = decoded.layout
+    if decoded.problems or placed_layout is None or placed_layout.layout.in_bytes:
         return
     from ...why.doubts import other_positions, position_name
+    from ...why.exchanges import own_request
 
-    readings = [f"{position} {reason}" for reason, position in other_positions(device, variant, decoded)]
+    typed_frame = frame_number(placed_layout, undecorated(text)) if text else None
+    other_readings = other_positions(device, variant, decoded, typed_frame)
+    readings = [f"{position} {reason}" for reason, position in other_readings]
     if readings:
         suggestion = say.looks_wrong(position_name(device, variant), ", ".join(readings))
         yield wrapped(sentence(suggestion), WIDTH, prefix="  ", first="")
+    request_name = own_request(device, variant, placed_layout, decoded.number)
+    if request_name:
+        yield wrapped(sentence(capitalized(say.own_request(request_name))), WIDTH, prefix="  ", first="")
 
 
 def _line_prefix(line: Line) -> str:
