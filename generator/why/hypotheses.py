@@ -72,6 +72,7 @@ MISTAKES: Mapping[str, float] = MappingProxyType(
         "bytes_reversed": 2,  # a byte buffer is copied into an integer of the other byte order
         "bytes_in_front": 8,  # on two wires the sender receives its own request
         "bytes_behind": 4,  # the next frame has begun
+        "command_left_out": 8,  # a program keeps only the bytes after its command
         "echo": 16,  # the wires are swapped, or the receiver is never switched off
         "several_frames": 8,  # a program reads all that has arrived
         "first_byte_lost": 4,  # the receiver was enabled too late after the request
@@ -81,7 +82,7 @@ MISTAKES: Mapping[str, float] = MappingProxyType(
         "polynomial_reversed": 1,  # a polynomial can be written from either end
         "words_swapped": 2,  # a buffer of 16-bit words is read on a machine of the other byte order
         "bits_reversed": 1,  # the bits are collected from the other end
-        "bits_reversed_in_bytes": 1,  # a serial port receives the least significant bit first
+        "bits_reversed_in_bytes": 2,  # SPI or a serial port receives the least significant bit first
         "crc_reversed": 0.5,  # the CRC is computed least significant bit first
     }
 )

@@ -44,10 +44,12 @@ def hypothesis_without_mistake(placed_layout: PlacedLayout, crc: Crc, frame: int
     )
 
 
-def other_crc_hypotheses(placed_layout: PlacedLayout, crc: Crc, frame: int) -> Iterator[Hypothesis]:
+def other_crc_hypotheses(
+    placed_layout: PlacedLayout, crc: Crc, frame: int, *, has_start_bits: bool
+) -> Iterator[Hypothesis]:
     """Yield hypotheses with another CRC over the frame, with the CRC's bits reversed, or with the CRC over other bits.
 
-    If the CRC covers only a part of the frame, other bits are not tried.
+    If the CRC covers only a part of the frame, other bits are not tried. ``has_start_bits`` is true for BiSS.
     """
     without_mistake = hypothesis_without_mistake(placed_layout, crc, frame)
     for kind, description, other_crc in other_crcs_over_bits(crc):
@@ -58,7 +60,8 @@ def other_crc_hypotheses(placed_layout: PlacedLayout, crc: Crc, frame: int) -> I
         return
     yield from _status_hypotheses(without_mistake, placed_layout, frame)
     yield from _position_code_hypotheses(without_mistake, placed_layout, frame)
-    yield from _start_bit_hypotheses(without_mistake)
+    if has_start_bits:
+        yield from _start_bit_hypotheses(without_mistake)
 
 
 def other_crcs_over_bits(crc: Crc) -> Iterator[OtherCrc]:

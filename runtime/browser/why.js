@@ -114,7 +114,8 @@ function common(lists) {
   })).sort((one, other) => other.score - one.score);
 }
 
-const lineOf = (at) => TABLE.lines[at.family.interfaces.find((one) => one.frames?.includes(at.layout))?.line];
+const interfaceOf = (at) => at.family.interfaces.find((one) => one.frames?.includes(at.layout));
+const lineOf = (at) => TABLE.lines[interfaceOf(at)?.line];
 const matched = (pattern, at, received) => new RegExp(pattern.replace("#", at.bits)).exec(received);
 
 // -- tries
@@ -252,8 +253,9 @@ function otherCrcs(at, crc, number) {
   const found = (crc.others ?? []).map(([kind, text, parameters]) => other(kind, text, { crc: parameters }));
   found.push(other("crc_reversed", TABLE.texts.crc_reversed, { received: reflected(sent.received, crc.width) }));
   if (at.layout.crc_of) return found;
+  const starts = interfaceOf(at)?.name === "biss" ? TABLE.start_bits : [];
   return [...found, ...statusOtherwise(at, sent, number, other), ...positionOtherwise(at, sent, number, other),
-    ...TABLE.start_bits.map(([front, text]) => other("start_bits_in_crc", text, {
+    ...starts.map(([front, text]) => other("start_bits_in_crc", text, {
       data: (BigInt(`0b${front}`) << BigInt(sent.size)) | sent.data, size: sent.size + front.length }))];
 }
 
@@ -396,7 +398,7 @@ function movedFrames(at, crc, given) {
   const line = lineOf(at);
   if (!line) return [];
   const received = receivedBits(at, given);
-  const echo = mayHave(given, at.bits) ? echoes(at, given.number) : [];
+  const echo = [...(mayHave(given, at.bits) ? echoes(at, given.number) : []), ...withCommand(at, crc, given)];
   const byRule = [
     ...lengthsOf(at, given).flatMap((length) => line.slips.flatMap((slip) => slipped(at, crc, given, length, slip))),
     ...line.recordings.flatMap((recording) => recorded(at, crc, received, recording)),
@@ -410,6 +412,23 @@ function movedFrames(at, crc, given) {
     const around = { template, parts: parts.filter(([, some]) => some), places };
     return readAs(at, crc, kind, filled(template, place), BigInt(`0b${frame}`), around);
   })];
+}
+
+/** The bits during the command are missing, and the command is the one that the layout expects. */
+function withCommand(at, crc, given) {
+  if (interfaceOf(at)?.name !== "spi") return [];
+  const [low, count] = crc ? at.layout.crc_of ?? [crc.width, at.bits - crc.width] : [0, at.bits];
+  const isDuring = (item) => "fixed" in item.field || item.low >= low + count;
+  const fields = [...at.fields].sort((one, other) => other.low - one.low);
+  const end = fields.findIndex((item) => !isDuring(item));
+  const first = fields.slice(0, end < 0 ? fields.length : end);
+  const rest = first.at(-1)?.low ?? at.bits;
+  if (rest === at.bits || (at.bits - rest) % 8 || !mayHave(given, rest) || given.written !== rest) return [];
+  const constants = first.filter(({ field }) => "fixed" in field);
+  const number = constants.reduce((sum, item) => sum | (big(item.field.fixed) << BigInt(item.low)), given.number);
+  const text = filled(TABLE.texts.command_left_out, at.bits - rest);
+  const assumed = constants.reduce((sum, { width }) => sum + width, 0);
+  return [{ ...readAs(at, crc, "command_left_out", text, number), demanded: fixedBits(at) - assumed }];
 }
 
 /** A text that does not begin and end with the frame: extra bits before or after it, or missing bits. */
@@ -575,7 +594,7 @@ function expectedBits(at, number) {
 
 /** The request of SPI that a word from the encoder equals, with the most expected bits, or undefined. */
 function echoedRequest(at, number) {
-  const over = at.family.interfaces.find((one) => one.frames?.includes(at.layout));
+  const over = interfaceOf(at);
   if (over?.name !== "spi" || at.layout.sender !== "encoder" || number >> BigInt(at.bits)) return undefined;
   const requests = over.frames.filter((item) => item.sender === "master" && !item.order)
     .map((item) => placed(at.family, item, at.parameters))
@@ -617,7 +636,7 @@ const positionName = (measure) => measure?.of ?? "position";
 
 /** The frames in a word of SSI with more typed bits than the frame, if its leading zeros were received. */
 function recordedFrames(at, given) {
-  const interface_ = at.family.interfaces.find((one) => one.frames?.includes(at.layout));
+  const interface_ = interfaceOf(at);
   if (interface_?.name !== "ssi" || !given || given.exact || given.written <= at.bits) return [];
   const received = given.number.toString(2).padStart(given.written, "0");
   const found = TABLE.lines[interface_.line].recordings.flatMap((recording) => recorded(at, null, received, recording))

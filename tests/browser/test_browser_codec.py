@@ -334,6 +334,8 @@ def test_registers_are_made_of_values(name: str, ask: Ask, node: Asker, library:
 COMMAND_KINDS = {"other_order_code", "other_widths", "other_answer"}
 #: A mistake: its text, the number of random frames among which one matches, and what the frame then reads.
 Reason = list[Any]
+#: Families whose replies over SPI have a CRC, a parity, or bits that are sent during the command.
+SPI_REPLIES = ("infineon/tle5012b", "ams/as5048a", "magntek/mt6835")
 #: Number of parts in which the cases of all devices are compared. ``make test`` runs one of them.
 PARTS = 4
 
@@ -341,6 +343,15 @@ PARTS = 4
 @pytest.mark.parametrize("part", mostly_exhaustive(range(PARTS), 0))
 def test_reasons_are_those_of_the_command(part: int, node: Asker, library: Library) -> None:
     compare_reasons(node, [*compared_cases(library, 4)][part::PARTS], 20)
+
+
+@pytest.mark.parametrize(
+    "name", mostly_exhaustive(("infineon/tle5012b", "ams/as5048a", "magntek/mt6835"), "infineon/tle5012b")
+)
+def test_reasons_over_spi(name: str, ask: Ask) -> None:
+    """Requests in the place of a reply, and words without the bits during the command, are among the mistakes."""
+    library = library_of(f"../specs/{name}")
+    compare_reasons(ask(library, "node"), [*compared_cases(library, 4)], 20)
 
 
 @pytest.mark.parametrize("name", mostly_exhaustive(MADE_UP, MADE_UP[0]))
@@ -474,6 +485,9 @@ def disturbed_texts(case: Case, random_: random.Random) -> Iterator[str]:
         yield f"0b{number & (1 << bits - 1) - 1:0{bits - 1}b}0"
         yield f"0b{number:0{bits}b}{random_.getrandbits(1)}"
         yield f"0x{number ^ random_.getrandbits(bits):X}"
+        if bits % 8 == 0 and bits > 16:
+            after_command = number & (1 << bits - 16) - 1
+            yield f"0x{after_command:0{(bits - 16) // 4}X}"
         yield from recorded_texts(f"{number:0{bits}b}", random_)
 
 

@@ -51,6 +51,17 @@ def test_a_command_in_the_place_of_a_reply_with_a_crc(capsys: Capture) -> None:
     assert "angle_request" in explanation["text"]
 
 
+def test_the_bytes_after_the_command(capsys: Capture) -> None:
+    """infineonforums.com, thread 6107: a program keeps the angle CDACh and the safety word after the command 8021h.
+
+    The CRC F6h over command and angle is divided by hand here, because that of the thread is of another transfer.
+    """
+    (explanation, *_) = explanations_of(capsys, "TLE5012B", "CD", "AC", "FF", "F6")
+    assert explanation["kind"] == "command_left_out"
+    assert explanation["reads"]["position"] == 0x4DAC
+    assert explanation["one_in"] == 2**8
+
+
 def test_the_word_is_between_idle_line_and_other_clocks(capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
     """forum.arduino.cc/t/1034091: of two bytes from an SSI encoder, bits 6 to 0 and 7 to 2 are the position.
 
