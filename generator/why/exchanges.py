@@ -8,9 +8,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from ..model import Device, Layout, Number, PlacedLayout, Spi, Unused, Variant, number_from_bytes
+from ..model import Constant, Device, Layout, Number, PlacedLayout, Spi, Unused, Variant, number_from_bytes
 from ..model.record import dataclass
 from ..reference import codec
+from ..reference.bits import unused_bits
 from .hypotheses import Hypothesis, check_constant_bits
 
 #: More bytes than this are not searched for frames.
@@ -181,14 +182,21 @@ def _echoed_request(
     """
     if variant.interface != Spi.name or placed_layout.layout.sender != "encoder" or frame >> placed_layout.bits:
         return None
+    # Bits that a reply has too are no evidence of an echo, such as the command on a shared line.
+    repeated_bits = sum(
+        field.width for field in placed_layout.fields if isinstance(field.field.kind, (Constant, Unused))
+    )
     candidates: list[tuple[PlacedLayout, int]] = []
     for layout in device.interface(Spi.name).layouts:
         if layout.sender != "master" or layout.in_bytes:
             continue
         request = layout.place(variant.parameters)
-        if request.bits == placed_layout.bits and not codec.decode(device, request, frame).problems:
+        is_valid = request.bits == placed_layout.bits and not codec.decode(device, request, frame).problems
+        has_documented_bits = unused_bits(request, frame) == 0
+        if is_valid and has_documented_bits:
             usual_values = usual_values_of(device, Spi.name, layout)
-            candidates.append((request, _expected_bits(device, request, frame, usual_values)))
+            expected_bits = _expected_bits(device, request, frame, usual_values)
+            candidates.append((request, expected_bits - repeated_bits))
     sure_candidates = [candidate for candidate in candidates if candidate[1] >= LEAST_BITS_OF_ECHO]
     return max(sure_candidates, key=lambda candidate: candidate[1], default=None)
 

@@ -596,10 +596,15 @@ function expectedBits(at, number) {
 function echoedRequest(at, number) {
   const over = interfaceOf(at);
   if (over?.name !== "spi" || at.layout.sender !== "encoder" || number >> BigInt(at.bits)) return undefined;
+  // Bits that a reply has too are no evidence of an echo, such as the command on a shared line.
+  const isRepeated = ({ field }) => "fixed" in field || "unused" in field;
+  const repeated = at.fields.filter(isRepeated).reduce((sum, { width }) => sum + width, 0);
+  const hasDocumented = (one) => one.fields.every((item) => !("unused" in item.field)
+    || bits(number, item.low, item.width) === (big(item.field.unused) & ones(item.width)));
   const requests = over.frames.filter((item) => item.sender === "master" && !item.order)
     .map((item) => placed(at.family, item, at.parameters))
-    .filter((one) => one.bits === at.bits && !decode(one, number).problems.length)
-    .map((one) => ({ name: one.name, size: one.bits, evidence: expectedBits(one, number) }))
+    .filter((one) => one.bits === at.bits && !decode(one, number).problems.length && hasDocumented(one))
+    .map((one) => ({ name: one.name, size: one.bits, evidence: expectedBits(one, number) - repeated }))
     .filter(({ evidence }) => evidence >= TABLE.exchanges.least_in_word);
   return requests.sort((one, other) => other.evidence - one.evidence)[0];
 }

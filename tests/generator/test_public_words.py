@@ -51,6 +51,14 @@ def test_a_command_in_the_place_of_a_reply_with_a_crc(capsys: Capture) -> None:
     assert "angle_request" in explanation["text"]
 
 
+@pytest.mark.parametrize("word", ["80 21 CD AC 1F 0B", "80 21 CD AC FF F6"])
+def test_a_reply_that_repeats_its_command_is_no_echo(word: str, capsys: Capture) -> None:
+    """infineonforums.com, thread 6107: the line carries the command 8021h, the angle and the safety word."""
+    text = printed(capsys, "TLE5012B", *word.split())
+    assert "19884 counts" in text
+    assert "own request" not in text
+
+
 def test_the_bytes_after_the_command(capsys: Capture) -> None:
     """infineonforums.com, thread 6107: a program keeps the angle CDACh and the safety word after the command 8021h.
 
