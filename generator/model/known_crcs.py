@@ -23,7 +23,7 @@ class KnownCrc(NamedTuple):
 
 
 #: The polynomials of masters are those of the Microchip dsPIC33A by length, and 0x97, which Beckhoff names next to
-#: 0x43. The others are those of the encoders in ``specs/``.
+#: 0x43. The others are those of the encoders in ``specs/``, and that of the AS5047U, whose users publish frames.
 KNOWN_CRCS: Sequence[KnownCrc] = (
     KnownCrc(0x190D9, "BiSS, 16 bits", in_masters=True),
     KnownCrc(0x12F, "BiSS, 8 bits", in_masters=True),
@@ -37,6 +37,7 @@ KNOWN_CRCS: Sequence[KnownCrc] = (
     KnownCrc(0x197, "encoders of RLS over SPI, 8 bits"),
     KnownCrc(0x107, "CRC-8 of ITU-T I.432.1 without its final XOR, 8 bits"),
     KnownCrc(0x11D, "SAE J1850, 8 bits", init=0xFF),
+    KnownCrc(0x11D, "AS5047U of ams, 8 bits", init=0xC4),
     KnownCrc(0x12F, "0x2F of AUTOSAR, 8 bits", init=0xFF),
     KnownCrc(0x101, "XOR of all bytes, 8 bits"),
 )

@@ -333,6 +333,16 @@ def looks_wrong(name: str, readings: str) -> str:
     return f"Does the position look wrong? The {name} would be {readings}"
 
 
+def own_request(name: str) -> str:
+    """Return the words about a valid word that is also a request."""
+    return f"this word is also your own request {name}, as if MISO were connected to MOSI"
+
+
+def own_requests(names: str) -> str:
+    """Return the words about several valid words that all are requests, whose names are separated by commas."""
+    return f"each of these words is also your own request, as if MISO were connected to MOSI: {names}"
+
+
 #: Words about explanations of a frame.
 ANOTHER_FRAME = (
     "Another frame would help: decode several frames at other positions together, one per line, to see which "

@@ -85,11 +85,13 @@ def diagnose_without_crc(device: Device, hypotheses: Iterable[Hypothesis], missi
     fitting_hypotheses = [hypothesis for hypothesis in hypotheses if hypothesis.fits]
     fitting_hypotheses.sort(key=lambda hypothesis: -hypothesis.score)
     unmerged: list[Explanation] = []
-    likeliest_by_frame: dict[int, Explanation] = {}
+    likeliest_by_frame: dict[int | str, Explanation] = {}
     for hypothesis in fitting_hypotheses:
         explanation = _explanation(device, hypothesis, undecided_parameters=frozenset())
         unmerged.append(explanation)
-        likeliest_by_frame.setdefault(hypothesis.frame, explanation)
+        has_frame = hypothesis.frame_layout is not None
+        resulting_frame = hypothesis.frame if has_frame else hypothesis.description
+        likeliest_by_frame.setdefault(resulting_frame, explanation)
     if not likeliest_by_frame and not missing:
         return None
     return Diagnosis(
@@ -111,18 +113,20 @@ def diagnose(
     undecided_parameters: frozenset[str] = frozenset(),
     *,
     with_pairs: bool = False,
+    repeated: Sequence[Hypothesis] = (),
 ) -> Diagnosis | None:
     """Return the explanations among the hypotheses, without the refuted ones, or None if there is no hypothesis.
 
     Pairs of mistakes would mostly match by coincidence, so they are only tried if no single mistake matches, or
-    ``with_pairs``.
+    ``with_pairs``. ``repeated`` hypotheses lead to the same frame as a better one, so they are only in ``unmerged``.
     """
     significant = significant_hypotheses(hypotheses, refuted)
     tried_hypotheses = _distinct_hypotheses(significant)
     if not tried_hypotheses:
         return None
     explanations = _explanations(device, tried_hypotheses, undecided_parameters)
-    unmerged = _explanations(device, significant, undecided_parameters)
+    repeated_hypotheses = significant_hypotheses(repeated, refuted)
+    unmerged = _explanations(device, [*significant, *repeated_hypotheses], undecided_parameters)
     is_unexplained = all(explanation.kind == FRAME_INSIDE for explanation in explanations)
     if with_pairs or is_unexplained:
         single_count = len(tried_hypotheses)

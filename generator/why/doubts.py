@@ -7,10 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..model import Device, PlacedLayout, Variant
+from ..model import Device, PlacedLayout, Ssi, Variant
 from ..reference import codec
 from ..reference.bits import gray_to_binary, to_gray
-from .hypotheses import check_constant_bits
+from .hypotheses import TypedFrame, check_constant_bits
+from .recordings import LINES, line_name, recording_hypotheses
 
 #: Text of each reading, in the order in which they are listed.
 READINGS = (
@@ -30,8 +31,12 @@ def position_name(device: Device, variant: Variant) -> str:
     return measurement.of if measurement is not None else _POSITION
 
 
-def other_positions(device: Device, variant: Variant, decoded: codec.Decoded) -> list[tuple[str, int]]:
+def other_positions(
+    device: Device, variant: Variant, decoded: codec.Decoded, typed_frame: TypedFrame | None = None
+) -> list[tuple[str, int]]:
     """Return other readings of the position, each with its text: ``[("if it is sent in Gray code", 4711)]``.
+
+    Zeros in front of the typed frame may also have been received, so those recordings that SSI allows follow.
 
     The list is empty if a CRC or an error contradicts other readings, or if the frame has no position. Readings with
     the same position are left out.
@@ -48,13 +53,31 @@ def other_positions(device: Device, variant: Variant, decoded: codec.Decoded) ->
         return []
     readings: list[tuple[str, int]] = []
     other_frames = _frames_without_mistake(placed_layout, position_field, decoded.number)
-    for reading_text, other_frame in zip(READINGS, other_frames, strict=True):
+    texts_and_frames = [*zip(READINGS, other_frames, strict=True)]
+    if typed_frame is not None:
+        texts_and_frames += _recorded_frames(device, variant, placed_layout, typed_frame)
+    for reading_text, other_frame in texts_and_frames:
         if other_frame is None:
             continue
         other_position = codec.decode(device, placed_layout, other_frame).values[position_field]
         if isinstance(other_position, int) and other_position != position:
             readings.append((reading_text, other_position))
     return readings
+
+
+def _recorded_frames(
+    device: Device, variant: Variant, placed_layout: PlacedLayout, typed_frame: TypedFrame
+) -> Iterator[tuple[str, int]]:
+    """Yield the frames in a word of SSI with more typed bits than the frame, if its leading zeros were received."""
+    interface = device.interface(variant.interface)
+    if not isinstance(interface, Ssi) or typed_frame.exact or typed_frame.written <= placed_layout.bits:
+        return
+    received_bits = f"{typed_frame.number:0{typed_frame.written}b}"
+    known_frames = {typed_frame.number}
+    for hypothesis in recording_hypotheses(LINES[line_name(interface)], placed_layout, None, received_bits):
+        if hypothesis.fits and hypothesis.frame not in known_frames:
+            known_frames.add(hypothesis.frame)
+            yield f"if {hypothesis.description}", hypothesis.frame
 
 
 def _frames_without_mistake(placed_layout: PlacedLayout, position_name: str, frame: int) -> Iterator[int | None]:

@@ -13,7 +13,7 @@ from dataclasses import replace
 from ..model import Crc, Device, PlacedLayout, Rs485, Variant
 from .diagnosis import Diagnosis, Explanation, diagnose, diagnose_without_crc, is_significant, significant_hypotheses
 from .exchanges import exchange_hypotheses
-from .hypotheses import MISTAKES, Hypothesis, TypedFrame, frame_hypothesis
+from .hypotheses import MISTAKES, Hypothesis, TypedFrame, check_constant_bits, frame_hypothesis
 from .in_bits import (
     all_hypotheses,
     moved_frame_hypotheses,
@@ -44,7 +44,7 @@ def explain_bits(
     """
     crc = device.crc_of(placed_layout)
     frame_length = typed_frame.bits if typed_frame.exact else max(typed_frame.bits, placed_layout.bits)
-    doubt = _doubt_about_dead_line(crc, is_valid)
+    doubt = _doubt_about_dead_line(placed_layout, crc, typed_frame.number, is_valid)
     dead_line = _diagnose_equal_bits(variant, typed_frame.number, frame_length, doubt)
     if dead_line is not None:
         return dead_line
@@ -77,14 +77,17 @@ def _bits_to_invert(placed_layout: PlacedLayout, crc: Crc, frame: int) -> list[i
     return bits_to_invert
 
 
-def _doubt_about_dead_line(crc: Crc | None, is_valid: bool) -> str:
-    """Return why a frame of equal bits may still be a frame, or "" if its CRC is wrong.
+def _doubt_about_dead_line(placed_layout: PlacedLayout | None, crc: Crc | None, frame: int, is_valid: bool) -> str:
+    """Return why a frame of equal bits may still be a frame, or "" if its CRC, a constant or a parity is wrong.
 
-    The text continues a sentence: ``and the CRC is correct too``.
+    The text continues a sentence: ``and the CRC is correct too``. Without a CRC, the length alone proves nothing.
     """
-    if crc is None:
-        return "and there is no CRC to distinguish it"
-    return "and the CRC is correct too" if is_valid else ""
+    if crc is not None:
+        return "and the CRC is correct too" if is_valid else ""
+    if placed_layout is None:
+        return ""
+    _, are_constants_right = check_constant_bits(placed_layout, frame)
+    return "and there is no CRC to distinguish it" if are_constants_right else ""
 
 
 def _only_missing(missing: str) -> Diagnosis:
@@ -157,35 +160,51 @@ def explain_bytes(
     Return None if there is no mistake to try. Single bits that would make the frame valid are only searched if the
     layout is known and has the length of the data.
     """
-    dead_line = _diagnose_equal_bits(variant, int.from_bytes(data, "big"), 8 * len(data), doubt="")
+    number = int.from_bytes(data, "big")
+    crc = device.crc_of(placed_layout) if placed_layout is not None else None
+    doubt = _doubt_about_dead_line(placed_layout, crc, number, is_valid=False)
+    dead_line = _diagnose_equal_bits(variant, number, 8 * len(data), doubt)
     if dead_line is not None:
         return dead_line
-    hypotheses = _hypotheses_about_bytes(device, variant, sender, placed_layout, data)
+    # Only what an encoder sends is searched for whole frames.
+    whole_frames = list(exchange_hypotheses(device, variant, data)) if sender == "encoder" else []
+    hypotheses = [*whole_frames, *byte_hypotheses(device, variant, sender, placed_layout, data)]
+    if not _has_crc_in_bytes(device, variant, sender):
+        return diagnose_without_crc(device, hypotheses, missing="")
     crc_names = dict.fromkeys(hypothesis.crc.name for hypothesis in hypotheses if hypothesis.crc is not None)
     crcs = [device.crc(name) for name in crc_names]
     # For an unknown frame the user has not chosen anything, so values that depend on an answer are not read.
     undecided = frozenset(name for alternative in device.alternatives for name in alternative.answers[0].sets)
+    repeated = [hypothesis for hypothesis in hypotheses if _repeats_frame(hypothesis, whole_frames)]
     diagnosis = diagnose(
-        device, hypotheses, refuted=[], crcs=crcs, undecided_parameters=undecided, with_pairs=with_pairs
+        device,
+        [hypothesis for hypothesis in hypotheses if hypothesis not in repeated],
+        refuted=[],
+        crcs=crcs,
+        undecided_parameters=undecided,
+        with_pairs=with_pairs,
+        repeated=repeated,
     )
     if diagnosis is None or placed_layout is None or 8 * len(data) != placed_layout.bits:
         return diagnosis
     return replace(diagnosis, disturbed=tuple(_bits_of_bytes_to_invert(device, placed_layout, data)))
 
 
-def _hypotheses_about_bytes(
-    device: Device, variant: Variant, sender: str, placed_layout: PlacedLayout | None, data: bytes
-) -> list[Hypothesis]:
-    """Return the hypotheses that ``data`` consists of whole frames, and those with one mistake in a frame.
+def _has_crc_in_bytes(device: Device, variant: Variant, sender: str) -> bool:
+    """Return whether any frame in bytes from the sender has a CRC."""
+    for layout in device.interface(variant.interface).layouts:
+        is_from_sender = layout.sender == sender and layout.in_bytes
+        if is_from_sender and device.crc_of(layout.place(variant.parameters)) is not None:
+            return True
+    return False
 
-    Only what an encoder sends is searched for whole frames. If there are any, extra bytes are not explained again.
-    """
-    whole_frames = list(exchange_hypotheses(device, variant, data)) if sender == "encoder" else []
-    hypotheses = list(byte_hypotheses(device, variant, sender, placed_layout, data))
-    if whole_frames:
-        explained_kinds = ("bytes_in_front", "bytes_behind")
-        hypotheses = [hypothesis for hypothesis in hypotheses if hypothesis.kind not in explained_kinds]
-    return [*whole_frames, *hypotheses]
+
+def _repeats_frame(hypothesis: Hypothesis, whole_frames: Sequence[Hypothesis]) -> bool:
+    """Return whether the hypothesis explains extra bytes although whole frames already explain them, by this frame."""
+    if hypothesis in whole_frames or hypothesis.kind not in ("bytes_in_front", "bytes_behind"):
+        return False
+    frames = [(whole_frame.frame, whole_frame.frame_layout) for whole_frame in whole_frames]
+    return (hypothesis.frame, hypothesis.frame_layout) in frames
 
 
 def _bits_of_bytes_to_invert(device: Device, placed_layout: PlacedLayout, data: bytes) -> list[int]:

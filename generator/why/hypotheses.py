@@ -59,7 +59,7 @@ MISTAKES: Mapping[str, float] = MappingProxyType(
         "status_left_out": 4,  # a driver computes the CRC over the position only
         "status_not_sent": 4,  # a master's switch for status bits removes them from the data
         "raw_buffer": 64,  # the rule of the receiver finds the frame in every complete buffer
-        "bits_around": 2,  # a buffer without acknowledge, since the program removed it
+        "bits_around": 2,  # a buffer without acknowledge, or with a clock too many on both sides of the word
         "frame_inside": 0.5,  # nothing but the CRC shows where the frame begins
         "zeros_behind": 8,  # SSI with more clocks than the word has bits
         "zeros_in_front": 8,  # the word is at the end of a fixed number of clocks
@@ -72,6 +72,7 @@ MISTAKES: Mapping[str, float] = MappingProxyType(
         "bytes_reversed": 2,  # a byte buffer is copied into an integer of the other byte order
         "bytes_in_front": 8,  # on two wires the sender receives its own request
         "bytes_behind": 4,  # the next frame has begun
+        "command_left_out": 8,  # a program keeps only the bytes after its command
         "echo": 16,  # the wires are swapped, or the receiver is never switched off
         "several_frames": 8,  # a program reads all that has arrived
         "first_byte_lost": 4,  # the receiver was enabled too late after the request
@@ -81,7 +82,7 @@ MISTAKES: Mapping[str, float] = MappingProxyType(
         "polynomial_reversed": 1,  # a polynomial can be written from either end
         "words_swapped": 2,  # a buffer of 16-bit words is read on a machine of the other byte order
         "bits_reversed": 1,  # the bits are collected from the other end
-        "bits_reversed_in_bytes": 1,  # a serial port receives the least significant bit first
+        "bits_reversed_in_bytes": 2,  # SPI or a serial port receives the least significant bit first
         "crc_reversed": 0.5,  # the CRC is computed least significant bit first
     }
 )

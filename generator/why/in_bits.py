@@ -6,9 +6,24 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import prod
 
-from ..model import Answer, Crc, Device, Flag, Kind, PlacedLayout, Unused, Variant, choices
+from ..model import (
+    Answer,
+    Biss,
+    Constant,
+    Crc,
+    Device,
+    Flag,
+    Kind,
+    PlacedField,
+    PlacedLayout,
+    Spi,
+    Unused,
+    Variant,
+    choices,
+)
 from ..reference.bits import reflect
-from .hypotheses import ACTIVE, IDLE, Hypothesis, TypedFrame, frame_hypothesis, likelihood
+from .exchanges import echo_hypotheses
+from .hypotheses import ACTIVE, IDLE, Hypothesis, TypedFrame, check_constant_bits, frame_hypothesis, likelihood
 from .other_crcs import other_crc_hypotheses, other_polynomial_hypotheses, status_mask
 from .other_order_codes import other_order_code_hypotheses
 from .recordings import LINES, FrameOffset, line_name, recorded_bits, recording_hypotheses, window_hypotheses
@@ -25,7 +40,8 @@ def all_hypotheses(
     one only if that leads to another frame.
     """
     if placed_layout.bits in _possible_lengths(placed_layout, typed_frame):
-        yield from other_crc_hypotheses(placed_layout, crc, typed_frame.number)
+        is_biss = variant.interface == Biss.name
+        yield from other_crc_hypotheses(placed_layout, crc, typed_frame.number, has_start_bits=is_biss)
     yield from rearranged_frame_hypotheses(placed_layout, crc, typed_frame)
     yield from moved_frame_hypotheses(device, variant, placed_layout, crc, typed_frame)
     if placed_layout.covers_part:
@@ -52,7 +68,7 @@ def _possible_lengths(placed_layout: PlacedLayout, typed_frame: TypedFrame) -> l
 def moved_frame_hypotheses(
     device: Device, variant: Variant, placed_layout: PlacedLayout, crc: Crc | None, typed_frame: TypedFrame
 ) -> Iterator[Hypothesis]:
-    """Yield hypotheses with bits around the frame, or without its first or last bits.
+    """Yield hypotheses with bits around the frame, or without its first or last bits, or an own request in its place.
 
     The offsets and recordings of the line are tried. Only if none of them fits, and there is a CRC, the frame is
     searched at every bit.
@@ -60,6 +76,10 @@ def moved_frame_hypotheses(
     line = LINES.get(line_name(device.interface(variant.interface)))
     if line is None:
         return
+    if typed_frame.may_have(placed_layout.bits):
+        yield from echo_hypotheses(device, variant, placed_layout, typed_frame.number)
+    if variant.interface == Spi.name:
+        yield from _left_out_command_hypotheses(placed_layout, crc, typed_frame)
     received_bits = recorded_bits(typed_frame, placed_layout.bits)
     hypotheses_by_rule: list[Hypothesis] = []
     for length in _possible_lengths(placed_layout, typed_frame):
@@ -72,6 +92,47 @@ def moved_frame_hypotheses(
     is_frame_found = any(hypothesis.fits for hypothesis in hypotheses_by_rule)
     if crc is not None and not is_frame_found:
         yield from window_hypotheses(placed_layout, crc, received_bits)
+
+
+def _left_out_command_hypotheses(
+    placed_layout: PlacedLayout, crc: Crc | None, typed_frame: TypedFrame
+) -> Iterator[Hypothesis]:
+    """Yield the hypothesis that the bits during the command are missing, with the command that the layout expects."""
+    command, command_bits = _bits_during_command(placed_layout, crc)
+    remaining_bits = placed_layout.bits - command_bits
+    has_remaining_bits = typed_frame.may_have(remaining_bits) and typed_frame.written == remaining_bits
+    if not command_bits or not has_remaining_bits:
+        return
+    description = TEXTS["command_left_out"].format(command_bits)
+    frame = command << remaining_bits | typed_frame.number
+    hypothesis = frame_hypothesis("command_left_out", description, placed_layout, crc, frame)
+    constant_bits, _ = check_constant_bits(placed_layout, 0)
+    assumed_bits = sum(field.width for field in placed_layout.fields if _is_constant_from(field, remaining_bits))
+    yield replace(hypothesis, determined_bits=constant_bits - assumed_bits)
+
+
+def _bits_during_command(placed_layout: PlacedLayout, crc: Crc | None) -> tuple[int, int]:
+    """Return the first bits of a word, up to its data, and their number: ``(0x8021, 16)``.
+
+    These are constants, and bits that the CRC does not cover, which are returned as 0. If they are not whole bytes, the
+    result is ``(0, 0)``.
+    """
+    low, width = placed_layout.crc_covers if crc is not None else (0, placed_layout.bits)
+    command, lowest_bit = 0, placed_layout.bits
+    for field in sorted(placed_layout.fields, key=lambda placed_field: -placed_field.low):
+        is_uncovered = field.low >= low + width
+        if not isinstance(field.field.kind, Constant) and not is_uncovered:
+            break
+        if isinstance(field.field.kind, Constant):
+            command |= field.field.kind.value << field.low
+        lowest_bit = field.low
+    command_bits = placed_layout.bits - lowest_bit
+    return (command >> lowest_bit, command_bits) if command_bits % 8 == 0 else (0, 0)
+
+
+def _is_constant_from(field: PlacedField, lowest_bit: int) -> bool:
+    """Return whether a field is a constant whose bits are all at ``lowest_bit`` or above."""
+    return isinstance(field.field.kind, Constant) and field.low >= lowest_bit
 
 
 def _offset_hypothesis(

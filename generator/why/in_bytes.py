@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from ..model import Constant, Crc, Device, Parity, PlacedLayout, Variant, number_from_bytes, number_to_bytes
+from ..model import (
+    Constant,
+    Crc,
+    Device,
+    Parity,
+    PlacedField,
+    PlacedLayout,
+    Variant,
+    number_from_bytes,
+    number_to_bytes,
+)
 from ..reference.bits import parity_bit
+from .exchanges import usual_values_of
 from .hypotheses import Hypothesis, frame_hypothesis
 from .other_crcs import hypothesis_without_mistake, other_crcs_over_bytes
 from .texts import TEXTS
@@ -35,7 +46,9 @@ def byte_hypotheses(
         has_frame_length = 8 * len(data) == placed_layout.bits
         if crc is not None and is_expected_layout and has_frame_length:
             yield from _other_crc_hypotheses(placed_layout, crc, data)
-        yield from _displaced_byte_hypotheses(placed_layout, crc, data)
+        usual_values = usual_values_of(device, variant.interface, layout)
+        first_bytes = tuple(_possible_first_bytes(placed_layout, usual_values))
+        yield from _displaced_byte_hypotheses(placed_layout, crc, data, first_bytes)
 
 
 def is_valid_in_bytes(device: Device, placed_layout: PlacedLayout, data: bytes) -> bool:
@@ -65,11 +78,13 @@ def _other_crc_hypotheses(placed_layout: PlacedLayout, crc: Crc, frame: bytes) -
     )
 
 
-def _displaced_byte_hypotheses(placed_layout: PlacedLayout, crc: Crc | None, data: bytes) -> Iterator[Hypothesis]:
+def _displaced_byte_hypotheses(
+    placed_layout: PlacedLayout, crc: Crc | None, data: bytes, first_bytes: Sequence[int]
+) -> Iterator[Hypothesis]:
     """Yield hypotheses in which the bytes do not begin and end with the frame, or are inverted.
 
-    Up to 4 bytes may precede or follow the frame, such as an echoed request. The first byte may be missing, and then an
-    extra byte may follow the frame.
+    Up to 4 bytes may precede or follow the frame, such as an echoed request. The first byte may be missing, one of
+    ``first_bytes``, and then an extra byte may follow the frame.
     """
     frame_length = placed_layout.bits // 8
     extra_bytes = len(data) - frame_length
@@ -79,23 +94,23 @@ def _displaced_byte_hypotheses(placed_layout: PlacedLayout, crc: Crc | None, dat
         yield _frame_hypothesis("bytes_in_front", before, placed_layout, crc, data[extra_bytes:])
         yield _frame_hypothesis("bytes_behind", after, placed_layout, crc, data[:frame_length])
     if extra_bytes == -1:
-        yield from _missing_first_byte_hypotheses(placed_layout, crc, data, TEXTS["byte_missing"])
+        yield from _missing_first_byte_hypotheses(placed_layout, crc, data, first_bytes, TEXTS["byte_missing"])
     if extra_bytes == 0:
         # The first byte is missing, and a byte follows the frame, so the length is right.
         template = TEXTS["and_follows"].format(TEXTS["byte_missing"])
-        yield from _missing_first_byte_hypotheses(placed_layout, crc, data[:-1], template)
+        yield from _missing_first_byte_hypotheses(placed_layout, crc, data[:-1], first_bytes, template)
         inverted_frame = bytes(byte ^ 0xFF for byte in data)
         yield _frame_hypothesis("all_inverted", TEXTS["bytes_inverted"], placed_layout, crc, inverted_frame)
 
 
 def _missing_first_byte_hypotheses(
-    placed_layout: PlacedLayout, crc: Crc | None, received_bytes: bytes, template: str
+    placed_layout: PlacedLayout, crc: Crc | None, received_bytes: bytes, first_bytes: Sequence[int], template: str
 ) -> Iterator[Hypothesis]:
     """Yield hypotheses with each possible first byte in front of the received ones.
 
     ``{0}`` in ``template`` stands for the byte.
     """
-    for first_byte in _possible_first_bytes(placed_layout):
+    for first_byte in first_bytes:
         frame = bytes([first_byte]) + received_bytes
         description = template.format(f"{first_byte:02X}")
         hypothesis = _frame_hypothesis("first_byte_lost", description, placed_layout, crc, frame)
@@ -124,29 +139,40 @@ def _with_crc_over_bytes(hypothesis: Hypothesis, frame: bytes) -> Hypothesis:
     )
 
 
-def _possible_first_bytes(placed_layout: PlacedLayout) -> Iterator[int]:
-    """Yield the possible first bytes of a frame, one for each value of the selector.
+def _possible_first_bytes(placed_layout: PlacedLayout, usual_values: Mapping[str, Sequence[int]]) -> Iterator[int]:
+    """Yield the possible first bytes of a frame, one for each value of the selector, or a single one without it.
 
-    Nothing is yielded if the first byte also has other fields than the selector, constants and parity, since such a
-    byte is not known.
+    Nothing is yielded if the first byte also has other fields than the selector, constants, parity and those with one
+    usual value, since such a byte is not known.
     """
     layout = placed_layout.layout
     bytes_after_first = bytes(placed_layout.bits // 8 - 1)
     # The bits of the frame's number that the first byte has.
     first_byte_mask = number_from_bytes(layout, b"\xff" + bytes_after_first)
     fields_in_first_byte = [field for field in placed_layout.fields if first_byte_mask >> field.low & field.mask]
-    other_fields = [field for field in fields_in_first_byte if field.name != layout.selector]
-    if not all(isinstance(field.field.kind, (Constant, Parity)) for field in other_fields):
-        return
-    for selector_value in layout.selects:
-        frame_number = 0
-        for field in fields_in_first_byte:
-            if field.name == layout.selector:
-                frame_number |= selector_value << field.low
-            elif isinstance(field.field.kind, Constant):
-                frame_number |= field.field.kind.value << field.low
+    frame_without_selector = 0
+    parity_fields: list[PlacedField] = []
+    for field in fields_in_first_byte:
+        kind = field.field.kind
+        values = usual_values.get(field.name, ())
+        if field.name == layout.selector:
+            continue
+        if isinstance(kind, Parity):
+            parity_fields.append(field)
+        elif isinstance(kind, Constant):
+            frame_without_selector |= kind.value << field.low
+        elif len(values) == 1:
+            frame_without_selector |= values[0] << field.low
+        else:
+            return
+    selector_fields = [field for field in fields_in_first_byte if field.name == layout.selector]
+    selector_values = layout.selects if selector_fields else (0,)
+    for selector_value in selector_values:
+        frame_number = frame_without_selector
+        for field in selector_fields:
+            frame_number |= selector_value << field.low
         # The parity covers the other bits, so it is set last.
-        for field in fields_in_first_byte:
-            if isinstance(field.field.kind, Parity):
-                frame_number |= parity_bit(placed_layout, field.field.kind, frame_number) << field.low
+        for field in parity_fields:
+            assert isinstance(field.field.kind, Parity)
+            frame_number |= parity_bit(placed_layout, field.field.kind, frame_number) << field.low
         yield number_to_bytes(layout, frame_number, placed_layout.bits)[0]

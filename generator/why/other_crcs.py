@@ -44,10 +44,12 @@ def hypothesis_without_mistake(placed_layout: PlacedLayout, crc: Crc, frame: int
     )
 
 
-def other_crc_hypotheses(placed_layout: PlacedLayout, crc: Crc, frame: int) -> Iterator[Hypothesis]:
+def other_crc_hypotheses(
+    placed_layout: PlacedLayout, crc: Crc, frame: int, *, has_start_bits: bool
+) -> Iterator[Hypothesis]:
     """Yield hypotheses with another CRC over the frame, with the CRC's bits reversed, or with the CRC over other bits.
 
-    If the CRC covers only a part of the frame, other bits are not tried.
+    If the CRC covers only a part of the frame, other bits are not tried. ``has_start_bits`` is true for BiSS.
     """
     without_mistake = hypothesis_without_mistake(placed_layout, crc, frame)
     for kind, description, other_crc in other_crcs_over_bits(crc):
@@ -58,22 +60,26 @@ def other_crc_hypotheses(placed_layout: PlacedLayout, crc: Crc, frame: int) -> I
         return
     yield from _status_hypotheses(without_mistake, placed_layout, frame)
     yield from _position_code_hypotheses(without_mistake, placed_layout, frame)
-    yield from _start_bit_hypotheses(without_mistake)
+    if has_start_bits:
+        yield from _start_bit_hypotheses(without_mistake)
 
 
 def other_crcs_over_bits(crc: Crc) -> Iterator[OtherCrc]:
-    """Yield a CRC over bits with its inversion changed, with another start value, and with its polynomial reversed.
-
-    Start values are all zeros and all ones.
-    """
+    """Yield a CRC over bits with its inversion changed, with another start value, and with its polynomial reversed."""
     inversion_text = "the CRC is not inverted" if crc.xorout else "the CRC is inverted"
     yield NOT_INVERTED, inversion_text, replace(crc, xorout=crc.xorout ^ crc.mask)
-    for start in sorted({0, crc.mask} - {crc.init}):
+    for start in _other_start_values(crc):
         yield "start_value", f"the start value of the CRC is {start:#x}", replace(crc, init=start)
     reversed_polynomial = reflect(crc.poly_with_top_bit, crc.width + 1) & crc.mask
     with_top_bit = reversed_polynomial | 1 << crc.width
     polynomial_text = f"the polynomial is {with_top_bit:#x}, written in reverse"
     yield "polynomial_reversed", polynomial_text, replace(crc, poly=reversed_polynomial)
+
+
+def _other_start_values(crc: Crc) -> list[int]:
+    """Return all zeros, all ones, and the start values of known CRCs with the polynomial, except that of ``crc``."""
+    known_starts = {known.init for known in KNOWN_CRCS if known.polynomial == crc.poly_with_top_bit}
+    return sorted({0, crc.mask, *known_starts} - {crc.init})
 
 
 def other_crcs_over_bytes(crc: Crc) -> Iterator[OtherCrc]:
@@ -87,7 +93,7 @@ def other_crcs_over_bytes(crc: Crc) -> Iterator[OtherCrc]:
         inversion_text += f", or its start value is {crc.mask ^ crc.init:#x} (the same here)"
     yield NOT_INVERTED, inversion_text, replace(crc, xorout=crc.xorout ^ crc.mask)
     if not crc.is_xor:
-        for start in sorted({0, crc.mask} - {crc.init}):
+        for start in _other_start_values(crc):
             yield "start_value", f"the start value of the CRC is {start:#x}", replace(crc, init=start)
     for polynomial in POLYNOMIALS:
         is_8_bit = polynomial.bit_length() == 9

@@ -179,6 +179,13 @@ _BIT_IN_FRONT = Recording(
     f"^(?P<front>[01]){_FRAME}(?P<zeros>0*)$",
     proof=("zeros",),
 )
+_BITS_AROUND = Recording(
+    "bits_around",
+    "the first clock carries no data, and other bits follow the word",
+    # Before the first bit, the line is idle, which is high.
+    f"^(?P<front>1){_FRAME}(?P<other>[01]+)$",
+    proof=("front",),
+)
 _WORD_LAST = Recording(
     "zeros_in_front", "zeros come first, and then the word", f"^(?P<zeros>0+){_FRAME}$", proof=("zeros",)
 )
@@ -204,7 +211,9 @@ def _shifts(cause: str) -> tuple[FrameOffset, ...]:
 LINES: Mapping[str, Line] = MappingProxyType(
     {
         "biss": _BISS,
-        "ssi_msb_left": Line(_shifts(""), (_WORD_TWICE, _WORD_FIRST, _BIT_IN_FRONT, _OTHERS_BEHIND), (_TOO_SHORT,)),
+        "ssi_msb_left": Line(
+            _shifts(""), (_WORD_TWICE, _WORD_FIRST, _BIT_IN_FRONT, _OTHERS_BEHIND, _BITS_AROUND), (_TOO_SHORT,)
+        ),
         "ssi_lsb_right": Line(_shifts(""), (_WORD_LAST, _WORD_TWICE, _BIT_IN_FRONT, _OTHERS_IN_FRONT), (_TOO_SHORT,)),
         "spi": Line(
             _shifts(", as with the other clock edge"),

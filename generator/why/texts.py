@@ -26,6 +26,7 @@ TEXTS: Mapping[str, str] = MappingProxyType(
         "then_zeros": "{0}, followed by zeros",
         "inverted_too": "{0}, and the CRC is inverted",
         "not_inverted_too": "{0}, and the CRC is not inverted",
+        "command_left_out": "the first {0} bits, which are sent during the command, are missing",
         "extra_byte": "an extra byte",
         "extra_bytes": "{0} extra bytes",
         "before": "{0} before the frame, such as an echo of the request",

@@ -140,7 +140,8 @@ function box(root) {
       full.replaceChildren(element("h3", {}, `Line ${row.line.number}`), ...single(row));
       full.scrollIntoView({ block: "nearest" });
     };
-    return [...togetherOf(rows), tableOf(rows, state.found.interface.measure, pick), exportsOf(rows), full];
+    const { measure } = state.found.interface;
+    return [...togetherOf(rows), tableOf(rows, measure, pick), ...doubtsOfAll(rows, measure), exportsOf(rows), full];
   }
 
   /** Puts the inputs into the address of the page, so that a link to it carries them. */

@@ -545,7 +545,7 @@ function lineCrcData({ bits: width, poly, init, isInverted }, isOverBytes) {
   const isXor = isOverBytes && width === 8 && poly === ONE;
   const change = `the CRC is ${isInverted ? "not " : ""}inverted`;
   const same = isXor ? `, or its start value is ${hexText(ones(width) ^ init)} (the same here)` : "";
-  const starts = isXor ? [] : [0n, ones(width)].filter((start) => start !== init);
+  const starts = isXor ? [] : otherStarts(width, poly, init);
   const others = [["crc_not_inverted", change + same, parameters({ xorout })],
     ...starts.map((start) => ["start_value", `the start value of the CRC is ${hexText(start)}`, parameters({ init: start })]),
     ...(isOverBytes ? otherBytePolynomials(parameters) : [reversedPolynomial(width, poly, parameters)])];
@@ -553,6 +553,13 @@ function lineCrcData({ bits: width, poly, init, isInverted }, isOverBytes) {
   const text = [width, ...powers].map((power) => ["1", "x"][power] ?? `x^${power}`).join(" + ");
   const isDifferent = ([, , crc]) => JSON.stringify(crc) !== JSON.stringify(own);
   return { ...own, text, ...notEmpty({ [isOverBytes ? "byte_others" : "others"]: others.filter(isDifferent) }) };
+}
+
+/** All zeros, all ones, and the start values of known CRCs with the polynomial, except that of the CRC itself. */
+function otherStarts(width, poly, init) {
+  const isSame = ([known]) => big(known) === (poly | (ONE << BigInt(width)));
+  const starts = new Set([0n, ones(width), ...TABLE.known_crcs.filter(isSame).map(([, known]) => BigInt(known))]);
+  return [...starts].filter((start) => start !== init).sort((one, other) => (one < other ? -1 : 1));
 }
 
 function reversedPolynomial(width, poly, parameters) {

@@ -83,6 +83,21 @@ function togetherOf(rows) {
   return [element("p", {}, `${start}:`), list(items)];
 }
 
+/** What all lines have in common although they are valid: a dead line, own requests, and other readings, folded. */
+function doubtsOfAll(rows, measure) {
+  const frames = rows.flatMap((row) => (row.found ? [row.found] : [])).slice(-TABLE.likely.frames);
+  const dead = new Set(frames.map(deadLine));
+  const requests = new Set(frames.map(ownRequest));
+  const readings = frames.map((found) => new Map(otherPositions(found, measure)));
+  const shared = [...readings[0]?.keys() ?? []].filter((text) => readings.every((own) => own.has(text)));
+  const listed = shared.map((text) => `${readings.map((own) => own.get(text)).join(" ")} ${text}`).join(", ");
+  return [
+    ...(dead.size === 1 && !dead.has("") ? [element("p", {}, [...dead][0])] : []),
+    ...(requests.size && !requests.has("") ? [element("p", {}, sentence(capital(said("own_requests", [...requests].join(", ")))))] : []),
+    ...(listed ? [foldedDoubt(measure, listed)] : []),
+  ];
+}
+
 /** Buttons that copy and download the lines as CSV. */
 function exportsOf(rows) {
   const copy = element("button", { type: "button" }, "Copy as CSV");

@@ -135,12 +135,19 @@ function othersOf(found, others) {
   return [element("p", {}, `${words[0].toUpperCase()}${words.slice(1)}. Choose it above.`)];
 }
 
-/** Other readings of a position that nothing in the frame can contradict, folded. */
+/** Other readings of a position that nothing in the frame can contradict, folded, and the request that it also is. */
 function doubtsOf(found, measure) {
   const readings = otherPositions(found, measure).map(([text, one]) => `${one} ${text}`).join(", ");
-  if (!readings) return [];
+  const request = ownRequest(found);
+  return [
+    ...(readings ? [foldedDoubt(measure, readings)] : []),
+    ...(request ? [element("p", {}, sentence(capital(said("own_request", request))))] : []),
+  ];
+}
+
+function foldedDoubt(measure, readings) {
   const [question, ...rest] = said("looks_wrong", positionName(measure), readings).split("? ");
-  return [element("details", {}, element("summary", {}, `${question}?`), element("p", {}, sentence(rest.join("? "))))];
+  return element("details", {}, element("summary", {}, `${question}?`), element("p", {}, sentence(rest.join("? "))));
 }
 
 /** The mistakes that could explain a wrong frame. */

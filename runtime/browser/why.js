@@ -16,7 +16,9 @@ function deadLine({ at, given, number, data, problems, over }) {
   if (size < LEAST_STUCK || (found !== 0n && found !== ones(size))) return "";
   const level = found ? 1 : 0;
   const doubt = at?.crc ? "and the CRC is correct too" : "and there is no CRC to distinguish it";
-  return at && !(at.crc && problems.length) ? `Every bit is ${level}. A dead line looks the same, ${doubt}.`
+  // Without a CRC, the length alone proves nothing.
+  const isPossible = at && (at.crc ? !problems.length : hasFixed(at, found ? ones(at.bits) : 0n));
+  return isPossible ? `Every bit is ${level}. A dead line looks the same, ${doubt}.`
     : `Every bit is ${level}: the line never changes. Check for ${level ? "a broken wire" : "a short circuit"}, `
       + `the supply and ${over?.name === "rs485" ? "wires A and B" : "the clock"}.`;
 }
@@ -42,7 +44,11 @@ function explanationsOf(frame, isWithPairs = false) {
   const hasFault = (...kinds) => problems.some((item) => kinds.includes(item.fault));
   const none = { merged: [], all: [] };
   if (!problems.length || deadLine(frame)) return none;
-  if (data) return !at || hasFault("crc", "length", "constant") ? chosen(triesWithBytes(frame), [], isWithPairs) : none;
+  if (data) {
+    if (at && !hasFault("crc", "length", "constant")) return none;
+    const tries = triesWithBytes(frame);
+    return hasCrcInBytes(frame) ? chosen(tries, [], isWithPairs) : readingsOf(tries);
+  }
   if (!at || !given || !hasFault("crc", "length", "constant")) return none;
   const crc = at.crc && at.family.crcs[at.crc];
   if (!crc) return readingsOf([...movedFrames(at, null, given), ...rearranged(at, null, given)]);
@@ -52,6 +58,10 @@ function explanationsOf(frame, isWithPairs = false) {
   const fitting = significant(moved, failed);
   return fitting.length ? chosen(fitting, [], isWithPairs) : none;
 }
+
+/** Whether any frame in bytes from the sender has a CRC. */
+const hasCrcInBytes = ({ label, over, sender }) => !label
+  || over.frames.some((item) => item.order && item.sender === sender && item.crc);
 
 /** Return the part that a recording without a complete frame lacks, or "". */
 function missingPart(frame) {
@@ -104,7 +114,8 @@ function common(lists) {
   })).sort((one, other) => other.score - one.score);
 }
 
-const lineOf = (at) => TABLE.lines[at.family.interfaces.find((one) => one.frames?.includes(at.layout))?.line];
+const interfaceOf = (at) => at.family.interfaces.find((one) => one.frames?.includes(at.layout));
+const lineOf = (at) => TABLE.lines[interfaceOf(at)?.line];
 const matched = (pattern, at, received) => new RegExp(pattern.replace("#", at.bits)).exec(received);
 
 // -- tries
@@ -159,10 +170,11 @@ const byScore = (found) => found.sort((one, other) => other.score - one.score);
 
 /** The explanations among tries with a CRC. Pairs are tried if no single mistake matches. */
 function chosen(tries, failed, isWithPairs) {
-  const usable = significant(tries, failed);
+  const significantTries = significant(tries, failed);
+  const usable = significantTries.filter((one) => !one.isRepeated);
   const single = distinct(usable);
   const merged = single.filter(fits).map((one) => explanationOf(one));
-  const all = usable.filter(fits).map((one) => explanationOf(one));
+  const all = significantTries.filter(fits).map((one) => explanationOf(one));
   if (isWithPairs || merged.every((one) => one.kind === TABLE.inside[0])) {
     const pairs = significant(usable.filter((one) => one.crc && !["crc_not_inverted", TABLE.inside[0]].includes(one.kind))
       .map(notInverted), failed);
@@ -241,8 +253,9 @@ function otherCrcs(at, crc, number) {
   const found = (crc.others ?? []).map(([kind, text, parameters]) => other(kind, text, { crc: parameters }));
   found.push(other("crc_reversed", TABLE.texts.crc_reversed, { received: reflected(sent.received, crc.width) }));
   if (at.layout.crc_of) return found;
+  const starts = interfaceOf(at)?.name === "biss" ? TABLE.start_bits : [];
   return [...found, ...statusOtherwise(at, sent, number, other), ...positionOtherwise(at, sent, number, other),
-    ...TABLE.start_bits.map(([front, text]) => other("start_bits_in_crc", text, {
+    ...starts.map(([front, text]) => other("start_bits_in_crc", text, {
       data: (BigInt(`0b${front}`) << BigInt(sent.size)) | sent.data, size: sent.size + front.length }))];
 }
 
@@ -385,19 +398,37 @@ function movedFrames(at, crc, given) {
   const line = lineOf(at);
   if (!line) return [];
   const received = receivedBits(at, given);
+  const echo = [...(mayHave(given, at.bits) ? echoes(at, given.number) : []), ...withCommand(at, crc, given)];
   const byRule = [
     ...lengthsOf(at, given).flatMap((length) => line.slips.flatMap((slip) => slipped(at, crc, given, length, slip))),
     ...line.recordings.flatMap((recording) => recorded(at, crc, received, recording)),
   ];
-  if (!crc || byRule.some(fits)) return byRule;
+  if (!crc || byRule.some(fits)) return [...echo, ...byRule];
   const places = Math.max(received.length - at.bits + 1, 0);
   const [kind, template] = TABLE.inside;
-  return [...byRule, ...[...Array(places).keys()].map((place) => {
+  return [...echo, ...byRule, ...[...Array(places).keys()].map((place) => {
     const frame = received.slice(place, place + at.bits);
     const parts = [["before", received.slice(0, place)], ["frame", frame], ["behind", received.slice(place + at.bits)]];
     const around = { template, parts: parts.filter(([, some]) => some), places };
     return readAs(at, crc, kind, filled(template, place), BigInt(`0b${frame}`), around);
   })];
+}
+
+/** The bits during the command are missing, and the command is the one that the layout expects. */
+function withCommand(at, crc, given) {
+  if (interfaceOf(at)?.name !== "spi") return [];
+  const [low, count] = crc ? at.layout.crc_of ?? [crc.width, at.bits - crc.width] : [0, at.bits];
+  const isDuring = (item) => "fixed" in item.field || item.low >= low + count;
+  const fields = [...at.fields].sort((one, other) => other.low - one.low);
+  const end = fields.findIndex((item) => !isDuring(item));
+  const first = fields.slice(0, end < 0 ? fields.length : end);
+  const rest = first.at(-1)?.low ?? at.bits;
+  if (rest === at.bits || (at.bits - rest) % 8 || !mayHave(given, rest) || given.written !== rest) return [];
+  const constants = first.filter(({ field }) => "fixed" in field);
+  const number = constants.reduce((sum, item) => sum | (big(item.field.fixed) << BigInt(item.low)), given.number);
+  const text = filled(TABLE.texts.command_left_out, at.bits - rest);
+  const assumed = constants.reduce((sum, { width }) => sum + width, 0);
+  return [{ ...readAs(at, crc, "command_left_out", text, number), demanded: fixedBits(at) - assumed }];
 }
 
 /** A text that does not begin and end with the frame: extra bits before or after it, or missing bits. */
@@ -446,8 +477,10 @@ function triesWithBytes(frame) {
     const isExpected = expected?.layout === layout && 8 * data.length === at.bits;
     return [...(crc && isExpected ? otherByteCrcs(at, crc, data) : []), ...movedBytes(at, crc, data)];
   });
-  const known = whole.length ? ["bytes_in_front", "bytes_behind"] : [];
-  return [...whole, ...moved.filter((one) => !known.includes(one.kind))];
+  // Whole frames already explain extra bytes around the same frame.
+  const isRepeated = (one) => ["bytes_in_front", "bytes_behind"].includes(one.kind)
+    && whole.some(({ at, number }) => number === one.number && at.layout === one.at.layout);
+  return [...whole, ...moved.map((one) => ({ ...one, isRepeated: isRepeated(one) }))];
 }
 
 const asBytes = (data) => numberOf("big", data);
@@ -489,23 +522,22 @@ function movedBytes(at, crc, data) {
   return found;
 }
 
-/** The possible first bytes of a frame, if that byte only identifies the layout. */
+/** The possible first bytes of a frame, if that byte only has the selector, constants, parity and usual values. */
 function firstBytes(at) {
-  const { order, selector, selects = [] } = at.layout;
+  const { order, selector, selects = [], usual = [] } = at.layout;
   const mask = numberOf(order, [0xFF, ...Array(at.bits / 8 - 1).fill(0)]);
   const first = at.fields.filter(({ low, width }) => bits(mask >> BigInt(low), 0, width));
-  const others = first.filter((item) => item.name !== selector);
-  if (!others.every(({ field }) => "fixed" in field || "parity" in field)) return [];
-  return selects.map((selected) => {
-    let number = 0n;
-    const put = ({ low }, content) => { number |= content << BigInt(low); };
-    for (const item of first) {
-      if (item.name === selector) put(item, big(selected));
-      else if ("fixed" in item.field) put(item, big(item.field.fixed));
-    }
-    for (const item of others.filter(({ field }) => "parity" in field)) {
+  const usualOf = ({ name }) => usual.find((one) => one[0] === name && one.length === 2)?.[1];
+  const others = first.filter((item) => item.name !== selector && !("parity" in item.field));
+  if (!others.every((item) => "fixed" in item.field || usualOf(item) !== undefined)) return [];
+  const put = (number, { low }, content) => number | (big(content) << BigInt(low));
+  const start = others.reduce((number, item) => put(number, item, item.field.fixed ?? usualOf(item)), 0n);
+  const chosen_ = first.filter((item) => item.name === selector);
+  return (chosen_.length ? selects : [0]).map((selected) => {
+    let number = chosen_.reduce((sum, item) => put(sum, item, selected), start);
+    for (const item of first.filter(({ field }) => "parity" in field)) {
       const { of, check } = at.checks.find((one) => one.of && one.check.field === item.name);
-      put(item, parityOf(number, of, check));
+      number = put(number, item, parityOf(number, of, check));
     }
     return bytesOf(order, number, at.bits / 8)[0];
   });
@@ -517,37 +549,80 @@ function wholeFrames({ data, label, over, sender }) {
   if (!label || data.length > most || over.name !== "rs485") return [];
   if (sender !== "encoder") return [];
   const candidates = over.frames.filter((item) => item.order).map((item) => placedFor(label, item))
-    .map((one) => ({ one, size: one.bits / 8, evidence: evidenceOf(one) })).filter(({ evidence }) => evidence >= least);
+    .map((one) => ({ one, size: one.bits / 8 }));
   const fewest = new Map([[data.length, []]]);
   const isRequest = ({ one }) => one.layout.sender === "master";
   for (let start = data.length - 1; start >= 0; start -= 1) {
     // A request is in front of its reply, even if both have the same form.
     const likely = candidates.filter((item) => isRequest(item) === (start === 0));
-    for (const { one, size, evidence } of [...likely, ...candidates.filter((item) => !likely.includes(item))]) {
+    for (const { one, size } of [...likely, ...candidates.filter((item) => !likely.includes(item))]) {
       const rest = fewest.get(start + size);
       if (!rest || fewest.get(start)?.length <= rest.length + 1) continue;
       const bytes = data.slice(start, start + size);
-      if (!decodeBytes(one, bytes).problems.length) fewest.set(start, [{ one, bytes, evidence }, ...rest]);
+      const evidence = expectedBits(one, numberOf(one.layout.order, bytes));
+      if (evidence && !decodeBytes(one, bytes).problems.length) fewest.set(start, [{ one, bytes, evidence }, ...rest]);
     }
   }
   const found = fewest.get(0) ?? [];
   const replies = found.filter((item) => !isRequest(item)).length;
   if (!found.length || (found.length === 1 && replies)) return [];
+  const asked = found.reduce((sum, item) => sum + item.evidence, 0);
+  if (asked < least) return [];
   const one = isRequest(found[0]) ? "bytes_in_front" : "bytes_behind";
   const kind = ["echo", one][replies] ?? "several_frames";
   const titled = found.map((item) => [`${isRequest(item) ? "request" : "reply"} ${item.one.name}`, shownBytes(item.bytes)]);
-  const text = kind === "echo" ? filled(echo, found[0].one.name)
-    : filled(list, titled.map(([title]) => title).join(", then "));
-  const asked = found.reduce((sum, item) => sum + item.evidence, 0);
+  const roles = titled.map(([title]) => title.split(" ")[0]);
+  const [text, template] = kind === "echo" ? [` ${found[0].one.name}`, ""].map((name) => filled(echo, name))
+    : [titled.map(([title]) => title), roles].map((names) => filled(list, names.join(", then ")));
   const last = found[found.length - 1];
   const isRead = !isRequest(last) && !last.one.layout.asks?.length;
   return [tryOf({
-    kind, text, at: last.one, parts: titled, demanded: asked, data: asBytes(data), size: 8 * data.length,
+    kind, text, template, at: last.one, parts: titled, demanded: asked, data: asBytes(data), size: 8 * data.length,
     number: isRead ? numberOf(last.one.layout.order, last.bytes) : undefined,
   })];
 }
 
-const evidenceOf = (at) => fixedBits(at) + (at.crc ? at.family.crcs[at.crc].width : 0);
+/** The number of bits in a valid frame that have the value to expect: CRC, constants, and fields with a usual value. */
+function expectedBits(at, number) {
+  const usual = (at.layout.usual ?? []).reduce((sum, [name, ...values]) => {
+    const item = at.fields.find((one) => one.name === name);
+    const isUsual = item && values.some((one) => big(one) === bits(number, item.low, item.width));
+    return sum + (isUsual ? item.width - bitLength(BigInt(values.length - 1)) : 0);
+  }, 0);
+  return fixedBits(at) + usual + (at.crc ? at.family.crcs[at.crc].width : 0);
+}
+
+/** The request of SPI that a word from the encoder equals, with the most expected bits, or undefined. */
+function echoedRequest(at, number) {
+  const over = interfaceOf(at);
+  if (over?.name !== "spi" || at.layout.sender !== "encoder" || number >> BigInt(at.bits)) return undefined;
+  // Bits that a reply has too are no evidence of an echo, such as the command on a shared line.
+  const isRepeated = ({ field }) => "fixed" in field || "unused" in field;
+  const repeated = at.fields.filter(isRepeated).reduce((sum, { width }) => sum + width, 0);
+  const hasDocumented = (one) => one.fields.every((item) => !("unused" in item.field)
+    || bits(number, item.low, item.width) === (big(item.field.unused) & ones(item.width)));
+  const requests = over.frames.filter((item) => item.sender === "master" && !item.order)
+    .map((item) => placed(at.family, item, at.parameters))
+    .filter((one) => one.bits === at.bits && !decode(one, number).problems.length && hasDocumented(one))
+    .map((one) => ({ name: one.name, size: one.bits, evidence: expectedBits(one, number) - repeated }))
+    .filter(({ evidence }) => evidence >= TABLE.exchanges.least_in_word);
+  return requests.sort((one, other) => other.evidence - one.evidence)[0];
+}
+
+/** A word of SPI that is the request that the master sent. */
+function echoes(at, number) {
+  const request = echoedRequest(at, number);
+  if (!request) return [];
+  const text = filled(TABLE.exchanges.word_echo, ` ${request.name}`);
+  const template = filled(TABLE.exchanges.word_echo, "");
+  return [tryOf({ kind: "echo", text, template, data: number, size: request.size, demanded: request.evidence })];
+}
+
+/** The name of the request that a valid word also is, or "". */
+function ownRequest({ at, number, problems }) {
+  if (!at || at.layout.order || at.layout.sender !== "encoder" || problems.length) return "";
+  return echoedRequest(at, number)?.name ?? "";
+}
 
 /** The numbers in a frame, by name. */
 function numbersRead(at, number) {
@@ -564,8 +639,20 @@ function numbersRead(at, number) {
 /** The name of the position, which an encoder in one line has even if it does not state its counts. */
 const positionName = (measure) => measure?.of ?? "position";
 
+/** The frames in a word of SSI with more typed bits than the frame, if its leading zeros were received. */
+function recordedFrames(at, given) {
+  const interface_ = interfaceOf(at);
+  if (interface_?.name !== "ssi" || !given || given.exact || given.written <= at.bits) return [];
+  const received = given.number.toString(2).padStart(given.written, "0");
+  const found = TABLE.lines[interface_.line].recordings.flatMap((recording) => recorded(at, null, received, recording))
+    .filter(fits);
+  const numbers = [given.number, ...found.map((one) => one.number)];
+  return found.filter((one, place) => numbers.indexOf(one.number) === place + 1)
+    .map((one) => [`if ${one.text}`, one.number]);
+}
+
 /** Other readings of a position that nothing in the frame can contradict. They do not explain an error. */
-function otherPositions({ at, number, problems, crc, fields }, measure) {
+function otherPositions({ at, number, problems, crc, fields, given }, measure) {
   const isOfBits = at && !at.layout.order && at.layout.sender === "encoder";
   const name = positionName(measure);
   const position = fields.find((item) => item.name === name);
@@ -584,9 +671,10 @@ function otherPositions({ at, number, problems, crc, fields }, measure) {
     at.gray ? toGray(at, number) : null,
     at.bits % 8 ? null : numberOf("big", bytesOf("little", number, at.bits / 8)),
   ];
-  return frames.flatMap((frame, place) => {
+  const readings = [...frames.map((frame, place) => [TABLE.doubts[place], frame]), ...recordedFrames(at, given)];
+  return readings.flatMap(([text, frame]) => {
     const read = frame === null ? position : decode(at, frame).fields.find((item) => item.name === name);
-    return read.value === position.value ? [] : [[TABLE.doubts[place], read.value]];
+    return read.value === position.value ? [] : [[text, read.value]];
   });
 }
 

@@ -163,11 +163,12 @@
     });
   }
 
-  /** Return other readings of the positions in frames. */
+  /** Return other readings of the positions in frames, and the request that each frame also is. */
   const doubts = (item) => {
     const found = foundFor(item);
-    return item.frames.map((text) => wheel.otherPositions(decoded(found, item, text), found.interface.measure)
-      .map(([words, one]) => [words, `${one}`]));
+    return item.frames.map((text) => decoded(found, item, text)).map((one) => [
+      wheel.otherPositions(one, found.interface.measure).map(([words, position]) => [words, `${position}`]),
+      wheel.ownRequest(one)]);
   };
 
   /** Return the mistakes that explain the most of the frames. */

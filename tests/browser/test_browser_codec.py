@@ -19,6 +19,7 @@ from codewheel.reference import codec
 from codewheel.targets import Library
 from codewheel.why.diagnosis import Diagnosis, Explanation
 from codewheel.why.doubts import other_positions
+from codewheel.why.exchanges import own_request
 from codewheel.why.explain import explain_bits, explain_bytes, explain_constant
 from codewheel.why.together import CommonMistake, judge_together
 from exhaustive import mostly_exhaustive
@@ -333,6 +334,8 @@ def test_registers_are_made_of_values(name: str, ask: Ask, node: Asker, library:
 COMMAND_KINDS = {"other_order_code", "other_widths", "other_answer"}
 #: A mistake: its text, the number of random frames among which one matches, and what the frame then reads.
 Reason = list[Any]
+#: Families whose replies over SPI have a CRC, a parity, or bits that are sent during the command.
+SPI_REPLIES = ("infineon/tle5012b", "ams/as5048a", "magntek/mt6835")
 #: Number of parts in which the cases of all devices are compared. ``make test`` runs one of them.
 PARTS = 4
 
@@ -340,6 +343,15 @@ PARTS = 4
 @pytest.mark.parametrize("part", mostly_exhaustive(range(PARTS), 0))
 def test_reasons_are_those_of_the_command(part: int, node: Asker, library: Library) -> None:
     compare_reasons(node, [*compared_cases(library, 4)][part::PARTS], 20)
+
+
+@pytest.mark.parametrize(
+    "name", mostly_exhaustive(("infineon/tle5012b", "ams/as5048a", "magntek/mt6835"), "infineon/tle5012b")
+)
+def test_reasons_over_spi(name: str, ask: Ask) -> None:
+    """Requests in the place of a reply, and words without the bits during the command, are among the mistakes."""
+    library = library_of(f"../specs/{name}")
+    compare_reasons(ask(library, "node"), [*compared_cases(library, 4)], 20)
 
 
 @pytest.mark.parametrize("name", mostly_exhaustive(MADE_UP, MADE_UP[0]))
@@ -401,23 +413,46 @@ def common_mistakes(case: Case, texts: Iterable[str]) -> list[CommonMistake] | N
     return judge_together([of_page(why) for why in with_pairs if why is not None])
 
 
-@pytest.mark.parametrize("name", ["", "specs/gray", "../specs/ams/as5047p", "../specs/mps/ma732"])
+@pytest.mark.parametrize(
+    "name", ["", "specs/gray", "../specs/ams/as5047p", "../specs/ams/as5048a", "../specs/mps/ma732"]
+)
 def test_other_positions_are_those_of_the_command(name: str, ask: Ask, library: Library) -> None:
+    """Words are written as bits, or as hex bytes with zeros in front. Those of the master are requests."""
     library = library_of(name) if name else library
     random_ = random.Random("doubts")
     items, expected = [], []
     for device in library.devices:
         for case in (layout_cases[0] for layout_cases in cases(device) if not layout_cases[0].layout.in_bytes):
-            frames = [(f"0b{number:0{case.placed.bits}b}", number) for number in numbers(case, 20, random_)]
-            items.append({**case.data, "frames": [text for text, _ in frames]})
-            decoded_frames = [codec.decode(device, case.placed, number) for _, number in frames]
-            readings = [other_positions(device, case.variant, decoded) for decoded in decoded_frames]
-            expected.append([[[text, str(value)] for text, value in reading] for reading in readings])
+            texts = [*word_texts(device, case, random_)]
+            items.append({**case.data, "frames": texts})
+            expected.append([doubts_of(device, case, text) for text in texts])
     answers = ask(library, "node")("doubts", items)
     for item, answer_rows, expected_rows in zip(items, answers, expected, strict=True):
         for text, answer, expected_answer in zip(item["frames"], answer_rows, expected_rows, strict=True):
             assert answer == expected_answer, (item["name"], text)
-    assert any(reading for readings in expected for reading in readings)
+    assert any(readings for rows in expected for readings, _ in rows)
+    assert any(request for rows in expected for _, request in rows) == name.startswith("../specs/")
+
+
+def word_texts(device: Device, case: Case, random_: random.Random) -> Iterator[str]:
+    """Return valid words, every second one as hex bytes, and the requests of the same length."""
+    bits = case.placed.bits
+    for number in numbers(case, 20, random_):
+        yield f"0x{number:0{(bits + 15) // 8 * 2}X}" if number % 2 else f"0b{number:0{bits}b}"
+    for layout in device.interface(case.variant.interface).layouts:
+        request = layout.place(case.variant.parameters)
+        if layout.sender == "master" and not layout.in_bytes and request.bits == bits:
+            for number in numbers(replace(case, placed=request), 20, random_):
+                yield f"0b{number:0{bits}b}"
+
+
+def doubts_of(device: Device, case: Case, text: str) -> list[Any]:
+    """Return other readings of the position, and the request that the word also is."""
+    typed_frame = frame_number(case.placed, text)
+    decoded = codec.decode(device, case.placed, typed_frame.number)
+    readings = other_positions(device, case.variant, decoded, typed_frame)
+    request = "" if decoded.problems else own_request(device, case.variant, case.placed, typed_frame.number)
+    return [[[text, str(value)] for text, value in readings], request]
 
 
 def is_compared(case: Case) -> bool:
@@ -450,6 +485,9 @@ def disturbed_texts(case: Case, random_: random.Random) -> Iterator[str]:
         yield f"0b{number & (1 << bits - 1) - 1:0{bits - 1}b}0"
         yield f"0b{number:0{bits}b}{random_.getrandbits(1)}"
         yield f"0x{number ^ random_.getrandbits(bits):X}"
+        if bits % 8 == 0 and bits > 16:
+            after_command = number & (1 << bits - 16) - 1
+            yield f"0x{after_command:0{(bits - 16) // 4}X}"
         yield from recorded_texts(f"{number:0{bits}b}", random_)
 
 

@@ -529,12 +529,22 @@ def test_made_up_layouts_break_nothing() -> None:
 @pytest.mark.parametrize(
     ("code", "frame", "advice"),
     [
-        ("AMT22-14", "0xFFFF", "Every bit is 1. A dead line looks the same, and there is no CRC to distinguish it."),
-        ("AMT22-14", "0x0000", "Every bit is 0. A dead line looks the same, and there is no CRC to distinguish it."),
+        (
+            "AMT22-14",
+            "0xFFFF",
+            "Every bit is 1: the line never changes. Check for a broken wire, the supply",
+        ),
+        (
+            "AMT22-14",
+            "0x0000",
+            "Every bit is 0: the line never changes. Check for a short circuit, the supply",
+        ),
         ("AS5047P", "FF FF", "Every bit is 1. A dead line looks the same, and there is no CRC to distinguish it."),
         ("MT6835", "0x0", "Every bit is 0. A dead line looks the same, and the CRC is correct too."),
         ("MT6835", "FF FF FF FF FF FF", "Check for a broken wire, the supply and the clock."),
         ("SKM36", "FF FF FF FF FF FF FF", "Check for a broken wire, the supply and wires A and B."),
+        # forum.arduino.cc/t/1376670: the checksum of an AMT21 is invalid, "Given is: 1111111111111111".
+        ("AMT212C", "FF FF", "Every bit is 1: the line never changes. Check for a broken wire, the supply and wires A"),
     ],
 )
 def test_a_dead_line(code: str, frame: str, advice: str, capsys: pytest.CaptureFixture[str]) -> None:

@@ -47,3 +47,15 @@ def test_bits_on_both_sides_cannot_be_set(behind: str, capsys: Capture) -> None:
 def test_a_leading_flag_is_a_status_bit_too(capsys: Capture) -> None:
     sheet = sheet_of(capsys, "ssi,left,clock=1MHz:error=high,position=13", "galil_ssi")
     assert value_of(sheet, "si3") == -1
+
+
+def test_zeros_before_the_position_count_as_revolutions(capsys: Capture) -> None:
+    """KEB F6 manual p. 246: of 32 bits, "the first 8 bits are always 0", and the drive expects the overflow at 32 bits.
+
+    So ec40 and ec41 have these 32 bits together.
+    """
+    for line in ("biss:zero=8,position=24,error,warning,crc=6:0x43", "ssi,clock=1MHz:zero=8,position=24"):
+        sheet = sheet_of(capsys, line, "keb_f6")
+        assert value_of(sheet, "Singleturn resolution") == 24
+        assert value_of(sheet, "Multiturn resolution") == 32 - 24
+        assert any("can only be used if its position does not pass the overflow" in note for note in sheet["notes"])

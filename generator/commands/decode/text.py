@@ -21,7 +21,7 @@ from ...say.plain_text import WIDTH, decimal
 from ...say.report import ANOTHER_FRAME, UNCERTAIN_READINGS
 from ...say.text import BY_NAME, WORTH, counted, sentence
 from .field_table import capitalized, field_table, wrapped
-from .frames import Line, is_frame_of_other_kind
+from .frames import Line, frame_number, is_frame_of_other_kind, undecorated
 
 if TYPE_CHECKING:
     from ...why.diagnosis import Diagnosis, Explanation
@@ -50,7 +50,7 @@ def explain(
     """
     lines = [line_prefix(line) + heading(device, match.variant, sender, decoded.layout)]
     lines += label_lines(device, match) if label is None else label
-    lines += described_frame(device, match.variant, decoded, findings, why, answers, other_frames)
+    lines += described_frame(device, match.variant, decoded, findings, why, answers, other_frames, line.text)
     return "\n".join([*lines, *evidence_lines(device)])
 
 
@@ -62,8 +62,12 @@ def described_frame(
     why: Diagnosis | None = None,
     answers: Mapping[str, str] = NO_ANSWERS,
     other_frames: str = "",
+    text: str = "",
 ) -> Iterator[str]:
-    """Yield the lines about a frame itself: its layout, fields, position and CRC, its errors or reports, and causes."""
+    """Yield the lines about a frame itself: its layout, fields, position and CRC, its errors or reports, and causes.
+
+    ``text`` is the frame as typed, if it was typed alone.
+    """
     if decoded.layout is not None:
         yield _layout_line(decoded.layout)
         yield from _answer_lines(device, answers)
@@ -76,7 +80,7 @@ def described_frame(
     yield from ("", *_problem_lines(decoded, findings))
     if other_frames:
         yield wrapped(other_frames, WIDTH, prefix="  ", first="")
-    yield from _other_position_lines(device, variant, decoded)
+    yield from _other_position_lines(device, variant, decoded, text)
     if why is not None:
         yield from _why_lines(why, decoded.layout)
 
@@ -88,16 +92,26 @@ def evidence_lines(device: Device) -> Iterator[str]:
         yield wrapped(placeholders(device), WIDTH, prefix="  ", first="")
 
 
-def _other_position_lines(device: Device, variant: Variant, decoded: codec.Decoded) -> Iterator[str]:
-    """Yield a line with other readings of the position, for a frame without errors and without a CRC to prove it."""
-    if decoded.problems or decoded.crc is not None:
+def _other_position_lines(device: Device, variant: Variant, decoded: codec.Decoded, text: str) -> Iterator[str]:
+    """Yield lines about a frame without errors that may still be wrong: other readings, and an own request over SPI.
+
+    ``text`` is the frame as typed.
+    """
+    placed_layout = decoded.layout
+    if decoded.problems or placed_layout is None or placed_layout.layout.in_bytes:
         return
     from ...why.doubts import other_positions, position_name
+    from ...why.exchanges import own_request
 
-    readings = [f"{position} {reason}" for reason, position in other_positions(device, variant, decoded)]
+    typed_frame = frame_number(placed_layout, undecorated(text)) if text else None
+    other_readings = other_positions(device, variant, decoded, typed_frame)
+    readings = [f"{position} {reason}" for reason, position in other_readings]
     if readings:
         suggestion = say.looks_wrong(position_name(device, variant), ", ".join(readings))
         yield wrapped(sentence(suggestion), WIDTH, prefix="  ", first="")
+    request_name = own_request(device, variant, placed_layout, decoded.number)
+    if request_name:
+        yield wrapped(sentence(capitalized(say.own_request(request_name))), WIDTH, prefix="  ", first="")
 
 
 def line_prefix(line: Line) -> str:

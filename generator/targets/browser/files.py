@@ -34,7 +34,14 @@ from ...say.plain_text import plain
 from ...say.text import BY_NAME, WORTH
 from ...why import MOST_FRAMES
 from ...why.doubts import READINGS
-from ...why.exchanges import ECHO_TEXT, FRAMES_TEXT, LEAST_EVIDENCE, MOST_BYTES
+from ...why.exchanges import (
+    ECHO_TEXT,
+    FRAMES_TEXT,
+    LEAST_BITS_OF_ECHO,
+    LEAST_EVIDENCE,
+    MOST_BYTES,
+    WORD_ECHO_TEXT,
+)
 from ...why.hypotheses import ACTIVE, IDLE, MISTAKES
 from ...why.other_crcs import POLYNOMIALS, OtherCrc, other_crcs_over_bits, other_crcs_over_bytes
 from ...why.recordings import FRAME_INSIDE, FRAME_INSIDE_TEXT, LINES, Line, line_name
@@ -205,7 +212,9 @@ def _interface_data(device: Device, interface: Interface, shared: SharedParts) -
     the selectors that distinguish frames.
     """
     reportings_by_name = {reporting.codec.layout.name: reporting for reporting in reportings(device)}
-    frames = [frame_data(device, layout, reportings_by_name.get(layout.name)) for layout in interface.layouts]
+    frames: list[Data] = []
+    for layout in interface.layouts:
+        frames.append(frame_data(device, interface.name, layout, reportings_by_name.get(layout.name)))
     registers = [register_data(device, register) for register in device.registers_over(interface.name)]
     return without_empty(
         name=interface.name,
@@ -303,6 +312,8 @@ _MESSAGES = {
     "gray": report.in_gray_code("{0}", "{1}"),
     "together": report.explained_together("{0}", "{1}"),
     "looks_wrong": report.looks_wrong("{0}", "{1}"),
+    "own_request": report.own_request("{0}"),
+    "own_requests": report.own_requests("{0}"),
     "another_frame": report.ANOTHER_FRAME,
     "uncertain": report.UNCERTAIN_READINGS,
     "compared": report.compared("{0}", "{1}", agree=True),
@@ -354,7 +365,8 @@ def script_table(library: Library) -> Data:
         "said": _MESSAGES,
         "limits": {"text": report.LONGEST, "quote": LONGEST_QUOTE, "label": LONGEST, "likeness": NEAR},
         "lines": {name: _line_data(line) for name, line in LINES.items()},
-        "exchanges": {"most": MOST_BYTES, "least": LEAST_EVIDENCE, "echo": ECHO_TEXT, "frames": FRAMES_TEXT},
+        "exchanges": {"most": MOST_BYTES, "least": LEAST_EVIDENCE, "echo": ECHO_TEXT, "frames": FRAMES_TEXT}
+        | {"least_in_word": LEAST_BITS_OF_ECHO, "word_echo": WORD_ECHO_TEXT},
         "doubts": READINGS,
         "inside": [FRAME_INSIDE, FRAME_INSIDE_TEXT],
         "texts": dict(TEXTS),

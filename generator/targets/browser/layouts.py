@@ -47,6 +47,7 @@ from ...say.names_and_places import register_at, title
 from ...say.register import facts
 from ...say.report import alarm_of, meaning, of_older_edition, remedy, source, states
 from ...say.text import BY_NAME, spec_text
+from ...why.exchanges import usual_values_of
 
 Data = dict[str, Any]
 #: Highest integer that JavaScript represents exactly.
@@ -158,8 +159,12 @@ def channel_data(device: Device, interface: Interface) -> Data:
     ) | {"position": has_position.index(True)}
 
 
-def frame_data(device: Device, layout: Layout, reporting: Reporting | None) -> Data:
-    """Return a frame with its verdict and reports (``tells``). ``reporting`` is None if it has neither."""
+def frame_data(device: Device, interface: str, layout: Layout, reporting: Reporting | None) -> Data:
+    """Return a frame with its verdict and reports (``tells``). ``reporting`` is None if it has neither.
+
+    ``usual`` has the values that fields usually have, which are evidence for the frame.
+    """
+    usual_values = usual_values_of(device, interface, layout)
     codec = codec_of(device, layout)
     description = describe(codec, reporting)
     causes = reporting.causes if reporting is not None else ()
@@ -176,6 +181,7 @@ def frame_data(device: Device, layout: Layout, reporting: Reporting | None) -> D
         channel=layout.channel,
         selector=layout.selector,
         selects=[json_number(value) for value in layout.selects],
+        usual=[[name, *map(json_number, values)] for name, values in usual_values.items()],
         tells=sorted(reports, key=lambda report: flag_names.index(report["flag"])),
     )
 
