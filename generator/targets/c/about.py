@@ -91,7 +91,7 @@ def about_crc(device: Device, function: CrcFunction) -> list[Paragraph]:
     """Return the comment on the function of a CRC: its argument, the facts of the CRC, and a special form."""
     facts = list(map(S.sentence, say_crc.crc(device, function.crc)))
     if function.carrier is Carrier.BITS:
-        return ["Return the CRC of 1 to 64 bits. Bit 0 is the last one sent.", *facts]
+        return ["Return the CRC of bits. Bit 0 is the last one sent.", *facts]
     paragraphs: list[Paragraph] = ["Return the CRC of bytes in the order sent.", *facts]
     if function.form is Form.XOR:
         paragraphs.append("With this polynomial, the CRC of whole bytes is their XOR.")

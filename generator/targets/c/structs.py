@@ -23,7 +23,22 @@ from .. import TargetError
 from .bits import Reader, Unused
 from .context import Context, Macro, scale_macros
 from .enumerations import Enumeration
-from .names import Cast, Expr, Name, Number, Operation, c_name, joined, number, signed, signed_number, size_of, unsigned
+from .names import (
+    Cast,
+    Expr,
+    Name,
+    Number,
+    Operation,
+    c_name,
+    joined,
+    masked,
+    number,
+    shifted_right,
+    signed,
+    signed_number,
+    size_of,
+    unsigned,
+)
 
 
 class Struct:
@@ -92,6 +107,19 @@ class Struct:
     def number_type(self) -> str:
         """The type of the word as a number, which an encoder stores."""
         return unsigned(self.reader.word_size)
+
+    def covered(self, crc: FrameCrc) -> Expr:
+        """Return the bits of the word that a CRC covers, with bit 0 the last of them."""
+        word_size = self.reader.word_size
+        highest = crc.low + crc.covered.constant if covers_32_bits(crc) else word_size
+        bits = shifted_right(self.reader.lower(highest), crc.low)
+        is_across_halves = covers_32_bits(crc) and highest > 32
+        return Cast("uint32_t", bits) if is_across_halves else bits
+
+    def received(self, crc: FrameCrc) -> Expr:
+        """Return the CRC in a word, which is in its lowest bits."""
+        width = crc.crc.width
+        return masked(self.reader.lower(width), (1 << width) - 1)
 
     # -- members
 
@@ -203,6 +231,11 @@ class Struct:
                 compared = Cast(type_of_bits, constant) if type_of_bits else constant
             conditions.append(Operation("!=", (name, compared)))
         return joined("&&", tuple(conditions))
+
+
+def covers_32_bits(crc: FrameCrc) -> bool:
+    """Return whether a CRC covers at most 32 bits with every order code."""
+    return crc.covered.is_constant and crc.covered.constant <= 32
 
 
 def word_size(context: Context, layout: Layout) -> int:
