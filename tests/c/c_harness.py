@@ -220,9 +220,17 @@ def answers(codec: StructCodec) -> str:
 def word_of(codec: StructCodec) -> str:
     """Return the word that a decoder takes, from its number in ``text``. If that is too high, the word is too long."""
     if not codec.word_has_length:
-        return "number(text)"
+        return f"({codec.struct.number_type})number(text)"
     taken = "".join(f", {question.type}_taken" for question in codec.length_alternatives)
     return f"cw_word_of(number(text), {codec.name}_bits(variant{taken}))"
+
+
+def _too_high(codec: StructCodec) -> str:
+    """Return the start of a conditional for numbers that the type of the word cannot hold, so no caller passes them."""
+    size = codec.struct.reader.word_size
+    if codec.plan.in_bytes or size == 64:
+        return ""
+    return f"(number(text) >> {size}U) != 0U ? CW_FAULT_LENGTH : "
 
 
 def short(view: DeviceView, codec: StructCodec) -> str:
@@ -439,7 +447,7 @@ def _decoded(view: DeviceView, codec: StructCodec, verb: str, name: str, then: s
     {codec.type} out;
     cw_result result;
     memset(&out, 0x5A, sizeof out);
-    result = {codec.name}_decode(variant, {decode_arguments}, &out);
+    result = {_too_high(codec)}{codec.name}_decode(variant, {decode_arguments}, &out);
     printf("%d", (int)result);
     if (result == CW_OK) {{
         {then}
@@ -462,13 +470,22 @@ def _report_branch(view: DeviceView, codec: StructCodec, name: str) -> str:
     return _decoded(view, codec, "tells", name, then + _position(view, codec))
 
 
+def _wrong_length(codec: StructCodec) -> str:
+    """Return the frame of a wrong length, or an empty string if the type of its word holds no longer one."""
+    if codec.plan.in_bytes:
+        return "b, 0U"
+    if codec.word_has_length:
+        return "cw_word_of(~(uint64_t)0U, 64U)"
+    return f"({codec.struct.number_type})~(uint64_t)0U" if codec.may_be_longer else ""
+
+
 def _position(view: DeviceView, codec: StructCodec) -> str:
     """The short way gives the same verdict and position as the long one, and stores only usable positions."""
     if not codec.measured:
         return ""
     decode_arguments = answers(codec) + ("b, bytes_of(text, b)" if codec.plan.in_bytes else word_of(codec))
-    all_ones = "cw_word_of(~(uint64_t)0U, 64U)" if codec.word_has_length else "~(uint64_t)0U"
-    wrong_length = "b, 0U" if codec.plan.in_bytes else all_ones
+    wrong_length = _wrong_length(codec)
+    refused = f"{codec.name}_position(variant, {answers(codec)}{wrong_length}, &position) == CW_NOT_USABLE"
     return f"""
         {codec.struct.member_type(codec.measured)} position = 0x5A;
         const cw_verdict verdict = {codec.name}_position(variant, {decode_arguments}, &position);
@@ -476,7 +493,7 @@ def _position(view: DeviceView, codec: StructCodec) -> str:
             || position != (verdict == CW_NOT_USABLE ? 0x5A : out.{c_name(codec.measured)})) {{
             abort();
         }}
-        if ({codec.name}_position(variant, {answers(codec)}{wrong_length}, &position) != CW_NOT_USABLE) {{
+        if (!({refused if wrong_length else "true"})) {{
             abort();
         }}"""
 
@@ -589,7 +606,7 @@ def _encode(view: DeviceView, codec: StructCodec, name: str) -> str:
 
 
 def _encode_word(codec: StructCodec) -> str:
-    return f"""uint64_t word = 0U;
+    return f"""{codec.struct.number_type} word = 0U;
     const cw_result result = {codec.name}_encode(variant, {answers(codec)}&in, &word);
     printf("%d %llX\\n", (int)result, (unsigned long long)word);
 """

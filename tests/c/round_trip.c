@@ -81,20 +81,20 @@ static void spi(const uint8_t *received, const uint8_t *diaagc)
     ams_as5047p_spi_position reply;
     ams_as5047p_spi_reg_diaagc gain;
     uint8_t sent[2] = { 0U, 0U };
-    uint64_t word = 0U;
-    uint64_t again = 0U;
+    uint16_t word = 0U;
+    uint16_t again = 0U;
     check(ams_as5047p_spi_read_request_encode(
         encoder, &(ams_as5047p_spi_read_request){ AMS_AS5047P_SPI_REG_DIAAGC_ADDRESS }, &word));
     check(cw_spi_store(word, 16U, sent, sizeof(sent)));
     printf("spi %02X%02X", (unsigned)sent[0], (unsigned)sent[1]);
     check(ams_as5047p_spi_position_request_encode(encoder, &request, &word));
-    printf(" %llX", (unsigned long long)word);
-    check(cw_spi_load(received, 2U, 16U, &word));
-    printf(" %d", (int)ams_as5047p_spi_position_decode(encoder, word ^ 1U, &reply));
+    printf(" %X", (unsigned)word);
+    check(ams_as5047p_spi_position_receive(encoder, received, 2U, &word));
+    printf(" %d", (int)ams_as5047p_spi_position_decode(encoder, (uint16_t)(word ^ 1U), &reply));
     check(ams_as5047p_spi_position_decode(encoder, word, &reply));
     check(ams_as5047p_spi_position_encode(encoder, &reply, &again));
-    printf(" %u %d %llX", (unsigned)reply.position, (int)ams_as5047p_spi_position_verdict(encoder, &reply),
-           (unsigned long long)again);
+    printf(" %u %d %X", (unsigned)reply.position, (int)ams_as5047p_spi_position_verdict(encoder, &reply),
+           (unsigned)again);
     check(ams_as5047p_spi_reg_diaagc_decode(encoder, diaagc, 2U, &gain));
     printf(" %d %u\n", (int)gain.offset_loop, (unsigned)gain.agc);
 }

@@ -180,7 +180,8 @@ class Batch:
             "verdict": f"{view.reports.verdict}(*variant, &out)" if view.reports and view.reports.verdict else "255U",
             "reports": f"{view.reports.reports}(*variant, &out)" if view.reports and view.reports.reports else "0U",
             "encode": "&word" if bits else f"to, {view.plan.length}U",
-            "before": "uint64_t word = 0U;" if bits else "",
+            "before": f"{view.struct.number_type} word = 0U;" if bits else "",
+            "too_high": _refuse_too_high(view),
             "after": "put_word(to, word);" if bits else "",
         }
         return _fill(_CODEC, values)
@@ -189,9 +190,17 @@ class Batch:
 def _word(view: StructCodec) -> str:
     """Return the word of a record, with the length of the variant. Too high a number is a word that is too long."""
     if not view.word_has_length:
-        return "word_of(from)"
+        return f"({view.struct.number_type})word_of(from)"
     taken = "".join(f", {question.type}_taken" for question in view.length_alternatives)
     return f"cw_word_of(word_of(from), {view.name}_bits(*variant{taken}))"
+
+
+def _refuse_too_high(view: StructCodec) -> str:
+    """Return C that refuses a number that the type of the word does not hold, because no caller can pass it."""
+    size = view.struct.reader.word_size
+    if view.plan.in_bytes or size == 64:
+        return ""
+    return f"if ((word_of(from) >> {size}U) != 0U) {{ to[-1] = (uint8_t)CW_FAULT_LENGTH; return; }}"
 
 
 def _row(codec: Codec) -> str:
@@ -256,6 +265,7 @@ static void decode_@name@(const @prefix@ *variant, const uint8_t *from, uint8_t 
     @type@ out;
     cw_result result;
     wipe((uint8_t *)&out, sizeof out, 0x5AU);
+    @too_high@
     result = @struct@_decode(*variant, @decode@);
     to[-1] = (uint8_t)result;
     if (result != CW_OK) {

@@ -78,18 +78,22 @@ class _Wire(NamedTuple):
 
     @classmethod
     def of_codec(cls, codec: Codec) -> _Wire:
-        return cls.word(_given_word(codec)) if codec.by_word else cls.buffer(codec.size, codec.bytes_upwards)
+        return (
+            cls.word(_given_word(codec), _word_type(codec))
+            if codec.by_word
+            else cls.buffer(codec.size, codec.bytes_upwards)
+        )
 
     @classmethod
-    def word(cls, source: str) -> _Wire:
+    def word(cls, source: str, type_: str) -> _Wire:
         return cls(
-            declare="unsigned long long wire = nondet_word();",
-            declare_before="unsigned long long before = wire;",
+            declare=f"{type_} wire = ({type_})nondet_word();",
+            declare_before=f"{type_} before = wire;",
             is_unchanged="wire == before",
             source=source,
             destination="&wire",
             number="(number)wire",
-            declare_again="unsigned long long again = nondet_word();",
+            declare_again=f"{type_} again = ({type_})nondet_word();",
             destination_again="&again",
         )
 
@@ -105,6 +109,12 @@ class _Wire(NamedTuple):
             declare_again=f"uint8_t again[{size}];",
             destination_again=f"again, {size}",
         )
+
+
+def _word_type(codec: Codec) -> str:
+    """Return the type of the word that the encoder stores."""
+    out, _ = codec.header.functions[f"{codec.name}_encode"].arguments[-1]
+    return out.removesuffix("*").strip()
 
 
 def _given_word(codec: Codec) -> str:

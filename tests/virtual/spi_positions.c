@@ -9,14 +9,14 @@
 
 #define encoder AMS_AS5047P_SPI_AS5047P
 
-static uint64_t exchange(uint64_t word)
+static uint16_t exchange(uint16_t word)
 {
     uint8_t bytes[2];
     cw_spi_bytes(word, bytes, sizeof(bytes));
     if ((fwrite(bytes, 1U, 2U, stdout) != 2U) || (fflush(stdout) != 0) || (fread(bytes, 1U, 2U, stdin) != 2U)) {
         exit(2);
     }
-    return cw_spi_data(bytes, sizeof(bytes));
+    return (uint16_t)cw_spi_data(bytes, sizeof(bytes));
 }
 
 int main(int count, char **arguments)
@@ -31,7 +31,7 @@ int main(int count, char **arguments)
     cw_spi_start(&line, AMS_AS5047P_SPI_REPLY_WORDS);
     while (seen < wanted) {
         const int reads = (words++ % 101UL) == 100UL;
-        uint64_t word;
+        uint16_t word;
         cw_spi_asked answered;
         const cw_result result = reads ? ams_as5047p_spi_read_request_encode(encoder, &read_request, &word)
                                        : ams_as5047p_spi_position_request_encode(encoder, &position_request, &word);

@@ -263,9 +263,8 @@ def test_c_accepts_exactly_the_valid_words(outputs: Path, tmp_path: Path) -> Non
     source.write_text(
         '#include <stdio.h>\n#include "ams/as5047p_spi_simulate.h"\n'
         "#define encoder AMS_AS5047P_SPI_AS5047P\n"
-        "int main(void)\n{\nuint64_t word, again;\nfor (word = 0U; word < 65536U; word++) {\n"
-        + "\n".join(lines)
-        + "\n}\nreturn 0;\n}\n",
+        "int main(void)\n{\nuint32_t number;\nuint16_t again;\nfor (number = 0U; number < 65536U; number++) {\n"
+        "const uint16_t word = (uint16_t)number;\n" + "\n".join(lines) + "\n}\nreturn 0;\n}\n",
         encoding="ascii",
     )
     include = str(outputs / "c" / "include")
@@ -274,6 +273,41 @@ def test_c_accepts_exactly_the_valid_words(outputs: Path, tmp_path: Path) -> Non
     printed = subprocess.run([tmp_path / "words"], capture_output=True, text=True, check=True).stdout.splitlines()
     expected = [f"{name} {word} {word & 0x3FFF}" for name in FRAMES for word in valid(name)]
     assert sorted(printed) == sorted(expected)
+
+
+_READ_WORD_C = """
+#include <stdio.h>
+#include "ams/as5047p_spi.h"
+int main(void)
+{
+    for (uint32_t number = 0U; number < 65536U; number++) {
+        const uint8_t rx[2] = { (uint8_t)(number >> 8U), (uint8_t)number };
+        uint16_t from_bytes = 0xFFFFU;
+        uint16_t from_word = 0xFFFFU;
+        const cw_verdict bytes = AMS_AS5047P_SPI_READ(AS5047P, rx, &from_bytes);
+        const cw_verdict word = AMS_AS5047P_SPI_READ_WORD(AS5047P, (uint16_t)number, &from_word);
+        if ((bytes != word) || (from_bytes != from_word)) {
+            return 1;
+        }
+        if (word != CW_NOT_USABLE) {
+            printf("%u %u\\n", (unsigned)number, (unsigned)from_word);
+        }
+    }
+    return 0;
+}
+"""
+
+
+def test_c_reads_a_word_of_16_bits_as_its_bytes(outputs: Path, tmp_path: Path) -> None:
+    """STM32 peripherals exchange words of 16 bits as one number. Bit 14 is the error, and the parity is even."""
+    source, program = tmp_path / "read_word.c", tmp_path / "read_word"
+    source.write_text(_READ_WORD_C, encoding="ascii")
+    strict = "-std=c99 -O1 -Wall -Wextra -Wconversion -Werror".split()
+    require(["gcc"])
+    subprocess.run(["gcc", *strict, "-I", str(outputs / "c/include"), str(source), "-o", str(program)], check=True)
+    printed = subprocess.run([program], capture_output=True, text=True, check=True).stdout.splitlines()
+    usable = [word for word in valid("position") if not word & 0x4000]
+    assert printed == [f"{word} {word & 0x3FFF}" for word in usable]
 
 
 def test_python_accepts_exactly_the_valid_words(package: Any) -> None:

@@ -25,7 +25,7 @@ SPECS = Path(__file__).parents[2] / "specs"
 def outputs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("words")
     targets = [text for name in ("python", "c", "docs") for text in ("--target", name)]
-    specs = [str(SPECS / name) for name in ("cui", "magntek")]
+    specs = [str(SPECS / name) for name in ("cui", "magntek", "mps")]
     assert main(["generate", *specs, *targets, "-o", str(folder)]) == 0
     return folder
 
@@ -134,18 +134,18 @@ _LENGTHS_C = """
 int main(void)
 {
     static const uint8_t rx[4] = { 0x61U, 0xABU, 0xC0U, 0x00U };
-    uint64_t word = 0U;
+    uint16_t word = 0U;
+    uint32_t long_word = 0U;
     cui_amt22_spi_position position;
     cui_amt22_spi_position_and_turns both;
-    const uint32_t short_bits = cui_amt22_spi_position_bits(encoder);
-    const uint32_t long_bits = cui_amt22_spi_position_and_turns_bits(encoder);
-    printf("%d %d\\n", (int)cw_spi_load(rx, 4U, short_bits, &word), (int)cw_spi_load(rx, 2U, long_bits, &word));
-    printf("%d\\n", (int)cui_amt22_spi_position_decode(encoder, 0x61ABC000U, &position));
-    if (cw_spi_load(rx, 4U, long_bits, &word) == CW_OK
-        && cui_amt22_spi_position_and_turns_decode(encoder, word, &both) == CW_OK) {
+    printf("%d %d\\n", (int)cui_amt22_spi_position_receive(encoder, rx, 4U, &word),
+           (int)cui_amt22_spi_position_and_turns_receive(encoder, rx, 2U, &long_word));
+    printf("%u %u\\n", (unsigned)word, (unsigned)long_word);
+    if (cui_amt22_spi_position_and_turns_receive(encoder, rx, 4U, &long_word) == CW_OK
+        && cui_amt22_spi_position_and_turns_decode(encoder, long_word, &both) == CW_OK) {
         printf("%X %d\\n", (unsigned)both.position, (int)both.turns);
     }
-    if (cw_spi_load(rx, 2U, short_bits, &word) == CW_OK
+    if (cui_amt22_spi_position_receive(encoder, rx, 2U, &word) == CW_OK
         && cui_amt22_spi_position_decode(encoder, word, &position) == CW_OK) {
         printf("%X\\n", (unsigned)position.position);
     }
@@ -154,8 +154,24 @@ int main(void)
 """
 
 
+@pytest.mark.parametrize(
+    ("header", "decoder", "word_type"),
+    [
+        ("cui/amt22_spi.h", "cui_amt22_spi_position_decode", "uint16_t"),
+        ("cui/amt22_spi.h", "cui_amt22_spi_position_and_turns_decode", "uint32_t"),
+        ("mps/ma732_spi.h", "mps_ma732_spi_position_with_parity_decode", "uint32_t"),
+        ("magntek/mt6835_spi.h", "magntek_mt6835_spi_angle_decode", "uint64_t"),
+    ],
+)
+def test_c_takes_a_word_in_the_smallest_type(outputs: Path, header: str, decoder: str, word_type: str) -> None:
+    """Words of 16, 17, 32 and 48 bits."""
+    text = (outputs / "c/include" / header).read_text(encoding="ascii")
+    parameters = text.split(f"{decoder}(", 1)[1].split(")", 1)[0]
+    assert f"{word_type} word" in parameters
+
+
 def test_c_refuses_another_length(outputs: Path, tmp_path: Path) -> None:
-    """A word of 32 bits as one of 16, and the other way round. The decoder also refuses bits above the word."""
+    """A word of 32 bits as one of 16, and the other way round. Both words are then unchanged."""
     source, program = tmp_path / "words.c", tmp_path / "words"
     source.write_text(_LENGTHS_C, encoding="ascii")
     strict = "-std=c99 -Wall -Wextra -Wconversion -Werror -fsanitize=undefined,address".split()
@@ -163,7 +179,7 @@ def test_c_refuses_another_length(outputs: Path, tmp_path: Path) -> None:
     require(["gcc", *strict])
     subprocess.run(["gcc", *strict, "-I", include, str(source), "-o", str(program)], check=True)
     completed = subprocess.run([program], capture_output=True, text=True, check=True)
-    assert completed.stdout.splitlines() == ["1 1", "1", "21AB 0", "21AB"]
+    assert completed.stdout.splitlines() == ["1 1", "0 0", "21AB 0", "21AB"]
 
 
 @pytest.mark.parametrize(

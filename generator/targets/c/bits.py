@@ -65,7 +65,18 @@ class Reader:
 
     plan: Codec
     scope: Scope
+    #: Number of bits in the type of the word that a decoder takes.
+    word_size: int = 64
     as_sent: bool = False
+
+    @property
+    def encoded_type(self) -> str:
+        """The type in which an encoder assembles the word.
+
+        The runtime converts Gray code, and masks fields whose width depends on the order code, in 64 bits.
+        """
+        needs_64_bits = self.word_size > 32 or self.plan.gray is not None or self.plan.depends
+        return "uint64_t" if needs_64_bits else "uint32_t"
 
     @property
     def word(self) -> Expr:
@@ -96,7 +107,7 @@ class Reader:
             return Call("cw_field", (self.word, self.scope.of(bits.low), self.scope.of(bits.width)))
         # There are no bits above it: the length has been checked.
         if bits.low.is_constant:
-            return shifted_right(self.word, bits.low.constant)
+            return shifted_right(self.lower(self.word_size), bits.low.constant)
         return Call("cw_above", (self.word, self.scope.of(bits.low)))
 
     def flag(self, bits: Bits) -> Expr:
@@ -110,7 +121,8 @@ class Reader:
 
     def lower(self, high: int) -> Expr:
         """Return the word, or its lower half if the bits below ``high`` are enough."""
-        return Cast("uint32_t", self.word) if high <= 32 else self.word
+        has_32_bits = self.word_size == 32 and self.plan.gray is None
+        return Cast("uint32_t", self.word) if high <= 32 and not has_32_bits else self.word
 
     def whole(self, whole: Whole, name_of: Callable[[Field], Expr]) -> Expr:
         """Return a join as one number: from the word if its fields are adjacent, otherwise from its fields by name."""
@@ -279,12 +291,12 @@ class Unused:
             differing_bits = _MEMBER if is_all else masked(_MEMBER, moved.mask)
             bits = _with_inverted(differing_bits, _documented(moved.value))
             # Bit 0 of the member is bit ``shift`` of the word.
-            yield _shifted(Cast("uint64_t", bits), -moved.shift)
+            yield _shifted(Cast(self.reader.encoded_type, bits), -moved.shift)
         for reserved in self.single:
             bits = _with_inverted(_MEMBER, self._documented(reserved)) if is_all else self._bits_to_send(reserved)
             low = reserved.bits.low
             distance = low.constant if low.is_constant else self.reader.scope.of(low)
-            yield shifted_left(Cast("uint64_t", bits), distance)
+            yield shifted_left(Cast(self.reader.encoded_type, bits), distance)
 
     @property
     def in_bytes(self) -> Iterator[tuple[int, Expr]]:

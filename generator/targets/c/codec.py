@@ -129,12 +129,20 @@ class StructCodec:
     @property
     def word_type(self) -> str:
         """The type of the word that the decoder takes."""
-        return "cw_word" if self.word_has_length else "uint64_t"
+        return "cw_word" if self.word_has_length else self.struct.number_type
 
     @property
     def word_parameter(self) -> str:
         """The word as a parameter of functions that pass it on to the decoder."""
-        return self.struct.context.passing.parameter("cw_word", "word") if self.word_has_length else "uint64_t word"
+        if self.word_has_length:
+            return self.struct.context.passing.parameter("cw_word", "word")
+        return f"{self.struct.number_type} word"
+
+    @property
+    def may_be_longer(self) -> bool:
+        """True if the type of the word has more bits than some frame."""
+        bits = self.plan.layout.bits
+        return not (bits.is_constant and bits.constant == self.struct.reader.word_size)
 
     @property
     def order_of_bytes(self) -> str:
@@ -207,7 +215,8 @@ class StructCodec:
     @property
     def decoder_depends(self) -> bool:
         """True if the decoder uses the variant."""
-        return self.plan.depends or not self.plan.in_bytes
+        checks_length = not self.plan.in_bytes and self.may_be_longer
+        return self.plan.depends or checks_length
 
     @property
     def encoder_depends(self) -> bool:

@@ -123,16 +123,24 @@ class Decoder:
     # -- errors
 
     @property
+    def parities_in_word(self) -> tuple[ParityIs, ...]:
+        """The parity bits that are checked in the word, before any field of it is extracted."""
+        parities = (check for check in self.plan.checks if isinstance(check, ParityIs))
+        return tuple(parity for parity in parities if parity.field.name in self._word_parities)
+
+    @property
     def checks(self) -> Iterator[Check | ByteIs]:
         """The checks in order: constants, parity bits, parity bits of the selector, and then values.
 
         In bytes, constants are checked byte by byte, after the zeros above fields. A parity bit of the selector is
-        checked together with the selector, which then has no check of its own.
+        checked together with the selector, which then has no check of its own. Those in ``parities_in_word`` are not
+        among them.
         """
         checks = self.plan.checks
         parities = [check for check in checks if isinstance(check, ParityIs)]
         parities_of_selector = [parity for parity in parities if parity.known_parity is not None]
         other_parities = [parity for parity in parities if parity.known_parity is None]
+        other_parities = [parity for parity in other_parities if parity.field.name not in self._word_parities]
         selector_names = {parity.selector.name for parity in parities_of_selector}
         if self.plan.by_word:
             yield from (check for check in checks if isinstance(check, AlwaysIs))
@@ -195,10 +203,10 @@ class Decoder:
             mask |= ((1 << bits.width.constant) - 1) << bits.low.constant
         return mask if mask.bit_length() <= 32 else 0
 
-    def parity_in_word(self, parity: ParityIs) -> Expr | None:
-        """Return the parity of a parity bit and all bits that it covers, or None if ``_mask_in_word`` has no mask."""
-        mask = self._word_parities.get(parity.field.name)
-        return Call("cw_parity", (masked(self.reader.lower(32), mask),)) if mask else None
+    def parity_in_word(self, parity: ParityIs) -> Expr:
+        """Return the parity of a parity bit in the word and all bits that it covers."""
+        mask = self._word_parities[parity.field.name]
+        return Call("cw_parity", (masked(self.reader.lower(32), mask),))
 
     def parity(self, fields: Sequence[Field], mask: int) -> Expr:
         """Return the parity of these fields, or of their bits in ``mask`` if it is not 0."""

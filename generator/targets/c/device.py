@@ -10,117 +10,31 @@ from functools import cached_property, partial
 from itertools import chain
 from typing import Protocol, TypeVar
 
-from ...model import Crc, Device, Document, Layout, Parameter, Procedure, Register, Ssi, first_of
+from ...model import Device, Document, Layout, Parameter, Procedure, Register, Ssi, first_of
 from ...model.order_codes import repeated_names
 from ...model.record import dataclass
 from ...order_codes.reduction import for_codes
-from ...plan.crcs import Carrier, CrcFunction, Form, carrier_of, crc_functions, reflect, table, word_table
+from ...plan.crcs import crc_functions
 from ...plan.frames import held_parameters
 from ...plan.values import TwosComplement
 from ...say.errata import errata, erratum
 from ...say.evidence import grade, origin, other_editions, removals, titled_in_lists
 from ...say.order_code import initial
 from .. import TargetError
-from .about import about_crc
 from .channels import channel_code
 from .chosen import chosen_variant
 from .code_facts import CodeFacts
 from .codec import StructCodec
 from .comments import Paragraph, S
 from .context import Context, timing_macros
+from .crc_code import CrcCode, crc_code
 from .interfaces import InterfaceCode, ReplyRequest
-from .names import BY_VALUE, Declared, Names, Passing, c_name, errata_page_name, runtime_version, unsigned
+from .names import BY_VALUE, Declared, Names, Passing, c_name, errata_page_name, runtime_version
 from .positions import RangeFunctions, positions
 from .procedures import ProcedureCode
 from .reading import ReadCode
 from .registers import AlarmCode, RegisterCode, identity_codes, state_registers
 from .variants import LengthCode, Taker, VariantCode
-
-
-@dataclass(frozen=True)
-class CrcCode:
-    """The function of a CRC over bits or bytes. ``table`` holds the remainder of each byte, if there is a table.
-
-    The function exists only if a frame calls it. Frames that are one number mostly have a CRC function of their own.
-    """
-
-    name: str
-    function: CrcFunction
-    about: tuple[Paragraph, ...]
-    table: tuple[int, ...]
-    is_called: bool
-
-    def declared(self) -> Iterator[Declared]:
-        if self.is_called:
-            yield self.name, ("crcs", self.crc.name)
-        if self.table:
-            yield f"{self.name}_entries", ("crcs", self.crc.name)
-
-    @property
-    def type(self) -> str:
-        return unsigned(self.crc.width)
-
-    @property
-    def crc(self) -> Crc:
-        return self.function.crc
-
-    @property
-    def in_bytes(self) -> bool:
-        return self.function.carrier is Carrier.BYTES
-
-    @property
-    def is_fold(self) -> bool:
-        return self.function.form is Form.FOLD
-
-    @property
-    def by_bits(self) -> bool:
-        return self.function.form is Form.TABLE
-
-    @property
-    def is_reflected(self) -> bool:
-        """True if the table is for a shift register with its bits in reverse order."""
-        return self.by_bits and self.in_bytes and self.crc.refin
-
-    @property
-    def table_init(self) -> int:
-        return reflect(self.crc.init, self.crc.width) if self.is_reflected else self.crc.init
-
-    @property
-    def is_turned(self) -> bool:
-        """True if that register must be reversed at the end."""
-        return self.crc.refout != self.is_reflected
-
-
-def crc_code(context: Context, function: CrcFunction, codecs: Sequence[StructCodec]) -> CrcCode:
-    """Return the function of a CRC, with a table if a codec uses it. A codec with a CRC for words does not call it."""
-    users = [codec for codec in codecs if _uses(codec, function)]
-    return CrcCode(
-        name=context.crc_name(function.crc, function.carrier.value),
-        function=function,
-        about=tuple(about_crc(context.device, function)),
-        table=_table_of(function) if users else (),
-        is_called=any(codec.word_crc is None for codec in users),
-    )
-
-
-def _uses(codec: StructCodec, function: CrcFunction) -> bool:
-    """Return whether a codec uses this function or its table. Bits in bytes have their own functions, ``bits_crcs``."""
-    has_crc = any(frame_crc.crc == function.crc for frame_crc in codec.plan.crcs)
-    if not has_crc or codec.bits_crcs:
-        return False
-    return carrier_of(codec.struct.layout) is function.carrier
-
-
-def _table_of(function: CrcFunction) -> tuple[int, ...]:
-    """Return the entries of the table of a CRC, if it has one. A folded CRC has one only for frames that are words."""
-    crc = function.crc
-    if function.form is Form.TABLE:
-        is_reflected = function.carrier is Carrier.BYTES and crc.refin
-        return table(crc.width, crc.poly, is_reflected)
-    if function.form is Form.FOLD and function.in_words:
-        return word_table(crc.width, crc.poly)
-    return ()
-
 
 _Built = TypeVar("_Built")
 

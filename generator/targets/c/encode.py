@@ -94,6 +94,11 @@ class Encoder:
     # -- the word
 
     @property
+    def word_type(self) -> str:
+        """The type in which the word is assembled."""
+        return self.reader.encoded_type
+
+    @property
     def word(self) -> tuple[Expr, ...]:
         """The terms of the word: constants, members, parity bits and unused bits. Terms that are always 0 are left out.
 
@@ -119,8 +124,8 @@ class Encoder:
         is_at_bit_0 = low.is_constant and low.constant == 0
         # A member of a small type would be promoted to a signed one.
         if is_at_bit_0:
-            return Cast("uint64_t", value) if isinstance(value, Name) else value
-        return shifted_left(Cast("uint64_t", value), self.struct.scope.of(low))
+            return Cast(self.word_type, value) if isinstance(value, Name) else value
+        return shifted_left(Cast(self.word_type, value), self.struct.scope.of(low))
 
     def _is_always_zero(self, term: Term) -> bool:
         """Return True if a term is a constant field or a parity bit that is always 0."""

@@ -14,7 +14,8 @@ from ...plan.verdicts import reportings
 from ...say.names_and_places import words
 from .. import main_manufacturer, manufacturers
 from .comments import ascii_text
-from .device import CrcCode, DeviceView
+from .crc_code import CrcCode
+from .device import DeviceView
 from .examples import ExampleCode, ShownRegister, ShownRun, example_codes
 from .names import FOLDER, c_name
 from .procedures import ProcedureCode

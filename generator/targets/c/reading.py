@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from ...model import Spi
 from .codec import StructCodec
 from .context import Context
 from .enumerations import AlternativeCode
@@ -29,9 +30,17 @@ class ReadCode:
         if self.frame is not None:
             path = ("interfaces", self._context.interface.name)
             names = [self.macro, f"{self.macro}_BYTES"]
+            if self.takes_word:
+                names.append(f"{self.macro}_WORD")
             if self.twice:
                 names += [f"{self.macro}_TWICE", f"{self.frame.name}_read_twice"]
             yield from ((name, path) for name in names)
+
+    @property
+    def takes_word(self) -> bool:
+        """True if a macro takes a word as a number, since SPI peripherals exchange words of 16 or 32 bits."""
+        is_word = self.frame is not None and not self.frame.plan.in_bytes and not self.frame.word_has_length
+        return is_word and isinstance(self._context.interface, Spi)
 
     @property
     def questions(self) -> tuple[AlternativeCode, ...]:

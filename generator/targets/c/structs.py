@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from types import MappingProxyType
 
-from ...model import Field, Layout, Register, assert_never
+from ...model import Field, Layout, Register, Spi, assert_never
 from ...plan.codec import Codec, characters, codec_of
 from ...plan.operations import FrameCrc
 from ...plan.values import (
@@ -23,7 +23,22 @@ from .. import TargetError
 from .bits import Reader, Unused
 from .context import Context, Macro, scale_macros
 from .enumerations import Enumeration
-from .names import Cast, Expr, Name, Number, Operation, c_name, joined, number, signed, signed_number, unsigned
+from .names import (
+    Cast,
+    Expr,
+    Name,
+    Number,
+    Operation,
+    c_name,
+    joined,
+    masked,
+    number,
+    shifted_right,
+    signed,
+    signed_number,
+    size_of,
+    unsigned,
+)
 
 
 class Struct:
@@ -42,7 +57,7 @@ class Struct:
         self.length_macro = length_macro
         self.register = register
         self.plan: Codec = codec_of(context.device, layout)
-        self.reader = Reader(self.plan, context.scope)
+        self.reader = Reader(self.plan, context.scope, word_size(context, layout))
         #: The numbers of the scales of its fields.
         self.scales: tuple[Macro, ...] = tuple(scale_macros(layout, name))
         self.unused = Unused(self.reader)
@@ -87,6 +102,24 @@ class Struct:
     def crc_function(self, crc: FrameCrc) -> str:
         """Return the name of the function that computes a CRC of the layout."""
         return self.context.crc_name(crc.crc, self.layout.carried_as)
+
+    @property
+    def number_type(self) -> str:
+        """The type of the word as a number, which an encoder stores."""
+        return unsigned(self.reader.word_size)
+
+    def covered(self, crc: FrameCrc) -> Expr:
+        """Return the bits of the word that a CRC covers, with bit 0 the last of them."""
+        word_size = self.reader.word_size
+        highest = crc.low + crc.covered.constant if covers_32_bits(crc) else word_size
+        bits = shifted_right(self.reader.lower(highest), crc.low)
+        is_across_halves = covers_32_bits(crc) and highest > 32
+        return Cast("uint32_t", bits) if is_across_halves else bits
+
+    def received(self, crc: FrameCrc) -> Expr:
+        """Return the CRC in a word, which is in its lowest bits."""
+        width = crc.crc.width
+        return masked(self.reader.lower(width), (1 << width) - 1)
 
     # -- members
 
@@ -198,6 +231,20 @@ class Struct:
                 compared = Cast(type_of_bits, constant) if type_of_bits else constant
             conditions.append(Operation("!=", (name, compared)))
         return joined("&&", tuple(conditions))
+
+
+def covers_32_bits(crc: FrameCrc) -> bool:
+    """Return whether a CRC covers at most 32 bits with every order code."""
+    return crc.covered.is_constant and crc.covered.constant <= 32
+
+
+def word_size(context: Context, layout: Layout) -> int:
+    """Return the number of bits in the type of a frame's word.
+
+    A word over SPI has the smallest type for its bits, since a master exchanges it as one. Other words have 64 bits.
+    """
+    is_spi_word = isinstance(context.interface, Spi) and not layout.in_bytes
+    return size_of(layout.widest) if is_spi_word else 64
 
 
 def _default_value(field: Field) -> int:

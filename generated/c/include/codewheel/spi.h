@@ -9,10 +9,10 @@
  *     1. encode a request: ..._encode(encoder, &request, &word)
  *     2. cw_spi_exchange(&line, ..._REQUEST_..., address) returns the request that is answered now
  *     3. exchange the word on your bus, as bytes from cw_spi_store
- *     4. get the word received with cw_spi_load and the ..._bits of the reply to that request, and
+ *     4. get the word received with the ..._receive function of the reply to that request, and
  *        decode it, or ignore it if the request is CW_SPI_NONE
  *
- * If words of an encoder have several lengths, cw_spi_load returns CW_FAULT_LENGTH for a reply that
+ * If words of an encoder have several lengths, ..._receive returns CW_FAULT_LENGTH for a reply that
  * came in a word with another number of bytes. It cannot distinguish 17 bits from 20. A late reply
  * is complete only in a word of its own length, so send as many clocks as it has bits. If they do
  * not fill the bytes, the word is at their low end. On a bus that sends only whole bytes, it must
@@ -79,7 +79,7 @@ static inline cw_spi_asked cw_spi_exchange(
     return (line->reply_words != 0U) ? before : line->before;
 }
 
-/** Store the value of a register as its bytes, for the _decode function of the register. */
+/** Store a number as bytes, most significant first, such as those of a register to decode. */
 static inline void cw_spi_bytes(uint64_t data, uint8_t *bytes, size_t length)
 {
     uint64_t rest = data;
@@ -90,7 +90,7 @@ static inline void cw_spi_bytes(uint64_t data, uint8_t *bytes, size_t length)
     }
 }
 
-/** Return the value of a register from its bytes, which the _encode function of it stored. */
+/** Return the number in bytes, most significant first, such as those of an encoded register. */
 CW_CONSTEXPR
 static inline uint64_t cw_spi_data(const uint8_t *bytes, size_t length)
 {
