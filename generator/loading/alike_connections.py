@@ -68,7 +68,7 @@ def compare_connectors(maker_document: Document, documents: Sequence[Document], 
     read is skipped. Supply lines are compared between all connectors of a group, other lines for the same interface.
     """
     documents_by_device = {str(document.data["device"]): document for document in documents}
-    for group_index, group in enumerate(mapping(maker_document.data, "alike").get("connectors", ())):
+    for group_index, group in enumerate(maker_document.data.get("alike", {}).get("connectors", ())):
         contacts_by_line: dict[_Line, _Contact] = {}
         cables: list[_Cable] = []
         for index, reference in enumerate(group):

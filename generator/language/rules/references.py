@@ -367,7 +367,7 @@ def _next_steps(node: object) -> Iterator[tuple[str, object]]:
         yield from node.items()  # Last, so that a key takes precedence over a name.
 
 
-def _named_items(items: list[Any]) -> Iterator[tuple[str, Any]]:
+def _named_items(items: list[object]) -> Iterator[tuple[str, object]]:
     """Yield the names of the items of a list, each with its item."""
     for list_item in items:
         if isinstance(list_item, dict) and "name" in list_item:

@@ -327,6 +327,16 @@ class Network(NamedTuple):
     source: str = ""
 
 
+class DataChannels(NamedTuple):
+    """Data channels in one frame, and the fields in them whose highest bits must agree."""
+
+    order: tuple[str, ...]
+    compared: Mapping[str, str] = _NO_NAMES
+    compared_bits: str = ""
+    tolerance: int = 0
+    source: str = ""
+
+
 class PrintedTimeout(NamedTuple):
     """Time-out given in the manual for one clock frequency."""
 
@@ -494,6 +504,7 @@ class BissFacts(NamedTuple):
     source: str = ""
     clocks: tuple[Clock, ...] = ()
     timeouts: tuple[Timeout, ...] = ()
+    channels: DataChannels | None = None
 
     def for_code(self, code: str) -> BissFacts:
         """Return the facts for an order code.

@@ -155,7 +155,7 @@ def _find_table_form(path: str, head: bytes) -> _TableForm:
         channels=labels if len(labels) == len(channels) else channels,
         unit=unit,
         rate=parse_rate(_find_comment(comments, "Samplerate")),
-        skipped=head.count(b"\n", 0, _start(head, header_count)),
+        skipped=head.count(b"\n", 0, _find_first_row(head, header_count)),
         is_stamped=is_stamped,
     )
 
@@ -204,22 +204,17 @@ def _read_table_parts(
         yield levels, done, times
 
 
-def _start(head: bytes, header_count: int) -> int:
-    """Return the offset in bytes after the comments and the headers of a table.
-
-    ``header_count`` is the number of header lines. Comments and empty lines before and between them are also passed.
-    """
-    offset = 0
+def _find_first_row(head: bytes, header_count: int) -> int:
+    """Return the offset in bytes of the first row of a table, after its headers, comments and empty lines."""
+    offset, headers_left = 0, header_count
     for line in io.BytesIO(head):
         # A byte order mark can precede the first line.
         is_comment = not line.strip() or line.lstrip(b"\xef\xbb\xbf")[:1] in (b";", b"#")
-        if not is_comment and not header_count:
-            return offset
+        if not is_comment:
+            if not headers_left:
+                return offset
+            headers_left -= 1
         offset += len(line)
-        # From here on, it is the number of header lines that are left.
-        header_count -= not is_comment
-        if not is_comment and not header_count:
-            return offset
     return offset
 
 
@@ -304,7 +299,8 @@ class _RowReader:
         """Return the numbers in these columns, with a row for each line. Raises InputError for other cells."""
         try:
             text = io.BytesIO(block)
-            return np.loadtxt(text, delimiter=self._form.delimiter, usecols=columns, ndmin=2, comments=None)
+            delimiter = self._form.delimiter
+            return np.loadtxt(text, delimiter=delimiter, quotechar='"', usecols=columns, ndmin=2, comments=None)
         except (ValueError, IndexError) as error:
             reason = str(error).splitlines()[0]
             if b"X" in block:
