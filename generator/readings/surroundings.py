@@ -61,7 +61,7 @@ def _contact_facts(reading: Reading, connector: Connector, interface: str, numbe
         connector_text += f" for {interface_label(interface)}"
     key: Key = ("connector", interface, connector.kind, number)
     owner = Subject(reading, key=key, place=("connectors", connector.name), description=connector_text)
-    yield owner.existence_fact(Sort.PIN, "present", name=connector.name)
+    yield from owner.all_facts(Sort.PIN, connector)
     for contact in connector.contacts:
         subject = Subject(
             reading,
@@ -147,7 +147,7 @@ def _led_facts(reading: Reading) -> Iterator[Fact]:
         led_subject = Subject(
             reading, key=("led", led.name), place=("leds", led.name), description=f"the LED '{led.name}'"
         )
-        yield led_subject.existence_fact(Sort.LED, f"{len(led.states)} states", name=led.name)
+        yield from led_subject.all_facts(Sort.LED, led, f"{len(led.states)} states")
         for index, led_state in enumerate(led.states):
             state_subject = led_subject.inside(
                 key=(index,),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import json
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -186,3 +187,9 @@ def test_rules_ask_only_for_keys_that_exist() -> None:
                 asked_keys |= {argument.value for argument in node.args if isinstance(argument, ast.Constant)}
     assert "crc_of" in asked_keys
     assert asked_keys - known_keys == set()
+
+
+def test_rules_have_no_values_that_mypy_does_not_check() -> None:
+    """A value of any type is an object, whose type a rule must ask for."""
+    modules_with_any = [path.name for path in RULES.glob("*.py") if re.search(r"\bAny\b", path.read_text("utf-8"))]
+    assert modules_with_any == []

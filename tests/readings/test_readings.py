@@ -7,6 +7,8 @@ import pathlib
 import re
 import shutil
 from collections.abc import Iterator
+from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 from codewheel.commands.check.specs import check_specs
@@ -15,6 +17,9 @@ from codewheel.language.problems import Report
 from codewheel.language.read import read_document
 from codewheel.language.schema_files import is_only_in_device_files
 from codewheel.loading.library import load_families
+from codewheel.model.members import PARTS_BY_CLASS
+from codewheel.readings.reading import Reading, Sort
+from codewheel.readings.surroundings import surroundings
 
 # Reads whole specs twice, which does not depend on wording or rules of check.
 pytestmark = pytest.mark.slow
@@ -446,3 +451,16 @@ def test_requests_and_replies_are_compared(
     assert bool(reported) == bool(expected), reported
     for words in expected:
         assert any(words in line for line in reported), reported
+
+
+@pytest.mark.parametrize(("part", "sort"), [("Led", Sort.LED), ("Connector", Sort.PIN)])
+def test_a_member_with_a_class_of_facts_is_compared(part: str, sort: Sort, monkeypatch: pytest.MonkeyPatch) -> None:
+    """No member of these parts has one today. A new key with one must not be left out."""
+    (family,), _ = load_families([HERE.parents[1] / "specs/lika/amm5.yaml"])
+    members = []
+    for member in PARTS_BY_CLASS[part].members:
+        members.append(replace(member, read=sort.value) if member.name == "title" else member)
+    changed_parts = {**PARTS_BY_CLASS, part: SimpleNamespace(members=members)}
+    monkeypatch.setattr("codewheel.readings.stated.PARTS_BY_CLASS", changed_parts)
+    facts = [fact for fact in surroundings(Reading(family.device, family.document)) if fact.key[-1] == "title"]
+    assert {fact.sort for fact in facts} == {sort}

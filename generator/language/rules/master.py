@@ -40,7 +40,7 @@ _BRACES = re.compile(r"\{([^{}]*)\}")
 
 
 class _CitedPart(WrittenPart):
-    """Any map of a master. Its source and its places are read if it has them."""
+    """A part of a master of any kind, with its source and its places if it has them."""
 
     source: Prose = described_key("Source.", default="")
     places: tuple[WrittenPlace, ...] = described_key("Places.", default=())
