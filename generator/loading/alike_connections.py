@@ -64,7 +64,7 @@ _Line = tuple[str, str]
 def compare_connectors(maker_document: Document, documents: Sequence[Document], report: Report) -> None:
     """Report each line that two connectors of a group have on different contacts.
 
-    The file of the manufacturer lists groups of references such as ``am36.m12_connector``. A device whose spec was not
+    The file of the manufacturer lists groups of references such as ``m100.m12_connector``. A device whose spec was not
     read is skipped. Supply lines are compared between all connectors of a group, other lines for the same interface.
     """
     documents_by_device = {str(document.data["device"]): document for document in documents}

@@ -81,7 +81,10 @@ def misspelt_fields(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
 
 
 def _lacks_a_letter(words: Sequence[str], other_words: Sequence[str]) -> bool:
-    """Return True if names differ in one long word, which has a letter more or less than the other one."""
+    """Return True if names differ in one long word, which has a letter more or less than the other one.
+
+    A plural is another word, such as ``letters`` next to ``letter``.
+    """
     if len(words) != len(other_words):
         return False
     different = [(word, other) for word, other in zip(words, other_words, strict=True) if word != other]
@@ -89,4 +92,5 @@ def _lacks_a_letter(words: Sequence[str], other_words: Sequence[str]) -> bool:
         return False
     word, other_word = different[0]
     is_long = min(len(word), len(other_word)) >= _SHORTEST
-    return is_long and len(word) != len(other_word) and is_typo(word, other_word)
+    is_plural = f"{word}s" == other_word or f"{other_word}s" == word
+    return is_long and not is_plural and len(word) != len(other_word) and is_typo(word, other_word)
