@@ -589,7 +589,7 @@ class Session:
             data = bytes(kind.control for kind in self.kinds.values() if kind.id == request)
         elif isinstance(request, (bytes, bytearray)):
             data = bytes(request)
-        elif not hasattr(type(request), "_fields"):
+        elif not hasattr(request, "_fields"):
             # Neither a request nor its bytes.
             data = b""
         else:

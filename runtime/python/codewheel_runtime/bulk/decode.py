@@ -135,7 +135,7 @@ def _read_words(frames: Any, bits: int) -> tuple[Any, Any]:
     if not isinstance(frames, Iterable) or isinstance(frames, str):
         raise TypeError(f"frames must be numbers or packed bytes, got {type(frames).__name__}")
     words: list[int] = []
-    for index, frame in enumerate(frames):
+    for index, frame in enumerate(cast(list[Any], frames)):
         # A missing frame is replaced by -1, because both have a length error.
         words.append(-1 if _is_missing(frame) else whole_number(f"the frame at index {index}", frame))
     wrong_rows = [index for index, word in enumerate(words) if not 0 <= word < 1 << 64]
