@@ -97,7 +97,6 @@ ELSEWHERE = {
         ": ": "tests/docs/test_templates_page.py::test_its_example",
     },
     "docs/bench/virtual-encoders.md": {
-        "python: def": "tests/virtual/test_virtual_page.py::test_the_fixture",
         "python: from": "tests/virtual/test_virtual_page.py::test_the_programs",
         "text: $ codewheel simulate AMM5A21": "tests/virtual/test_virtual_page.py::test_the_simulation",
     },
