@@ -10,6 +10,7 @@ from dataclasses import field
 from types import MappingProxyType
 from typing import ClassVar, Literal, get_args
 
+from .data_channels import DataChannels
 from .documents import (
     Sources,
 )
@@ -21,7 +22,6 @@ from .kinds import Value
 from .layout import Layout
 from .measurement import Measurement
 from .part import (
-    NOTHING,
     ClocksInUse,
     Count,
     Hex,
@@ -178,52 +178,6 @@ class Timeout:
     typical_ns: Count | None = key("Typical value in nanoseconds.", default=None, read="time", noun="typical value")
     printed: tuple[PrintedTimeout, ...] = key(
         "Values calculated in the manual.", writing="They are checked against the rule.", least=0, default=()
-    )
-    source: Sources = source_key()
-
-
-@part(
-    "Data channels that the encoder sends in one frame, one directly after the other, such as the "
-    "control and the safety position word of BiSS Safety. Each is a layout with its own CRC.",
-    data="Data channels in one frame, one directly after the other.",
-)
-class DataChannels:
-    """Data channels of one frame. ``compared`` has the field of each layout whose highest bits must agree.
-
-    These are ``compared_bits`` bits of each field, which may differ by ``tolerance``. The lowest and the highest number
-    of these bits are adjacent.
-    """
-
-    order: tuple[Name, ...] = key(
-        "Layouts of the channels, in the order in which they are sent.",
-        data="Names of the layouts, in the order in which they are sent.",
-        most=8,
-        rule="channels-of-frame",
-        label="order of the channels",
-    )
-    compared: Mapping[Name, Name] = key(
-        "Fields with the same position, by layout, as in {cpw: singleturn, spw: safe_singleturn}. Their "
-        "highest bits must agree, otherwise the position is not usable.",
-        data="Fields whose highest bits must agree, by layout.",
-        shape="{string}",
-        most=8,
-        default=NOTHING,
-        rule="channels-of-frame",
-        label="compared fields",
-    )
-    compared_bits: Expression | None = key(
-        "With compared: number of the highest bits of these fields that are compared.",
-        data="Number of the highest bits that are compared. null if there are none.",
-        default=None,
-        rule="channels-of-frame",
-        read="setting",
-        noun="number of compared bits",
-    )
-    tolerance: Count = key(
-        "Highest difference of the compared bits, in units of their lowest bit.",
-        default=0,
-        rule="channels-of-frame",
-        read="setting",
     )
     source: Sources = source_key()
 
