@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Literal
 
+from ..model.data_channels import DataChannels
 from ..model.facts import (
     Timing,
 )
-from ..model.interfaces import CableLength, Clock, DataChannels, DataId, MemoryAccess, Network, Port, Timeout
+from ..model.interfaces import CableLength, Clock, DataId, MemoryAccess, Network, Port, Timeout
 from ..model.measurement import Measurement
 from ..model.part import (
     Formula,

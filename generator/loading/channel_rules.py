@@ -7,7 +7,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from ..language.document import Path
 from ..language.problems import DocumentReport, listed, quoted
 from ..model import Biss, DataChannels, Device, Layout, Number, member_named
-from .from_mapping import Raw
 from .gaps import values_text
 from .valid_parts import valid_parts_so_far
 
@@ -16,7 +15,7 @@ _RULE = "data-channels"
 _Problem = tuple[Path, str]
 
 
-def check_channels(raw: Raw, device: Device, report: DocumentReport) -> None:
+def check_channels(device: Device, report: DocumentReport) -> None:
     """Report the first contradiction in the data channels of a frame.
 
     Decoders split the frame by the lengths of the channels, decode each by itself, and then compare the positions.
@@ -27,13 +26,13 @@ def check_channels(raw: Raw, device: Device, report: DocumentReport) -> None:
     place: Path = ("interfaces", biss.name, "channels")
     layouts = {layout.name: layout for layout in biss.layouts}
     names = (*biss.channels.order, *biss.channels.compared)
-    defined_names = [raw_layout["name"] for raw_layout in raw["interfaces"][biss.name]["layouts"]]
-    undefined_names = [name for name in names if name not in defined_names]
+    undefined_names = [name for name in names if name not in layouts]
     if undefined_names:
-        known_names = listed(map(quoted, defined_names))
-        message = f"there is no layout {quoted(undefined_names[0])} over BiSS; it has: {known_names}"
-        report.add("undefined-reference", (*place, "order"), message)
-    if not all(name in layouts for name in names):  # Layouts with a problem have not been built.
+        # Layouts with a problem have not been built.
+        if not report.faults():
+            known_names = listed(map(quoted, layouts))
+            message = f"there is no layout {quoted(undefined_names[0])} over BiSS; it has: {known_names}"
+            report.add("undefined-reference", (*place, "order"), message)
         return
     ordered_layouts = [layouts[name] for name in biss.channels.order]
     problems = (

@@ -44,7 +44,6 @@ from ..model.registers import bounded, bounded_width, bounds, representable
 from ..order_codes.labels import combinations
 from ..reference.bits import join_value
 from ..reference.codec import EncodeError, encode
-from .channel_rules import check_channels
 from .crc_rules import check_settings_of_crcs
 from .editions import editions
 from .evidence import with_placeholders
@@ -96,7 +95,6 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
     check_facts_by_code(raw, device, report)
     check_spi_registers(device, report)
     check_frame_kinds(device, report)
-    check_channels(raw, device, report)
     check_settings_of_crcs(device, report)
     device = replace(device, procedures=build_procedures(raw, device))
     check_measurements(device, report)

@@ -24,6 +24,7 @@ from ..model import (
     Unused,
     Verdict,
 )
+from .channel_rules import check_channels
 from .fields import Site
 from .from_mapping import Raw
 from .valid_parts import valid_parts_so_far
@@ -160,6 +161,7 @@ def check_frame_kinds(device: Device, report: DocumentReport) -> None:
         if not isinstance(interface, Rs485):
             _check_positions(device, interface, report)
             _check_numbers(device, interface, report)
+    check_channels(device, report)
 
 
 def _check_numbers(device: Device, interface: Interface, report: DocumentReport) -> None:

@@ -19,6 +19,7 @@ from .. import model
 from ..cache import Cache
 from ..model import (
     channels,
+    data_channels,
     device,
     documents,
     examples,
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
 _MODULES: tuple[ModuleType, ...] = (
     *(
         channels,
+        data_channels,
         device,
         documents,
         examples,

@@ -6,6 +6,7 @@ integer whose byte order is in the layout.
 """
 
 from .channels import ChannelFrame, PlacedChannels, channel_frame
+from .data_channels import DataChannels
 from .device import Device, Release, ReleasedChange, TimesRead, Variant
 from .documents import (
     LEFT_OUT,
@@ -60,7 +61,6 @@ from .interfaces import (
     Clock,
     Clocked,
     ControlField,
-    DataChannels,
     DataId,
     DescriptionFile,
     Exchange,

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
+from .data_channels import DataChannels
 from .expressions import Expression
-from .interfaces import Biss, DataChannels, Interface
+from .interfaces import Biss, Interface
 from .layout import Layout, PlacedLayout
 from .lookup import member_named
 from .record import dataclass

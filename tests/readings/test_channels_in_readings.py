@@ -46,7 +46,7 @@ def test_readings_with_other_names_agree(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "fact"),
     [
-        ("order: [first, second]", "order: [second, first]", "order of the data channels in a frame"),
+        ("channel: 2", "channel: 3", "order of the data channels in a frame"),
         ("accurate_bits: 13", "accurate_bits: 12", "compared bits of data channel 1"),
         ("tolerance: 1", "tolerance: 2", "tolerance"),
     ],

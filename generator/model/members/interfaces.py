@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from ..data_channels import DataChannels
 from ..facts import Supply
-from ..interfaces import CableLength, Clock, DataChannels, DataId, MemoryAccess, Network, Port, PrintedTimeout, Timeout
+from ..interfaces import CableLength, Clock, DataId, MemoryAccess, Network, Port, PrintedTimeout, Timeout
 from .described import described_part
 from .member import MEANING, NAME, NAMES, NOTE, PRINTED_NAME, Member, Part
 

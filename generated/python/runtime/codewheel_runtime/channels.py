@@ -12,7 +12,7 @@ from .errors import FrameError
 from .reports import Report, Verdict
 
 if TYPE_CHECKING:
-    from .bulk.channels import ChannelTable
+    from .channel_tables import ChannelTable
 
 _Channel = TypeVar("_Channel")
 
@@ -182,7 +182,7 @@ class ChannelLayout:
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        from .bulk.channels import decode_channels
+        from .channel_tables import decode_channels
 
         return decode_channels(self, frames)
 

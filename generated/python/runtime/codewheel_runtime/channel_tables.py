@@ -4,20 +4,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any, Final, cast
+from typing import Any, Final, cast
 
-from ..codec import whole_number
-from ..errors import ErrorKind
-from ..frames.base import decode_many
-from ..packages import load
-from ..reports import Verdict
-from .decode import read_rows
-from .table import Table
-
-if TYPE_CHECKING:
-    from ..channels import ChannelLayout
+from .bulk.decode import read_rows
+from .bulk.table import Table
+from .codec import whole_number
+from .errors import ErrorKind
+from .frames.base import decode_many
+from .packages import load
+from .reports import Verdict
 
 np: Any = load("numpy")
+#: A layout is a ``ChannelLayout`` of ``channels.py``, which imports this module on first use.
 _VERDICTS: Final = [*Verdict]
 _NOT_USABLE: Final = _VERDICTS.index(Verdict.NOT_USABLE)
 _UNKNOWN: Final = _VERDICTS.index(Verdict.UNKNOWN)
@@ -34,7 +32,7 @@ class ChannelTable:
         verdict: Verdict of all channels of each frame, as an index in ``Verdict``.
     """
 
-    def __init__(self, layout: ChannelLayout, channels: tuple[Table, ...], is_wrong_length: Any) -> None:
+    def __init__(self, layout: Any, channels: tuple[Table, ...], is_wrong_length: Any) -> None:
         self._layout = layout
         self.channels = channels
         fault = np.where(is_wrong_length, np.uint8(ErrorKind.LENGTH), np.uint8(0))
@@ -73,7 +71,7 @@ class ChannelTable:
         return len(self.fault)
 
 
-def decode_channels(layout: ChannelLayout, frames: object) -> ChannelTable:
+def decode_channels(layout: Any, frames: object) -> ChannelTable:
     """Decode many frames. For the arguments, see ``decode_many`` of their layout."""
     length = (layout.bits + 7) // 8
     rows, is_wrong_length = _read(frames, layout.bits, length)
@@ -118,7 +116,7 @@ def _words_in(rows: Any, low_bit: int, bits: int) -> Any:
     return words & np.uint64((1 << bits) - 1)
 
 
-def _agree(layout: ChannelLayout, channels: tuple[Table, ...]) -> Any:
+def _agree(layout: Any, channels: tuple[Table, ...]) -> Any:
     """Return True for each frame whose compared fields agree, whether it is valid or not."""
     highest = []
     for field in layout.compared:

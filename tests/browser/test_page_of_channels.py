@@ -1,0 +1,57 @@
+"""The decode page shows both words of a BiSS frame with two data channels, and whether their positions agree."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from codewheel.loading.library import load_library
+from codewheel.targets import Library
+from codewheel.targets.browser.files import generate
+from test_browser_page import chromium as chromium
+from test_browser_page import run_in_page
+
+pytestmark = pytest.mark.slow
+
+SPECS = Path(__file__).resolve().parents[1] / "specs"
+#: Frames of RXH: the angle 123456h in the control word, and 1234h or 2234h in the safety word.
+CONTROL = "00010010001101000101011011110101"
+AGREE = "0b" + CONTROL + "0001001000110100110001010000110111011011"
+
+
+def test_both_words_and_their_verdict(chromium: str, tmp_path: Path) -> None:
+    devices, report = load_library([SPECS / "channels.yaml", SPECS / "manufacturer.yaml"])
+    assert not report
+    (tmp_path / "decode.js").write_text(generate(Library(devices))["browser/decode.js"], encoding="utf-8")
+    wrong = AGREE[:-1] + str(1 - int(AGREE[-1]))
+    script = f"""
+      const [box] = boxes, text = box.querySelector("textarea"), code = named(box, "Order code, as on the label");
+      const results = {{}};
+      type(text, {json.dumps(AGREE)});
+      results.withoutCode = said(box);
+      type(code, "RXH");
+      results.whole = said(box);
+      results.types = [...named(box, "Type").options].map((one) => one.text);
+      type(text, {json.dumps(wrong)});
+      results.wrong = said(box);
+      type(text, {json.dumps(AGREE + "1")});
+      results.long = said(box);
+      type(text, {json.dumps(AGREE + chr(10) + wrong)});
+      results.many = said(box);
+      type(text, {json.dumps("0b" + CONTROL)});
+      results.alone = said(box);
+      return results;
+    """
+    results = run_in_page(chromium, tmp_path, script)
+    assert "72 bits, with a correct CRC" in results["withoutCode"]
+    assert results["types"][0] == "a whole frame, from the encoder"
+    assert results["whole"].startswith("usable: ")
+    assert "The highest 13 bits agree: singleturn of control_word 0x246" in results["whole"]
+    assert "25.6" in results["whole"] or "25.59999" in results["whole"]
+    assert "crc error: safety_word: expected CRC" in results["wrong"]
+    assert "control_word, safety_word" in results["long"]
+    assert "73" in results["long"]
+    assert "safety_word: expected CRC" in results["many"]
+    assert "highest 13 bits" not in results["alone"]
+    assert "usable" in results["alone"]
