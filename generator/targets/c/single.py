@@ -67,9 +67,9 @@ class SingleCode:
         self.stem = self.path.removesuffix(".h")
         self.STEM = self.stem.upper()
         settings = {f"{view.maker.name.upper()}_CRC_{setting}" for setting in ("TABLE", "BITWISE")}
-        declarations_by_header = [declarations_in(runtime_headers()[name]) for name in _RECEIVING]
-        # One list of all of them.
-        runtime_declarations = [declaration for declarations in declarations_by_header for declaration in declarations]
+        # The mark of functions to be inlined has more lines than it is worth here.
+        headers = [runtime_headers()[name].replace("\nCW_INLINE\n", "\n") for name in _RECEIVING]
+        runtime_declarations = list(chain.from_iterable(map(declarations_in, headers)))
         declarations = [*runtime_declarations, *declarations_in(without_settings(header, settings))]
         needed = needed_by(self._roots(names_of(declarations)), declarations)
         self.declarations = [declaration for declaration in needed if not declaration.is_title]

@@ -50,8 +50,16 @@ static inline uint32_t cw_received_bit(const uint8_t *rx, size_t place)
     return (byte >> left) & 1U;
 }
 
+/** Marks functions whose code is about as short as a call of them. */
+#ifdef __GNUC__
+#define CW_INLINE __attribute__((always_inline))
+#else
+#define CW_INLINE
+#endif
+
 /** Return 4 bytes as a number. The first one is the most significant. */
 CW_CONSTEXPR
+CW_INLINE
 static inline uint32_t cw_received_4_bytes(const uint8_t *rx)
 {
 #if defined(__GNUC__) && defined(__ARM_FEATURE_UNALIGNED) && \
