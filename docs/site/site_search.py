@@ -149,6 +149,9 @@ class Index:
             return ["aside", "", ""]
         if family and re.search(r"(errata|masters|manual)$", name):
             return ["masters" if name.endswith("masters") else "aside", family, ""]
+        if family and name.endswith("-verdicts"):
+            # The page on verdicts ranks before those of single families.
+            return ["verdicts", family, ""]
         interface = name.partition("-")[0]
         if family and interface in encoders.interfaces_of(family):
             return ["interface", family, interface]

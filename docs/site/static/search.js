@@ -281,7 +281,9 @@
   const isNamedMaster = (section, words) => section.page.kind === "masters" && !interfaces.has(nameOf(section.title))
     && words.every(({ word }) => section.titleWords.has(word));
 
-  const WEIGHTS = { question: 0.9, code: 1, interface: 1, family: 0.95, general: 0.8, aside: 0.35, masters: 0.4, project: 0.2 };
+  const WEIGHTS = {
+    question: 0.9, code: 1, interface: 1, family: 0.95, general: 0.8, verdicts: 0.65, masters: 0.4, aside: 0.35, project: 0.2,
+  };
 
   /** The sections that answer the words, best first; pages of other order codes are left out. */
   function found(words, page, typed, ofManufacturer) {
