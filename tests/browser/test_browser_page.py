@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gzip
 import html
 import itertools
 import json
@@ -57,10 +56,8 @@ def test_all_order_codes_are_there(library: Library) -> None:
 
 
 @pytest.mark.slow
-def test_the_same_every_time_and_not_large(library: Library) -> None:
-    outputs = generate(library)
-    assert outputs == generate(library)
-    assert len(gzip.compress(outputs["browser/decode.js"].encode())) < 75_000
+def test_the_same_every_time(library: Library) -> None:
+    assert generate(library) == generate(library)
 
 
 @pytest.mark.slow
