@@ -36,7 +36,7 @@ function tableOf(rows, measure, pick) {
       `${row.line.number}`);
     button.addEventListener("click", () => pick(row));
     const field = mainField(row, measure);
-    const shown = field ? [`${field.name} ${inUnits(field)}`] : [];
+    const shown = field ? [`${field.name} ${formatWithUnit(field)}`] : [];
     const angle = field ? measured(row.found, measure).replace(/^\w+: /, "") : "";
     return element("tr", {},
       element("td", {}, button), ...(hasTimes ? [element("td", {}, row.line.time)] : []),
@@ -55,7 +55,7 @@ function tableOf(rows, measure, pick) {
 /** The cells of a field by column: its value, and the quantity that a number stands for. */
 function cellsOf(item) {
   const quantity = item.scale ? [[`${item.name} (${item.scale[3]})`, scaled(item.scale, item.value).decimal]] : [];
-  return [[item.name, shownValue(item.value)], ...quantity];
+  return [[item.name, formatValue(item.value)], ...quantity];
 }
 
 /** The lines as CSV, with a column for each field and each quantity. */
@@ -93,8 +93,8 @@ function doubtsOfAll(rows, measure) {
   const listed = shared.map((text) => `${readings.map((own) => own.get(text)).join(" ")} ${text}`).join(", ");
   return [
     ...(dead.size === 1 && !dead.has("") ? [element("p", {}, [...dead][0])] : []),
-    ...(requests.size && !requests.has("") ? [element("p", {}, sentence(capital(said("own_requests", [...requests].join(", ")))))] : []),
-    ...(listed ? [foldedDoubt(measure, listed)] : []),
+    ...(requests.size && !requests.has("") ? [element("p", {}, sentence(capitalize(said("own_requests", [...requests].join(", ")))))] : []),
+    ...(listed ? [foldDoubt(measure, listed)] : []),
   ];
 }
 

@@ -24,7 +24,7 @@ function deadLine({ at, given, number, data, problems, over }) {
 }
 
 /** Return the bits that make the frame valid if one of them is inverted: the usual cause if only some frames fail. */
-function disturbedBits({ at, number, problems }) {
+function findDisturbedBits({ at, number, problems }) {
   if (!at?.crc || problems[0]?.fault === "length" || !problems.some((item) => item.fault === "crc")) return [];
   const { low, width } = crcField(at);
   const crc = at.family.crcs[at.crc];
@@ -637,7 +637,7 @@ function numbersRead(at, number) {
 }
 
 /** The name of the position, which an encoder in one line has even if it does not state its counts. */
-const positionName = (measure) => measure?.of ?? "position";
+const positionNameOf = (measure) => measure?.of ?? "position";
 
 /** The frames in a word of SSI with more typed bits than the frame, if its leading zeros were received. */
 function recordedFrames(at, given) {
@@ -654,7 +654,7 @@ function recordedFrames(at, given) {
 /** Other readings of a position that nothing in the frame can contradict. They do not explain an error. */
 function otherPositions({ at, number, problems, crc, fields, given }, measure) {
   const isOfBits = at && !at.layout.order && at.layout.sender === "encoder";
-  const name = positionName(measure);
+  const name = positionNameOf(measure);
   const position = fields.find((item) => item.name === name);
   if (!isOfBits || problems.length || crc || typeof position?.value !== "bigint") return [];
   const parts = position.high < 0 ? at.joins.find((one) => one.name === name).parts.map(({ item }) => item)
