@@ -35,7 +35,7 @@ function placeOf(placedLayout, { high, low }) {
   return isWholeBytes ? `bytes ${bytes[0]}-${bytes[1]}` : `bytes ${bytes[0]}.${ends[0] % 8}-${bytes[1]}.${ends[1] % 8}`;
 }
 
-/** Return the value of a field as text, and a flag as yes or no. */
+/** Return the value of a field as text, and that of a flag in words. */
 const formatValue = (fieldValue) => (fieldValue === true ? "yes" : fieldValue === false ? "no" : `${fieldValue}`);
 
 /** Return the meaning of a field, and for a number in Gray code also how it was sent. */
