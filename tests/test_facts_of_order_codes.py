@@ -52,6 +52,7 @@ READERS = {
         "loading/library.py",
         "loading/overlays.py",
         "loading/frame_kinds.py",
+        "loading/from_mapping.py",
     },
     "reads the errata of a cable table, which the record has chosen": {
         "masters/text.py",

@@ -2479,7 +2479,7 @@
   function echoedRequest(at, number) {
     const over = interfaceOf(at);
     if (over?.name !== "spi" || at.layout.sender !== "encoder" || number >> BigInt(at.bits)) return undefined;
-    // Bits that a reply has too are no evidence of an echo, such as the command on a shared line.
+    // Bits that a reply has too are not evidence of an echo, such as the command on a shared line.
     const isRepeated = ({ field }) => "fixed" in field || "unused" in field;
     const repeated = at.fields.filter(isRepeated).reduce((sum, { width }) => sum + width, 0);
     const hasDocumented = (one) => one.fields.every((item) => !("unused" in item.field)

@@ -182,7 +182,7 @@ def _echoed_request(
     """
     if variant.interface != Spi.name or placed_layout.layout.sender != "encoder" or frame >> placed_layout.bits:
         return None
-    # Bits that a reply has too are no evidence of an echo, such as the command on a shared line.
+    # Bits that a reply has too are not evidence of an echo, such as the command on a shared line.
     repeated_bits = sum(
         field.width for field in placed_layout.fields if isinstance(field.field.kind, (Constant, Unused))
     )

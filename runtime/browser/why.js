@@ -753,7 +753,7 @@ function findEchoedRequest(placedLayout, number) {
   const interface_ = interfaceOf(placedLayout);
   if (interface_?.name !== "spi" || placedLayout.layout.sender !== "encoder"
     || number >> BigInt(placedLayout.bits)) return undefined;
-  // Bits that a reply has too are no evidence of an echo, such as the command on a shared line.
+  // Bits that a reply has too are not evidence of an echo, such as the command on a shared line.
   const isRepeated = ({ field }) => "fixed" in field || "unused" in field;
   const repeatedBits = placedLayout.fields.filter(isRepeated).reduce((sum, { width }) => sum + width, 0);
   const hasDocumentedBits = (request) => request.fields.every((placedField) => !("unused" in placedField.field)

@@ -13,7 +13,7 @@ _SAFE = "{name: safe_singleturn, bits: safety_bits, meaning: Angle within a revo
 _ORDER = "order: [control_word, safety_word]"
 _COMPARED = "compared: {control_word: singleturn, safety_word: safe_singleturn}"
 
-#: Texts of the sound spec with their replacements, the place in the spec, and the message.
+#: Texts of the valid spec with their replacements, the place in the spec, and the message.
 CASES = {
     "listed twice": (
         {_ORDER: "order: [control_word, safety_word, control_word]"},
