@@ -518,14 +518,14 @@ function tryMovedFrames(placedLayout, crc, typedFrame) {
   if (!crc || hypothesesByRule.some(fitsFrame)) return [...commandHypotheses, ...hypothesesByRule];
   const placeCount = Math.max(receivedText.length - placedLayout.bits + 1, 0);
   const [kind, template] = TABLE.inside;
-  return [...commandHypotheses, ...hypothesesByRule, ...[...Array(placeCount).keys()].map((start) => {
-    const frameText = receivedText.slice(start, start + placedLayout.bits);
+  return [...commandHypotheses, ...hypothesesByRule, ...[...Array(placeCount).keys()].map((bitsBefore) => {
+    const frameText = receivedText.slice(bitsBefore, bitsBefore + placedLayout.bits);
     const parts = [
-      ["before", receivedText.slice(0, start)], ["frame", frameText],
-      ["behind", receivedText.slice(start + placedLayout.bits)]];
+      ["before", receivedText.slice(0, bitsBefore)], ["frame", frameText],
+      ["behind", receivedText.slice(bitsBefore + placedLayout.bits)]];
     const members = { template, parts: parts.filter(([, partText]) => partText), places: placeCount };
     return createFrameHypothesis(
-      placedLayout, crc, kind, filled(template, start), BigInt(`0b${frameText}`), members);
+      placedLayout, crc, kind, filled(template, bitsBefore), BigInt(`0b${frameText}`), members);
   })];
 }
 
@@ -701,17 +701,17 @@ function tryWholeFrames({ data, label: orderCode, over: interface_, sender }) {
     .map((placedLayout) => ({ one: placedLayout, size: placedLayout.bits / 8 }));
   const fewestFramesFrom = new Map([[data.length, []]]);
   const isRequest = ({ one: placedLayout }) => placedLayout.layout.sender === "master";
-  for (let start = data.length - 1; start >= 0; start -= 1) {
+  for (let firstByte = data.length - 1; firstByte >= 0; firstByte -= 1) {
     // A request is in front of its reply, even if both have the same form.
-    const likely = candidates.filter((candidate) => isRequest(candidate) === (start === 0));
+    const likely = candidates.filter((candidate) => isRequest(candidate) === (firstByte === 0));
     for (const { one: placedLayout, size: byteCount } of [
       ...likely, ...candidates.filter((candidate) => !likely.includes(candidate))]) {
-      const followingFrames = fewestFramesFrom.get(start + byteCount);
-      if (!followingFrames || fewestFramesFrom.get(start)?.length <= followingFrames.length + 1) continue;
-      const bytes = data.slice(start, start + byteCount);
+      const followingFrames = fewestFramesFrom.get(firstByte + byteCount);
+      if (!followingFrames || fewestFramesFrom.get(firstByte)?.length <= followingFrames.length + 1) continue;
+      const bytes = data.slice(firstByte, firstByte + byteCount);
       const evidence = countExpectedBits(placedLayout, numberOf(placedLayout.layout.order, bytes));
       if (evidence && !decodeBytes(placedLayout, bytes).problems.length) fewestFramesFrom.set(
-        start, [{ one: placedLayout, bytes, evidence }, ...followingFrames]);
+        firstByte, [{ one: placedLayout, bytes, evidence }, ...followingFrames]);
     }
   }
   const frames = fewestFramesFrom.get(0) ?? [];
