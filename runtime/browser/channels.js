@@ -2,68 +2,77 @@
 // Frames with several data channels, one directly after the other.
 
 /** The frame in a text with all data channels, decoded, or null if the text is not longer than a single channel. */
-function decodeChannels(found, text, held, answers) {
-  const { channels } = found.interface;
+function decodeChannels(orderCode, text, registerContents, answers) {
+  const { channels } = orderCode.interface;
   if (!channels) return null;
-  const placedChannels = channels.order.map((place) => placedFor(found, found.interface.frames[place], held, answers));
-  const bits = placedChannels.reduce((sum, at) => sum + at.bits, 0);
-  const given = numberIn(text, bits, true);
-  const written = given.exact ? given.bits : Math.max(given.bits, given.written - 3);
-  if (written <= Math.max(...placedChannels.map((at) => at.bits))) return null;
-  const main = placedChannels[channels.position];
-  const received = given.exact ? given.bits : Math.max(bits, given.bits);
-  if (received !== bits) {
-    const names = placedChannels.map((at) => at.name).join(", ");
-    return { ...otherLength({ ...main, name: names }, `${bits} bits`, received), channels: [], bits };
+  const placedChannels = channels.order.map((layoutIndex) => (
+    placedFor(orderCode, orderCode.interface.frames[layoutIndex], registerContents, answers)));
+  const bits = placedChannels.reduce((sum, placedLayout) => sum + placedLayout.bits, 0);
+  const typedFrame = numberIn(text, bits, true);
+  const fewestBits = typedFrame.exact ? typedFrame.bits : Math.max(typedFrame.bits, typedFrame.written - 3);
+  if (fewestBits <= Math.max(...placedChannels.map((placedLayout) => placedLayout.bits))) return null;
+  const positionChannel = placedChannels[channels.position];
+  const receivedBits = typedFrame.exact ? typedFrame.bits : Math.max(bits, typedFrame.bits);
+  if (receivedBits !== bits) {
+    const names = placedChannels.map((placedLayout) => placedLayout.name).join(", ");
+    return { ...otherLength({ ...positionChannel, name: names }, `${bits} bits`, receivedBits), channels: [], bits };
   }
-  return { ...judgedChannels(channels, channelsIn(placedChannels, given.number, bits)), bits };
+  return { ...mergeChannels(channels, decodeEachChannel(placedChannels, typedFrame.number, bits)), bits };
 }
 
-/** The channels of a frame, each decoded. The first one has the highest bits. */
-function channelsIn(placedChannels, number, bits) {
+/** Decode the channels in the ``bits`` bits of a frame, each by its placed layout. The first has the highest bits. */
+function decodeEachChannel(placedChannels, number, bits) {
   let low = bits;
-  return placedChannels.map((at) => {
-    low -= at.bits;
-    const own = (number >> BigInt(low)) & ones(at.bits);
-    return decodeBits(at, { number: own, bits: at.bits, exact: true, written: at.bits });
+  return placedChannels.map((placedLayout) => {
+    low -= placedLayout.bits;
+    const channelNumber = (number >> BigInt(low)) & ones(placedLayout.bits);
+    return decodeBits(placedLayout,
+      { number: channelNumber, bits: placedLayout.bits, exact: true, written: placedLayout.bits });
   });
 }
 
-const FROM_WORST = ["not_usable", "unknown", "usable_with_warning", "usable"];
+const VERDICTS_FROM_WORST = ["not_usable", "unknown", "usable_with_warning", "usable"];
 
-/** The whole frame: the errors, reports and fields of all channels, and their worst verdict. */
-function judgedChannels(channels, decoded) {
-  const main = decoded[channels.position];
-  const named = ({ at }, name) => (at === main.at ? name : `${at.name}.${name}`);
-  const problems = decoded.flatMap((one) => one.problems.map((item) => ({ ...item, message: `${one.at.name}: ${item.message}` })));
-  const compared = problems.length ? null : comparedIn(channels, decoded);
-  const verdicts = decoded.filter((one) => one === main || one.verdict !== "unknown").map((one) => one.verdict);
-  if (compared && !compared.agree) verdicts.push("not_usable");
-  const worst = FROM_WORST.find((one) => verdicts.includes(one)) ?? null;
+/** Merge the decoded channels into a whole frame: the errors, reports and fields of all, and their worst verdict. */
+function mergeChannels(channels, decodedChannels) {
+  const positionChannel = decodedChannels[channels.position];
+  const nameInFrame = ({ at: placedLayout }, fieldName) => (
+    placedLayout === positionChannel.at ? fieldName : `${placedLayout.name}.${fieldName}`);
+  const problems = decodedChannels.flatMap((channel) => (
+    channel.problems.map((problem) => ({ ...problem, message: `${channel.at.name}: ${problem.message}` }))));
+  const comparison = problems.length ? null : compareChannels(channels, decodedChannels);
+  const verdicts = decodedChannels.filter((channel) => channel === positionChannel || channel.verdict !== "unknown")
+    .map((channel) => channel.verdict);
+  if (comparison && !comparison.agree) verdicts.push("not_usable");
+  const worstVerdict = VERDICTS_FROM_WORST.find((verdict) => verdicts.includes(verdict)) ?? null;
   return {
-    ...main,
+    ...positionChannel,
     problems,
-    verdict: problems.length ? null : worst,
-    reports: decoded.flatMap((one) => one.reports),
-    differences: decoded.flatMap((one) => one.differences),
-    fields: decoded.flatMap((one) => one.fields.map((item) => ({ ...item, name: named(one, item.name) }))),
-    channels: decoded,
-    compared,
+    verdict: problems.length ? null : worstVerdict,
+    reports: decodedChannels.flatMap((channel) => channel.reports),
+    differences: decodedChannels.flatMap((channel) => channel.differences),
+    fields: decodedChannels.flatMap((channel) => (
+      channel.fields.map((field) => ({ ...field, name: nameInFrame(channel, field.name) })))),
+    channels: decodedChannels,
+    compared: comparison,
   };
 }
 
 /** Whether the compared fields agree, and the sentence about them. Null if nothing is compared. */
-function comparedIn(channels, decoded) {
+function compareChannels(channels, decodedChannels) {
   if (!channels.compared) return null;
-  const bits = Number(value(channels.compared_bits, decoded[channels.position].at.parameters));
-  const numbers = channels.compared.map(([place, name]) => {
-    const { at, fields } = decoded[place];
-    const item = fields.find((one) => one.name === name);
-    return { name: `${name} of ${at.name}`, number: item.value >> BigInt(item.high - item.low + 1 - bits) };
+  const bitCount = Number(value(channels.compared_bits, decodedChannels[channels.position].at.parameters));
+  const namedNumbers = channels.compared.map(([channelIndex, fieldName]) => {
+    const { at: placedLayout, fields } = decodedChannels[channelIndex];
+    const field = fields.find((decodedField) => decodedField.name === fieldName);
+    return {
+      name: `${fieldName} of ${placedLayout.name}`,
+      number: field.value >> BigInt(field.high - field.low + 1 - bitCount),
+    };
   });
-  const differs = (one, other) => BigInt.asUintN(bits, one - other) > big(channels.tolerance)
-    && BigInt.asUintN(bits, other - one) > big(channels.tolerance);
-  const agree = !numbers.some(({ number }) => differs(number, numbers[0].number));
-  const words = numbers.map(({ name, number }) => `${name} ${hex(number)}`).join(" and ");
-  return { agree, words: said(agree ? "compared" : "compared_not", bits, words) };
+  const differs = (number, otherNumber) => BigInt.asUintN(bitCount, number - otherNumber) > big(channels.tolerance)
+    && BigInt.asUintN(bitCount, otherNumber - number) > big(channels.tolerance);
+  const agree = !namedNumbers.some(({ number }) => differs(number, namedNumbers[0].number));
+  const numbersText = namedNumbers.map(({ name, number }) => `${name} ${hex(number)}`).join(" and ");
+  return { agree, words: said(agree ? "compared" : "compared_not", bitCount, numbersText) };
 }

@@ -1,76 +1,84 @@
 // Licence 0BSD: use, modify and distribute this file without any condition.
 // Drawing of a frame as a row of its fields, with the bits of a frame or without.
 
-/** How to see the subject of the line below the drawing: the value or the meaning of a field. */
-const howToPoint = (subject) => `Point at a field, or move to it with the Tab key, to see its ${subject} and source.`;
+/** Say how to see the subject of the line below the drawing: the value or the meaning of a field. */
+const describePointing = (subject) =>
+  `Point at a field, or move to it with the Tab key, to see its ${subject} and source.`;
 
-/** The bits of a frame as a row of its fields. Pointed at or focused, a field shows its value and source below. */
-function bitsOf(found, table) {
-  const { at, fields } = found;
-  const rows = [...table.querySelectorAll("tbody tr")];
-  const cells = fields.filter((field) => field.high >= 0 && firstAtItsPlace(field, fields) === field).map((field) => {
-    const size = field.high - field.low + 1;
-    const raw = size > 1 ? `${hex(field.raw)}` : `${field.raw}`;
-    const explanation = meaningOf(at, field);
+/** Draw the bits of a frame as a row of its fields. Pointed at or focused, a field shows its value and source below. */
+function drawFrameBits(decoded, table) {
+  const { at: placedLayout, fields } = decoded;
+  const tableRows = [...table.querySelectorAll("tbody tr")];
+  const cells = fields.filter(
+    (field) => field.high >= 0 && findFirstAtItsPlace(field, fields) === field).map((field) => {
+    const bitCount = field.high - field.low + 1;
+    const rawText = bitCount > 1 ? `${hex(field.raw)}` : `${field.raw}`;
+    const meaning = meaningOf(placedLayout, field);
     return {
       name: field.name, high: field.high, low: field.low,
       colour: field.value === true ? "active" : field.colour,
       isOneName: fields.filter((other) => other.high === field.high && other.low === field.low).length === 1,
-      text: field.raw.toString(2).padStart(size, "0"),
-      says: `${inUnits(field)} (${raw}).${explanation ? ` ${sentence(explanation)}` : ""}`,
-      light: () => rows.forEach((row, place) => row.classList.toggle(`${CLASS}-lit`, fields[place] === field)),
+      text: field.raw.toString(2).padStart(bitCount, "0"),
+      says: `${formatWithUnit(field)} (${rawText}).${meaning ? ` ${sentence(meaning)}` : ""}`,
+      light: () => tableRows.forEach((tableRow, index) => (
+        tableRow.classList.toggle(`${CLASS}-lit`, fields[index] === field))),
     };
   });
-  return rowOf(at, cells, "value");
+  return drawFieldRow(placedLayout, cells, "value");
 }
 
 /** The fields of a frame without its bits, as in the pictures of the pages. */
-function emptyFrame(at) {
-  return rowOf(at, at.fields.map(({ field, name, low, width }) => {
+function emptyFrame(placedLayout) {
+  return drawFieldRow(placedLayout, placedLayout.fields.map(({ field, name, low, width }) => {
     const high = low + width - 1;
-    const active = { flag: "1 = active.", not_flag: "0 = active." }[field.kind] ?? "";
+    const activeText = { flag: "1 = active.", not_flag: "0 = active." }[field.kind] ?? "";
     const meaning = field.meaning || field.on || "";
     return {
       name, high, low, colour: field.colour, isOneName: true,
       text: high === low ? `${low}` : `${high}:${low}`,
-      says: [active, meaning && sentence(meaning)].filter(Boolean).join(" "),
+      says: [activeText, meaning && sentence(meaning)].filter(Boolean).join(" "),
       light: () => {},
     };
   }), "meaning");
 }
 
-const firstAtItsPlace = (field, fields) =>
-  fields.find((other) => other.high === field.high && other.low === field.low);
+/** Return the first of the decoded fields that has the same bits as ``field``. */
+const findFirstAtItsPlace = (field, fields) =>
+  fields.find((candidate) => candidate.high === field.high && candidate.low === field.low);
 
-/** A row with a button for each field in the order sent, and a line with the ``subject`` of the chosen one. */
-function rowOf(at, cells, subject) {
-  const { layout } = at;
+/**
+ * Draw a row with a button for each cell, in the order sent, and a line with the ``subject`` of the chosen one. A cell
+ * has the bits ``high`` to ``low`` of a field, its colour, the text in it, and the text that it ``says`` in the line.
+ */
+function drawFieldRow(placedLayout, cells, subject) {
+  const { layout } = placedLayout;
   const isLowFirst = layout.order === "little";
-  cells.sort((one, other) => (isLowFirst ? one.low - other.low : other.high - one.high));
-  const about = part("p", "about", howToPoint(subject));
-  about.setAttribute("aria-hidden", "true");
-  const source = layout.source ? ` Manual ${layout.source}` : "";
+  cells.sort((cell, otherCell) => (isLowFirst ? cell.low - otherCell.low : otherCell.high - cell.high));
+  const pointedLine = part("p", "about", describePointing(subject));
+  pointedLine.setAttribute("aria-hidden", "true");
+  const sourceText = layout.source ? ` Manual ${layout.source}` : "";
   const buttons = cells.map((cell) => {
-    const size = cell.high - cell.low + 1;
-    const place = placeOf(at, cell);
-    const where = layout.order ? place : `bit${size > 1 ? "s" : ""} ${place}`;
-    const words = `: ${where}${cell.says ? `, ${cell.says}` : "."}`;
-    const shownName = cell.isOneName ? breakable(cell.name) : cell.name;
-    const button = element("button", {
-      type: "button", class: `${CLASS}-cell ${CLASS}-cell-${cell.colour}${size > 2 ? "" : ` ${CLASS}-narrow`}`,
-      "aria-label": `${cell.name}${words}${source}`,
+    const bitCount = cell.high - cell.low + 1;
+    const place = placeOf(placedLayout, cell);
+    const placeText = layout.order ? place : `bit${bitCount > 1 ? "s" : ""} ${place}`;
+    const description = `: ${placeText}${cell.says ? `, ${cell.says}` : "."}`;
+    const shownName = cell.isOneName ? breakableName(cell.name) : cell.name;
+    const cellButton = element("button", {
+      type: "button", class: `${CLASS}-cell ${CLASS}-cell-${cell.colour}${bitCount > 2 ? "" : ` ${CLASS}-narrow`}`,
+      "aria-label": `${cell.name}${description}${sourceText}`,
     }, part("span", "bits", cell.text), part("span", "name", shownName));
-    const longestWord = size > 2 ? Math.max(...cell.name.split("_").map((word) => word.length)) : 0;
+    const longestWord = bitCount > 2 ? Math.max(...cell.name.split("_").map((word) => word.length)) : 0;
     // The policy of the page allows this, but no attribute.
-    button.style.flex = `${size} 1 ${Math.max(size, longestWord, cell.text.length) + 1}ch`;
-    const point = () => {
-      about.replaceChildren(element("b", {}, cell.name), words, source && part("span", "source", source));
+    cellButton.style.flex = `${bitCount} 1 ${Math.max(bitCount, longestWord, cell.text.length) + 1}ch`;
+    const showCell = () => {
+      pointedLine.replaceChildren(
+        element("b", {}, cell.name), description, sourceText && part("span", "source", sourceText));
       cell.light();
-      buttons.forEach((other) => other.classList.toggle(`${CLASS}-lit`, other === button));
+      buttons.forEach((otherButton) => otherButton.classList.toggle(`${CLASS}-lit`, otherButton === cellButton));
     };
-    for (const event of ["pointerenter", "focus", "click"]) button.addEventListener(event, point);
-    return button;
+    for (const event of ["pointerenter", "focus", "click"]) cellButton.addEventListener(event, showCell);
+    return cellButton;
   });
   const row = element("div", { class: `${CLASS}-drawing`, role: "group", "aria-label": "Bits of the frame" }, buttons);
-  return part("div", "frame-drawing", row, about);
+  return part("div", "frame-drawing", row, pointedLine);
 }

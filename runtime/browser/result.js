@@ -5,235 +5,266 @@ const CLASS = "codewheel-decode";
 
 /** An element with attributes and children, without empty ones. */
 function element(tag, attributes = {}, ...children) {
-  const made = document.createElement(tag);
-  for (const [name, item] of Object.entries(attributes)) {
-    if (item !== undefined && item !== false) made.setAttribute(name, item === true ? "" : item);
+  const newElement = document.createElement(tag);
+  for (const [name, setting] of Object.entries(attributes)) {
+    if (setting !== undefined && setting !== false) newElement.setAttribute(name, setting === true ? "" : setting);
   }
-  made.append(...children.flat().filter((child) => child !== "" && child !== null && child !== undefined));
-  return made;
+  newElement.append(...children.flat().filter((child) => child !== "" && child !== null && child !== undefined));
+  return newElement;
 }
 
+/** Create an element of the class ``codewheel-decode-NAME``. */
 const part = (tag, name, ...children) => element(tag, { class: `${CLASS}-${name}` }, ...children);
-const list = (items) => element("ul", {}, items.map((item) => element("li", {}, item)));
-const capital = (text) => text[0].toUpperCase() + text.slice(1);
+/** Create a list with an entry for each content: a text, an element, or an array of both. */
+const list = (contents) => element("ul", {}, contents.map((content) => element("li", {}, content)));
+/** Return the text with a capital first letter. */
+const capitalize = (text) => text[0].toUpperCase() + text.slice(1);
+/** Return the text with a full stop, unless it ends in a mark already. */
 const sentence = (text) => (/[.!?:]$/.test(text) ? text : `${text}.`);
 
-/** The place of a field in readable form: bits of a word, or bytes of a frame from 0. */
-function placeOf(at, { high, low }) {
+/** Return the place of a field in readable form: bits of a word, or bytes of a frame from 0. */
+function placeOf(placedLayout, { high, low }) {
   if (high < 0) return "";
-  const range = (from, to) => (from === to ? `${from}` : `${from}:${to}`);
-  if (!at.layout.order) return range(high, low);
-  const bits = [low, high].sort((one, other) => byteOf(at, one) - byteOf(at, other));
-  const ends = bits.map((bit) => byteOf(at, bit));
-  const isWhole = low % 8 === 0 && high % 8 === 7;
-  if (ends[0] === ends[1]) return `byte ${ends[0]}${isWhole ? "" : `.${range(high % 8, low % 8)}`}`;
-  return isWhole ? `bytes ${ends[0]}-${ends[1]}` : `bytes ${ends[0]}.${bits[0] % 8}-${ends[1]}.${bits[1] % 8}`;
+  const rangeText = (from, to) => (from === to ? `${from}` : `${from}:${to}`);
+  if (!placedLayout.layout.order) return rangeText(high, low);
+  const ends = [low, high].sort(
+    (bit, otherBit) => byteIndexOf(placedLayout, bit) - byteIndexOf(placedLayout, otherBit));
+  const bytes = ends.map((bit) => byteIndexOf(placedLayout, bit));
+  const isWholeBytes = low % 8 === 0 && high % 8 === 7;
+  if (bytes[0] === bytes[1]) return `byte ${bytes[0]}${isWholeBytes ? "" : `.${rangeText(high % 8, low % 8)}`}`;
+  return isWholeBytes ? `bytes ${bytes[0]}-${bytes[1]}` : `bytes ${bytes[0]}.${ends[0] % 8}-${bytes[1]}.${ends[1] % 8}`;
 }
 
-const shownValue = (item) => (item === true ? "yes" : item === false ? "no" : `${item}`);
+/** Return the value of a field as text, and that of a flag in words. */
+const formatValue = (fieldValue) => (fieldValue === true ? "yes" : fieldValue === false ? "no" : `${fieldValue}`);
 
-/** The meaning of a field, and for a number in Gray code also how it was sent. */
+/** Return the meaning of a field, and for a number in Gray code also how it was sent. */
 function meaningOf({ gray, joins }, { name, high, low, raw, value, meaning }) {
-  const isInside = (from, to) => gray && from >= gray.low && to < gray.low + gray.width;
-  const parts = joins.find((one) => one.name === name)?.parts.map(({ item }) => item).filter(Boolean) ?? [];
-  const isGray = high < 0 ? parts.length > 0 && parts.every((item) => isInside(item.low, item.low + item.width - 1))
-    : isInside(low, high);
+  const isInGray = (lowest, highest) => gray && lowest >= gray.low && highest < gray.low + gray.width;
+  const joinedFields = joins.find((join) => join.name === name)?.parts.map(({ item }) => item).filter(Boolean) ?? [];
+  const isGray = high < 0
+    ? joinedFields.length > 0 && joinedFields.every((field) => isInGray(field.low, field.low + field.width - 1))
+    : isInGray(low, high);
   if (!isGray || typeof value !== "bigint") return meaning;
-  const words = said("gray", hex(raw), hex(value));
-  return meaning ? `${sentence(meaning)} ${capital(words)}` : words;
+  const grayText = said("gray", hex(raw), hex(value));
+  return meaning ? `${sentence(meaning)} ${capitalize(grayText)}` : grayText;
 }
 
-/** A value with its unit, or a number with the quantity that it stands for. */
-function inUnits(item) {
-  const shown = shownValue(item.value);
-  if (typeof item.value === "boolean" || !(item.scale || item.unit)) return shown;
-  return item.scale ? `${shown} (${quantityOf(item.scale, item.value)})` : `${shown} ${item.unit}`;
+/** Return a value with its unit, or a number with the quantity that it stands for. */
+function formatWithUnit(field) {
+  const valueText = formatValue(field.value);
+  if (typeof field.value === "boolean" || !(field.scale || field.unit)) return valueText;
+  return field.scale ? `${valueText} (${quantityOf(field.scale, field.value)})` : `${valueText} ${field.unit}`;
 }
 
-/** A name that may wrap after each of its words. */
-const breakable = (name) => name.split("_").flatMap((word, place) => (place ? ["_", element("wbr"), word] : [word]));
+/** Return a name that may wrap after each of its words, as texts and elements. */
+const breakableName = (name) => (
+  name.split("_").flatMap((word, index) => (index ? ["_", element("wbr"), word] : [word])));
 
-function fieldTable(found) {
-  const rows = found.fields.map((item) => {
-    const isOneBit = item.high >= 0 && item.high === item.low;
-    const raw = part("span", "raw", isOneBit ? `${item.raw}` : hex(item.raw));
+/** Create the table of the decoded fields: the place, the name with its meaning, and the value with the raw number. */
+function createFieldTable(decoded) {
+  const rows = decoded.fields.map((field) => {
+    const isOneBit = field.high >= 0 && field.high === field.low;
+    const rawText = part("span", "raw", isOneBit ? `${field.raw}` : hex(field.raw));
     return element("tr", {},
-      element("td", {}, placeOf(found.at, item)),
-      element("th", { scope: "row" }, breakable(item.name), part("span", "meaning", meaningOf(found.at, item))),
-      element("td", {}, inUnits(item), raw));
+      element("td", {}, placeOf(decoded.at, field)),
+      element("th", { scope: "row" }, breakableName(field.name), part("span", "meaning", meaningOf(decoded.at, field))),
+      element("td", {}, formatWithUnit(field), rawText));
   });
   const heads = ["Place", "Field", "Value, raw"].map((text) => element("th", { scope: "col" }, text));
-  const size = found.at.layout.order ? counted(found.at.bits / 8, "byte") : counted(found.at.bits, "bit");
+  const lengthText = decoded.at.layout.order ? counted(decoded.at.bits / 8, "byte") : counted(decoded.at.bits, "bit");
   return element("table", {},
-    element("caption", {}, `${found.at.layout.title}, ${size}`, found.at.layout.source
-      ? part("span", "source", `, manual ${found.at.layout.source}`) : ""),
+    element("caption", {}, `${decoded.at.layout.title}, ${lengthText}`, decoded.at.layout.source
+      ? part("span", "source", `, manual ${decoded.at.layout.source}`) : ""),
     element("thead", {}, element("tr", {}, heads)), element("tbody", {}, rows));
 }
 
 /** The position in degrees or micrometres if it is usable, or the angle of a frame with only an angle. */
-function measured(found, measure) {
-  if (!measure || !found.verdict || found.verdict === "not_usable") return "";
-  const number = (name) => found.fields.find((item) => item.name === name && typeof item.value === "bigint");
-  const entry = number(measure.of) ?? number(measure.part);
-  if (!entry) return "";
-  const of = (item) => (item === undefined ? 0n : value(item, found.at.parameters));
-  const [step, fine, turn] = [of(measure.step_um), of(measure.step_nm), of(measure.counts_per_turn)];
-  if (step) return `${entry.name}: ${decimal(entry.value * step, ONE)} µm`;
-  if (fine) return `${entry.name}: ${decimal(entry.value * fine, 1000n * (of(measure.per_counts) || ONE))} µm`;
-  if (turn < ONE) return "";
-  const angle = ((entry.value % turn) + turn) % turn; // A negative remainder would be an angle before revolution 0.
-  const degrees = (Number(angle * 360n) / Number(turn)).toFixed((turn / 360n).toString().length);
-  const hasTurns = of(measure.turns) > ONE && entry.name === measure.of;
-  return `${entry.name}: ${degrees}°${hasTurns ? ` of revolution ${(entry.value - angle) / turn}` : ""}`;
+function measured(decoded, measure) {
+  if (!measure || !decoded.verdict || decoded.verdict === "not_usable") return "";
+  const findNumber = (name) => decoded.fields.find((field) => field.name === name && typeof field.value === "bigint");
+  const position = findNumber(measure.of) ?? findNumber(measure.part);
+  if (!position) return "";
+  const evaluate = (expression) => (expression === undefined ? 0n : value(expression, decoded.at.parameters));
+  const [stepUm, stepNm, countsPerTurn] = [
+    evaluate(measure.step_um), evaluate(measure.step_nm), evaluate(measure.counts_per_turn)];
+  if (stepUm) return `${position.name}: ${decimal(position.value * stepUm, ONE)} µm`;
+  if (stepNm) return (
+    `${position.name}: ${decimal(position.value * stepNm, 1000n * (evaluate(measure.per_counts) || ONE))} µm`);
+  if (countsPerTurn < ONE) return "";
+  // A negative remainder would be an angle before revolution 0.
+  const angle = ((position.value % countsPerTurn) + countsPerTurn) % countsPerTurn;
+  const degrees = (Number(angle * 360n) / Number(countsPerTurn)).toFixed((countsPerTurn / 360n).toString().length);
+  const hasTurns = evaluate(measure.turns) > ONE && position.name === measure.of;
+  return (
+    `${position.name}: ${degrees}°${hasTurns ? ` of revolution ${(position.value - angle) / countsPerTurn}` : ""}`);
 }
 
-function crcLine({ crc, received, computed }) {
-  const judged = received === computed ? "correct" : `WRONG, expected ${hex(computed, 2)}`;
-  const start = crc.init ? `, start value ${hex(big(crc.init))}` : "";
-  const inverted = big(crc.xorout) === ones(crc.width) ? ", sent inverted" : "";
-  return element("p", {}, `CRC ${hex(received, 2)}: ${judged} (${crc.text}${start}${inverted})`);
+/** Create the line about the CRC of a frame: received, and correct or with the expected one, with its parameters. */
+function createCrcLine({ crc, received, computed }) {
+  const judgement = received === computed ? "correct" : `WRONG, expected ${hex(computed, 2)}`;
+  const startText = crc.init ? `, start value ${hex(big(crc.init))}` : "";
+  const invertedText = big(crc.xorout) === ones(crc.width) ? ", sent inverted" : "";
+  return element("p", {}, `CRC ${hex(received, 2)}: ${judgement} (${crc.text}${startText}${invertedText})`);
 }
 
-function reportsOf(found) {
-  if (!found.reports.length) return [];
-  const items = found.reports.map((item) => [
-    element("strong", {}, item.flag), `: ${sentence(item.meaning)}`,
-    item.remedy ? ` ${sentence(item.remedy)}` : "", item.source ? part("span", "source", ` [${item.source}]`) : "",
+/** List the reports of the encoder, each with its meaning, remedy and source. */
+function listReports(decoded) {
+  if (!decoded.reports.length) return [];
+  const entries = decoded.reports.map((report) => [
+    element("strong", {}, report.flag), `: ${sentence(report.meaning)}`,
+    report.remedy ? ` ${sentence(report.remedy)}` : "",
+    report.source ? part("span", "source", ` [${report.source}]`) : "",
   ]);
-  return [element("p", {}, "The encoder reports:"), list(items)];
+  return [element("p", {}, "The encoder reports:"), list(entries)];
 }
 
-/** The first line: the verdict or the errors. */
-function headline(found) {
-  if (found.problems.length) {
-    const items = found.problems.map((item) => `${item.fault} error: ${item.message}`);
-    return part("div", "bad", items.map((text) => element("p", {}, text)));
+/** Create the first line: the verdict or the errors. */
+function headline(decoded) {
+  if (decoded.problems.length) {
+    const problemTexts = decoded.problems.map((problem) => `${problem.fault} error: ${problem.message}`);
+    return part("div", "bad", problemTexts.map((text) => element("p", {}, text)));
   }
-  const isRegister = found.at.layout.length !== undefined;
-  const start = isRegister || found.crc ? "No error" : "No error, but this frame does not have a CRC";
-  const words = [...(found.reports.length ? [] : [start]), ...(found.verdict ? [TABLE.worth[found.verdict]] : [])];
-  const verdict = found.verdict ? [element("code", {}, found.verdict), ": "] : [];
-  const names = { not_usable: "bad", usable_with_warning: "warning", usable: "good" };
-  const [first, ...more] = words.map(sentence);
-  const line = words.length ? [element("p", {}, verdict, [first, ...more.map(capital)].join(" "))] : [];
-  return part("div", names[found.verdict] ?? "plain", line);
+  const isRegister = decoded.at.layout.length !== undefined;
+  const errorText = isRegister || decoded.crc ? "No error" : "No error, but this frame does not have a CRC";
+  const phrases = [
+    ...(decoded.reports.length ? [] : [errorText]), ...(decoded.verdict ? [TABLE.worth[decoded.verdict]] : [])];
+  const verdict = decoded.verdict ? [element("code", {}, decoded.verdict), ": "] : [];
+  const classes = { not_usable: "bad", usable_with_warning: "warning", usable: "good" };
+  const [firstSentence, ...moreSentences] = phrases.map(sentence);
+  const line = phrases.length
+    ? [element("p", {}, verdict, [firstSentence, ...moreSentences.map(capitalize)].join(" "))] : [];
+  return part("div", classes[decoded.verdict] ?? "plain", line);
 }
 
 /** Whether a wrong frame is a valid one of another kind, whose check bits match, so it has no mistake. */
-function isAnother(found, others) {
-  const [other] = others;
-  return found.problems.length > 0 && others.length === 1
-    && Boolean(other.crc || other.checks.some((item) => item.check.fault === "constant"));
+function isAnotherFrame(decoded, otherLayouts) {
+  const [otherLayout] = otherLayouts;
+  return decoded.problems.length > 0 && otherLayouts.length === 1
+    && Boolean(otherLayout.crc || otherLayout.checks.some((placedCheck) => placedCheck.check.fault === "constant"));
 }
 
-/** The names of the other frames that it can be, in a sentence. */
-function othersOf(found, others) {
-  if (!others.length) return [];
-  const names = others.map((at) => at.name.replaceAll("_", " ")).join(", ");
-  const kind = isAnother(found, others) ? "valid_other" : found.problems.length ? "instead" : "also";
-  const words = said(kind, names);
-  return [element("p", {}, `${words[0].toUpperCase()}${words.slice(1)}. Choose it above.`)];
+/** Name the other frames that it can be, in a sentence. */
+function nameOtherFrames(decoded, otherLayouts) {
+  if (!otherLayouts.length) return [];
+  const names = otherLayouts.map((placedLayout) => placedLayout.name.replaceAll("_", " ")).join(", ");
+  const textName = isAnotherFrame(decoded, otherLayouts) ? "valid_other" : decoded.problems.length ? "instead" : "also";
+  const otherText = said(textName, names);
+  return [element("p", {}, `${otherText[0].toUpperCase()}${otherText.slice(1)}. Choose it above.`)];
 }
 
 /** Other readings of a position that nothing in the frame can contradict, folded, and the request that it also is. */
-function doubtsOf(found, measure) {
-  const readings = otherPositions(found, measure).map(([text, one]) => `${one} ${text}`).join(", ");
-  const request = ownRequest(found);
+function createDoubts(decoded, measure) {
+  const readings = otherPositions(decoded, measure).map(([text, position]) => `${position} ${text}`).join(", ");
+  const requestName = ownRequest(decoded);
   return [
-    ...(readings ? [foldedDoubt(measure, readings)] : []),
-    ...(request ? [element("p", {}, sentence(capital(said("own_request", request))))] : []),
+    ...(readings ? [foldDoubt(measure, readings)] : []),
+    ...(requestName ? [element("p", {}, sentence(capitalize(said("own_request", requestName))))] : []),
   ];
 }
 
-function foldedDoubt(measure, readings) {
-  const [question, ...rest] = said("looks_wrong", positionName(measure), readings).split("? ");
-  return element("details", {}, element("summary", {}, `${question}?`), element("p", {}, sentence(rest.join("? "))));
+/** Create a question about the position that unfolds to its other ``readings``, a text. */
+function foldDoubt(measure, readings) {
+  const [question, ...answerParts] = said("looks_wrong", positionNameOf(measure), readings).split("? ");
+  return element("details", {},
+    element("summary", {}, `${question}?`), element("p", {}, sentence(answerParts.join("? "))));
 }
 
-/** The mistakes that could explain a wrong frame. */
-function whyOf(found) {
-  const dead = deadLine(found);
-  if (dead) return [element("p", {}, dead)];
-  if (!found.problems.length) return [];
-  const flips = disturbedBits(found);
-  const which = flips.length === 1 ? bitName(found.at, flips[0]) : `one of ${flips.length} bits`;
-  const noise = flips.length ? [element("p", {},
-    `If only some frames fail, one bit may have been disturbed on the line: the CRC matches with ${which} inverted. `
+/** Create the lines about the mistakes that could explain a wrong frame. */
+function createExplanations(decoded) {
+  const deadLineText = deadLine(decoded);
+  if (deadLineText) return [element("p", {}, deadLineText)];
+  if (!decoded.problems.length) return [];
+  const disturbedBits = findDisturbedBits(decoded);
+  const bitText = disturbedBits.length === 1
+    ? nameBit(decoded.at, disturbedBits[0]) : `one of ${disturbedBits.length} bits`;
+  const noiseLines = disturbedBits.length ? [element("p", {},
+    `If only some frames fail, one bit may have been disturbed on the line: the CRC matches with ${bitText} inverted. `
     + "In that case, no change is needed.")] : [];
-  const reasons = explained(found);
-  const match = "these changes make the CRC match:";
-  const withCrc = noise.length ? `If all frames fail, ${match}` : `T${match.slice(1)}`;
-  const start = found.at?.crc ? withCrc : `${said("uncertain")}:`;
-  const told = reasons.length ? [element("p", {}, start), list(reasons.map((one) => reasonOf(one.at ?? found.at, one)))] : [];
-  const missing = missingPart(found);
-  const help = anotherHelps(reasons) ? [element("p", {}, said("another_frame"))] : [];
-  return [...noise, ...told, ...missing ? [element("p", {}, sentence(capital(missing)))] : [], ...help];
+  const explanations = explained(decoded);
+  const matchText = "these changes make the CRC match:";
+  const withCrc = noiseLines.length ? `If all frames fail, ${matchText}` : `T${matchText.slice(1)}`;
+  const introduction = decoded.at?.crc ? withCrc : `${said("uncertain")}:`;
+  const explanationLines = explanations.length ? [element("p", {}, introduction), list(explanations.map(
+    (explanation) => describeExplanation(explanation.at ?? decoded.at, explanation)))] : [];
+  const missingText = missingPart(decoded);
+  const helpLines = anotherHelps(explanations) ? [element("p", {}, said("another_frame"))] : [];
+  return [...noiseLines, ...explanationLines,
+    ...missingText ? [element("p", {}, sentence(capitalize(missingText)))] : [], ...helpLines];
 }
 
-/** One explanation: its text and chance, the numbers that the frame then contains, and the parts of a recording. */
-function reasonOf(at, { text, oneIn, number, parts = [] }) {
-  const chance = oneIn > ONE ? ` (matches by chance in 1 of ${oneIn} frames)` : "";
-  const numbers = number === undefined ? [] : numbersRead(at, number).map(([name, one]) => `${name} ${one}`);
-  const reads = numbers.length ? `: ${numbers.join(", ")}` : "";
-  return [`${text}${chance}${reads}`, parts.length ? drawnParts(parts) : ""];
+/** Describe one explanation: its text and chance, the numbers that the frame then contains, and the recording. */
+function describeExplanation(placedLayout, { text, oneIn, number, parts = [] }) {
+  const chanceText = oneIn > ONE ? ` (matches by chance in 1 of ${oneIn} frames)` : "";
+  const numberTexts = number === undefined ? []
+    : numbersRead(placedLayout, number).map(([name, fieldNumber]) => `${name} ${fieldNumber}`);
+  const readsText = numberTexts.length ? `: ${numberTexts.join(", ")}` : "";
+  return [`${text}${chanceText}${readsText}`, parts.length ? drawParts(parts) : ""];
 }
 
-/** The parts of a recording, drawn like the bits of a frame. */
-const drawnParts = (parts) => part("div", "drawing", parts.map(([name, some]) =>
+/** Draw the parts of a recording, each a name and its bits, like the bits of a frame. */
+const drawParts = (parts) => part("div", "drawing", parts.map(([name, partBits]) =>
   part("span", `cell ${CLASS}-cell-${name === "frame" ? "data" : "flag"}`,
-    part("span", "bits", some), part("span", "name", name.replaceAll("_", "-")))));
+    part("span", "bits", partBits), part("span", "name", name.replaceAll("_", "-")))));
 
-const byteOf = (at, bit) => (at.layout.order === "little" ? bit >> 3 : at.bits / 8 - 1 - (bit >> 3));
-const bitName = (at, bit) => (at.layout.order ? `bit ${bit % 8} of byte ${byteOf(at, bit)}` : `bit ${bit}`);
+/** Return the index from 0, in the order sent, of the byte that has a bit of the frame's number. */
+const byteIndexOf = (placedLayout, bit) => (
+  placedLayout.layout.order === "little" ? bit >> 3 : placedLayout.bits / 8 - 1 - (bit >> 3));
+/** Name a bit of a frame: by its byte if the frame is in bytes, and otherwise by its place in the word. */
+const nameBit = (placedLayout, bit) => (
+  placedLayout.layout.order ? `bit ${bit % 8} of byte ${byteIndexOf(placedLayout, bit)}` : `bit ${bit}`);
 
-/** All output about a frame or register. */
-function resultOf(found, measure, others) {
-  const angle = measured(found, measure);
-  const table = found.fields.length ? fieldTable(found) : null;
+/** Create all output about a frame or register. ``otherLayouts`` are the other frames that it can be. */
+function resultOf(decoded, measure, otherLayouts) {
+  const angleText = measured(decoded, measure);
+  const table = decoded.fields.length ? createFieldTable(decoded) : null;
   return [
-    headline(found),
-    ...(found.differences.length ? [list(found.differences.map((text) => `differs from the manual: ${text}`))] : []),
-    ...reportsOf(found),
-    ...(table && angle ? [part("p", "angle", angle)] : []),
-    ...(table ? [bitsOf(found, table), table] : []),
-    ...(found.crc ? [crcLine(found.crc)] : []),
-    ...othersOf(found, others),
-    ...doubtsOf(found, measure),
-    ...(isAnother(found, others) ? [] : whyOf(found)),
+    headline(decoded),
+    ...(decoded.differences.length
+      ? [list(decoded.differences.map((difference) => `differs from the manual: ${difference}`))] : []),
+    ...listReports(decoded),
+    ...(table && angleText ? [part("p", "angle", angleText)] : []),
+    ...(table ? [drawFrameBits(decoded, table), table] : []),
+    ...(decoded.crc ? [createCrcLine(decoded.crc)] : []),
+    ...nameOtherFrames(decoded, otherLayouts),
+    ...createDoubts(decoded, measure),
+    ...(isAnotherFrame(decoded, otherLayouts) ? [] : createExplanations(decoded)),
   ];
 }
 
-/** All output about a frame with several data channels: its verdict, and then each channel. */
-function wholeResultOf(found, measure) {
-  const compared = found.compared ? [element("p", {}, sentence(capital(found.compared.words)))] : [];
-  const channels = found.channels.flatMap((one) => [
-    element("h3", {}, capital(one.at.layout.title)), ...resultOf({ ...one, verdict: one.verdict && found.verdict }, measure, []),
+/** Create all output about a frame with several data channels: its verdict, and then each channel. */
+function wholeResultOf(decoded, measure) {
+  const comparisonLines = decoded.compared ? [element("p", {}, sentence(capitalize(decoded.compared.words)))] : [];
+  const channelLines = decoded.channels.flatMap((channel) => [
+    element("h3", {}, capitalize(channel.at.layout.title)),
+    ...resultOf({ ...channel, verdict: channel.verdict && decoded.verdict }, measure, []),
   ]);
-  return [headline({ ...found, crc: true }), ...compared, ...channels];
+  return [headline({ ...decoded, crc: true }), ...comparisonLines, ...channelLines];
 }
 
-/** A button for each order code, which calls ``pick`` with it. */
+/** Create a button for each order code, which calls ``pick`` with it. */
 function codeButtons(codes, pick) {
   return part("div", "codes", codes.map((code) => {
-    const button = element("button", { type: "button" }, code);
-    button.addEventListener("click", () => pick(code));
-    return button;
+    const codeButton = element("button", { type: "button" }, code);
+    codeButton.addEventListener("click", () => pick(code));
+    return codeButton;
   }));
 }
 
-/** The order codes that match the frame in a text; ``pick`` selects one of them. */
-function guessesOf(text, pick) {
-  const groups = inferred(text);
-  if (!groups.length) return [part("div", "bad", element("p", {}, sentence(notOfAnyCode(text))))];
-  const withCrc = groups.filter((group) => group.decoded.crc);
-  const rows = [...withCrc, ...groups.filter((group) => !group.decoded.crc)].map((group) => {
-    const { at } = group.decoded;
-    const bits = group.decoded.bits ?? at.bits;
-    const size = at.layout.order ? counted(at.bits / 8, "byte") : counted(bits, "bit");
-    const check = group.decoded.crc ? "with a correct CRC" : "without a CRC";
+/** List the order codes that match the frame in a text. ``pick`` selects one of them. */
+function guessesOf(frameText, pick) {
+  const groups = inferred(frameText);
+  if (!groups.length) return [part("div", "bad", element("p", {}, sentence(notOfAnyCode(frameText))))];
+  const groupsWithCrc = groups.filter((group) => group.decoded.crc);
+  const entries = [...groupsWithCrc, ...groups.filter((group) => !group.decoded.crc)].map((group) => {
+    const { at: placedLayout } = group.decoded;
+    const bitCount = group.decoded.bits ?? placedLayout.bits;
+    const lengthText = placedLayout.layout.order ? counted(placedLayout.bits / 8, "byte") : counted(bitCount, "bit");
+    const crcText = group.decoded.crc ? "with a correct CRC" : "without a CRC";
     const mark = group.family.mark ? ` (${group.family.mark})` : "";
-    const text = `${group.over.title} from the ${group.sender}, ${at.layout.title}: ${size}, ${check}${mark}`;
+    const text = (
+      `${group.over.title} from the ${group.sender}, ${placedLayout.layout.title}: ${lengthText}, ${crcText}${mark}`);
     return [element("p", {}, text), codeButtons(group.codes, (code) => pick(code, group.sender))];
   });
-  return [element("p", {}, "Valid frame of these order codes. Select the one on the label:"), list(rows)];
+  return [element("p", {}, "Valid frame of these order codes. Select the one on the label:"), list(entries)];
 }
