@@ -53,10 +53,10 @@
   function value(expression, parameters) {
     if (!Array.isArray(expression)) return big(expression);
     return expression.slice(1).reduce((sum, [multiple, ...factors]) => sum + factors.reduce(
-      (product, name) => product * factor(name, parameters), big(multiple)), big(expression[0]));
+      (product, name) => product * evaluateFactor(name, parameters), big(multiple)), big(expression[0]));
   }
 
-  function factor(name, parameters) {
+  function evaluateFactor(name, parameters) {
     if (!name.startsWith("^")) return parameters[name];
     const exponent = parameters[name.slice(1)];
     if (exponent < 0n || exponent > 128n) throw new RangeError(`2${name} is out of range`);
@@ -64,17 +64,17 @@
   }
 
   /** The parameters of an order code and those derived from them. */
-  function resolved(family, given) {
+  function resolveParameters(family, given) {
     const parameters = named(given);
     let unsettled = family.derived ?? [];
     for (let countBefore = -1; unsettled.length !== countBefore;) {
       countBefore = unsettled.length;
-      unsettled = unsettled.filter(([name, expression]) => !settle(parameters, name, expression));
+      unsettled = unsettled.filter(([name, expression]) => !settleParameter(parameters, name, expression));
     }
     return parameters;
   }
 
-  function settle(parameters, name, expression) {
+  function settleParameter(parameters, name, expression) {
     const names = Array.isArray(expression) ? expression.slice(1).flatMap((term) => term.slice(1)) : [];
     if (!names.every((nameOrPower) => nameOrPower.replace("^", "") in parameters)) return false;
     try {
@@ -162,10 +162,10 @@
     if (number >> BigInt(placedLayout.bits)) {
       return otherLength(placedLayout, `${placedLayout.bits} bits`, bitLength(number));
     }
-    const decoded = nothing(placedLayout, number);
+    const decoded = createEmptyResult(placedLayout, number);
     const binary = fromGray(placedLayout, number);
-    decoded.fields = placedLayout.fields.flatMap((placedField) => fieldsOf(placedField, number, binary));
-    decoded.crc = crcOf(placedLayout, number);
+    decoded.fields = placedLayout.fields.flatMap((placedField) => decodeFieldAndRuns(placedField, number, binary));
+    decoded.crc = checkCrc(placedLayout, number);
     if (decoded.crc && decoded.crc.received !== decoded.crc.computed) {
       const words = said("crc", hex(decoded.crc.received, 2), hex(decoded.crc.computed, 2));
       decoded.problems.push({ fault: "crc", field: decoded.crc.field, message: words });
@@ -173,17 +173,17 @@
     decoded.problems.push(...placedLayout.checks.flatMap((placedCheck) => problemOf(placedCheck, number, binary)));
     const rank = (problem) => TABLE.faults.indexOf(problem.fault);
     decoded.problems.sort((one, other) => rank(one) - rank(other));
-    decoded.fields.push(...placedLayout.joins.map((join) => joined(join, number, binary)));
-    if (!decoded.problems.length) tell(decoded);
+    decoded.fields.push(...placedLayout.joins.map((join) => joinFields(join, number, binary)));
+    if (!decoded.problems.length) judgeFrame(decoded);
     return decoded;
   }
 
-  const nothing = (placedLayout, number) => ({
+  const createEmptyResult = (placedLayout, number) => ({
     at: placedLayout, number, fields: [], crc: null, problems: [], reports: [], differences: [], verdict: null,
   });
 
   function otherLength(placedLayout, needed, count) {
-    const decoded = nothing(placedLayout, 0n);
+    const decoded = createEmptyResult(placedLayout, 0n);
     decoded.problems.push({ fault: "length", field: "", message: said("length", placedLayout.name, needed, count) });
     return decoded;
   }
@@ -199,11 +199,11 @@
   function fromGray(placedLayout, number) {
     if (!placedLayout.gray) return number;
     const binary = plainOf(bits(number, placedLayout.gray.low, placedLayout.gray.width)) - placedLayout.gray.excess;
-    return withGray(placedLayout, number, binary);
+    return replaceGrayBits(placedLayout, number, binary);
   }
 
   /** The number with other bits in the place of those in Gray code. */
-  function withGray(placedLayout, number, newBits) {
+  function replaceGrayBits(placedLayout, number, newBits) {
     const { low, width } = placedLayout.gray;
     return (number & ~(ones(width) << BigInt(low))) | (BigInt.asUintN(width, newBits) << BigInt(low));
   }
@@ -219,17 +219,17 @@
     if (!placedLayout.gray) return number;
     const { low, width, excess } = placedLayout.gray;
     const sumWithExcess = BigInt.asUintN(width, bits(number, low, width) + excess);
-    return withGray(placedLayout, number, sumWithExcess ^ (sumWithExcess >> ONE));
+    return replaceGrayBits(placedLayout, number, sumWithExcess ^ (sumWithExcess >> ONE));
   }
 
   /** A field in readable form with its runs of digits; ``raw`` is the transmitted value. */
-  function fieldsOf(placedField, number, binary) {
+  function decodeFieldAndRuns(placedField, number, binary) {
     const { field, low, width } = placedField;
     const fieldBits = bits(binary, low, width);
     const decodedField = {
       name: field.name, raw: bits(number, low, width), value: fieldBits, unit: field.unit ?? "",
       scale: field.scale, meaning: field.meaning ?? "", high: low + width - 1, low, colour: field.colour,
-      ...meantBy(field, fieldBits, width),
+      ...interpretRaw(field, fieldBits, width),
     };
     const runs = (field.runs ?? []).map(([name, divisor, modulus, meaning = ""]) => {
       const runNumber = (fieldBits / big(divisor)) % big(modulus);
@@ -238,7 +238,7 @@
     return [decodedField, ...runs];
   }
 
-  function meantBy(field, raw, width) {
+  function interpretRaw(field, raw, width) {
     switch (field.kind) {
       case "flag":
       case "not_flag": {
@@ -263,7 +263,7 @@
     }
   }
 
-  function joined(join, number, binary) {
+  function joinFields(join, number, binary) {
     const parts = join.parts.filter((part) => part.item);
     const joinedNumber = (source) => parts.reduce(
       (whole, { item, low }) => whole | (bits(source, item.low, item.width) << BigInt(low)), 0n);
@@ -274,7 +274,7 @@
 
   const crcField = (placedLayout) => placedLayout.fields.find((placedField) => placedField.field.crc);
 
-  function crcOf(placedLayout, number) {
+  function checkCrc(placedLayout, number) {
     if (!placedLayout.crc) return null;
     const crc = placedLayout.family.crcs[placedLayout.crc];
     const field = crcField(placedLayout);
@@ -312,24 +312,24 @@
   }
 
   /** The reports and the verdict of a valid frame or register. */
-  function tell(decoded) {
+  function judgeFrame(decoded) {
     const { at: placedLayout, number } = decoded;
     const binary = fromGray(placedLayout, number);
     const isActive = (placedField) => speaks(placedField, bits(binary, placedField.low, placedField.width));
     const active = new Set(placedLayout.fields.filter(isActive).map((placedField) => placedField.name));
-    const applies = ({ flag, when }) => (when ? when.every((pair) => matches(decoded, pair)) : active.has(flag));
+    const applies = ({ flag, when }) => (when ? when.every((pair) => hasFieldValue(decoded, pair)) : active.has(flag));
     decoded.reports = placedLayout.tells.filter(applies);
     if (placedLayout.layout.otherwise) {
       const decidingCause = placedLayout.speaks.find((cause) =>
         applies(cause) && !(cause.unless ?? []).some((name) => active.has(name)));
       decoded.verdict = decidingCause ? decidingCause.verdict : placedLayout.layout.otherwise;
-      if (!judges(placedLayout) && decoded.verdict !== "not_usable") decoded.verdict = "unknown";
+      if (!hasJudgingBits(placedLayout) && decoded.verdict !== "not_usable") decoded.verdict = "unknown";
     }
-    decoded.differences = [...placedLayout.fields.flatMap((placedField) => differenceOf(decoded, placedField)), ...strangeIn(decoded)];
+    decoded.differences = [...placedLayout.fields.flatMap((placedField) => findDifference(decoded, placedField)), ...findStrangeRuns(decoded)];
   }
 
   /** Whether frames of the order code have bits that say whether the position is usable, if others have. */
-  function judges({ layout, parameters }) {
+  function hasJudgingBits({ layout, parameters }) {
     return layout.judging_bits === undefined || value(layout.judging_bits, parameters) > 0;
   }
 
@@ -340,7 +340,7 @@
   }
 
   /** Whether a flag is active (1) or inactive (0), or another field has this value. */
-  function matches({ at: placedLayout, number }, [name, wanted]) {
+  function hasFieldValue({ at: placedLayout, number }, [name, wanted]) {
     const placedField = placedLayout.fields.find((candidate) => candidate.name === name);
     const raw = placedField && bits(fromGray(placedLayout, number), placedField.low, placedField.width);
     if (!placedField) return false;
@@ -349,7 +349,7 @@
 
   const isFlag = ({ kind }) => kind === "flag" || kind === "not_flag";
 
-  function differenceOf(decoded, { field }) {
+  function findDifference(decoded, { field }) {
     if (field.equals === undefined || decoded.at.layout.sender === "master") return [];
     const decodedField = decoded.fields.find((candidate) => candidate.name === field.name);
     const isText = typeof field.equals === "string";
@@ -363,7 +363,7 @@
       : said("other_content", name, actualText, decoded.at.code, documentedText)];
   }
 
-  function strangeIn(decoded) {
+  function findStrangeRuns(decoded) {
     return (decoded.at.layout.strange ?? []).flatMap(([run, low, high, words]) => {
       const decodedField = decoded.fields.find((candidate) => candidate.name === run);
       const isStrange = decodedField && (decodedField.raw < big(low) || decodedField.raw > big(high));
@@ -372,7 +372,7 @@
   }
 
   /** The names and values of the fields that together hold a number. Excess bits go to the highest field. */
-  function splitInto(parts, number) {
+  function splitNumber(parts, number) {
     const highestBit = Math.max(...parts.map((part) => part.low + (part.item?.width ?? 0)));
     return parts.filter((part) => part.item).map(({ item, low }) => {
       const isOpen = low + item.width === highestBit || number < 0n;
@@ -386,7 +386,7 @@
   function encode(placedLayout, values) {
     const parities = placedLayout.fields.filter((placedField) => placedField.field.parity);
     let number = placedLayout.fields.reduce(
-      (sum, placedField) => sum | (rawOf(placedField, values) << BigInt(placedField.low)), 0n);
+      (sum, placedField) => sum | (encodeField(placedField, values) << BigInt(placedField.low)), 0n);
     number = toGray(placedLayout, number);
     parities.forEach((placedField) => {
       const coveredFields = placedLayout.fields.filter((candidate) => placedField.field.parity.includes(candidate.name));
@@ -403,22 +403,22 @@
   /** Whether the user provides the value of a field. All others are derived. */
   const isGiven = ({ field }) => !["crc", "parity", "fixed", "unused"].some((name) => name in field);
 
-  function rawOf(placedField, values) {
+  function encodeField(placedField, values) {
     const { field, width } = placedField;
     if ("fixed" in field) return big(field.fixed) & ones(width);
     if (!isGiven(placedField)) return big(field.unused) & ones(width);
     const wanted = values[field.name];
     if (field.kind === "flag" || field.kind === "not_flag") return BigInt(wanted === (field.kind === "flag"));
-    if (field.kind === "text") return rawOfText(placedField, wanted);
+    if (field.kind === "text") return encodeText(placedField, wanted);
     const raw = field.zero_means && wanted === big(field.zero_means) ? 0n : BigInt.asUintN(width, wanted);
-    if (meantBy({ ...field, kind: field.kind === "signed" ? "signed" : undefined }, raw, width).value !== wanted) {
+    if (interpretRaw({ ...field, kind: field.kind === "signed" ? "signed" : undefined }, raw, width).value !== wanted) {
       throw new Refusal(said("too_wide", field.name, wanted, width));
     }
     if (field.power_of_two && wanted & (wanted - ONE)) throw new Refusal(said("no_power_of_two", field.name, wanted));
     return raw;
   }
 
-  function rawOfText({ field, width }, text) {
+  function encodeText({ field, width }, text) {
     const codes = [...text].map((character) => character.codePointAt(0));
     if (codes.length !== width / 8 || codes.some((code) => code > 255)) {
       throw new Refusal(said("too_wide", field.name, `"${text}"`, width));
@@ -427,7 +427,7 @@
   }
 
   /** Rejects a number outside the limits of its register. */
-  function refuseOutside(placedLayout, number, limits) {
+  function refuseOutsideLimits(placedLayout, number, limits) {
     if (!limits || (limits.low === null && limits.high === null)) return;
     const decodedFields = decode(placedLayout, number).fields;
     const limitedNumber = limits.of ? decodedFields.find((candidate) => candidate.name === limits.of).value : number;
@@ -446,7 +446,7 @@
 
   /** The bytes of a register that holds one number, such as a position, in hex. */
   function bytesOfNumber(placedLayout, number, limits) {
-    return bytesFor(placedLayout, named(Object.fromEntries(splitInto(partsOfNumber(placedLayout), number))), limits);
+    return bytesFor(placedLayout, named(Object.fromEntries(splitNumber(partsOfNumber(placedLayout), number))), limits);
   }
 
   /** The highest number that a register can hold within its limits. */
@@ -461,7 +461,7 @@
   /** The bytes of a register with these values, in hex. */
   function bytesFor(placedLayout, values, limits) {
     const number = encode(placedLayout, values);
-    refuseOutside(placedLayout, number, limits);
+    refuseOutsideLimits(placedLayout, number, limits);
     return shownBytes(bytesOf(placedLayout.layout.order, number, placedLayout.layout.length));
   }
 
@@ -542,22 +542,22 @@
     }
   }
 
-  const LONGEST_LABEL = TABLE.limits.label;
-  const withoutBlanks = (text) => text.replace(/\s/g, "");
-  const regexOf = (source) => new RegExp(source, "i");
-  const listedValue = (part, text) => part.values.find((listed) => listed.toUpperCase() === text.toUpperCase());
-  const filledPattern = (pattern, texts) => pattern.replace(/\{(\w+)\}/g, (_, name) => texts[name]);
+  const MAX_LABEL_LENGTH = TABLE.limits.label;
+  const removeBlanks = (text) => text.replace(/\s/g, "");
+  const compileRegex = (source) => new RegExp(source, "i");
+  const findListedValue = (part, text) => part.values.find((listed) => listed.toUpperCase() === text.toUpperCase());
+  const fillPattern = (pattern, texts) => pattern.replace(/\{(\w+)\}/g, (_, name) => texts[name]);
 
   /** The order code on a label: family, interface and parameters. Throws ``UnknownCode`` with help. */
   function readLabel(label) {
     if (isLine(label)) return readLine(label);
-    const text = withoutBlanks(label).toUpperCase();
+    const text = removeBlanks(label).toUpperCase();
     const special = (family) => family.special && text.endsWith(`/${family.special}`);
     let closeError = null;
     let best = null;
     for (const family of [...TABLE.families.filter(special), ...TABLE.families.filter((listedFamily) => !listedFamily.base)]) {
       try {
-        const reading = readFor(family, label);
+        const reading = readLabelOfFamily(family, label);
         // What is a tail after the code of one family can be a part of the code of another one.
         if (!best || reading.tail.length < best.tail.length) best = reading;
       } catch (error) {
@@ -566,7 +566,7 @@
       }
     }
     if (best) return best;
-    throw closeError ?? new UnknownCode(unknownLabel(label), false);
+    throw closeError ?? new UnknownCode(describeUnknownLabel(label), false);
   }
 
   /** The order code on a label, or null if it is unknown. */
@@ -579,32 +579,32 @@
     }
   }
 
-  function readFor(family, label) {
-    if (label.length > LONGEST_LABEL) {
-      throw new UnknownCode(said("too_long", label.slice(0, 20), label.length, LONGEST_LABEL), true);
+  function readLabelOfFamily(family, label) {
+    if (label.length > MAX_LABEL_LENGTH) {
+      throw new UnknownCode(said("too_long", label.slice(0, 20), label.length, MAX_LABEL_LENGTH), true);
     }
-    const code = withoutBlanks(label).toUpperCase();
+    const code = removeBlanks(label).toUpperCase();
     for (const spelling of family.labels.written) {
-      const match = regexOf(spelling.label).exec(code);
-      if (match) return { ...resolvedCode(family, spelling, match.groups, code), label };
+      const match = compileRegex(spelling.label).exec(code);
+      if (match) return { ...resolveOrderCode(family, spelling, match.groups, code), label };
     }
-    throw wrongPart(family, code);
+    throw explainWrongPart(family, code);
   }
 
-  function resolvedCode(family, spelling, groups, code) {
+  function resolveOrderCode(family, spelling, groups, code) {
     const { parts, pattern } = family.labels;
     const texts = named(Object.fromEntries(parts.map(({ name }) => {
       const listedText = spelling.values?.[name]?.[groups[name].toUpperCase()];
       return [name, listedText ?? groups[name]];
     })));
-    const values = named(Object.fromEntries(parts.map((part) => [part.name, listedValue(part, texts[part.name])])));
-    const row = fittingRow(family, values);
-    if (!row) throw new UnknownCode(clash(family, code, texts, values), true);
+    const values = named(Object.fromEntries(parts.map((part) => [part.name, findListedValue(part, texts[part.name])])));
+    const row = findFittingRow(family, values);
+    if (!row) throw new UnknownCode(describeClash(family, code, texts, values), true);
     const unlisted = parts.map((part) => part.name).filter((name) => values[name] === undefined);
-    const listedCode = ofRow(family, row);
+    const listedCode = orderCodeOfRow(family, row);
     return {
       ...listedCode,
-      code: unlisted.length ? filledPattern(pattern, named(texts, definedOf(values))) : listedCode.code,
+      code: unlisted.length ? fillPattern(pattern, named(texts, omitUndefined(values))) : listedCode.code,
       unlisted,
       tail: groups.tail_ ?? "",
       isSpecial: groups.special_ !== undefined,
@@ -612,79 +612,79 @@
     };
   }
 
-  const definedOf = (values) => Object.fromEntries(Object.entries(values).filter(([, listed]) => listed !== undefined));
+  const omitUndefined = (values) => Object.fromEntries(Object.entries(values).filter(([, listed]) => listed !== undefined));
 
   /** The first listed code with these parts, where undefined stands for a value that is not listed. */
-  function fittingRow(family, values) {
+  function findFittingRow(family, values) {
     const open = family.labels.parts.filter((part) => values[part.name] === undefined);
     const isAllowed = ([otherPart, allowed]) => values[otherPart] === undefined || allowed.includes(values[otherPart]);
     if (!open.every((part) => Object.entries(part.only_with ?? {}).every(isAllowed))) return undefined;
     return family.codes.find((row) => {
-      const rowValues = partsOf(family, row);
+      const rowValues = partsOfRow(family, row);
       return Object.entries(values).every(([name, wanted]) => wanted === undefined || wanted === rowValues[name]);
     });
   }
 
-  const partsOfCodes = new Map();
+  const partsByRow = new Map();
 
-  function partsOf(family, row) {
-    if (!partsOfCodes.has(row)) {
-      const { groups } = regexOf(family.labels.written[0].label).exec(withoutBlanks(row[0]));
-      const listed = family.labels.parts.map((part) => [part.name, listedValue(part, groups[part.name])]);
-      partsOfCodes.set(row, named(Object.fromEntries(listed)));
+  function partsOfRow(family, row) {
+    if (!partsByRow.has(row)) {
+      const { groups } = compileRegex(family.labels.written[0].label).exec(removeBlanks(row[0]));
+      const listed = family.labels.parts.map((part) => [part.name, findListedValue(part, groups[part.name])]);
+      partsByRow.set(row, named(Object.fromEntries(listed)));
     }
-    return partsOfCodes.get(row);
+    return partsByRow.get(row);
   }
 
-  function clash(family, code, texts, values) {
+  function describeClash(family, code, texts, values) {
     const names = family.labels.parts.filter((part) => part.values.some(
-      (candidate) => fittingRow(family, named(values, { [part.name]: candidate })))).map((part) => part.name);
+      (candidate) => findFittingRow(family, named(values, { [part.name]: candidate })))).map((part) => part.name);
     const namedParts = names.map((name) => `${name} '${values[name] ?? texts[name]}'`).join(" and ") || "its parts";
-    return said("cannot_be_combined", code, namedParts, nearest([family], code));
+    return said("cannot_be_combined", code, namedParts, listNearestCodes([family], code));
   }
 
   /** The error about a text with one missing or unlisted part, or about a text that is far from every code. */
-  function wrongPart(family, code) {
+  function explainWrongPart(family, code) {
     const { parts, wrong } = family.labels;
     const candidates = parts.flatMap((part, index) => {
-      const groups = regexOf(wrong[index]).exec(code)?.groups;
-      if (!groups || !hasMoreThan(groups, part, code)) return [];
-      const unlisted = parts.filter((other) => other !== part && listedValue(other, groups[other.name]) === undefined);
+      const groups = compileRegex(wrong[index]).exec(code)?.groups;
+      if (!groups || !hasOtherText(groups, part, code)) return [];
+      const unlisted = parts.filter((other) => other !== part && findListedValue(other, groups[other.name]) === undefined);
       return [{ part, given: groups[part.name], rank: 2 * unlisted.length + (groups[part.name] ? 1 : 0) }];
     });
     if (!candidates.length) {
-      return new UnknownCode(said("not_of_family", code, family.name.toUpperCase(), nearest([family], code)), false);
+      return new UnknownCode(said("not_of_family", code, family.name.toUpperCase(), listNearestCodes([family], code)), false);
     }
     const { part, given } = candidates.reduce((best, candidate) => (candidate.rank < best.rank ? candidate : best));
     const words = given ? said("has_part", part.name, given) : said("has_no_part", part.name);
-    return new UnknownCode(said("wrong_part", code, words, part.values.join(", "), nearest([family], code)), true);
+    return new UnknownCode(said("wrong_part", code, words, part.values.join(", "), listNearestCodes([family], code)), true);
   }
 
   /** Whether a label has letters or digits of the family, apart from a wrong part and the tail. */
-  function hasMoreThan(groups, part, code) {
+  function hasOtherText(groups, part, code) {
     const partText = groups[part.name];
     const ownText = code.slice(0, code.length - (groups.tail_ ?? "").length - (groups.special_ ?? "").length);
     return partText === "" || /[A-Z0-9]/i.test(ownText.replace(partText, ""));
   }
 
-  function unknownLabel(text) {
+  function describeUnknownLabel(text) {
     const family = TABLE.families.find((known) => known.name === text.trim().toLowerCase());
     if (family) return said("family", text, family.codes[0][0]);
-    const near = nearest(TABLE.families, text, TABLE.limits.likeness);
+    const near = listNearestCodes(TABLE.families, text, TABLE.limits.likeness);
     return said("unknown", text) + (near ? said("nearest", near) : "");
   }
 
   /** The three most similar codes, as a list in words. */
-  function nearest(families, text, least = 0) {
+  function listNearestCodes(families, text, least = 0) {
     const pieces = text.toUpperCase().split("-");
-    const likeness = (code) => similarity(code, pieces.slice(0, code.split("-").length).join("-"));
+    const likeness = (code) => computeSimilarity(code, pieces.slice(0, code.split("-").length).join("-"));
     return families.flatMap((family) => family.codes.map((row) => [likeness(row[0]), row[0]]))
       .sort(([ratio], [otherRatio]) => otherRatio - ratio).slice(0, 3).filter(([ratio]) => ratio >= least)
       .map(([, code]) => code).join(", ");
   }
 
   /** The similarity of two texts from 0 to 1, as difflib.SequenceMatcher computes it. */
-  function similarity(text, otherText) {
+  function computeSimilarity(text, otherText) {
     const matched = (from, to, low, high) => {
       let [best, size, bestInOther] = [0, 0, 0];
       let lengths = new Map();
@@ -704,7 +704,7 @@
     return total ? (2 * matched(0, text.length, 0, otherText.length)) / total : 1;
   }
 
-  function ofRow(family, [code, interface_, ...values]) {
+  function orderCodeOfRow(family, [code, interface_, ...values]) {
     const given = named(Object.fromEntries((family.given ?? []).map((name, index) => [name, big(values[index])])));
     return { code, family, interface: family.interfaces[interface_], given };
   }
@@ -712,23 +712,23 @@
   const LINE_INTERFACES = ["biss", "ssi", "spi", "rs485"];
   const LINE_TITLES = { biss: "BiSS C-mode", ssi: "SSI", spi: "SPI", rs485: "RS-485" };
   const LINE_EXAMPLE = "INTERFACE:FIELD,FIELD, such as biss:position=32,error,warning,crc=6:0x43";
-  const LINE_LAYOUTS = {
+  const LINE_LAYOUT_NAMES = {
     biss: ["single_cycle_data", "Single cycle data"], ssi: ["ssi_word", "SSI word"],
     spi: ["position_word", "Position word"], rs485: ["reply", "Reply"],
   };
-  const LINE_VERDICTS = named({ error: "not_usable", warning: "usable_with_warning", status: "usable" });
-  const LINE_MEANINGS = {
+  const LINE_EFFECT_VERDICTS = named({ error: "not_usable", warning: "usable_with_warning", status: "usable" });
+  const LINE_VERDICT_MEANINGS = {
     not_usable: "an error is active", usable_with_warning: "a warning is active", usable: "the bit is active",
   };
-  const LINE_NUMBERS = named({
+  const LINE_NUMBER_UNITS = named({
     position: ["counts", "Position"], singleturn: ["counts", "Position within one revolution"],
     multiturn: ["revolutions", "Number of revolutions"],
   });
-  const LONGEST_LINE = 1000;
-  const MOST_LINE_FIELDS = 64;
+  const MAX_LINE_LENGTH = 1000;
+  const MAX_LINE_FIELDS = 64;
 
   /** A text that is not a field or an option. The message says what would be right, and ``offset`` where it is. */
-  class LinePart extends Error {
+  class LinePartError extends Error {
     constructor(message, offset = 0) {
       super(message);
       this.offset = offset;
@@ -736,107 +736,107 @@
   }
 
   const isLine = (text) => text.includes("=") || /^\s*(biss|ssi|spi|rs485)\s*[:,]/i.test(text);
-  const shortText = (text) => (text.length > TABLE.limits.quote ? `'${text.slice(0, TABLE.limits.quote - 3)}...'` : `'${text}'`);
-  const hexText = (number) => `0x${number.toString(16)}`;
+  const quoteLineText = (text) => (text.length > TABLE.limits.quote ? `'${text.slice(0, TABLE.limits.quote - 3)}...'` : `'${text}'`);
+  const formatHex = (number) => `0x${number.toString(16)}`;
 
   /** The decimal, hexadecimal or binary number of at most 65 bits that a text is, otherwise null. */
-  function lineNumber(text) {
+  function parseLineNumber(text) {
     return /^(0[xX][0-9A-Fa-f]{1,17}|0[bB][01]{1,65}|0|[1-9][0-9]{0,19})$/.test(text) ? BigInt(text) : null;
   }
 
-  function lineBits(name, text, widest = 64n) {
-    const width = lineNumber(text);
+  function parseWidth(name, text, widest = 64n) {
+    const width = parseLineNumber(text);
     if (width === null || width < 1n || width > widest) {
-      throw new LinePart(`${shortText(text)} is not a width of '${name}'; write 1 to ${widest}`, name.length + 1);
+      throw new LinePartError(`${quoteLineText(text)} is not a width of '${name}'; write 1 to ${widest}`, name.length + 1);
     }
     return Number(width);
   }
 
-  function lineField(text, column, interface_) {
+  function parseLineField(text, column, interface_) {
     const at = text.indexOf("=");
-    if (!text.trim()) throw new LinePart("a field is missing between two commas; remove one of them");
+    if (!text.trim()) throw new LinePartError("a field is missing between two commas; remove one of them");
     const given = (at < 0 ? text : text.slice(0, at)).trim();
     const values = at < 0 ? [] : text.slice(at + 1).split(":").map((value) => value.trim());
     if (!/^[A-Za-z][A-Za-z0-9_]{0,39}$/.test(given)) {
-      throw new LinePart(`${shortText(given)} is not a name; use letters, digits and underscores, such as position=32`);
+      throw new LinePartError(`${quoteLineText(given)} is not a name; use letters, digits and underscores, such as position=32`);
     }
     const name = given.toLowerCase().split("_").filter(Boolean).join("_");
-    if (name === "crc") return { ...lineCrc(values, interface_), column };
-    if (name === "parity") return { ...lineParity(values), column };
+    if (name === "crc") return { ...parseCrc(values, interface_), column };
+    if (name === "parity") return { ...parseParity(values), column };
     if (name === "zero" || name === "unused") {
-      if (values.length !== 1) throw new LinePart(`'${name}' takes only a width; write ${name}=2 for two bits`);
-      return { kind: name, name, bits: lineBits(name, values[0]), column };
+      if (values.length !== 1) throw new LinePartError(`'${name}' takes only a width; write ${name}=2 for two bits`);
+      return { kind: name, name, bits: parseWidth(name, values[0]), column };
     }
-    if (values[0] === "low" || values[0] === "high") return { ...lineFlag(name, values), column };
+    if (values[0] === "low" || values[0] === "high") return { ...parseFlag(name, values), column };
     if (["error", "warning"].includes(name) && (!values.length || (values.length === 1 && values[0] === "1"))) {
-      if (interface_ !== "biss") throw new LinePart(`'${name}' has no active level; write ${name}=low or ${name}=high`);
-      return { kind: "flag", name, bits: 1, level: "low", verdict: LINE_VERDICTS[name], column };
+      if (interface_ !== "biss") throw new LinePartError(`'${name}' has no active level; write ${name}=low or ${name}=high`);
+      return { kind: "flag", name, bits: 1, level: "low", verdict: LINE_EFFECT_VERDICTS[name], column };
     }
-    return { ...lineNumberField(name, values), column };
+    return { ...parseNumberField(name, values), column };
   }
 
-  function lineNumberField(name, values) {
+  function parseNumberField(name, values) {
     if (!values.length || (values.length === 1 && !values[0])) {
-      throw new LinePart(`'${name}' has no width; write NAME=BITS for a number, NAME=low or NAME=high for a flag`);
+      throw new LinePartError(`'${name}' has no width; write NAME=BITS for a number, NAME=low or NAME=high for a flag`);
     }
     if (name === "error" || name === "warning") {
-      throw new LinePart(`'${name}' is one bit; write ${name}=low or ${name}=high`, name.length + 1);
+      throw new LinePartError(`'${name}' is one bit; write ${name}=low or ${name}=high`, name.length + 1);
     }
-    const width = lineBits(name, values[0]);
+    const width = parseWidth(name, values[0]);
     if (values.length === 1) return { kind: "number", name, bits: width };
     if (values.length === 2 && values[1] === "signed") return { kind: "number", name, bits: width, isSigned: true };
-    const number = lineNumber(values[1]);
+    const number = parseLineNumber(values[1]);
     const place = name.length + values[0].length + 2;
     if (number === null || values.length > 2) {
-      const wrong = shortText(values.slice(1).join(":"));
-      throw new LinePart(`${wrong} does not fit after a width; write signed, or the value of a constant`, place);
+      const wrong = quoteLineText(values.slice(1).join(":"));
+      throw new LinePartError(`${wrong} does not fit after a width; write signed, or the value of a constant`, place);
     }
     if (number >> BigInt(width)) {
-      throw new LinePart(`${hexText(number)} does not fit into ${width} bits; write at most ${hexText(ones(width))}`, place);
+      throw new LinePartError(`${formatHex(number)} does not fit into ${width} bits; write at most ${formatHex(ones(width))}`, place);
     }
-    if (name in LINE_NUMBERS) {
-      throw new LinePart(`'${name}' is not a constant; give the constant bits another name`, place);
+    if (name in LINE_NUMBER_UNITS) {
+      throw new LinePartError(`'${name}' is not a constant; give the constant bits another name`, place);
     }
     return { kind: "constant", name, bits: width, value: number };
   }
 
-  function lineFlag(name, values) {
-    const effect = values[1] ?? (name in LINE_VERDICTS ? name : "status");
-    if (values.length > 2 || !(effect in LINE_VERDICTS)) {
-      const wrong = shortText(values.slice(1).join(":"));
-      throw new LinePart(`${wrong} is not an effect of a flag; write error, warning or status`,
+  function parseFlag(name, values) {
+    const effect = values[1] ?? (name in LINE_EFFECT_VERDICTS ? name : "status");
+    if (values.length > 2 || !(effect in LINE_EFFECT_VERDICTS)) {
+      const wrong = quoteLineText(values.slice(1).join(":"));
+      throw new LinePartError(`${wrong} is not an effect of a flag; write error, warning or status`,
         name.length + values[0].length + 2);
     }
-    return { kind: "flag", name, bits: 1, level: values[0], verdict: LINE_VERDICTS[effect] };
+    return { kind: "flag", name, bits: 1, level: values[0], verdict: LINE_EFFECT_VERDICTS[effect] };
   }
 
-  function lineParity(values) {
+  function parseParity(values) {
     if (values.length === 1 && (values[0] === "even" || values[0] === "odd")) {
       return { kind: "parity", name: "parity", bits: 1, isOdd: values[0] === "odd" };
     }
-    throw new LinePart("a parity bit is even or odd; write parity=even or parity=odd");
+    throw new LinePartError("a parity bit is even or odd; write parity=even or parity=odd");
   }
 
-  function lineCrc(values, interface_) {
+  function parseCrc(values, interface_) {
     if (values.length < 2) {
-      throw new LinePart("a CRC needs its width and polynomial; write crc=BITS:POLYNOMIAL, such as crc=6:0x43");
+      throw new LinePartError("a CRC needs its width and polynomial; write crc=BITS:POLYNOMIAL, such as crc=6:0x43");
     }
-    const width = lineBits("crc", values[0], 32n);
+    const width = parseWidth("crc", values[0], 32n);
     const numbers = values.slice(1);
     let isInverted = interface_ === "biss";
     if (["inverted", "plain"].includes(numbers.at(-1))) isInverted = numbers.pop() === "inverted";
     const place = "crc=".length + values[0].length + 1;
     if (numbers.length < 1 || numbers.length > 2) {
-      throw new LinePart("write crc=BITS:POLYNOMIAL:START, with :inverted or :plain after it if needed", place);
+      throw new LinePartError("write crc=BITS:POLYNOMIAL:START, with :inverted or :plain after it if needed", place);
     }
-    const poly = lineNumber(numbers[0]);
+    const poly = parseLineNumber(numbers[0]);
     if (poly === null || !(poly & ONE) || poly > ones(width + 1)) {
-      const right = `write an odd number of at most ${hexText(ones(width + 1))}, with or without its top bit`;
-      throw new LinePart(`${shortText(numbers[0])} is not a polynomial of ${width} bits; ${right}`, place);
+      const right = `write an odd number of at most ${formatHex(ones(width + 1))}, with or without its top bit`;
+      throw new LinePartError(`${quoteLineText(numbers[0])} is not a polynomial of ${width} bits; ${right}`, place);
     }
-    const init = numbers.length > 1 ? lineNumber(numbers[1]) : 0n;
+    const init = numbers.length > 1 ? parseLineNumber(numbers[1]) : 0n;
     if (init === null || init > ones(width)) {
-      throw new LinePart(`${shortText(numbers[1])} is not a start value; write at most ${hexText(ones(width))}`,
+      throw new LinePartError(`${quoteLineText(numbers[1])} is not a start value; write at most ${formatHex(ones(width))}`,
         place + numbers[0].length + 1);
     }
     return { kind: "crc", name: "crc", bits: width, poly: poly & ones(width), init, isInverted };
@@ -844,55 +844,55 @@
 
   // -- options
 
-  function lineHertz(text) {
+  function parseHertz(text) {
     const match = /^([0-9]{1,12})([.][0-9]{1,6})?(|k|M)(?:Hz)?$/.exec(text);
     const hertz = match ? Math.round(Number(match[1] + (match[2] ?? "")) * { "": 1, k: 1e3, M: 1e6 }[match[3]]) : 0;
     return hertz > 0 && hertz <= 1e9 ? hertz : null;
   }
 
-  function linePositive(text) {
-    const number = lineNumber(text);
+  function parsePositive(text) {
+    const number = parseLineNumber(text);
     return number && number < ONE << 63n ? number : null;
   }
 
-  function lineRequest(text) {
+  function parseRequest(text) {
     const digits = text.startsWith("0x") ? text.slice(2) : text;
     return /^([0-9A-Fa-f]{2}){1,8}$/.test(digits) ? digits : null;
   }
 
-  const LINE_WORDS = named({
+  const LINE_KEYWORDS = named({
     gray: [["biss", "ssi", "spi"], "isGray", true], binary: [LINE_INTERFACES, "isGray", false],
     left: [["ssi"], "alignment", "msb_left"], right: [["ssi"], "alignment", "lsb_right"],
     low_byte_first: [["spi", "rs485"], "order", "little"], high_byte_first: [["spi", "rs485"], "order", "big"],
   });
   const LINE_SETTINGS = named({
-    clock: [["biss", "ssi", "spi"], lineHertz, "clock=1MHz"],
+    clock: [["biss", "ssi", "spi"], parseHertz, "clock=1MHz"],
     mode: [["spi"], (text) => (/^[0-3]$/.test(text) ? Number(text) : null), "mode=1"],
-    baud: [["rs485"], linePositive, "baud=2500000"], request: [["rs485"], lineRequest, "request=1A"],
-    counts: [LINE_INTERFACES, linePositive, "counts=4096"], turns: [LINE_INTERFACES, linePositive, "turns=4096"],
+    baud: [["rs485"], parsePositive, "baud=2500000"], request: [["rs485"], parseRequest, "request=1A"],
+    counts: [LINE_INTERFACES, parsePositive, "counts=4096"], turns: [LINE_INTERFACES, parsePositive, "turns=4096"],
   });
-  const inWords = (names, last = "and") => (names.length > 1 ? `${names.slice(0, -1).join(", ")} ${last} ${names.at(-1)}` : names[0]);
+  const joinNames = (names, last = "and") => (names.length > 1 ? `${names.slice(0, -1).join(", ")} ${last} ${names.at(-1)}` : names[0]);
 
-  function withLineOption(options, text, interface_) {
+  function setLineOption(options, text, interface_) {
     const at = text.indexOf("=");
     const name = (at < 0 ? text : text.slice(0, at)).trim();
     const given = at < 0 ? "" : text.slice(at + 1).trim();
-    const [word, setting] = [LINE_WORDS[name], LINE_SETTINGS[name]];
+    const [word, setting] = [LINE_KEYWORDS[name], LINE_SETTINGS[name]];
     if (!word && !setting) {
-      const every = inWords([...Object.keys(LINE_WORDS), ...Object.keys(LINE_SETTINGS)], "or");
-      throw new LinePart(`${shortText(name)} is not an option; write ${every} (a field belongs after the colon)`);
+      const every = joinNames([...Object.keys(LINE_KEYWORDS), ...Object.keys(LINE_SETTINGS)], "or");
+      throw new LinePartError(`${quoteLineText(name)} is not an option; write ${every} (a field belongs after the colon)`);
     }
     const [interfaces] = word ?? setting;
     if (!interfaces.includes(interface_)) {
-      throw new LinePart(`'${name}' is not an option of ${interface_}, only of ${inWords(interfaces)}; remove it`);
+      throw new LinePartError(`'${name}' is not an option of ${interface_}, only of ${joinNames(interfaces)}; remove it`);
     }
     if (word) {
-      if (at >= 0) throw new LinePart(`'${name}' has no value; write only ${name}`, name.length);
+      if (at >= 0) throw new LinePartError(`'${name}' has no value; write only ${name}`, name.length);
       return Object.assign(options, { [word[1]]: word[2] });
     }
     const value_ = setting[1](given);
     if (value_ === null) {
-      throw new LinePart(`${shortText(given)} is not a value of '${name}'; write it like ${setting[2]}`, name.length + 1);
+      throw new LinePartError(`${quoteLineText(given)} is not a value of '${name}'; write it like ${setting[2]}`, name.length + 1);
     }
     return Object.assign(options, { [name]: value_ });
   }
@@ -900,7 +900,7 @@
   // -- the line
 
   /** The parts of a text between commas, each with the column of its first character that is not a space. */
-  function linePieces(text, column) {
+  function splitAtCommas(text, column) {
     let next = column;
     return text.split(",").map((piece) => {
       const place = next + (piece.trim() ? piece.length - piece.trimStart().length : 0);
@@ -912,8 +912,8 @@
   /** The interface, options and fields of a line, or its problems, each with its column. */
   function parsedLine(given) {
     const text = given.trim();
-    if (text.length > LONGEST_LINE) {
-      return { problems: [[1, `the line is longer than ${LONGEST_LINE} characters; shorten it`]] };
+    if (text.length > MAX_LINE_LENGTH) {
+      return { problems: [[1, `the line is longer than ${MAX_LINE_LENGTH} characters; shorten it`]] };
     }
     const wrong = text.search(/[^A-Za-z0-9_=:,. ]/);
     if (wrong >= 0) {
@@ -921,31 +921,31 @@
       return { problems: [[wrong + 1, `'${character}' is not a character of a line; write ${LINE_EXAMPLE}`]] };
     }
     const problems = [];
-    const [interface_, end] = lineInterface(text, problems);
+    const [interface_, end] = parseInterface(text, problems);
     const options = {};
     const columns = {};
-    for (const [column, piece] of linePieces(text.slice(0, end), 1).slice(1)) {
-      attempt(column, problems, () => {
-        withLineOption(options, piece, interface_);
+    for (const [column, piece] of splitAtCommas(text.slice(0, end), 1).slice(1)) {
+      collectProblem(column, problems, () => {
+        setLineOption(options, piece, interface_);
         columns[piece.split("=")[0].trim()] = column;
       });
     }
     const start = end ? end + 1 : 0;
-    const fields = start <= text.length ? lineFields(text.slice(start), start + 1, interface_, problems) : [];
-    if (fields.length) problems.push(...lineFieldProblems(fields, interface_), ...lineOptionProblems(options, columns, fields, interface_));
+    const fields = start <= text.length ? parseLineFields(text.slice(start), start + 1, interface_, problems) : [];
+    if (fields.length) problems.push(...checkLineFields(fields, interface_), ...checkLineOptions(options, columns, fields, interface_));
     return { text, interface: interface_, options, fields, problems: problems.sort(([one], [other]) => one - other) };
   }
 
-  function attempt(column, problems, read) {
+  function collectProblem(column, problems, read) {
     try {
       read();
     } catch (error) {
-      if (!(error instanceof LinePart)) throw error;
+      if (!(error instanceof LinePartError)) throw error;
       problems.push([column + error.offset, error.message]);
     }
   }
 
-  function lineInterface(text, problems) {
+  function parseInterface(text, problems) {
     const colon = text.indexOf(":");
     const head = colon < 0 ? text : text.slice(0, colon);
     const word = head.split(",")[0].trim();
@@ -960,31 +960,31 @@
       problems.push([1, "the line does not begin with its interface; write biss:, ssi:, spi: or rs485: in front of it"]);
       return ["biss", 0];
     }
-    problems.push([1, `${shortText(word)} is not an interface; write one of: ${LINE_INTERFACES.join(", ")}`]);
+    problems.push([1, `${quoteLineText(word)} is not an interface; write one of: ${LINE_INTERFACES.join(", ")}`]);
     return ["biss", head.length];
   }
 
-  function lineFields(text, column, interface_, problems) {
+  function parseLineFields(text, column, interface_, problems) {
     const fields = [];
     if (!text.trim()) {
       problems.push([column, `the line has no fields; write ${LINE_EXAMPLE}`]);
       return fields;
     }
-    const pieces = linePieces(text, column);
-    if (pieces.length > MOST_LINE_FIELDS) {
-      problems.push([pieces[MOST_LINE_FIELDS][0], `write at most ${MOST_LINE_FIELDS} fields`]);
+    const pieces = splitAtCommas(text, column);
+    if (pieces.length > MAX_LINE_FIELDS) {
+      problems.push([pieces[MAX_LINE_FIELDS][0], `write at most ${MAX_LINE_FIELDS} fields`]);
     }
-    for (const [place, piece] of pieces.slice(0, MOST_LINE_FIELDS)) {
-      attempt(place, problems, () => fields.push(lineField(piece, place, interface_)));
+    for (const [place, piece] of pieces.slice(0, MAX_LINE_FIELDS)) {
+      collectProblem(place, problems, () => fields.push(parseLineField(piece, place, interface_)));
     }
     return fields;
   }
 
   const isFiller = (field) => field.kind === "zero" || field.kind === "unused";
   const isPosition = (field) => field.name === "position" || field.name === "singleturn";
-  const lineLength = (fields) => fields.reduce((sum, field) => sum + field.bits, 0);
+  const sumFieldBits = (fields) => fields.reduce((sum, field) => sum + field.bits, 0);
 
-  function lineFieldProblems(fields, interface_) {
+  function checkLineFields(fields, interface_) {
     const problems = [];
     const names = new Set();
     for (const field of fields) {
@@ -999,10 +999,10 @@
         problems.push([column, "a parity bit needs other fields that change; add them"]);
       }
     }
-    return [...problems, ...linePositionProblems(fields, interface_), ...lineLengthProblems(fields, interface_)];
+    return [...problems, ...checkPositionFields(fields, interface_), ...checkLineLength(fields, interface_)];
   }
 
-  function linePositionProblems(fields, interface_) {
+  function checkPositionFields(fields, interface_) {
     const last = (name) => fields.findLastIndex((field) => field.name === name);
     const [position, turns, inTurn] = ["position", "multiturn", "singleturn"].map(last);
     const problems = [];
@@ -1019,8 +1019,8 @@
     return problems;
   }
 
-  function lineLengthProblems(fields, interface_) {
-    const length = lineLength(fields);
+  function checkLineLength(fields, interface_) {
+    const length = sumFieldBits(fields);
     const [fewest, most] = [interface_ === "spi" || interface_ === "rs485" ? 8 : 1, interface_ === "rs485" ? 1024 : 64];
     if (length < fewest || length > most) {
       return [[fields[0].column, `the fields have ${length} bits; write ${fewest} to ${most}`]];
@@ -1029,15 +1029,15 @@
     return [[fields[0].column, `the fields have ${length} bits; over RS-485, write whole bytes`]];
   }
 
-  function lineOptionProblems(options, columns, fields, interface_) {
+  function checkLineOptions(options, columns, fields, interface_) {
     return [
-      ...(options.isGray ? lineGrayProblems(options, columns, fields) : []),
-      ...(options.counts || options.turns ? lineCountProblems(options, columns, fields) : []),
-      ...lineOrderProblems(options, fields, interface_),
+      ...(options.isGray ? checkGrayOption(options, columns, fields) : []),
+      ...(options.counts || options.turns ? checkCountOptions(options, columns, fields) : []),
+      ...checkByteOrder(options, fields, interface_),
     ];
   }
 
-  function lineGrayProblems(options, columns, fields) {
+  function checkGrayOption(options, columns, fields) {
     const positions = fields.filter(isPosition);
     const hasTurns = fields.some((field) => field.name === "multiturn");
     const problems = positions.length ? [] : [[columns.gray ?? 1, "'gray' needs a position; add position=BITS, or remove gray"]];
@@ -1063,7 +1063,7 @@
     return problems;
   }
 
-  function lineCountProblems(options, columns, fields) {
+  function checkCountOptions(options, columns, fields) {
     const column = columns.counts ?? columns.turns ?? 1;
     const positions = fields.filter((field) => field.kind === "number" && field.name === "position");
     const problems = positions.length ? [] : [[column,
@@ -1083,7 +1083,7 @@
     return problems;
   }
 
-  function lineOrderProblems(options, fields, interface_) {
+  function checkByteOrder(options, fields, interface_) {
     const problems = [];
     let place = 0;
     for (const field of fields) {
@@ -1109,12 +1109,12 @@
   // -- the record
 
   /** Members that are not 0, empty or false. */
-  const notEmpty = (members) => Object.fromEntries(Object.entries(members).filter(
+  const omitEmptyMembers = (members) => Object.fromEntries(Object.entries(members).filter(
     ([, one]) => one && (typeof one !== "object" || Object.keys(one).length)));
-  const inTable = (number) => (number <= BigInt(Number.MAX_SAFE_INTEGER) ? Number(number) : hexText(number));
+  const toTableNumber = (number) => (number <= BigInt(Number.MAX_SAFE_INTEGER) ? Number(number) : formatHex(number));
 
   /** The fields as they are sent, each with a name of its own and its lowest bit. A number sent low byte first is split. */
-  function sentFields({ interface: interface_, options, fields }) {
+  function listSentFields({ interface: interface_, options, fields }) {
     const taken = new Set(fields.filter((field) => !isFiller(field)).map((field) => field.name));
     const isLow = options.order === "little";
     const sent = [];
@@ -1135,7 +1135,7 @@
       sent.push({ ...field, name });
     }
     const isFromLow = interface_ === "rs485" && isLow;
-    const length = lineLength(fields);
+    const length = sumFieldBits(fields);
     let place = 0;
     for (const field of sent) {
       field.low = isFromLow ? place : length - place - field.bits;
@@ -1145,7 +1145,7 @@
   }
 
   /** Adds to each unused field its place among the unused bits. */
-  function placeUnused(sent, interface_) {
+  function placeUnusedBits(sent, interface_) {
     const unused = sent.filter((field) => field.kind === "unused").sort((one, other) => one.low - other.low);
     if (interface_ !== "rs485") {
       let place = 0;
@@ -1162,7 +1162,7 @@
     for (const field of unused) field.place = 8 * bytes.indexOf(Math.floor(field.low / 8)) + (field.low % 8);
   }
 
-  function lineJoins(sent) {
+  function buildJoins(sent) {
     const join = (name, parts) => {
       let shift = 0;
       return { name, fields: parts.map((field) => {
@@ -1182,7 +1182,7 @@
   const onesIn = (number) => number.toString(2).replaceAll("0", "").length;
 
   /** The other fields of a parity bit that change, and whether their number of ones must be odd with it. */
-  function parityOfLine(field, sent) {
+  function findParityCoverage(field, sent) {
     const others = sent.filter((one) => !["parity", "crc"].includes(one.kind));
     const constants = others.filter((one) => one.kind === "constant").reduce((sum, one) => sum + onesIn(one.value), 0);
     return { covered: others.filter((one) => !isConstant(one)), isOdd: (Number(field.isOdd) + constants) % 2 };
@@ -1190,49 +1190,49 @@
 
   const LINE_COLOURS = { flag: "flag", zero: "fixed", constant: "fixed", crc: "check", parity: "check" };
 
-  function lineFieldData(field, sent, hasPosition) {
+  function buildFieldRecord(field, sent, hasPosition) {
     const { name, bits: width, low } = field;
     const colour = field.kind === "unused" && hasPosition ? "fixed" : LINE_COLOURS[field.kind] ?? "data";
-    const data = { name, ...notEmpty({ low }), width, colour };
+    const data = { name, ...omitEmptyMembers({ low }), width, colour };
     switch (field.kind) {
       case "flag":
-        return { ...data, kind: field.level === "low" ? "not_flag" : "flag", on: LINE_MEANINGS[field.verdict] };
+        return { ...data, kind: field.level === "low" ? "not_flag" : "flag", on: LINE_VERDICT_MEANINGS[field.verdict] };
       case "zero": return { ...data, fixed: 0 };
-      case "constant": return { ...data, fixed: inTable(field.value) };
+      case "constant": return { ...data, fixed: toTableNumber(field.value) };
       case "unused": return hasPosition ? { ...data, unused: 0, place: field.place } : data;
       case "crc": return { ...data, crc: 1 };
       case "parity": {
-        const { covered, isOdd } = parityOfLine(field, sent);
+        const { covered, isOdd } = findParityCoverage(field, sent);
         return { ...data, parity: covered.map((one) => one.name), odd: isOdd };
       }
       default: {
-        const [unit, meaning] = LINE_NUMBERS[name] ?? [];
-        return { ...data, ...notEmpty({ kind: field.isSigned ? "signed" : "", meaning, unit }) };
+        const [unit, meaning] = LINE_NUMBER_UNITS[name] ?? [];
+        return { ...data, ...omitEmptyMembers({ kind: field.isSigned ? "signed" : "", meaning, unit }) };
       }
     }
   }
 
   /** The checks of constants and parity bits, and then that of the highest position. */
-  function lineChecks(sent, { counts = 0n, turns = ONE }) {
-    const placeOf = (field) => ({ ...notEmpty({ low: field.low }), width: field.bits });
+  function buildCheckRecords(sent, { counts = 0n, turns = ONE }) {
+    const placeOf = (field) => ({ ...omitEmptyMembers({ low: field.low }), width: field.bits });
     const checks = sent.flatMap((field) => {
       const place = { ...placeOf(field), fault: "constant" };
       if (isConstant(field)) {
-        return [{ ...place, values: [inTable(field.value ?? 0n)], field: field.name, says: "constant", always: 1 }];
+        return [{ ...place, values: [toTableNumber(field.value ?? 0n)], field: field.name, says: "constant", always: 1 }];
       }
       if (field.kind !== "parity") return [];
-      const { covered, isOdd } = parityOfLine(field, sent);
-      return [{ ...place, parity_of: covered.map((one) => [one.low, one.bits]), ...notEmpty({ odd: isOdd }), field: field.name,
+      const { covered, isOdd } = findParityCoverage(field, sent);
+      return [{ ...place, parity_of: covered.map((one) => [one.low, one.bits]), ...omitEmptyMembers({ odd: isOdd }), field: field.name,
         says: "parity", always: 1, of_name: covered.map((one) => one.name).join(", ") }];
     });
     const limited = sent.filter((field) => field.kind === "number" && field.name === "position" && counts
       && counts * turns <= ones(field.bits));
     return [...checks, ...limited.map((field) => ({
-      ...placeOf(field), fault: "range", limit: inTable(counts * turns - ONE), field: field.name, says: "too_high",
+      ...placeOf(field), fault: "range", limit: toTableNumber(counts * turns - ONE), field: field.name, says: "too_high",
     }))];
   }
 
-  function lineMeasure({ fields, options }, joins) {
+  function buildMeasure({ fields, options }, joins) {
     const width = (name) => fields.find((field) => field.kind === "number" && field.name === name)?.bits;
     const [inTurn, turns] = [width("singleturn"), width("multiturn")];
     if (inTurn === undefined && !options.counts) return {};
@@ -1240,91 +1240,91 @@
     const counts = inTurn === undefined ? options.counts : ONE << BigInt(inTurn);
     const revolutions = inTurn === undefined ? options.turns ?? ONE : ONE << BigInt(turns ?? 0);
     const part = joins.find((join) => join.name === of)?.fields[0][0];
-    return notEmpty({ of, part, counts_per_turn: inTable(counts), turns: inTable(revolutions) });
+    return omitEmptyMembers({ of, part, counts_per_turn: toTableNumber(counts), turns: toTableNumber(revolutions) });
   }
 
   /** Parameters of a CRC, and those of similar CRCs that may be used by mistake. */
-  function lineCrcData({ bits: width, poly, init, isInverted }, isOverBytes) {
-    const parameters = (changes) => notEmpty(Object.fromEntries(Object.entries({
+  function buildCrcRecord({ bits: width, poly, init, isInverted }, isOverBytes) {
+    const parameters = (changes) => omitEmptyMembers(Object.fromEntries(Object.entries({
       width: BigInt(width), poly, init, refin: 0n, refout: 0n, xorout: isInverted ? ones(width) : 0n, ...changes,
-    }).map(([name, number]) => [name, inTable(number)])));
+    }).map(([name, number]) => [name, toTableNumber(number)])));
     const own = parameters({});
     const xorout = isInverted ? 0n : ones(width);
     const isXor = isOverBytes && width === 8 && poly === ONE;
     const change = `the CRC is ${isInverted ? "not " : ""}inverted`;
-    const same = isXor ? `, or its start value is ${hexText(ones(width) ^ init)} (the same here)` : "";
-    const starts = isXor ? [] : otherStarts(width, poly, init);
+    const same = isXor ? `, or its start value is ${formatHex(ones(width) ^ init)} (the same here)` : "";
+    const starts = isXor ? [] : listOtherStartValues(width, poly, init);
     const others = [["crc_not_inverted", change + same, parameters({ xorout })],
-      ...starts.map((start) => ["start_value", `the start value of the CRC is ${hexText(start)}`, parameters({ init: start })]),
-      ...(isOverBytes ? otherBytePolynomials(parameters) : [reversedPolynomial(width, poly, parameters)])];
+      ...starts.map((start) => ["start_value", `the start value of the CRC is ${formatHex(start)}`, parameters({ init: start })]),
+      ...(isOverBytes ? buildOtherBytePolynomials(parameters) : [buildReversedPolynomial(width, poly, parameters)])];
     const powers = Array.from({ length: width }, (_, index) => width - 1 - index).filter((power) => bits(poly, power, 1));
     const text = [width, ...powers].map((power) => ["1", "x"][power] ?? `x^${power}`).join(" + ");
     const isDifferent = ([, , crc]) => JSON.stringify(crc) !== JSON.stringify(own);
-    return { ...own, text, ...notEmpty({ [isOverBytes ? "byte_others" : "others"]: others.filter(isDifferent) }) };
+    return { ...own, text, ...omitEmptyMembers({ [isOverBytes ? "byte_others" : "others"]: others.filter(isDifferent) }) };
   }
 
   /** All zeros, all ones, and the start values of known CRCs with the polynomial, except that of the CRC itself. */
-  function otherStarts(width, poly, init) {
+  function listOtherStartValues(width, poly, init) {
     const isSame = ([known]) => big(known) === (poly | (ONE << BigInt(width)));
     const starts = new Set([0n, ones(width), ...TABLE.known_crcs.filter(isSame).map(([, known]) => BigInt(known))]);
     return [...starts].filter((start) => start !== init).sort((one, other) => (one < other ? -1 : 1));
   }
 
-  function reversedPolynomial(width, poly, parameters) {
+  function buildReversedPolynomial(width, poly, parameters) {
     const top = poly | (ONE << BigInt(width));
     const backwards = BigInt(`0b${[...top.toString(2)].reverse().join("")}`);
-    return ["polynomial_reversed", `the polynomial is ${hexText(backwards)}, written in reverse`,
+    return ["polynomial_reversed", `the polynomial is ${formatHex(backwards)}, written in reverse`,
       parameters({ poly: backwards & ones(width) })];
   }
 
-  function otherBytePolynomials(parameters) {
+  function buildOtherBytePolynomials(parameters) {
     return TABLE.byte_polynomials.flatMap((polynomial) => {
       const poly = big(polynomial) & 0xFFn;
-      const text = `the polynomial is ${hexText(big(polynomial))}`;
+      const text = `the polynomial is ${formatHex(big(polynomial))}`;
       return [["other_polynomial", `${text}, most significant bit first`, parameters({ poly })],
         ["other_polynomial", `${text}, least significant bit first`, parameters({ poly, refin: ONE, refout: ONE })]];
     });
   }
 
   /** The request of a line over RS-485, or one byte of any value. */
-  function lineRequestFrame(options) {
+  function buildRequestFrame(options) {
     const request = options.request && BigInt(`0x${options.request}`);
     const width = options.request ? 4 * options.request.length : 8;
-    const content = options.request ? { colour: "fixed", fixed: inTable(request) } : { meaning: "Request", colour: "data" };
-    const check = { width, fault: "constant", values: [inTable(request || 0n)], field: "request", says: "constant", always: 1 };
+    const content = options.request ? { colour: "fixed", fixed: toTableNumber(request) } : { meaning: "Request", colour: "data" };
+    const check = { width, fault: "constant", values: [toTableNumber(request || 0n)], field: "request", says: "constant", always: 1 };
     return {
       name: "position_request", bits: width, order: "big", fields: [{ name: "request", width, ...content }],
-      ...notEmpty({ checks: options.request ? [check] : [] }), title: "Position request",
+      ...omitEmptyMembers({ checks: options.request ? [check] : [] }), title: "Position request",
       source: options.request ? "line: fields" : "TODO not stated", sender: "master",
     };
   }
 
-  function lineFrame(line) {
+  function buildEncoderFrame(line) {
     const { interface: interface_, options, fields } = line;
-    const sent = sentFields(line);
-    placeUnused(sent, interface_);
+    const sent = listSentFields(line);
+    placeUnusedBits(sent, interface_);
     const hasPosition = fields.some(isPosition);
     const flags = sent.filter((field) => field.kind === "flag");
     const speaking = hasPosition ? ["not_usable", "usable_with_warning"].flatMap(
       (verdict) => flags.filter((flag) => flag.verdict === verdict)) : [];
     const told = flags.filter((flag) => !hasPosition || flag.verdict !== "usable");
-    const joins = lineJoins(sent);
-    const coded = sent.filter((field) => LINE_NUMBERS[field.name] || LINE_NUMBERS[field.of]);
+    const joins = buildJoins(sent);
+    const coded = sent.filter((field) => LINE_NUMBER_UNITS[field.name] || LINE_NUMBER_UNITS[field.of]);
     const lowest = Math.min(...coded.map((field) => field.low));
-    const [name, title] = LINE_LAYOUTS[interface_];
+    const [name, title] = LINE_LAYOUT_NAMES[interface_];
     return {
-      name, bits: lineLength(fields),
-      ...notEmpty({
+      name, bits: sumFieldBits(fields),
+      ...omitEmptyMembers({
         order: interface_ === "rs485" ? options.order ?? "big" : "",
         joins,
         speaks: speaking.map((flag) => ({ verdict: flag.verdict, flag: flag.name })),
-        gray: options.isGray ? { ...notEmpty({ low: lowest }), width: lineLength(coded) } : {},
+        gray: options.isGray ? { ...omitEmptyMembers({ low: lowest }), width: sumFieldBits(coded) } : {},
       }),
       ...(hasPosition ? { otherwise: speaking.length ? "usable" : "unknown" } : {}),
-      fields: sent.map((field) => lineFieldData(field, sent, hasPosition)),
-      ...notEmpty({ checks: lineChecks(sent, options), crc: fields.at(-1).kind === "crc" ? "line_crc" : "" }),
+      fields: sent.map((field) => buildFieldRecord(field, sent, hasPosition)),
+      ...omitEmptyMembers({ checks: buildCheckRecords(sent, options), crc: fields.at(-1).kind === "crc" ? "line_crc" : "" }),
       title, source: "line: fields", sender: "encoder",
-      ...notEmpty({ tells: told.map((flag) => ({ report: flag.name, flag: flag.name, meaning: LINE_MEANINGS[flag.verdict] })) }),
+      ...omitEmptyMembers({ tells: told.map((flag) => ({ report: flag.name, flag: flag.name, meaning: LINE_VERDICT_MEANINGS[flag.verdict] })) }),
     };
   }
 
@@ -1338,19 +1338,19 @@
       if (!indexes.has(key)) indexes.set(key, shared.push(item) - 1);
       return indexes.get(key);
     };
-    const frame = lineFrame(line);
+    const frame = buildEncoderFrame(line);
     const joins = frame.joins ?? [];
-    const frames = [...(interface_ === "rs485" ? [lineRequestFrame(options)] : []), frame];
+    const frames = [...(interface_ === "rs485" ? [buildRequestFrame(options)] : []), frame];
     const indexed = frames.map((item) => ({ ...item, ...Object.fromEntries(["fields", "checks", "tells"]
       .filter((name) => item[name]).map((name) => [name, item[name].map(index)])) }));
     const crc = fields.find((field) => field.kind === "crc");
     const lineName = interface_ === "ssi" ? `ssi_${options.alignment ?? "msb_left"}` : interface_;
     return {
       name: "one_line", title: "Encoder described in one line", mark: TABLE.line.mark, evidence: TABLE.line.evidence,
-      ...notEmpty({ crcs: crc ? { line_crc: lineCrcData(crc, interface_ === "rs485") } : {} }),
+      ...omitEmptyMembers({ crcs: crc ? { line_crc: buildCrcRecord(crc, interface_ === "rs485") } : {} }),
       interfaces: [{
         name: interface_, title: LINE_TITLES[interface_],
-        ...notEmpty({ line: interface_ === "rs485" ? "" : lineName, measure: lineMeasure(line, joins) }), frames: indexed,
+        ...omitEmptyMembers({ line: interface_ === "rs485" ? "" : lineName, measure: buildMeasure(line, joins) }), frames: indexed,
       }],
       shared,
       codes: [[line.text, 0]],
@@ -1364,7 +1364,7 @@
       throw new UnknownCode(line.problems.map(([column, message]) => `column ${column}: ${message}`).join(". "), true);
     }
     const family = lineFamily(line);
-    return { ...ofRow(family, family.codes[0]), unlisted: [], tail: "", isSpecial: false, writtenAsIn: "", label: text };
+    return { ...orderCodeOfRow(family, family.codes[0]), unlisted: [], tail: "", isSpecial: false, writtenAsIn: "", label: text };
   }
 
   /** A line to begin with, by interface. */
@@ -1397,12 +1397,12 @@
   // -- from the form to the line
 
   /** A field as a line writes it. */
-  function lineFieldText(field, interface_) {
+  function writeLineField(field, interface_) {
     const { kind, name } = field;
     switch (kind) {
       case "flag": {
         const effect = field.effect ?? "status";
-        const isUsual = effect === (name in LINE_VERDICTS ? name : "status");
+        const isUsual = effect === (name in LINE_EFFECT_VERDICTS ? name : "status");
         const isShort = interface_ === "biss" && field.level === "low" && isUsual && ["error", "warning"].includes(name);
         return isShort ? name : `${name}=${field.level}${isUsual ? "" : `:${effect}`}`;
       }
@@ -1419,13 +1419,13 @@
 
   /** The line of a form. */
   function builtLine({ interface: interface_, options, fields }) {
-    const words = Object.entries(LINE_WORDS).filter(([, [interfaces, member, value_]]) => value_ !== false
+    const words = Object.entries(LINE_KEYWORDS).filter(([, [interfaces, member, value_]]) => value_ !== false
       && interfaces.includes(interface_) && options[member] === value_).map(([word]) => word);
     if (interface_ === "spi" && options.mode !== undefined) words.push(`mode=${options.mode}`);
     for (const [name] of LINE_TEXTS) {
       if (options[name] && LINE_SETTINGS[name][0].includes(interface_)) words.push(`${name}=${options[name]}`);
     }
-    return `${[interface_, ...words].join(",")}:${fields.map((field) => lineFieldText(field, interface_)).join(",")}`;
+    return `${[interface_, ...words].join(",")}:${fields.map((field) => writeLineField(field, interface_)).join(",")}`;
   }
 
   /** The form of a line, or null if the line has problems. Numbers are texts, as they are typed. */
@@ -1434,26 +1434,26 @@
     if (line.problems.length) return null;
     const given = text.slice(0, text.indexOf(":")).split(",").map((piece) => piece.split("=").map((one) => one.trim()));
     const options = { ...line.options, ...Object.fromEntries(given.filter(([name]) => LINE_TEXTS.some(([one]) => one === name))) };
-    return { interface: line.interface, options, fields: line.fields.map(formField) };
+    return { interface: line.interface, options, fields: line.fields.map(toFormField) };
   }
 
-  function formField(field) {
+  function toFormField(field) {
     const { kind } = field;
     const width = { bits: `${field.bits}` };
     if (kind === "flag") {
-      return { ...field, effect: Object.keys(LINE_VERDICTS).find((name) => LINE_VERDICTS[name] === field.verdict) };
+      return { ...field, effect: Object.keys(LINE_EFFECT_VERDICTS).find((name) => LINE_EFFECT_VERDICTS[name] === field.verdict) };
     }
-    if (kind === "constant") return { ...field, ...width, value: hexText(field.value) };
+    if (kind === "constant") return { ...field, ...width, value: formatHex(field.value) };
     if (kind !== "crc") return { ...field, ...width };
-    const poly = hexText(field.poly | (ONE << BigInt(field.bits)));
-    return { ...field, ...width, poly, init: hexText(field.init) };
+    const poly = formatHex(field.poly | (ONE << BigInt(field.bits)));
+    return { ...field, ...width, poly, init: formatHex(field.init) };
   }
 
   /** A new field with a name that no other field has. A CRC is the last one. */
   function addField(form, text) {
-    const field = formField(lineField(text, 0, form.interface));
+    const field = toFormField(parseLineField(text, 0, form.interface));
     const names = new Set(form.fields.map((one) => one.name));
-    const isNamed = !isFiller(field) && !["crc", "parity"].includes(field.kind) && !(field.name in LINE_NUMBERS);
+    const isNamed = !isFiller(field) && !["crc", "parity"].includes(field.kind) && !(field.name in LINE_NUMBER_UNITS);
     const { name } = field;
     for (let number = 2; isNamed && names.has(field.name); number += 1) field.name = `${name}_${number}`;
     const last = form.fields.at(-1);
@@ -1464,25 +1464,25 @@
 
   // -- the form
 
-  const smallInput = (label, text, changed, attributes = {}) => {
+  const createSmallInput = (label, text, changed, attributes = {}) => {
     const input = element("input", { autocomplete: "off", spellcheck: "false", ...attributes });
     input.value = text ?? "";
     input.addEventListener("input", () => changed(input.value.trim()));
     return element("label", {}, `${label} `, input);
   };
-  const checkbox = (label, isOn, changed) => {
+  const createCheckbox = (label, isOn, changed) => {
     const input = element("input", { type: "checkbox" });
     input.checked = Boolean(isOn);
     input.addEventListener("change", () => changed(input.checked));
     return element("label", {}, input, ` ${label}`);
   };
-  const selection = (label, choices, chosen, changed) => {
-    const select = element("select", {}, choices.map(([, words], place) => option(`${place}`, words)));
+  const createSelection = (label, choices, chosen, changed) => {
+    const select = element("select", {}, choices.map(([, words], place) => createOption(`${place}`, words)));
     select.value = `${Math.max(choices.findIndex(([one]) => one === chosen), 0)}`;
     select.addEventListener("change", () => changed(choices[Number(select.value)][0]));
     return element("label", {}, `${label} `, select);
   };
-  const pressed = (text, act, label) => {
+  const createButton = (text, act, label) => {
     const button = element("button", { type: "button", "aria-label": label }, text);
     button.addEventListener("click", act);
     return button;
@@ -1490,52 +1490,52 @@
 
   /** The words for a field in the form. */
   function titleOfField({ kind, name }) {
-    const titles = { flag: "Flag", number: LINE_NUMBERS[name]?.[1] ?? "Number", constant: "Constant", zero: "Zero bits",
+    const titles = { flag: "Flag", number: LINE_NUMBER_UNITS[name]?.[1] ?? "Number", constant: "Constant", zero: "Zero bits",
       unused: "Unused bits", parity: "Parity bit over the other fields", crc: "CRC over the bits before it" };
     return titles[kind];
   }
 
   /** The inputs of a field. ``changed`` writes the line, and ``redraw`` also builds the form again. */
-  function inputsOf(field, changed, redraw) {
+  function createLineFieldInputs(field, changed, redraw) {
     const set = (member) => (value_) => {
       field[member] = value_;
       changed();
     };
-    const bitsInput = smallInput("Bits", field.bits, set("bits"), { inputmode: "numeric", size: "3" });
-    const nameInput = smallInput("Name", field.name, set("name"), { size: "12" });
+    const bitsInput = createSmallInput("Bits", field.bits, set("bits"), { inputmode: "numeric", size: "3" });
+    const nameInput = createSmallInput("Name", field.name, set("name"), { size: "12" });
     switch (field.kind) {
       case "flag": return [nameInput,
-        selection("Active", [["low", "at 0"], ["high", "at 1"]], field.level, set("level")),
-        selection("Means", LINE_EFFECTS, field.effect, set("effect"))];
-      case "constant": return [nameInput, bitsInput, smallInput("Value", field.value, set("value"), { size: "8" })];
-      case "parity": return [selection("Ones, with it", [[false, "even"], [true, "odd"]], field.isOdd, set("isOdd"))];
-      case "crc": return crcInputs(field, bitsInput, set, redraw);
-      case "number": return [...(field.name in LINE_NUMBERS ? [] : [nameInput]), bitsInput,
-        checkbox("signed", field.isSigned, set("isSigned"))];
+        createSelection("Active", [["low", "at 0"], ["high", "at 1"]], field.level, set("level")),
+        createSelection("Means", LINE_EFFECTS, field.effect, set("effect"))];
+      case "constant": return [nameInput, bitsInput, createSmallInput("Value", field.value, set("value"), { size: "8" })];
+      case "parity": return [createSelection("Ones, with it", [[false, "even"], [true, "odd"]], field.isOdd, set("isOdd"))];
+      case "crc": return createCrcInputs(field, bitsInput, set, redraw);
+      case "number": return [...(field.name in LINE_NUMBER_UNITS ? [] : [nameInput]), bitsInput,
+        createCheckbox("signed", field.isSigned, set("isSigned"))];
       default: return [bitsInput];
     }
   }
 
   /** A list of the known CRCs, and the numbers of any other. */
-  function crcInputs(field, bitsInput, set, redraw) {
-    const isSame = ([poly, init]) => BigInt(poly) === lineNumber(field.poly) && BigInt(init) === lineNumber(field.init || "0");
+  function createCrcInputs(field, bitsInput, set, redraw) {
+    const isSame = ([poly, init]) => BigInt(poly) === parseLineNumber(field.poly) && BigInt(init) === parseLineNumber(field.init || "0");
     const knownCrc = TABLE.known_crcs.find(isSame);
-    const choices = [...TABLE.known_crcs.map((row) => [row, `${hexText(BigInt(row[0]))}: ${row[2]}`]), [undefined, "other"]];
+    const choices = [...TABLE.known_crcs.map((row) => [row, `${formatHex(BigInt(row[0]))}: ${row[2]}`]), [undefined, "other"]];
     const pick = (row) => {
-      Object.assign(field, row ? { bits: `${bitLength(BigInt(row[0])) - 1}`, poly: hexText(BigInt(row[0])), init: hexText(BigInt(row[1])) }
+      Object.assign(field, row ? { bits: `${bitLength(BigInt(row[0])) - 1}`, poly: formatHex(BigInt(row[0])), init: formatHex(BigInt(row[1])) }
         : { init: "0x0", isOther: true });
       if (row) delete field.isOther;
       redraw();
     };
     const isOther = field.isOther || !knownCrc;
-    const numbers = [bitsInput, smallInput("Polynomial", field.poly, set("poly"), { size: "10" }),
-      smallInput("Start value", field.init, set("init"), { size: "8" })];
-    return [selection("CRC", choices, isOther ? undefined : knownCrc, pick), ...(isOther ? numbers : []),
-      checkbox("inverted", field.isInverted, set("isInverted"))];
+    const numbers = [bitsInput, createSmallInput("Polynomial", field.poly, set("poly"), { size: "10" }),
+      createSmallInput("Start value", field.init, set("init"), { size: "8" })];
+    return [createSelection("CRC", choices, isOther ? undefined : knownCrc, pick), ...(isOther ? numbers : []),
+      createCheckbox("inverted", field.isInverted, set("isInverted"))];
   }
 
   /** One field of the form, with buttons that move and remove it. */
-  function fieldRow(form, place, changed, redraw) {
+  function createFieldRow(form, place, changed, redraw) {
     const field = form.fields[place];
     const title = titleOfField(field);
     const move = (step) => () => {
@@ -1548,16 +1548,16 @@
       redraw(Math.min(place, form.fields.length - 1), 2);
     };
     const number = `field ${place + 1}, ${title}`;
-    const [up, down] = [pressed("↑", move(-1), `Move up ${number}`), pressed("↓", move(1), `Move down ${number}`)];
+    const [up, down] = [createButton("↑", move(-1), `Move up ${number}`), createButton("↓", move(1), `Move down ${number}`)];
     up.disabled = place === 0;
     down.disabled = place === form.fields.length - 1;
-    const buttons = part("span", "moves", up, down, pressed("✕", remove, `Remove ${number}`));
+    const buttons = part("span", "moves", up, down, createButton("✕", remove, `Remove ${number}`));
     return element("li", {}, element("fieldset", {}, element("legend", {}, title),
-      part("div", "row", inputsOf(field, changed, redraw), buttons)));
+      part("div", "row", createLineFieldInputs(field, changed, redraw), buttons)));
   }
 
   /** The options of the line that its interface has. */
-  function optionRow(form, changed) {
+  function createOptionRow(form, changed) {
     const set = (member) => (value_) => {
       if (value_ === "") delete form.options[member];
       else form.options[member] = value_;
@@ -1566,15 +1566,15 @@
     const choices = LINE_CHOICES.filter(([, , interfaces]) => interfaces.includes(form.interface));
     const texts = LINE_TEXTS.filter(([name]) => LINE_SETTINGS[name][0].includes(form.interface));
     return part("div", "row",
-      choices.map(([member, legend, , values]) => selection(legend, values, form.options[member] ?? "", set(member))),
-      texts.map(([name, legend]) => smallInput(legend, form.options[name], set(name), { size: "9" })));
+      choices.map(([member, legend, , values]) => createSelection(legend, values, form.options[member] ?? "", set(member))),
+      texts.map(([name, legend]) => createSmallInput(legend, form.options[name], set(name), { size: "9" })));
   }
 
   /**
    * A form that builds a line. ``write`` gets the line after each change, and ``read`` returns the text of the box.
    * It is empty while it is closed.
    */
-  function lineBuilder(read, write) {
+  function createLineBuilder(read, write) {
     let form = formOf(FIRST_LINES.biss);
     let written = "";
     const body = part("div", "builder");
@@ -1607,18 +1607,18 @@
     }
 
     function draw() {
-      const rows = form.fields.map((_, place) => fieldRow(form, place, changed, redraw));
+      const rows = form.fields.map((_, place) => createFieldRow(form, place, changed, redraw));
       const isThere = (text) => form.fields.some(({ name }) => name === text.split("=")[0])
         && /^(position|multiturn|singleturn|parity|crc)=/.test(text);
-      const added = NEW_FIELDS.filter(([, text]) => !isThere(text)).map(([words, text]) => pressed(`+ ${words}`, () => {
+      const added = NEW_FIELDS.filter(([, text]) => !isThere(text)).map(([words, text]) => createButton(`+ ${words}`, () => {
         const field = addField(form, text);
         redraw();
         [...body.querySelectorAll("li")][form.fields.indexOf(field)].querySelector("input, select").focus();
       }));
       const interfaces = LINE_INTERFACES.map((name) => [name, LINE_TITLES[name]]);
       body.replaceChildren(
-        part("div", "row", selection("Interface", interfaces, form.interface, changeInterface)),
-        optionRow(form, changed), part("p", "hint", "Fields in the order sent, first bit first:"),
+        part("div", "row", createSelection("Interface", interfaces, form.interface, changeInterface)),
+        createOptionRow(form, changed), part("p", "hint", "Fields in the order sent, first bit first:"),
         element("ol", {}, rows), part("div", "new", added));
     }
 
@@ -1645,12 +1645,12 @@
   class FrameText extends Error {}
 
   /** Most bits of a frame over BiSS, SSI and SPI. */
-  const MOST_BITS = 128;
-  const LONGEST_QUOTE = TABLE.limits.quote;
-  const quoted = (text) => (text.length <= LONGEST_QUOTE ? `'${text}'` : `'${text.slice(0, LONGEST_QUOTE - 3)}...'`);
+  const MAX_FRAME_BITS = 128;
+  const MAX_QUOTE_LENGTH = TABLE.limits.quote;
+  const quoteText = (text) => (text.length <= MAX_QUOTE_LENGTH ? `'${text}'` : `'${text.slice(0, MAX_QUOTE_LENGTH - 3)}...'`);
 
   /** Spellings of programs and logs, and their replacement. The command line has the same list. */
-  const PASTED = [
+  const PASTED_SPELLINGS = [
     [/\bb(?=['"])/g, ""],
     [/\\x([0-9A-Fa-f]{2})/g, " 0x$1 "],
     [/[[\](){}<>"',;:]/g, " "],
@@ -1659,14 +1659,14 @@
     [/(?<![0-9A-Za-z])(0[xXbB][0-9A-Fa-f_]+)[uUlL]+(?![0-9A-Za-z])/g, "$1"],
   ];
   /** A time in front of a frame: with a decimal point, a unit, or hours, minutes and seconds. */
-  const TIME = new RegExp("^\\[?((?:[0-9]{4}-[0-9]{2}-[0-9]{2}[T ])?[0-9]{1,2}:[0-9]{2}:[0-9]{2}(?:[.,][0-9]+)?Z?"
+  const LEADING_TIME = new RegExp("^\\[?((?:[0-9]{4}-[0-9]{2}-[0-9]{2}[T ])?[0-9]{1,2}:[0-9]{2}:[0-9]{2}(?:[.,][0-9]+)?Z?"
     + "|[0-9]+[.][0-9]+(?: ?(?:s|ms|us|µs))?|[0-9]+ ?(?:s|ms|us|µs))\\]?[ \\t,;]+(?=[^ \\t])");
 
   /** The frames in a text, one per line. Comments after # and empty lines are skipped. */
   function linesOf(input) {
     return input.split(/\r\n|\r|\n/).flatMap((line, place) => {
       const kept = line.split("#")[0].trim();
-      const time = TIME.exec(kept);
+      const time = LEADING_TIME.exec(kept);
       const text = time ? kept.slice(time[0].length) : kept;
       return text ? [{ number: place + 1, time: time ? time[1] : "", text }] : [];
     });
@@ -1675,7 +1675,7 @@
   /** The text of a frame without brackets, quotes and other marks of the program that it was copied from. */
   function checked(text) {
     if (text.length > TABLE.limits.text) throw new FrameText(said("frame_too_long"));
-    const plain = PASTED.reduce((made, [pattern, other]) => made.replace(pattern, other), text).trim();
+    const plain = PASTED_SPELLINGS.reduce((made, [pattern, other]) => made.replace(pattern, other), text).trim();
     if (!plain) throw new FrameText(said("frame_empty"));
     return plain;
   }
@@ -1684,10 +1684,10 @@
   function bytesIn(text) {
     return text.split(/\s+/).flatMap((piece) => {
       const digits = piece.replace(/^0x/i, "");
-      if (!/^[0-9a-f]+$/i.test(digits)) throw new FrameText(said("not_hex", quoted(piece)));
+      if (!/^[0-9a-f]+$/i.test(digits)) throw new FrameText(said("not_hex", quoteText(piece)));
       const whole = digits !== piece && digits.length === 1 ? `0${digits}` : digits;
-      if (whole.length === 1) throw new FrameText(said("one_digit", quoted(piece), digits));
-      if (whole.length % 2) throw new FrameText(said("odd", quoted(piece)));
+      if (whole.length === 1) throw new FrameText(said("one_digit", quoteText(piece), digits));
+      if (whole.length % 2) throw new FrameText(said("odd", quoteText(piece)));
       return whole.match(/../g).map((byte) => parseInt(byte, 16));
     });
   }
@@ -1697,31 +1697,31 @@
    */
   function numberIn(text, size, exact) {
     let compact = text.replace(/[\s_]/g, "");
-    if (/^0b[01]+$/i.test(compact)) return numberWith(compact, compact.length - 2, true);
+    if (/^0b[01]+$/i.test(compact)) return makeReceivedNumber(compact, compact.length - 2, true);
     const pieces = text.split(/\s+/);
     if (pieces.length > 1 && pieces.every((piece) => /^(0x)?[0-9a-f]{2}$/i.test(piece))) {
-      if (/^[01]+$/.test(pieces.join(""))) throw new FrameText(said("bits_or_bytes", quoted(text)));
+      if (/^[01]+$/.test(pieces.join(""))) throw new FrameText(said("bits_or_bytes", quoteText(text)));
       compact = "0x" + pieces.map((piece) => piece.slice(-2)).join("");
       const bits = 8 * pieces.length;
-      if (exact && (bits < size || bits >= size + 8)) return numberWith(compact, bits, true);
+      if (exact && (bits < size || bits >= size + 8)) return makeReceivedNumber(compact, bits, true);
     }
     if (/^0x[0-9a-f]+$/i.test(compact)) {
-      return { ...numberWith(compact, bitLength(BigInt(compact)), false), written: 4 * (compact.length - 2) };
+      return { ...makeReceivedNumber(compact, bitLength(BigInt(compact)), false), written: 4 * (compact.length - 2) };
     }
-    const meanings = pieces.length === 1 ? readings(compact, size) : [];
+    const meanings = pieces.length === 1 ? listMeanings(compact, size) : [];
     // As a decimal or hexadecimal number, this many digits would not fit.
     if (meanings.length === 1 && compact.length === size && /^[01]+$/.test(compact)) {
-      return numberWith(`0b${compact}`, size, true);
+      return makeReceivedNumber(`0b${compact}`, size, true);
     }
     const remedy = meanings.length ? said("write_one_of", meanings.join(", ")) : said("write_number", size);
-    throw new FrameText(said("no_bits", quoted(text), size, remedy));
+    throw new FrameText(said("no_bits", quoteText(text), size, remedy));
   }
 
   /** A number with its bits. If not ``exact``, it may have more. ``written`` counts the bits of all digits. */
-  const numberWith = (text, bits, exact) => ({ number: BigInt(text), bits, exact, written: bits });
+  const makeReceivedNumber = (text, bits, exact) => ({ number: BigInt(text), bits, exact, written: bits });
 
   /** The possible meanings of digits without a prefix, as numbers of at most ``size`` bits. The command line does the same. */
-  function readings(digits, size) {
+  function listMeanings(digits, size) {
     const fits = (number) => number >> BigInt(size) === 0n;
     const decimal = /^(0|[1-9][0-9]{0,39})$/.test(digits) && fits(BigInt(digits));
     const hexadecimal = /^[0-9a-f]{1,40}$/i.test(digits) && fits(BigInt(`0x${digits}`));
@@ -1743,41 +1743,41 @@
     }
     const isRead = (read) => {
       try {
-        read(plain, MOST_BITS);
+        read(plain, MAX_FRAME_BITS);
         return true;
       } catch (error) {
         if (error instanceof FrameText) return false;
         throw error;
       }
     };
-    const meanings = /^[0-9a-f]+$/i.test(plain) ? readings(plain, MOST_BITS).join(", ") : "";
+    const meanings = /^[0-9a-f]+$/i.test(plain) ? listMeanings(plain, MAX_FRAME_BITS).join(", ") : "";
     const remedy = meanings ? said("write_one_of", meanings) : said("write_any");
-    if (!isRead(numberIn) && !isRead(bytesIn)) return said("no_order_code", quoted(plain), remedy);
+    if (!isRead(numberIn) && !isRead(bytesIn)) return said("no_order_code", quoteText(plain), remedy);
     return `this frame is not valid for any order code${meanings ? `. ${remedy}` : ""}`;
   }
 
   /** The bytes of a frame that is sent as bits, from 0b and every bit. */
-  function bytesOfBits(at, text) {
+  function bytesFromBits(at, text) {
     const digits = text.slice(2).replaceAll("_", "");
     const size = at.bits - (at.layout.fill ?? 0);
     if (digits.length !== size) {
-      throw new FrameText(said("no_bits", quoted(text), size, said("write_bits", size, at.bits / 8)));
+      throw new FrameText(said("no_bits", quoteText(text), size, said("write_bits", size, at.bits / 8)));
     }
     return digits.padStart(at.bits, "0").match(/.{8}/g).map((byte) => parseInt(byte, 2));
   }
 
   /** The parameters of a code with the register contents ``held`` and the answers of the user. */
-  function parametersOf(found, held = {}, answers = {}) {
+  function computeParameters(found, held = {}, answers = {}) {
     const given = named(found.given, held);
     for (const item of found.family.alternatives ?? []) {
       const taken = item.answers.find(([name]) => name === answers[item.name]);
       for (const [name, one] of Object.entries(taken?.[2] ?? {})) given[name] = big(one);
     }
-    return resolved(found.family, given);
+    return resolveParameters(found.family, given);
   }
 
   function placedFor(found, layout, held, answers) {
-    return { ...placed(found.family, layout, parametersOf(found, held, answers)), code: found.code };
+    return { ...placed(found.family, layout, computeParameters(found, held, answers)), code: found.code };
   }
 
   /** The frame in a text for an order code; ``what`` is its sender, with the name of the frame where that is needed. */
@@ -1795,8 +1795,8 @@
       return { ...decodeBits(at, numberIn(trimmed, at.bits, found.interface.exact?.includes(sender))), over };
     }
     const isOfBits = over.name !== "rs485" && /^0b[01_]+$/i.test(trimmed);
-    const bytes = isOfBits ? bytesOfBits(placedFor(found, layouts[0], held, answers), trimmed) : bytesIn(trimmed);
-    const told = name ? { layout: layouts[0] } : toldApart(found.interface, sender, bytes);
+    const bytes = isOfBits ? bytesFromBits(placedFor(found, layouts[0], held, answers), trimmed) : bytesIn(trimmed);
+    const told = name ? { layout: layouts[0] } : identifyLayout(found.interface, sender, bytes);
     const made = told.layout ? decodeBytes(placedFor(found, told.layout, held, answers), bytes) : told;
     return { ...made, data: bytes, over, label: found, sender };
   }
@@ -1827,13 +1827,13 @@
   }
 
   /** The frame of a sender that the selector in these bytes identifies, or the error if there is none. */
-  function toldApart(interface_, sender, bytes) {
+  function identifyLayout(interface_, sender, bytes) {
     const told = (interface_.told ?? []).find((item) => item.sender === sender);
     if (!told) return { layout: interface_.frames.find((item) => item.sender === sender) };
     const fallback = interface_.frames[told.fallback];
     if (bytes.length < told.needs) {
       const message = said("too_few_bytes", counted(bytes.length, "byte"));
-      return fallback ? { layout: fallback } : fault("length", "", message);
+      return fallback ? { layout: fallback } : makeFailedFrame("length", "", message);
     }
     const found = told.pieces.reduce(
       (sum, [byte, right, mask, left]) => sum | (((bytes[byte] >> right) & mask) << left), 0);
@@ -1841,10 +1841,10 @@
     if (place || fallback) return { layout: place ? interface_.frames[place[0]] : fallback };
     const upper = (number) => number.toString(16).toUpperCase();
     const choices = told.frames.flatMap(([, ...values]) => values).sort((one, other) => one - other).map(upper);
-    return fault("range", told.selector, said("no_frame", told.selector, upper(found), choices.join(", ")));
+    return makeFailedFrame("range", told.selector, said("no_frame", told.selector, upper(found), choices.join(", ")));
   }
 
-  const fault = (kind, field, message) => ({ ...nothing(null, 0n), problems: [{ fault: kind, field, message }] });
+  const makeFailedFrame = (kind, field, message) => ({ ...createEmptyResult(null, 0n), problems: [{ fault: kind, field, message }] });
 
   /** The bytes of a register, decoded. */
   function decodeRegister(found, register, text, held, answers) {
@@ -1860,14 +1860,14 @@
   function inferred(text) {
     const groups = new Map();
     for (const family of TABLE.families.filter((item) => !item.base)) {
-      for (const found of family.codes.map((row) => ofRow(family, row))) {
-        for (const sender of ["encoder", "master"]) infer(groups, found, sender, text);
+      for (const found of family.codes.map((row) => orderCodeOfRow(family, row))) {
+        for (const sender of ["encoder", "master"]) addIfValid(groups, found, sender, text);
       }
     }
     return [...groups.values()];
   }
 
-  function infer(groups, found, sender, text) {
+  function addIfValid(groups, found, sender, text) {
     let decoded;
     try {
       decoded = decodeFrame(found, sender, text);
@@ -3004,10 +3004,10 @@
   }
 
   /** The description of a register, and for a writable one a form that encodes its bytes. */
-  function registerForm(state, register, text, show) {
+  function createRegisterForm(state, register, text, show) {
     const placedRegister = () => placedFor(state.found, register, state.held, state.answers);
     const allLimits = register.limits ?? [];
-    const bounds = allLimits.map((limits) => boundsOf(placedRegister(), limits)).filter(Boolean);
+    const bounds = allLimits.map((limits) => describeLimits(placedRegister(), limits)).filter(Boolean);
     const notes = part("p", "note", [...(register.about ?? []), ...bounds.map(sentence)].join(" "));
     if (!register.writable) {
       return { parts: [notes, part("p", "note", "Read-only. Paste its bytes to decode them.")], fill: null };
@@ -3015,17 +3015,17 @@
     const refusal = part("p", "wrong");
     refusal.setAttribute("role", "alert");
     const inputs = [
-      ...placedRegister().joins.filter((join) => join.parts.length > 1).map((join) => joinInput(join)),
-      ...placedRegister().fields.filter(isGiven).map((placedField) => fieldInput(placedField)),
+      ...placedRegister().joins.filter((join) => join.parts.length > 1).map((join) => createJoinInput(join)),
+      ...placedRegister().fields.filter(isGiven).map((placedField) => createFieldInput(placedField)),
     ];
     const limitsByMeaning = allLimits.filter((limits) => limits.name);
-    const meanings = limitsByMeaning.map(({ name, meaning }) => option(name, `${name}: ${meaning ?? ""}`));
-    const chosenMeaning = element("select", {}, option("", "choose"), meanings);
+    const meanings = limitsByMeaning.map(({ name, meaning }) => createOption(name, `${name}: ${meaning ?? ""}`));
+    const chosenMeaning = element("select", {}, createOption("", "choose"), meanings);
 
     function encodeInputs() {
       refusal.textContent = "";
       try {
-        text.value = bytesFor(placedRegister(), valuesOf(inputs), limitsFor(register, limitsByMeaning, chosenMeaning.value));
+        text.value = bytesFor(placedRegister(), readInputs(inputs), chooseLimits(register, limitsByMeaning, chosenMeaning.value));
         show(true);
       } catch (error) {
         if (!(error instanceof Refusal)) throw error;
@@ -3034,16 +3034,16 @@
     }
 
     const form = element("fieldset", {}, element("legend", {}, "Change values to encode bytes"),
-      limitsByMeaning.length ? labelled("Meaning", chosenMeaning) : "", inputs.map(({ label }) => label), refusal);
+      limitsByMeaning.length ? createLabelledInput("Meaning", chosenMeaning) : "", inputs.map(({ label }) => label), refusal);
     form.addEventListener("input", (event) => {
       inputs.find((labelledInput) => labelledInput.input === event.target)?.split?.(inputs);
       encodeInputs();
     });
-    if (register.default) form.append(defaultButton(register, text, show));
-    return { parts: [form, notes], fill: (decoded) => fill(inputs, decoded) };
+    if (register.default) form.append(createDefaultButton(register, text, show));
+    return { parts: [form, notes], fill: (decoded) => fillInputs(inputs, decoded) };
   }
 
-  function defaultButton(register, text, show) {
+  function createDefaultButton(register, text, show) {
     const button = element("button", { type: "button" }, `Default: ${register.default}`);
     button.addEventListener("click", () => {
       text.value = register.default;
@@ -3053,7 +3053,7 @@
   }
 
   /** The limits of a register in numbers, or an empty string without limits. */
-  function boundsOf(placedRegister, { name, of, low, high }) {
+  function describeLimits(placedRegister, { name, of, low, high }) {
     if (low === null && high === null) return "";
     const bounds = [["at least", low], ["at most", high]].filter(([, bound]) => bound !== null)
       .map(([words, bound]) => `${words} ${value(bound, placedRegister.parameters)}`);
@@ -3061,79 +3061,79 @@
   }
 
   /** The applicable limits: those of the chosen meaning, if a register has several. */
-  function limitsFor(register, limitsByMeaning, chosenMeaning) {
+  function chooseLimits(register, limitsByMeaning, chosenMeaning) {
     if (limitsByMeaning.length && !chosenMeaning) throw new Refusal("Choose the meaning of the register first");
     if (!limitsByMeaning.length) return (register.limits ?? [])[0];
     return limitsByMeaning.find((limits) => limits.name === chosenMeaning);
   }
 
   /** An input for a field, by its kind. */
-  function fieldInput({ field, name, width }) {
+  function createFieldInput({ field, name, width }) {
     const hint = [field.meaning, field.unit].filter(Boolean).join(", ") || counted(width, "bit");
-    const inputOf = (input, read, write) => ({ name, input, read, write, label: labelled(name, input, hint) });
+    const inputOf = (input, read, write) => ({ name, input, read, write, label: createLabelledInput(name, input, hint) });
     if (field.kind === "flag" || field.kind === "not_flag") {
       const input = element("input", { type: "checkbox" });
       return inputOf(input, () => input.checked, (isActive) => Object.assign(input, { checked: isActive }));
     }
     if (field.kind === "choice") {
-      const choices = field.values.map(([number, text]) => option(`${big(number)}`, text));
-      const input = element("select", {}, option("", "choose"), choices);
+      const choices = field.values.map(([number, text]) => createOption(`${big(number)}`, text));
+      const input = element("select", {}, createOption("", "choose"), choices);
       const read = () => (input.value ? BigInt(input.value) : "");
       return inputOf(input, read, (_, raw) => Object.assign(input, { value: `${raw}` }));
     }
     const isText = field.kind === "text";
     const input = element("input", { autocomplete: "off", inputmode: isText ? "text" : "numeric" });
-    const read = () => (isText ? input.value : numberOrEmpty(input.value));
+    const read = () => (isText ? input.value : parseNumberOrEmpty(input.value));
     return inputOf(input, read, (fieldValue) => Object.assign(input, { value: fieldValue }));
   }
 
   /** An input for a number of several fields, which it fills in. */
-  function joinInput({ name, parts }) {
+  function createJoinInput({ name, parts }) {
     const input = element("input", { autocomplete: "off", inputmode: "numeric" });
     const names = parts.map((part) => part.item?.name).filter(Boolean).reverse().join(" and ");
     const split = (inputs) => {
-      const number = numberOrEmpty(input.value);
+      const number = parseNumberOrEmpty(input.value);
       if (number === "") return;
-      for (const [partName, partNumber] of splitInto(parts, number)) {
+      for (const [partName, partNumber] of splitNumber(parts, number)) {
         inputs.find((partInput) => partInput.name === partName)?.write(partNumber, partNumber);
       }
     };
-    const label = labelled(name, input, said("as_one_number", names));
+    const label = createLabelledInput(name, input, said("as_one_number", names));
     return { name: "", join: name, input, label, split, write: (number) => Object.assign(input, { value: number }) };
   }
 
-  const numberOrEmpty = (text) => {
+  const parseNumberOrEmpty = (text) => {
     const [, sign, digits] = /^\s*(-?)(.*)$/s.exec(text);
-    const number = numberOrNull(digits);
+    const number = parseNumberOrNull(digits);
     return number === null ? "" : sign ? -number : number;
   };
 
-  function valuesOf(inputs) {
+  function readInputs(inputs) {
     const values = inputs.filter((input) => input.name).map((input) => [input.name, input.read()]);
     const missing = values.find(([, fieldValue]) => fieldValue === "");
     if (missing) throw new Refusal(`'${missing[0]}' needs a value`);
     return named(Object.fromEntries(values));
   }
 
-  function fill(inputs, decoded) {
+  function fillInputs(inputs, decoded) {
     for (const input of inputs) {
       const field = decoded.fields.find((candidate) => candidate.name === (input.name || input.join));
       if (field) input.write(field.value, field.raw);
     }
   }
 
-  let boxes = 0;
+  let idCounter = 0;
 
   /** An input with its label and hint. */
-  function labelled(text, input, hint = "") {
-    boxes += 1;
-    input.id = `${CLASS}-${boxes}`;
+  function createLabelledInput(text, input, hint = "") {
+    idCounter += 1;
+    input.id = `${CLASS}-${idCounter}`;
     const help = hint && element("span", { class: `${CLASS}-hint`, id: `${input.id}-hint` }, hint);
     if (hint) input.setAttribute("aria-describedby", help.id);
     return part("p", "item", element("label", { for: input.id }, text), input, help);
   }
 
-  const option = (name, text = "") => element("option", { value: name }, text);
+  const createOption = (name, text = "") => element("option", { value: name }, text);
 
   /**
    * A box in an element: ``data-code`` fills in an order code and ``data-frame`` frames. ``data-link`` follows the address
@@ -3143,7 +3143,7 @@
    */
   function box(root) {
     const known = new Map(TABLE.families.flatMap((family) => family.codes.map((row) => [row[0], family.mark ?? ""])));
-    const codes = element("datalist", { id: `${CLASS}-codes-${boxes}` }, [...known].map(([name, mark]) => option(name, mark)));
+    const codes = element("datalist", { id: `${CLASS}-codes-${idCounter}` }, [...known].map(([name, mark]) => createOption(name, mark)));
     const code = element("input", { list: codes.id, autocomplete: "off", spellcheck: "false" });
     code.value = root.dataset.code ?? "";
     const what = element("select");
@@ -3152,12 +3152,12 @@
     const [asks, form, result] = ["asks", "form", "result"].map((name) => part("div", name));
     const link = element("a", {}, root.dataset.page ? "All about this frame, and a link to it" : "Link to this");
     result.setAttribute("role", "status");
-    const builder = root.hasAttribute("data-link") ? lineBuilder(() => code.value, (line) => {
+    const builder = root.hasAttribute("data-link") ? createLineBuilder(() => code.value, (line) => {
       code.value = line;
       codeChanged();
     }) : null;
     const section = root.dataset.picture ? document.getElementById(root.dataset.picture) : null;
-    const picture = section && framePicture(section);
+    const picture = section && createFramePicture(section);
     let isSetUp = false;
     const state = { found: null, what: "encoder", answers: named(), held: named(), asked: "", fill: null };
 
@@ -3171,8 +3171,8 @@
       state.found = found;
       const senders = [...new Set((found?.interface.frames ?? []).map((layout) => layout.sender))];
       const registers = found?.interface.registers ?? [];
-      const frames = senders.flatMap((sender) => framesOf(found.interface, sender));
-      const registerChoices = registers.map(({ name, title, place }) => option(`=${name}`, `${title}, ${place}`));
+      const frames = senders.flatMap((sender) => createFrameChoices(found.interface, sender));
+      const registerChoices = registers.map(({ name, title, place }) => createOption(`=${name}`, `${title}, ${place}`));
       const groups = registerChoices.length
         ? [element("optgroup", { label: "the bytes of a register" }, registerChoices)] : [];
       what.replaceChildren(...frames, ...groups);
@@ -3186,7 +3186,7 @@
     }
 
     function whatChanged() {
-      const { parts, fill } = register() ? registerForm(state, register(), text, show) : { parts: [], fill: null };
+      const { parts, fill } = register() ? createRegisterForm(state, register(), text, show) : { parts: [], fill: null };
       form.replaceChildren(...parts);
       state.fill = fill;
       show();
@@ -3245,7 +3245,7 @@
     function single({ line, found, error }) {
       if (error) return [part("div", "bad", element("p", {}, sentence(error)))];
       if (undecided(found.at?.layout).length && found.fields.length) {
-        return [part("div", "warning", element("p", {}, UNDECIDED))];
+        return [part("div", "warning", element("p", {}, UNANSWERED_QUESTION))];
       }
       if (found.channels) return wholeResultOf(found, state.found.interface.measure);
       const [sender] = state.what.split(":");
@@ -3255,7 +3255,7 @@
 
     /** The table of many frames, and one of them in full below it. */
     function many(rows, missing) {
-      if (missing.length) return [part("div", "warning", element("p", {}, UNDECIDED))];
+      if (missing.length) return [part("div", "warning", element("p", {}, UNANSWERED_QUESTION))];
       const full = part("div", "full");
       const pick = (row) => {
         full.replaceChildren(element("h3", {}, `Line ${row.line.number}`), ...single(row));
@@ -3267,7 +3267,7 @@
 
     /** Puts the inputs into the address of the page, so that a link to it carries them. */
     function follow() {
-      link.href = (root.dataset.page ?? "") + linkTo(code.value, text.value, state);
+      link.href = (root.dataset.page ?? "") + buildAddress(code.value, text.value, state);
       link.hidden = !text.value.trim();
       if (!root.hasAttribute("data-link") || !isSetUp) return;
       const isEmpty = !code.value.trim() && !text.value.trim();
@@ -3281,7 +3281,7 @@
         codeChanged();
         code.focus();
       };
-      const help = code.value.trim() ? helpFor(code.value) : "";
+      const help = code.value.trim() ? explainUnknownCode(code.value) : "";
       const nearCodes = help.split(/[\s,;]+/).filter((word) => known.has(word));
       const start = help ? [part("div", "bad", element("p", {}, sentence(help)), codeButtons(nearCodes, pick))] : [];
       const [first] = linesOf(text.value);
@@ -3309,8 +3309,8 @@
       const asked = JSON.stringify([state.found.code, open, held]);
       if (asked === state.asked) return;
       state.asked = asked;
-      const questionsToAsk = open.map((alternative) => question(state, alternative, show));
-      asks.replaceChildren(...questionsToAsk, ...heldBy(state, held, show));
+      const questionsToAsk = open.map((alternative) => createQuestion(state, alternative, show));
+      asks.replaceChildren(...questionsToAsk, ...createRegisterInputs(state, held, show));
     }
 
     function followAddress() {
@@ -3326,10 +3326,10 @@
     }
 
     root.replaceChildren(
-      labelled("Order code, as on the label", code, "Leave it empty to list the codes that match the frame. "
+      createLabelledInput("Order code, as on the label", code, "Leave it empty to list the codes that match the frame. "
         + "Any other encoder: one line, such as biss:position=32,error,warning,crc=6:0x43."), codes,
-      labelled("Type", what), ...(builder ? [builder.root] : []),
-      labelled("Frames, one per line, or the bytes of a register", text,
+      createLabelledInput("Type", what), ...(builder ? [builder.root] : []),
+      createLabelledInput("Frames, one per line, or the bytes of a register", text,
         "Hex bytes, or one number (0x… or 0b…), in any usual notation. A line can begin with a time. "
         + "Text after # is a comment."),
       asks, form, result, part("p", "link", link));
@@ -3352,7 +3352,7 @@
     Boolean(measure) && [...at.fields, ...at.joins].some(({ name }) => name === measure.of || name === measure.part);
 
   /** The picture of a frame on the page, which ``follow`` replaces by the drawing in a result, or an empty one. */
-  function framePicture(section) {
+  function createFramePicture(section) {
     const printed = section.querySelector("picture");
     if (!printed) return null;
     const drawing = element("div", { class: `${CLASS}-picture` });
@@ -3369,7 +3369,7 @@
   }
 
   /** Why a text is not an order code, and what would be. */
-  function helpFor(label) {
+  function explainUnknownCode(label) {
     try {
       readLabel(label);
       return "";
@@ -3379,20 +3379,20 @@
     }
   }
 
-  const UNDECIDED = "The manual is ambiguous here. Choose above, because there is no default.";
+  const UNANSWERED_QUESTION = "The manual is ambiguous here. Choose above, because there is no default.";
 
   /** The frames of a sender to choose from: one entry, or one for each frame if nothing in a frame identifies it. */
-  function framesOf(interface_, sender) {
+  function createFrameChoices(interface_, sender) {
     const layouts = interface_.frames.filter((layout) => layout.sender === sender);
     const isIdentified = interface_.told?.some((dispatch) => dispatch.sender === sender);
-    if (layouts.length < 2 || isIdentified) return [option(sender, `a frame from the ${sender}`)];
+    if (layouts.length < 2 || isIdentified) return [createOption(sender, `a frame from the ${sender}`)];
     const hasWhole = interface_.channels && sender === "encoder";
-    const whole = hasWhole ? [option(sender, `a whole frame, from the ${sender}`)] : [];
-    const titles = layouts.map(({ name }) => option(`${sender}:${name}`, `${name.replaceAll("_", " ")}, from the ${sender}`));
+    const whole = hasWhole ? [createOption(sender, `a whole frame, from the ${sender}`)] : [];
+    const titles = layouts.map(({ name }) => createOption(`${sender}:${name}`, `${name.replaceAll("_", " ")}, from the ${sender}`));
     return [...whole, ...titles];
   }
 
-  function linkTo(code, text, state) {
+  function buildAddress(code, text, state) {
     const parameters = new URLSearchParams({ code, frame: text.trim() });
     if (state.what.startsWith("=")) parameters.set("as", state.what.slice(1));
     else if (state.what !== "encoder") parameters.set("from", state.what);
@@ -3401,9 +3401,9 @@
   }
 
   /** A question that the manual leaves open, with its answers. Without a default, none is selected at first. */
-  function question(state, alternative, show) {
+  function createQuestion(state, alternative, show) {
     const answers = alternative.answers.map(([name, meaning]) => {
-      const radio = element("input", { type: "radio", name: `${CLASS}-${boxes}-${alternative.name}`, value: name });
+      const radio = element("input", { type: "radio", name: `${CLASS}-${idCounter}-${alternative.name}`, value: name });
       radio.checked = (state.answers[alternative.name] ?? alternative.default) === name;
       radio.addEventListener("change", () => {
         state.answers[alternative.name] = name;
@@ -3411,21 +3411,21 @@
       });
       return element("label", {}, radio, ` ${name}: ${meaning}`);
     });
-    boxes += 1;
+    idCounter += 1;
     return element("fieldset", {}, element("legend", {}, sentence(alternative.meaning)), answers);
   }
 
   /** The register contents that a frame depends on: those of the order code, unless the user enters others. */
-  function heldBy(state, held, show) {
+  function createRegisterInputs(state, held, show) {
     if (!held.length) return [];
-    const defaults = parametersOf(state.found);
+    const defaults = computeParameters(state.found);
     const inputs = held.map(({ name, meaning, at, min, max, values }) => {
       const input = element("input", { inputmode: "numeric", autocomplete: "off" });
       input.placeholder = `${defaults[name]}`;
       const isAllowed = (number) => number >= big(min) && (max === undefined || number <= big(max))
         && (!values || values.some((allowed) => big(allowed) === number));
       input.addEventListener("input", () => {
-        const number = numberOrNull(input.value);
+        const number = parseNumberOrNull(input.value);
         const isValid = number !== null && isAllowed(number);
         input.setAttribute("aria-invalid", `${input.value.trim() !== "" && !isValid}`);
         delete state.held[name];
@@ -3433,13 +3433,13 @@
         show();
       });
       const range = values?.join(", ") ?? `${min ?? 0} to ${max ?? "the highest value"}`;
-      return labelled(meaning, input, `${at}, ${range}`);
+      return createLabelledInput(meaning, input, `${at}, ${range}`);
     });
     const summary = element("summary", {}, "Registers have factory defaults. Enter the contents of yours");
     return [element("details", {}, summary, inputs)];
   }
 
-  const numberOrNull = (text) => (/^\s*(\d+|0x[0-9a-f]+)\s*$/i.test(text) ? BigInt(text.trim()) : null);
+  const parseNumberOrNull = (text) => (/^\s*(\d+|0x[0-9a-f]+)\s*$/i.test(text) ? BigInt(text.trim()) : null);
 
   const PALETTE = `:root {
   --codewheel-page: #ffffff;

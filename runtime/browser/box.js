@@ -1,18 +1,18 @@
 // Licence 0BSD: use, modify and distribute this file without any condition.
 // The box, its inputs and their effects.
 
-let boxes = 0;
+let idCounter = 0;
 
 /** An input with its label and hint. */
-function labelled(text, input, hint = "") {
-  boxes += 1;
-  input.id = `${CLASS}-${boxes}`;
+function createLabelledInput(text, input, hint = "") {
+  idCounter += 1;
+  input.id = `${CLASS}-${idCounter}`;
   const help = hint && element("span", { class: `${CLASS}-hint`, id: `${input.id}-hint` }, hint);
   if (hint) input.setAttribute("aria-describedby", help.id);
   return part("p", "item", element("label", { for: input.id }, text), input, help);
 }
 
-const option = (name, text = "") => element("option", { value: name }, text);
+const createOption = (name, text = "") => element("option", { value: name }, text);
 
 /**
  * A box in an element: ``data-code`` fills in an order code and ``data-frame`` frames. ``data-link`` follows the address
@@ -22,7 +22,7 @@ const option = (name, text = "") => element("option", { value: name }, text);
  */
 function box(root) {
   const known = new Map(TABLE.families.flatMap((family) => family.codes.map((row) => [row[0], family.mark ?? ""])));
-  const codes = element("datalist", { id: `${CLASS}-codes-${boxes}` }, [...known].map(([name, mark]) => option(name, mark)));
+  const codes = element("datalist", { id: `${CLASS}-codes-${idCounter}` }, [...known].map(([name, mark]) => createOption(name, mark)));
   const code = element("input", { list: codes.id, autocomplete: "off", spellcheck: "false" });
   code.value = root.dataset.code ?? "";
   const what = element("select");
@@ -31,12 +31,12 @@ function box(root) {
   const [asks, form, result] = ["asks", "form", "result"].map((name) => part("div", name));
   const link = element("a", {}, root.dataset.page ? "All about this frame, and a link to it" : "Link to this");
   result.setAttribute("role", "status");
-  const builder = root.hasAttribute("data-link") ? lineBuilder(() => code.value, (line) => {
+  const builder = root.hasAttribute("data-link") ? createLineBuilder(() => code.value, (line) => {
     code.value = line;
     codeChanged();
   }) : null;
   const section = root.dataset.picture ? document.getElementById(root.dataset.picture) : null;
-  const picture = section && framePicture(section);
+  const picture = section && createFramePicture(section);
   let isSetUp = false;
   const state = { found: null, what: "encoder", answers: named(), held: named(), asked: "", fill: null };
 
@@ -50,8 +50,8 @@ function box(root) {
     state.found = found;
     const senders = [...new Set((found?.interface.frames ?? []).map((layout) => layout.sender))];
     const registers = found?.interface.registers ?? [];
-    const frames = senders.flatMap((sender) => framesOf(found.interface, sender));
-    const registerChoices = registers.map(({ name, title, place }) => option(`=${name}`, `${title}, ${place}`));
+    const frames = senders.flatMap((sender) => createFrameChoices(found.interface, sender));
+    const registerChoices = registers.map(({ name, title, place }) => createOption(`=${name}`, `${title}, ${place}`));
     const groups = registerChoices.length
       ? [element("optgroup", { label: "the bytes of a register" }, registerChoices)] : [];
     what.replaceChildren(...frames, ...groups);
@@ -65,7 +65,7 @@ function box(root) {
   }
 
   function whatChanged() {
-    const { parts, fill } = register() ? registerForm(state, register(), text, show) : { parts: [], fill: null };
+    const { parts, fill } = register() ? createRegisterForm(state, register(), text, show) : { parts: [], fill: null };
     form.replaceChildren(...parts);
     state.fill = fill;
     show();
@@ -124,7 +124,7 @@ function box(root) {
   function single({ line, found, error }) {
     if (error) return [part("div", "bad", element("p", {}, sentence(error)))];
     if (undecided(found.at?.layout).length && found.fields.length) {
-      return [part("div", "warning", element("p", {}, UNDECIDED))];
+      return [part("div", "warning", element("p", {}, UNANSWERED_QUESTION))];
     }
     if (found.channels) return wholeResultOf(found, state.found.interface.measure);
     const [sender] = state.what.split(":");
@@ -134,7 +134,7 @@ function box(root) {
 
   /** The table of many frames, and one of them in full below it. */
   function many(rows, missing) {
-    if (missing.length) return [part("div", "warning", element("p", {}, UNDECIDED))];
+    if (missing.length) return [part("div", "warning", element("p", {}, UNANSWERED_QUESTION))];
     const full = part("div", "full");
     const pick = (row) => {
       full.replaceChildren(element("h3", {}, `Line ${row.line.number}`), ...single(row));
@@ -146,7 +146,7 @@ function box(root) {
 
   /** Puts the inputs into the address of the page, so that a link to it carries them. */
   function follow() {
-    link.href = (root.dataset.page ?? "") + linkTo(code.value, text.value, state);
+    link.href = (root.dataset.page ?? "") + buildAddress(code.value, text.value, state);
     link.hidden = !text.value.trim();
     if (!root.hasAttribute("data-link") || !isSetUp) return;
     const isEmpty = !code.value.trim() && !text.value.trim();
@@ -160,7 +160,7 @@ function box(root) {
       codeChanged();
       code.focus();
     };
-    const help = code.value.trim() ? helpFor(code.value) : "";
+    const help = code.value.trim() ? explainUnknownCode(code.value) : "";
     const nearCodes = help.split(/[\s,;]+/).filter((word) => known.has(word));
     const start = help ? [part("div", "bad", element("p", {}, sentence(help)), codeButtons(nearCodes, pick))] : [];
     const [first] = linesOf(text.value);
@@ -188,8 +188,8 @@ function box(root) {
     const asked = JSON.stringify([state.found.code, open, held]);
     if (asked === state.asked) return;
     state.asked = asked;
-    const questionsToAsk = open.map((alternative) => question(state, alternative, show));
-    asks.replaceChildren(...questionsToAsk, ...heldBy(state, held, show));
+    const questionsToAsk = open.map((alternative) => createQuestion(state, alternative, show));
+    asks.replaceChildren(...questionsToAsk, ...createRegisterInputs(state, held, show));
   }
 
   function followAddress() {
@@ -205,10 +205,10 @@ function box(root) {
   }
 
   root.replaceChildren(
-    labelled("Order code, as on the label", code, "Leave it empty to list the codes that match the frame. "
+    createLabelledInput("Order code, as on the label", code, "Leave it empty to list the codes that match the frame. "
       + "Any other encoder: one line, such as biss:position=32,error,warning,crc=6:0x43."), codes,
-    labelled("Type", what), ...(builder ? [builder.root] : []),
-    labelled("Frames, one per line, or the bytes of a register", text,
+    createLabelledInput("Type", what), ...(builder ? [builder.root] : []),
+    createLabelledInput("Frames, one per line, or the bytes of a register", text,
       "Hex bytes, or one number (0x… or 0b…), in any usual notation. A line can begin with a time. "
       + "Text after # is a comment."),
     asks, form, result, part("p", "link", link));
@@ -231,7 +231,7 @@ const hasPosition = (at, measure) =>
   Boolean(measure) && [...at.fields, ...at.joins].some(({ name }) => name === measure.of || name === measure.part);
 
 /** The picture of a frame on the page, which ``follow`` replaces by the drawing in a result, or an empty one. */
-function framePicture(section) {
+function createFramePicture(section) {
   const printed = section.querySelector("picture");
   if (!printed) return null;
   const drawing = element("div", { class: `${CLASS}-picture` });
@@ -248,7 +248,7 @@ function framePicture(section) {
 }
 
 /** Why a text is not an order code, and what would be. */
-function helpFor(label) {
+function explainUnknownCode(label) {
   try {
     readLabel(label);
     return "";
@@ -258,20 +258,20 @@ function helpFor(label) {
   }
 }
 
-const UNDECIDED = "The manual is ambiguous here. Choose above, because there is no default.";
+const UNANSWERED_QUESTION = "The manual is ambiguous here. Choose above, because there is no default.";
 
 /** The frames of a sender to choose from: one entry, or one for each frame if nothing in a frame identifies it. */
-function framesOf(interface_, sender) {
+function createFrameChoices(interface_, sender) {
   const layouts = interface_.frames.filter((layout) => layout.sender === sender);
   const isIdentified = interface_.told?.some((dispatch) => dispatch.sender === sender);
-  if (layouts.length < 2 || isIdentified) return [option(sender, `a frame from the ${sender}`)];
+  if (layouts.length < 2 || isIdentified) return [createOption(sender, `a frame from the ${sender}`)];
   const hasWhole = interface_.channels && sender === "encoder";
-  const whole = hasWhole ? [option(sender, `a whole frame, from the ${sender}`)] : [];
-  const titles = layouts.map(({ name }) => option(`${sender}:${name}`, `${name.replaceAll("_", " ")}, from the ${sender}`));
+  const whole = hasWhole ? [createOption(sender, `a whole frame, from the ${sender}`)] : [];
+  const titles = layouts.map(({ name }) => createOption(`${sender}:${name}`, `${name.replaceAll("_", " ")}, from the ${sender}`));
   return [...whole, ...titles];
 }
 
-function linkTo(code, text, state) {
+function buildAddress(code, text, state) {
   const parameters = new URLSearchParams({ code, frame: text.trim() });
   if (state.what.startsWith("=")) parameters.set("as", state.what.slice(1));
   else if (state.what !== "encoder") parameters.set("from", state.what);
@@ -280,9 +280,9 @@ function linkTo(code, text, state) {
 }
 
 /** A question that the manual leaves open, with its answers. Without a default, none is selected at first. */
-function question(state, alternative, show) {
+function createQuestion(state, alternative, show) {
   const answers = alternative.answers.map(([name, meaning]) => {
-    const radio = element("input", { type: "radio", name: `${CLASS}-${boxes}-${alternative.name}`, value: name });
+    const radio = element("input", { type: "radio", name: `${CLASS}-${idCounter}-${alternative.name}`, value: name });
     radio.checked = (state.answers[alternative.name] ?? alternative.default) === name;
     radio.addEventListener("change", () => {
       state.answers[alternative.name] = name;
@@ -290,21 +290,21 @@ function question(state, alternative, show) {
     });
     return element("label", {}, radio, ` ${name}: ${meaning}`);
   });
-  boxes += 1;
+  idCounter += 1;
   return element("fieldset", {}, element("legend", {}, sentence(alternative.meaning)), answers);
 }
 
 /** The register contents that a frame depends on: those of the order code, unless the user enters others. */
-function heldBy(state, held, show) {
+function createRegisterInputs(state, held, show) {
   if (!held.length) return [];
-  const defaults = parametersOf(state.found);
+  const defaults = computeParameters(state.found);
   const inputs = held.map(({ name, meaning, at, min, max, values }) => {
     const input = element("input", { inputmode: "numeric", autocomplete: "off" });
     input.placeholder = `${defaults[name]}`;
     const isAllowed = (number) => number >= big(min) && (max === undefined || number <= big(max))
       && (!values || values.some((allowed) => big(allowed) === number));
     input.addEventListener("input", () => {
-      const number = numberOrNull(input.value);
+      const number = parseNumberOrNull(input.value);
       const isValid = number !== null && isAllowed(number);
       input.setAttribute("aria-invalid", `${input.value.trim() !== "" && !isValid}`);
       delete state.held[name];
@@ -312,10 +312,10 @@ function heldBy(state, held, show) {
       show();
     });
     const range = values?.join(", ") ?? `${min ?? 0} to ${max ?? "the highest value"}`;
-    return labelled(meaning, input, `${at}, ${range}`);
+    return createLabelledInput(meaning, input, `${at}, ${range}`);
   });
   const summary = element("summary", {}, "Registers have factory defaults. Enter the contents of yours");
   return [element("details", {}, summary, inputs)];
 }
 
-const numberOrNull = (text) => (/^\s*(\d+|0x[0-9a-f]+)\s*$/i.test(text) ? BigInt(text.trim()) : null);
+const parseNumberOrNull = (text) => (/^\s*(\d+|0x[0-9a-f]+)\s*$/i.test(text) ? BigInt(text.trim()) : null);

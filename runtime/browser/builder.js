@@ -31,12 +31,12 @@ const LINE_EFFECTS = [["error", "an error"], ["warning", "a warning"], ["status"
 // -- from the form to the line
 
 /** A field as a line writes it. */
-function lineFieldText(field, interface_) {
+function writeLineField(field, interface_) {
   const { kind, name } = field;
   switch (kind) {
     case "flag": {
       const effect = field.effect ?? "status";
-      const isUsual = effect === (name in LINE_VERDICTS ? name : "status");
+      const isUsual = effect === (name in LINE_EFFECT_VERDICTS ? name : "status");
       const isShort = interface_ === "biss" && field.level === "low" && isUsual && ["error", "warning"].includes(name);
       return isShort ? name : `${name}=${field.level}${isUsual ? "" : `:${effect}`}`;
     }
@@ -53,13 +53,13 @@ function lineFieldText(field, interface_) {
 
 /** The line of a form. */
 function builtLine({ interface: interface_, options, fields }) {
-  const words = Object.entries(LINE_WORDS).filter(([, [interfaces, member, value_]]) => value_ !== false
+  const words = Object.entries(LINE_KEYWORDS).filter(([, [interfaces, member, value_]]) => value_ !== false
     && interfaces.includes(interface_) && options[member] === value_).map(([word]) => word);
   if (interface_ === "spi" && options.mode !== undefined) words.push(`mode=${options.mode}`);
   for (const [name] of LINE_TEXTS) {
     if (options[name] && LINE_SETTINGS[name][0].includes(interface_)) words.push(`${name}=${options[name]}`);
   }
-  return `${[interface_, ...words].join(",")}:${fields.map((field) => lineFieldText(field, interface_)).join(",")}`;
+  return `${[interface_, ...words].join(",")}:${fields.map((field) => writeLineField(field, interface_)).join(",")}`;
 }
 
 /** The form of a line, or null if the line has problems. Numbers are texts, as they are typed. */
@@ -68,26 +68,26 @@ function formOf(text) {
   if (line.problems.length) return null;
   const given = text.slice(0, text.indexOf(":")).split(",").map((piece) => piece.split("=").map((one) => one.trim()));
   const options = { ...line.options, ...Object.fromEntries(given.filter(([name]) => LINE_TEXTS.some(([one]) => one === name))) };
-  return { interface: line.interface, options, fields: line.fields.map(formField) };
+  return { interface: line.interface, options, fields: line.fields.map(toFormField) };
 }
 
-function formField(field) {
+function toFormField(field) {
   const { kind } = field;
   const width = { bits: `${field.bits}` };
   if (kind === "flag") {
-    return { ...field, effect: Object.keys(LINE_VERDICTS).find((name) => LINE_VERDICTS[name] === field.verdict) };
+    return { ...field, effect: Object.keys(LINE_EFFECT_VERDICTS).find((name) => LINE_EFFECT_VERDICTS[name] === field.verdict) };
   }
-  if (kind === "constant") return { ...field, ...width, value: hexText(field.value) };
+  if (kind === "constant") return { ...field, ...width, value: formatHex(field.value) };
   if (kind !== "crc") return { ...field, ...width };
-  const poly = hexText(field.poly | (ONE << BigInt(field.bits)));
-  return { ...field, ...width, poly, init: hexText(field.init) };
+  const poly = formatHex(field.poly | (ONE << BigInt(field.bits)));
+  return { ...field, ...width, poly, init: formatHex(field.init) };
 }
 
 /** A new field with a name that no other field has. A CRC is the last one. */
 function addField(form, text) {
-  const field = formField(lineField(text, 0, form.interface));
+  const field = toFormField(parseLineField(text, 0, form.interface));
   const names = new Set(form.fields.map((one) => one.name));
-  const isNamed = !isFiller(field) && !["crc", "parity"].includes(field.kind) && !(field.name in LINE_NUMBERS);
+  const isNamed = !isFiller(field) && !["crc", "parity"].includes(field.kind) && !(field.name in LINE_NUMBER_UNITS);
   const { name } = field;
   for (let number = 2; isNamed && names.has(field.name); number += 1) field.name = `${name}_${number}`;
   const last = form.fields.at(-1);
@@ -98,25 +98,25 @@ function addField(form, text) {
 
 // -- the form
 
-const smallInput = (label, text, changed, attributes = {}) => {
+const createSmallInput = (label, text, changed, attributes = {}) => {
   const input = element("input", { autocomplete: "off", spellcheck: "false", ...attributes });
   input.value = text ?? "";
   input.addEventListener("input", () => changed(input.value.trim()));
   return element("label", {}, `${label} `, input);
 };
-const checkbox = (label, isOn, changed) => {
+const createCheckbox = (label, isOn, changed) => {
   const input = element("input", { type: "checkbox" });
   input.checked = Boolean(isOn);
   input.addEventListener("change", () => changed(input.checked));
   return element("label", {}, input, ` ${label}`);
 };
-const selection = (label, choices, chosen, changed) => {
-  const select = element("select", {}, choices.map(([, words], place) => option(`${place}`, words)));
+const createSelection = (label, choices, chosen, changed) => {
+  const select = element("select", {}, choices.map(([, words], place) => createOption(`${place}`, words)));
   select.value = `${Math.max(choices.findIndex(([one]) => one === chosen), 0)}`;
   select.addEventListener("change", () => changed(choices[Number(select.value)][0]));
   return element("label", {}, `${label} `, select);
 };
-const pressed = (text, act, label) => {
+const createButton = (text, act, label) => {
   const button = element("button", { type: "button", "aria-label": label }, text);
   button.addEventListener("click", act);
   return button;
@@ -124,52 +124,52 @@ const pressed = (text, act, label) => {
 
 /** The words for a field in the form. */
 function titleOfField({ kind, name }) {
-  const titles = { flag: "Flag", number: LINE_NUMBERS[name]?.[1] ?? "Number", constant: "Constant", zero: "Zero bits",
+  const titles = { flag: "Flag", number: LINE_NUMBER_UNITS[name]?.[1] ?? "Number", constant: "Constant", zero: "Zero bits",
     unused: "Unused bits", parity: "Parity bit over the other fields", crc: "CRC over the bits before it" };
   return titles[kind];
 }
 
 /** The inputs of a field. ``changed`` writes the line, and ``redraw`` also builds the form again. */
-function inputsOf(field, changed, redraw) {
+function createLineFieldInputs(field, changed, redraw) {
   const set = (member) => (value_) => {
     field[member] = value_;
     changed();
   };
-  const bitsInput = smallInput("Bits", field.bits, set("bits"), { inputmode: "numeric", size: "3" });
-  const nameInput = smallInput("Name", field.name, set("name"), { size: "12" });
+  const bitsInput = createSmallInput("Bits", field.bits, set("bits"), { inputmode: "numeric", size: "3" });
+  const nameInput = createSmallInput("Name", field.name, set("name"), { size: "12" });
   switch (field.kind) {
     case "flag": return [nameInput,
-      selection("Active", [["low", "at 0"], ["high", "at 1"]], field.level, set("level")),
-      selection("Means", LINE_EFFECTS, field.effect, set("effect"))];
-    case "constant": return [nameInput, bitsInput, smallInput("Value", field.value, set("value"), { size: "8" })];
-    case "parity": return [selection("Ones, with it", [[false, "even"], [true, "odd"]], field.isOdd, set("isOdd"))];
-    case "crc": return crcInputs(field, bitsInput, set, redraw);
-    case "number": return [...(field.name in LINE_NUMBERS ? [] : [nameInput]), bitsInput,
-      checkbox("signed", field.isSigned, set("isSigned"))];
+      createSelection("Active", [["low", "at 0"], ["high", "at 1"]], field.level, set("level")),
+      createSelection("Means", LINE_EFFECTS, field.effect, set("effect"))];
+    case "constant": return [nameInput, bitsInput, createSmallInput("Value", field.value, set("value"), { size: "8" })];
+    case "parity": return [createSelection("Ones, with it", [[false, "even"], [true, "odd"]], field.isOdd, set("isOdd"))];
+    case "crc": return createCrcInputs(field, bitsInput, set, redraw);
+    case "number": return [...(field.name in LINE_NUMBER_UNITS ? [] : [nameInput]), bitsInput,
+      createCheckbox("signed", field.isSigned, set("isSigned"))];
     default: return [bitsInput];
   }
 }
 
 /** A list of the known CRCs, and the numbers of any other. */
-function crcInputs(field, bitsInput, set, redraw) {
-  const isSame = ([poly, init]) => BigInt(poly) === lineNumber(field.poly) && BigInt(init) === lineNumber(field.init || "0");
+function createCrcInputs(field, bitsInput, set, redraw) {
+  const isSame = ([poly, init]) => BigInt(poly) === parseLineNumber(field.poly) && BigInt(init) === parseLineNumber(field.init || "0");
   const knownCrc = TABLE.known_crcs.find(isSame);
-  const choices = [...TABLE.known_crcs.map((row) => [row, `${hexText(BigInt(row[0]))}: ${row[2]}`]), [undefined, "other"]];
+  const choices = [...TABLE.known_crcs.map((row) => [row, `${formatHex(BigInt(row[0]))}: ${row[2]}`]), [undefined, "other"]];
   const pick = (row) => {
-    Object.assign(field, row ? { bits: `${bitLength(BigInt(row[0])) - 1}`, poly: hexText(BigInt(row[0])), init: hexText(BigInt(row[1])) }
+    Object.assign(field, row ? { bits: `${bitLength(BigInt(row[0])) - 1}`, poly: formatHex(BigInt(row[0])), init: formatHex(BigInt(row[1])) }
       : { init: "0x0", isOther: true });
     if (row) delete field.isOther;
     redraw();
   };
   const isOther = field.isOther || !knownCrc;
-  const numbers = [bitsInput, smallInput("Polynomial", field.poly, set("poly"), { size: "10" }),
-    smallInput("Start value", field.init, set("init"), { size: "8" })];
-  return [selection("CRC", choices, isOther ? undefined : knownCrc, pick), ...(isOther ? numbers : []),
-    checkbox("inverted", field.isInverted, set("isInverted"))];
+  const numbers = [bitsInput, createSmallInput("Polynomial", field.poly, set("poly"), { size: "10" }),
+    createSmallInput("Start value", field.init, set("init"), { size: "8" })];
+  return [createSelection("CRC", choices, isOther ? undefined : knownCrc, pick), ...(isOther ? numbers : []),
+    createCheckbox("inverted", field.isInverted, set("isInverted"))];
 }
 
 /** One field of the form, with buttons that move and remove it. */
-function fieldRow(form, place, changed, redraw) {
+function createFieldRow(form, place, changed, redraw) {
   const field = form.fields[place];
   const title = titleOfField(field);
   const move = (step) => () => {
@@ -182,16 +182,16 @@ function fieldRow(form, place, changed, redraw) {
     redraw(Math.min(place, form.fields.length - 1), 2);
   };
   const number = `field ${place + 1}, ${title}`;
-  const [up, down] = [pressed("↑", move(-1), `Move up ${number}`), pressed("↓", move(1), `Move down ${number}`)];
+  const [up, down] = [createButton("↑", move(-1), `Move up ${number}`), createButton("↓", move(1), `Move down ${number}`)];
   up.disabled = place === 0;
   down.disabled = place === form.fields.length - 1;
-  const buttons = part("span", "moves", up, down, pressed("✕", remove, `Remove ${number}`));
+  const buttons = part("span", "moves", up, down, createButton("✕", remove, `Remove ${number}`));
   return element("li", {}, element("fieldset", {}, element("legend", {}, title),
-    part("div", "row", inputsOf(field, changed, redraw), buttons)));
+    part("div", "row", createLineFieldInputs(field, changed, redraw), buttons)));
 }
 
 /** The options of the line that its interface has. */
-function optionRow(form, changed) {
+function createOptionRow(form, changed) {
   const set = (member) => (value_) => {
     if (value_ === "") delete form.options[member];
     else form.options[member] = value_;
@@ -200,15 +200,15 @@ function optionRow(form, changed) {
   const choices = LINE_CHOICES.filter(([, , interfaces]) => interfaces.includes(form.interface));
   const texts = LINE_TEXTS.filter(([name]) => LINE_SETTINGS[name][0].includes(form.interface));
   return part("div", "row",
-    choices.map(([member, legend, , values]) => selection(legend, values, form.options[member] ?? "", set(member))),
-    texts.map(([name, legend]) => smallInput(legend, form.options[name], set(name), { size: "9" })));
+    choices.map(([member, legend, , values]) => createSelection(legend, values, form.options[member] ?? "", set(member))),
+    texts.map(([name, legend]) => createSmallInput(legend, form.options[name], set(name), { size: "9" })));
 }
 
 /**
  * A form that builds a line. ``write`` gets the line after each change, and ``read`` returns the text of the box.
  * It is empty while it is closed.
  */
-function lineBuilder(read, write) {
+function createLineBuilder(read, write) {
   let form = formOf(FIRST_LINES.biss);
   let written = "";
   const body = part("div", "builder");
@@ -241,18 +241,18 @@ function lineBuilder(read, write) {
   }
 
   function draw() {
-    const rows = form.fields.map((_, place) => fieldRow(form, place, changed, redraw));
+    const rows = form.fields.map((_, place) => createFieldRow(form, place, changed, redraw));
     const isThere = (text) => form.fields.some(({ name }) => name === text.split("=")[0])
       && /^(position|multiturn|singleturn|parity|crc)=/.test(text);
-    const added = NEW_FIELDS.filter(([, text]) => !isThere(text)).map(([words, text]) => pressed(`+ ${words}`, () => {
+    const added = NEW_FIELDS.filter(([, text]) => !isThere(text)).map(([words, text]) => createButton(`+ ${words}`, () => {
       const field = addField(form, text);
       redraw();
       [...body.querySelectorAll("li")][form.fields.indexOf(field)].querySelector("input, select").focus();
     }));
     const interfaces = LINE_INTERFACES.map((name) => [name, LINE_TITLES[name]]);
     body.replaceChildren(
-      part("div", "row", selection("Interface", interfaces, form.interface, changeInterface)),
-      optionRow(form, changed), part("p", "hint", "Fields in the order sent, first bit first:"),
+      part("div", "row", createSelection("Interface", interfaces, form.interface, changeInterface)),
+      createOptionRow(form, changed), part("p", "hint", "Fields in the order sent, first bit first:"),
       element("ol", {}, rows), part("div", "new", added));
   }
 

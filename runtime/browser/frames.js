@@ -37,10 +37,10 @@ function decode(placedLayout, number) {
   if (number >> BigInt(placedLayout.bits)) {
     return otherLength(placedLayout, `${placedLayout.bits} bits`, bitLength(number));
   }
-  const decoded = nothing(placedLayout, number);
+  const decoded = createEmptyResult(placedLayout, number);
   const binary = fromGray(placedLayout, number);
-  decoded.fields = placedLayout.fields.flatMap((placedField) => fieldsOf(placedField, number, binary));
-  decoded.crc = crcOf(placedLayout, number);
+  decoded.fields = placedLayout.fields.flatMap((placedField) => decodeFieldAndRuns(placedField, number, binary));
+  decoded.crc = checkCrc(placedLayout, number);
   if (decoded.crc && decoded.crc.received !== decoded.crc.computed) {
     const words = said("crc", hex(decoded.crc.received, 2), hex(decoded.crc.computed, 2));
     decoded.problems.push({ fault: "crc", field: decoded.crc.field, message: words });
@@ -48,17 +48,17 @@ function decode(placedLayout, number) {
   decoded.problems.push(...placedLayout.checks.flatMap((placedCheck) => problemOf(placedCheck, number, binary)));
   const rank = (problem) => TABLE.faults.indexOf(problem.fault);
   decoded.problems.sort((one, other) => rank(one) - rank(other));
-  decoded.fields.push(...placedLayout.joins.map((join) => joined(join, number, binary)));
-  if (!decoded.problems.length) tell(decoded);
+  decoded.fields.push(...placedLayout.joins.map((join) => joinFields(join, number, binary)));
+  if (!decoded.problems.length) judgeFrame(decoded);
   return decoded;
 }
 
-const nothing = (placedLayout, number) => ({
+const createEmptyResult = (placedLayout, number) => ({
   at: placedLayout, number, fields: [], crc: null, problems: [], reports: [], differences: [], verdict: null,
 });
 
 function otherLength(placedLayout, needed, count) {
-  const decoded = nothing(placedLayout, 0n);
+  const decoded = createEmptyResult(placedLayout, 0n);
   decoded.problems.push({ fault: "length", field: "", message: said("length", placedLayout.name, needed, count) });
   return decoded;
 }
@@ -74,11 +74,11 @@ function decodeBytes(placedLayout, bytes) {
 function fromGray(placedLayout, number) {
   if (!placedLayout.gray) return number;
   const binary = plainOf(bits(number, placedLayout.gray.low, placedLayout.gray.width)) - placedLayout.gray.excess;
-  return withGray(placedLayout, number, binary);
+  return replaceGrayBits(placedLayout, number, binary);
 }
 
 /** The number with other bits in the place of those in Gray code. */
-function withGray(placedLayout, number, newBits) {
+function replaceGrayBits(placedLayout, number, newBits) {
   const { low, width } = placedLayout.gray;
   return (number & ~(ones(width) << BigInt(low))) | (BigInt.asUintN(width, newBits) << BigInt(low));
 }
@@ -94,17 +94,17 @@ function toGray(placedLayout, number) {
   if (!placedLayout.gray) return number;
   const { low, width, excess } = placedLayout.gray;
   const sumWithExcess = BigInt.asUintN(width, bits(number, low, width) + excess);
-  return withGray(placedLayout, number, sumWithExcess ^ (sumWithExcess >> ONE));
+  return replaceGrayBits(placedLayout, number, sumWithExcess ^ (sumWithExcess >> ONE));
 }
 
 /** A field in readable form with its runs of digits; ``raw`` is the transmitted value. */
-function fieldsOf(placedField, number, binary) {
+function decodeFieldAndRuns(placedField, number, binary) {
   const { field, low, width } = placedField;
   const fieldBits = bits(binary, low, width);
   const decodedField = {
     name: field.name, raw: bits(number, low, width), value: fieldBits, unit: field.unit ?? "",
     scale: field.scale, meaning: field.meaning ?? "", high: low + width - 1, low, colour: field.colour,
-    ...meantBy(field, fieldBits, width),
+    ...interpretRaw(field, fieldBits, width),
   };
   const runs = (field.runs ?? []).map(([name, divisor, modulus, meaning = ""]) => {
     const runNumber = (fieldBits / big(divisor)) % big(modulus);
@@ -113,7 +113,7 @@ function fieldsOf(placedField, number, binary) {
   return [decodedField, ...runs];
 }
 
-function meantBy(field, raw, width) {
+function interpretRaw(field, raw, width) {
   switch (field.kind) {
     case "flag":
     case "not_flag": {
@@ -138,7 +138,7 @@ function meantBy(field, raw, width) {
   }
 }
 
-function joined(join, number, binary) {
+function joinFields(join, number, binary) {
   const parts = join.parts.filter((part) => part.item);
   const joinedNumber = (source) => parts.reduce(
     (whole, { item, low }) => whole | (bits(source, item.low, item.width) << BigInt(low)), 0n);
@@ -149,7 +149,7 @@ function joined(join, number, binary) {
 
 const crcField = (placedLayout) => placedLayout.fields.find((placedField) => placedField.field.crc);
 
-function crcOf(placedLayout, number) {
+function checkCrc(placedLayout, number) {
   if (!placedLayout.crc) return null;
   const crc = placedLayout.family.crcs[placedLayout.crc];
   const field = crcField(placedLayout);
@@ -187,24 +187,24 @@ function problemOf(placedCheck, number, binary) {
 }
 
 /** The reports and the verdict of a valid frame or register. */
-function tell(decoded) {
+function judgeFrame(decoded) {
   const { at: placedLayout, number } = decoded;
   const binary = fromGray(placedLayout, number);
   const isActive = (placedField) => speaks(placedField, bits(binary, placedField.low, placedField.width));
   const active = new Set(placedLayout.fields.filter(isActive).map((placedField) => placedField.name));
-  const applies = ({ flag, when }) => (when ? when.every((pair) => matches(decoded, pair)) : active.has(flag));
+  const applies = ({ flag, when }) => (when ? when.every((pair) => hasFieldValue(decoded, pair)) : active.has(flag));
   decoded.reports = placedLayout.tells.filter(applies);
   if (placedLayout.layout.otherwise) {
     const decidingCause = placedLayout.speaks.find((cause) =>
       applies(cause) && !(cause.unless ?? []).some((name) => active.has(name)));
     decoded.verdict = decidingCause ? decidingCause.verdict : placedLayout.layout.otherwise;
-    if (!judges(placedLayout) && decoded.verdict !== "not_usable") decoded.verdict = "unknown";
+    if (!hasJudgingBits(placedLayout) && decoded.verdict !== "not_usable") decoded.verdict = "unknown";
   }
-  decoded.differences = [...placedLayout.fields.flatMap((placedField) => differenceOf(decoded, placedField)), ...strangeIn(decoded)];
+  decoded.differences = [...placedLayout.fields.flatMap((placedField) => findDifference(decoded, placedField)), ...findStrangeRuns(decoded)];
 }
 
 /** Whether frames of the order code have bits that say whether the position is usable, if others have. */
-function judges({ layout, parameters }) {
+function hasJudgingBits({ layout, parameters }) {
   return layout.judging_bits === undefined || value(layout.judging_bits, parameters) > 0;
 }
 
@@ -215,7 +215,7 @@ function speaks({ field, width }, raw) {
 }
 
 /** Whether a flag is active (1) or inactive (0), or another field has this value. */
-function matches({ at: placedLayout, number }, [name, wanted]) {
+function hasFieldValue({ at: placedLayout, number }, [name, wanted]) {
   const placedField = placedLayout.fields.find((candidate) => candidate.name === name);
   const raw = placedField && bits(fromGray(placedLayout, number), placedField.low, placedField.width);
   if (!placedField) return false;
@@ -224,7 +224,7 @@ function matches({ at: placedLayout, number }, [name, wanted]) {
 
 const isFlag = ({ kind }) => kind === "flag" || kind === "not_flag";
 
-function differenceOf(decoded, { field }) {
+function findDifference(decoded, { field }) {
   if (field.equals === undefined || decoded.at.layout.sender === "master") return [];
   const decodedField = decoded.fields.find((candidate) => candidate.name === field.name);
   const isText = typeof field.equals === "string";
@@ -238,7 +238,7 @@ function differenceOf(decoded, { field }) {
     : said("other_content", name, actualText, decoded.at.code, documentedText)];
 }
 
-function strangeIn(decoded) {
+function findStrangeRuns(decoded) {
   return (decoded.at.layout.strange ?? []).flatMap(([run, low, high, words]) => {
     const decodedField = decoded.fields.find((candidate) => candidate.name === run);
     const isStrange = decodedField && (decodedField.raw < big(low) || decodedField.raw > big(high));
@@ -247,7 +247,7 @@ function strangeIn(decoded) {
 }
 
 /** The names and values of the fields that together hold a number. Excess bits go to the highest field. */
-function splitInto(parts, number) {
+function splitNumber(parts, number) {
   const highestBit = Math.max(...parts.map((part) => part.low + (part.item?.width ?? 0)));
   return parts.filter((part) => part.item).map(({ item, low }) => {
     const isOpen = low + item.width === highestBit || number < 0n;
@@ -261,7 +261,7 @@ class Refusal extends Error {}
 function encode(placedLayout, values) {
   const parities = placedLayout.fields.filter((placedField) => placedField.field.parity);
   let number = placedLayout.fields.reduce(
-    (sum, placedField) => sum | (rawOf(placedField, values) << BigInt(placedField.low)), 0n);
+    (sum, placedField) => sum | (encodeField(placedField, values) << BigInt(placedField.low)), 0n);
   number = toGray(placedLayout, number);
   parities.forEach((placedField) => {
     const coveredFields = placedLayout.fields.filter((candidate) => placedField.field.parity.includes(candidate.name));
@@ -278,22 +278,22 @@ function encode(placedLayout, values) {
 /** Whether the user provides the value of a field. All others are derived. */
 const isGiven = ({ field }) => !["crc", "parity", "fixed", "unused"].some((name) => name in field);
 
-function rawOf(placedField, values) {
+function encodeField(placedField, values) {
   const { field, width } = placedField;
   if ("fixed" in field) return big(field.fixed) & ones(width);
   if (!isGiven(placedField)) return big(field.unused) & ones(width);
   const wanted = values[field.name];
   if (field.kind === "flag" || field.kind === "not_flag") return BigInt(wanted === (field.kind === "flag"));
-  if (field.kind === "text") return rawOfText(placedField, wanted);
+  if (field.kind === "text") return encodeText(placedField, wanted);
   const raw = field.zero_means && wanted === big(field.zero_means) ? 0n : BigInt.asUintN(width, wanted);
-  if (meantBy({ ...field, kind: field.kind === "signed" ? "signed" : undefined }, raw, width).value !== wanted) {
+  if (interpretRaw({ ...field, kind: field.kind === "signed" ? "signed" : undefined }, raw, width).value !== wanted) {
     throw new Refusal(said("too_wide", field.name, wanted, width));
   }
   if (field.power_of_two && wanted & (wanted - ONE)) throw new Refusal(said("no_power_of_two", field.name, wanted));
   return raw;
 }
 
-function rawOfText({ field, width }, text) {
+function encodeText({ field, width }, text) {
   const codes = [...text].map((character) => character.codePointAt(0));
   if (codes.length !== width / 8 || codes.some((code) => code > 255)) {
     throw new Refusal(said("too_wide", field.name, `"${text}"`, width));
@@ -302,7 +302,7 @@ function rawOfText({ field, width }, text) {
 }
 
 /** Rejects a number outside the limits of its register. */
-function refuseOutside(placedLayout, number, limits) {
+function refuseOutsideLimits(placedLayout, number, limits) {
   if (!limits || (limits.low === null && limits.high === null)) return;
   const decodedFields = decode(placedLayout, number).fields;
   const limitedNumber = limits.of ? decodedFields.find((candidate) => candidate.name === limits.of).value : number;
@@ -321,7 +321,7 @@ function partsOfNumber(placedLayout) {
 
 /** The bytes of a register that holds one number, such as a position, in hex. */
 function bytesOfNumber(placedLayout, number, limits) {
-  return bytesFor(placedLayout, named(Object.fromEntries(splitInto(partsOfNumber(placedLayout), number))), limits);
+  return bytesFor(placedLayout, named(Object.fromEntries(splitNumber(partsOfNumber(placedLayout), number))), limits);
 }
 
 /** The highest number that a register can hold within its limits. */
@@ -336,7 +336,7 @@ function highestNumber(placedLayout, limits) {
 /** The bytes of a register with these values, in hex. */
 function bytesFor(placedLayout, values, limits) {
   const number = encode(placedLayout, values);
-  refuseOutside(placedLayout, number, limits);
+  refuseOutsideLimits(placedLayout, number, limits);
   return shownBytes(bytesOf(placedLayout.layout.order, number, placedLayout.layout.length));
 }
 

@@ -4,23 +4,23 @@
 const LINE_INTERFACES = ["biss", "ssi", "spi", "rs485"];
 const LINE_TITLES = { biss: "BiSS C-mode", ssi: "SSI", spi: "SPI", rs485: "RS-485" };
 const LINE_EXAMPLE = "INTERFACE:FIELD,FIELD, such as biss:position=32,error,warning,crc=6:0x43";
-const LINE_LAYOUTS = {
+const LINE_LAYOUT_NAMES = {
   biss: ["single_cycle_data", "Single cycle data"], ssi: ["ssi_word", "SSI word"],
   spi: ["position_word", "Position word"], rs485: ["reply", "Reply"],
 };
-const LINE_VERDICTS = named({ error: "not_usable", warning: "usable_with_warning", status: "usable" });
-const LINE_MEANINGS = {
+const LINE_EFFECT_VERDICTS = named({ error: "not_usable", warning: "usable_with_warning", status: "usable" });
+const LINE_VERDICT_MEANINGS = {
   not_usable: "an error is active", usable_with_warning: "a warning is active", usable: "the bit is active",
 };
-const LINE_NUMBERS = named({
+const LINE_NUMBER_UNITS = named({
   position: ["counts", "Position"], singleturn: ["counts", "Position within one revolution"],
   multiturn: ["revolutions", "Number of revolutions"],
 });
-const LONGEST_LINE = 1000;
-const MOST_LINE_FIELDS = 64;
+const MAX_LINE_LENGTH = 1000;
+const MAX_LINE_FIELDS = 64;
 
 /** A text that is not a field or an option. The message says what would be right, and ``offset`` where it is. */
-class LinePart extends Error {
+class LinePartError extends Error {
   constructor(message, offset = 0) {
     super(message);
     this.offset = offset;
@@ -28,107 +28,107 @@ class LinePart extends Error {
 }
 
 const isLine = (text) => text.includes("=") || /^\s*(biss|ssi|spi|rs485)\s*[:,]/i.test(text);
-const shortText = (text) => (text.length > TABLE.limits.quote ? `'${text.slice(0, TABLE.limits.quote - 3)}...'` : `'${text}'`);
-const hexText = (number) => `0x${number.toString(16)}`;
+const quoteLineText = (text) => (text.length > TABLE.limits.quote ? `'${text.slice(0, TABLE.limits.quote - 3)}...'` : `'${text}'`);
+const formatHex = (number) => `0x${number.toString(16)}`;
 
 /** The decimal, hexadecimal or binary number of at most 65 bits that a text is, otherwise null. */
-function lineNumber(text) {
+function parseLineNumber(text) {
   return /^(0[xX][0-9A-Fa-f]{1,17}|0[bB][01]{1,65}|0|[1-9][0-9]{0,19})$/.test(text) ? BigInt(text) : null;
 }
 
-function lineBits(name, text, widest = 64n) {
-  const width = lineNumber(text);
+function parseWidth(name, text, widest = 64n) {
+  const width = parseLineNumber(text);
   if (width === null || width < 1n || width > widest) {
-    throw new LinePart(`${shortText(text)} is not a width of '${name}'; write 1 to ${widest}`, name.length + 1);
+    throw new LinePartError(`${quoteLineText(text)} is not a width of '${name}'; write 1 to ${widest}`, name.length + 1);
   }
   return Number(width);
 }
 
-function lineField(text, column, interface_) {
+function parseLineField(text, column, interface_) {
   const at = text.indexOf("=");
-  if (!text.trim()) throw new LinePart("a field is missing between two commas; remove one of them");
+  if (!text.trim()) throw new LinePartError("a field is missing between two commas; remove one of them");
   const given = (at < 0 ? text : text.slice(0, at)).trim();
   const values = at < 0 ? [] : text.slice(at + 1).split(":").map((value) => value.trim());
   if (!/^[A-Za-z][A-Za-z0-9_]{0,39}$/.test(given)) {
-    throw new LinePart(`${shortText(given)} is not a name; use letters, digits and underscores, such as position=32`);
+    throw new LinePartError(`${quoteLineText(given)} is not a name; use letters, digits and underscores, such as position=32`);
   }
   const name = given.toLowerCase().split("_").filter(Boolean).join("_");
-  if (name === "crc") return { ...lineCrc(values, interface_), column };
-  if (name === "parity") return { ...lineParity(values), column };
+  if (name === "crc") return { ...parseCrc(values, interface_), column };
+  if (name === "parity") return { ...parseParity(values), column };
   if (name === "zero" || name === "unused") {
-    if (values.length !== 1) throw new LinePart(`'${name}' takes only a width; write ${name}=2 for two bits`);
-    return { kind: name, name, bits: lineBits(name, values[0]), column };
+    if (values.length !== 1) throw new LinePartError(`'${name}' takes only a width; write ${name}=2 for two bits`);
+    return { kind: name, name, bits: parseWidth(name, values[0]), column };
   }
-  if (values[0] === "low" || values[0] === "high") return { ...lineFlag(name, values), column };
+  if (values[0] === "low" || values[0] === "high") return { ...parseFlag(name, values), column };
   if (["error", "warning"].includes(name) && (!values.length || (values.length === 1 && values[0] === "1"))) {
-    if (interface_ !== "biss") throw new LinePart(`'${name}' has no active level; write ${name}=low or ${name}=high`);
-    return { kind: "flag", name, bits: 1, level: "low", verdict: LINE_VERDICTS[name], column };
+    if (interface_ !== "biss") throw new LinePartError(`'${name}' has no active level; write ${name}=low or ${name}=high`);
+    return { kind: "flag", name, bits: 1, level: "low", verdict: LINE_EFFECT_VERDICTS[name], column };
   }
-  return { ...lineNumberField(name, values), column };
+  return { ...parseNumberField(name, values), column };
 }
 
-function lineNumberField(name, values) {
+function parseNumberField(name, values) {
   if (!values.length || (values.length === 1 && !values[0])) {
-    throw new LinePart(`'${name}' has no width; write NAME=BITS for a number, NAME=low or NAME=high for a flag`);
+    throw new LinePartError(`'${name}' has no width; write NAME=BITS for a number, NAME=low or NAME=high for a flag`);
   }
   if (name === "error" || name === "warning") {
-    throw new LinePart(`'${name}' is one bit; write ${name}=low or ${name}=high`, name.length + 1);
+    throw new LinePartError(`'${name}' is one bit; write ${name}=low or ${name}=high`, name.length + 1);
   }
-  const width = lineBits(name, values[0]);
+  const width = parseWidth(name, values[0]);
   if (values.length === 1) return { kind: "number", name, bits: width };
   if (values.length === 2 && values[1] === "signed") return { kind: "number", name, bits: width, isSigned: true };
-  const number = lineNumber(values[1]);
+  const number = parseLineNumber(values[1]);
   const place = name.length + values[0].length + 2;
   if (number === null || values.length > 2) {
-    const wrong = shortText(values.slice(1).join(":"));
-    throw new LinePart(`${wrong} does not fit after a width; write signed, or the value of a constant`, place);
+    const wrong = quoteLineText(values.slice(1).join(":"));
+    throw new LinePartError(`${wrong} does not fit after a width; write signed, or the value of a constant`, place);
   }
   if (number >> BigInt(width)) {
-    throw new LinePart(`${hexText(number)} does not fit into ${width} bits; write at most ${hexText(ones(width))}`, place);
+    throw new LinePartError(`${formatHex(number)} does not fit into ${width} bits; write at most ${formatHex(ones(width))}`, place);
   }
-  if (name in LINE_NUMBERS) {
-    throw new LinePart(`'${name}' is not a constant; give the constant bits another name`, place);
+  if (name in LINE_NUMBER_UNITS) {
+    throw new LinePartError(`'${name}' is not a constant; give the constant bits another name`, place);
   }
   return { kind: "constant", name, bits: width, value: number };
 }
 
-function lineFlag(name, values) {
-  const effect = values[1] ?? (name in LINE_VERDICTS ? name : "status");
-  if (values.length > 2 || !(effect in LINE_VERDICTS)) {
-    const wrong = shortText(values.slice(1).join(":"));
-    throw new LinePart(`${wrong} is not an effect of a flag; write error, warning or status`,
+function parseFlag(name, values) {
+  const effect = values[1] ?? (name in LINE_EFFECT_VERDICTS ? name : "status");
+  if (values.length > 2 || !(effect in LINE_EFFECT_VERDICTS)) {
+    const wrong = quoteLineText(values.slice(1).join(":"));
+    throw new LinePartError(`${wrong} is not an effect of a flag; write error, warning or status`,
       name.length + values[0].length + 2);
   }
-  return { kind: "flag", name, bits: 1, level: values[0], verdict: LINE_VERDICTS[effect] };
+  return { kind: "flag", name, bits: 1, level: values[0], verdict: LINE_EFFECT_VERDICTS[effect] };
 }
 
-function lineParity(values) {
+function parseParity(values) {
   if (values.length === 1 && (values[0] === "even" || values[0] === "odd")) {
     return { kind: "parity", name: "parity", bits: 1, isOdd: values[0] === "odd" };
   }
-  throw new LinePart("a parity bit is even or odd; write parity=even or parity=odd");
+  throw new LinePartError("a parity bit is even or odd; write parity=even or parity=odd");
 }
 
-function lineCrc(values, interface_) {
+function parseCrc(values, interface_) {
   if (values.length < 2) {
-    throw new LinePart("a CRC needs its width and polynomial; write crc=BITS:POLYNOMIAL, such as crc=6:0x43");
+    throw new LinePartError("a CRC needs its width and polynomial; write crc=BITS:POLYNOMIAL, such as crc=6:0x43");
   }
-  const width = lineBits("crc", values[0], 32n);
+  const width = parseWidth("crc", values[0], 32n);
   const numbers = values.slice(1);
   let isInverted = interface_ === "biss";
   if (["inverted", "plain"].includes(numbers.at(-1))) isInverted = numbers.pop() === "inverted";
   const place = "crc=".length + values[0].length + 1;
   if (numbers.length < 1 || numbers.length > 2) {
-    throw new LinePart("write crc=BITS:POLYNOMIAL:START, with :inverted or :plain after it if needed", place);
+    throw new LinePartError("write crc=BITS:POLYNOMIAL:START, with :inverted or :plain after it if needed", place);
   }
-  const poly = lineNumber(numbers[0]);
+  const poly = parseLineNumber(numbers[0]);
   if (poly === null || !(poly & ONE) || poly > ones(width + 1)) {
-    const right = `write an odd number of at most ${hexText(ones(width + 1))}, with or without its top bit`;
-    throw new LinePart(`${shortText(numbers[0])} is not a polynomial of ${width} bits; ${right}`, place);
+    const right = `write an odd number of at most ${formatHex(ones(width + 1))}, with or without its top bit`;
+    throw new LinePartError(`${quoteLineText(numbers[0])} is not a polynomial of ${width} bits; ${right}`, place);
   }
-  const init = numbers.length > 1 ? lineNumber(numbers[1]) : 0n;
+  const init = numbers.length > 1 ? parseLineNumber(numbers[1]) : 0n;
   if (init === null || init > ones(width)) {
-    throw new LinePart(`${shortText(numbers[1])} is not a start value; write at most ${hexText(ones(width))}`,
+    throw new LinePartError(`${quoteLineText(numbers[1])} is not a start value; write at most ${formatHex(ones(width))}`,
       place + numbers[0].length + 1);
   }
   return { kind: "crc", name: "crc", bits: width, poly: poly & ones(width), init, isInverted };
@@ -136,55 +136,55 @@ function lineCrc(values, interface_) {
 
 // -- options
 
-function lineHertz(text) {
+function parseHertz(text) {
   const match = /^([0-9]{1,12})([.][0-9]{1,6})?(|k|M)(?:Hz)?$/.exec(text);
   const hertz = match ? Math.round(Number(match[1] + (match[2] ?? "")) * { "": 1, k: 1e3, M: 1e6 }[match[3]]) : 0;
   return hertz > 0 && hertz <= 1e9 ? hertz : null;
 }
 
-function linePositive(text) {
-  const number = lineNumber(text);
+function parsePositive(text) {
+  const number = parseLineNumber(text);
   return number && number < ONE << 63n ? number : null;
 }
 
-function lineRequest(text) {
+function parseRequest(text) {
   const digits = text.startsWith("0x") ? text.slice(2) : text;
   return /^([0-9A-Fa-f]{2}){1,8}$/.test(digits) ? digits : null;
 }
 
-const LINE_WORDS = named({
+const LINE_KEYWORDS = named({
   gray: [["biss", "ssi", "spi"], "isGray", true], binary: [LINE_INTERFACES, "isGray", false],
   left: [["ssi"], "alignment", "msb_left"], right: [["ssi"], "alignment", "lsb_right"],
   low_byte_first: [["spi", "rs485"], "order", "little"], high_byte_first: [["spi", "rs485"], "order", "big"],
 });
 const LINE_SETTINGS = named({
-  clock: [["biss", "ssi", "spi"], lineHertz, "clock=1MHz"],
+  clock: [["biss", "ssi", "spi"], parseHertz, "clock=1MHz"],
   mode: [["spi"], (text) => (/^[0-3]$/.test(text) ? Number(text) : null), "mode=1"],
-  baud: [["rs485"], linePositive, "baud=2500000"], request: [["rs485"], lineRequest, "request=1A"],
-  counts: [LINE_INTERFACES, linePositive, "counts=4096"], turns: [LINE_INTERFACES, linePositive, "turns=4096"],
+  baud: [["rs485"], parsePositive, "baud=2500000"], request: [["rs485"], parseRequest, "request=1A"],
+  counts: [LINE_INTERFACES, parsePositive, "counts=4096"], turns: [LINE_INTERFACES, parsePositive, "turns=4096"],
 });
-const inWords = (names, last = "and") => (names.length > 1 ? `${names.slice(0, -1).join(", ")} ${last} ${names.at(-1)}` : names[0]);
+const joinNames = (names, last = "and") => (names.length > 1 ? `${names.slice(0, -1).join(", ")} ${last} ${names.at(-1)}` : names[0]);
 
-function withLineOption(options, text, interface_) {
+function setLineOption(options, text, interface_) {
   const at = text.indexOf("=");
   const name = (at < 0 ? text : text.slice(0, at)).trim();
   const given = at < 0 ? "" : text.slice(at + 1).trim();
-  const [word, setting] = [LINE_WORDS[name], LINE_SETTINGS[name]];
+  const [word, setting] = [LINE_KEYWORDS[name], LINE_SETTINGS[name]];
   if (!word && !setting) {
-    const every = inWords([...Object.keys(LINE_WORDS), ...Object.keys(LINE_SETTINGS)], "or");
-    throw new LinePart(`${shortText(name)} is not an option; write ${every} (a field belongs after the colon)`);
+    const every = joinNames([...Object.keys(LINE_KEYWORDS), ...Object.keys(LINE_SETTINGS)], "or");
+    throw new LinePartError(`${quoteLineText(name)} is not an option; write ${every} (a field belongs after the colon)`);
   }
   const [interfaces] = word ?? setting;
   if (!interfaces.includes(interface_)) {
-    throw new LinePart(`'${name}' is not an option of ${interface_}, only of ${inWords(interfaces)}; remove it`);
+    throw new LinePartError(`'${name}' is not an option of ${interface_}, only of ${joinNames(interfaces)}; remove it`);
   }
   if (word) {
-    if (at >= 0) throw new LinePart(`'${name}' has no value; write only ${name}`, name.length);
+    if (at >= 0) throw new LinePartError(`'${name}' has no value; write only ${name}`, name.length);
     return Object.assign(options, { [word[1]]: word[2] });
   }
   const value_ = setting[1](given);
   if (value_ === null) {
-    throw new LinePart(`${shortText(given)} is not a value of '${name}'; write it like ${setting[2]}`, name.length + 1);
+    throw new LinePartError(`${quoteLineText(given)} is not a value of '${name}'; write it like ${setting[2]}`, name.length + 1);
   }
   return Object.assign(options, { [name]: value_ });
 }
@@ -192,7 +192,7 @@ function withLineOption(options, text, interface_) {
 // -- the line
 
 /** The parts of a text between commas, each with the column of its first character that is not a space. */
-function linePieces(text, column) {
+function splitAtCommas(text, column) {
   let next = column;
   return text.split(",").map((piece) => {
     const place = next + (piece.trim() ? piece.length - piece.trimStart().length : 0);
@@ -204,8 +204,8 @@ function linePieces(text, column) {
 /** The interface, options and fields of a line, or its problems, each with its column. */
 function parsedLine(given) {
   const text = given.trim();
-  if (text.length > LONGEST_LINE) {
-    return { problems: [[1, `the line is longer than ${LONGEST_LINE} characters; shorten it`]] };
+  if (text.length > MAX_LINE_LENGTH) {
+    return { problems: [[1, `the line is longer than ${MAX_LINE_LENGTH} characters; shorten it`]] };
   }
   const wrong = text.search(/[^A-Za-z0-9_=:,. ]/);
   if (wrong >= 0) {
@@ -213,31 +213,31 @@ function parsedLine(given) {
     return { problems: [[wrong + 1, `'${character}' is not a character of a line; write ${LINE_EXAMPLE}`]] };
   }
   const problems = [];
-  const [interface_, end] = lineInterface(text, problems);
+  const [interface_, end] = parseInterface(text, problems);
   const options = {};
   const columns = {};
-  for (const [column, piece] of linePieces(text.slice(0, end), 1).slice(1)) {
-    attempt(column, problems, () => {
-      withLineOption(options, piece, interface_);
+  for (const [column, piece] of splitAtCommas(text.slice(0, end), 1).slice(1)) {
+    collectProblem(column, problems, () => {
+      setLineOption(options, piece, interface_);
       columns[piece.split("=")[0].trim()] = column;
     });
   }
   const start = end ? end + 1 : 0;
-  const fields = start <= text.length ? lineFields(text.slice(start), start + 1, interface_, problems) : [];
-  if (fields.length) problems.push(...lineFieldProblems(fields, interface_), ...lineOptionProblems(options, columns, fields, interface_));
+  const fields = start <= text.length ? parseLineFields(text.slice(start), start + 1, interface_, problems) : [];
+  if (fields.length) problems.push(...checkLineFields(fields, interface_), ...checkLineOptions(options, columns, fields, interface_));
   return { text, interface: interface_, options, fields, problems: problems.sort(([one], [other]) => one - other) };
 }
 
-function attempt(column, problems, read) {
+function collectProblem(column, problems, read) {
   try {
     read();
   } catch (error) {
-    if (!(error instanceof LinePart)) throw error;
+    if (!(error instanceof LinePartError)) throw error;
     problems.push([column + error.offset, error.message]);
   }
 }
 
-function lineInterface(text, problems) {
+function parseInterface(text, problems) {
   const colon = text.indexOf(":");
   const head = colon < 0 ? text : text.slice(0, colon);
   const word = head.split(",")[0].trim();
@@ -252,31 +252,31 @@ function lineInterface(text, problems) {
     problems.push([1, "the line does not begin with its interface; write biss:, ssi:, spi: or rs485: in front of it"]);
     return ["biss", 0];
   }
-  problems.push([1, `${shortText(word)} is not an interface; write one of: ${LINE_INTERFACES.join(", ")}`]);
+  problems.push([1, `${quoteLineText(word)} is not an interface; write one of: ${LINE_INTERFACES.join(", ")}`]);
   return ["biss", head.length];
 }
 
-function lineFields(text, column, interface_, problems) {
+function parseLineFields(text, column, interface_, problems) {
   const fields = [];
   if (!text.trim()) {
     problems.push([column, `the line has no fields; write ${LINE_EXAMPLE}`]);
     return fields;
   }
-  const pieces = linePieces(text, column);
-  if (pieces.length > MOST_LINE_FIELDS) {
-    problems.push([pieces[MOST_LINE_FIELDS][0], `write at most ${MOST_LINE_FIELDS} fields`]);
+  const pieces = splitAtCommas(text, column);
+  if (pieces.length > MAX_LINE_FIELDS) {
+    problems.push([pieces[MAX_LINE_FIELDS][0], `write at most ${MAX_LINE_FIELDS} fields`]);
   }
-  for (const [place, piece] of pieces.slice(0, MOST_LINE_FIELDS)) {
-    attempt(place, problems, () => fields.push(lineField(piece, place, interface_)));
+  for (const [place, piece] of pieces.slice(0, MAX_LINE_FIELDS)) {
+    collectProblem(place, problems, () => fields.push(parseLineField(piece, place, interface_)));
   }
   return fields;
 }
 
 const isFiller = (field) => field.kind === "zero" || field.kind === "unused";
 const isPosition = (field) => field.name === "position" || field.name === "singleturn";
-const lineLength = (fields) => fields.reduce((sum, field) => sum + field.bits, 0);
+const sumFieldBits = (fields) => fields.reduce((sum, field) => sum + field.bits, 0);
 
-function lineFieldProblems(fields, interface_) {
+function checkLineFields(fields, interface_) {
   const problems = [];
   const names = new Set();
   for (const field of fields) {
@@ -291,10 +291,10 @@ function lineFieldProblems(fields, interface_) {
       problems.push([column, "a parity bit needs other fields that change; add them"]);
     }
   }
-  return [...problems, ...linePositionProblems(fields, interface_), ...lineLengthProblems(fields, interface_)];
+  return [...problems, ...checkPositionFields(fields, interface_), ...checkLineLength(fields, interface_)];
 }
 
-function linePositionProblems(fields, interface_) {
+function checkPositionFields(fields, interface_) {
   const last = (name) => fields.findLastIndex((field) => field.name === name);
   const [position, turns, inTurn] = ["position", "multiturn", "singleturn"].map(last);
   const problems = [];
@@ -311,8 +311,8 @@ function linePositionProblems(fields, interface_) {
   return problems;
 }
 
-function lineLengthProblems(fields, interface_) {
-  const length = lineLength(fields);
+function checkLineLength(fields, interface_) {
+  const length = sumFieldBits(fields);
   const [fewest, most] = [interface_ === "spi" || interface_ === "rs485" ? 8 : 1, interface_ === "rs485" ? 1024 : 64];
   if (length < fewest || length > most) {
     return [[fields[0].column, `the fields have ${length} bits; write ${fewest} to ${most}`]];
@@ -321,15 +321,15 @@ function lineLengthProblems(fields, interface_) {
   return [[fields[0].column, `the fields have ${length} bits; over RS-485, write whole bytes`]];
 }
 
-function lineOptionProblems(options, columns, fields, interface_) {
+function checkLineOptions(options, columns, fields, interface_) {
   return [
-    ...(options.isGray ? lineGrayProblems(options, columns, fields) : []),
-    ...(options.counts || options.turns ? lineCountProblems(options, columns, fields) : []),
-    ...lineOrderProblems(options, fields, interface_),
+    ...(options.isGray ? checkGrayOption(options, columns, fields) : []),
+    ...(options.counts || options.turns ? checkCountOptions(options, columns, fields) : []),
+    ...checkByteOrder(options, fields, interface_),
   ];
 }
 
-function lineGrayProblems(options, columns, fields) {
+function checkGrayOption(options, columns, fields) {
   const positions = fields.filter(isPosition);
   const hasTurns = fields.some((field) => field.name === "multiturn");
   const problems = positions.length ? [] : [[columns.gray ?? 1, "'gray' needs a position; add position=BITS, or remove gray"]];
@@ -355,7 +355,7 @@ function lineGrayProblems(options, columns, fields) {
   return problems;
 }
 
-function lineCountProblems(options, columns, fields) {
+function checkCountOptions(options, columns, fields) {
   const column = columns.counts ?? columns.turns ?? 1;
   const positions = fields.filter((field) => field.kind === "number" && field.name === "position");
   const problems = positions.length ? [] : [[column,
@@ -375,7 +375,7 @@ function lineCountProblems(options, columns, fields) {
   return problems;
 }
 
-function lineOrderProblems(options, fields, interface_) {
+function checkByteOrder(options, fields, interface_) {
   const problems = [];
   let place = 0;
   for (const field of fields) {
@@ -401,12 +401,12 @@ function lineOrderProblems(options, fields, interface_) {
 // -- the record
 
 /** Members that are not 0, empty or false. */
-const notEmpty = (members) => Object.fromEntries(Object.entries(members).filter(
+const omitEmptyMembers = (members) => Object.fromEntries(Object.entries(members).filter(
   ([, one]) => one && (typeof one !== "object" || Object.keys(one).length)));
-const inTable = (number) => (number <= BigInt(Number.MAX_SAFE_INTEGER) ? Number(number) : hexText(number));
+const toTableNumber = (number) => (number <= BigInt(Number.MAX_SAFE_INTEGER) ? Number(number) : formatHex(number));
 
 /** The fields as they are sent, each with a name of its own and its lowest bit. A number sent low byte first is split. */
-function sentFields({ interface: interface_, options, fields }) {
+function listSentFields({ interface: interface_, options, fields }) {
   const taken = new Set(fields.filter((field) => !isFiller(field)).map((field) => field.name));
   const isLow = options.order === "little";
   const sent = [];
@@ -427,7 +427,7 @@ function sentFields({ interface: interface_, options, fields }) {
     sent.push({ ...field, name });
   }
   const isFromLow = interface_ === "rs485" && isLow;
-  const length = lineLength(fields);
+  const length = sumFieldBits(fields);
   let place = 0;
   for (const field of sent) {
     field.low = isFromLow ? place : length - place - field.bits;
@@ -437,7 +437,7 @@ function sentFields({ interface: interface_, options, fields }) {
 }
 
 /** Adds to each unused field its place among the unused bits. */
-function placeUnused(sent, interface_) {
+function placeUnusedBits(sent, interface_) {
   const unused = sent.filter((field) => field.kind === "unused").sort((one, other) => one.low - other.low);
   if (interface_ !== "rs485") {
     let place = 0;
@@ -454,7 +454,7 @@ function placeUnused(sent, interface_) {
   for (const field of unused) field.place = 8 * bytes.indexOf(Math.floor(field.low / 8)) + (field.low % 8);
 }
 
-function lineJoins(sent) {
+function buildJoins(sent) {
   const join = (name, parts) => {
     let shift = 0;
     return { name, fields: parts.map((field) => {
@@ -474,7 +474,7 @@ const isConstant = (field) => field.kind === "zero" || field.kind === "constant"
 const onesIn = (number) => number.toString(2).replaceAll("0", "").length;
 
 /** The other fields of a parity bit that change, and whether their number of ones must be odd with it. */
-function parityOfLine(field, sent) {
+function findParityCoverage(field, sent) {
   const others = sent.filter((one) => !["parity", "crc"].includes(one.kind));
   const constants = others.filter((one) => one.kind === "constant").reduce((sum, one) => sum + onesIn(one.value), 0);
   return { covered: others.filter((one) => !isConstant(one)), isOdd: (Number(field.isOdd) + constants) % 2 };
@@ -482,49 +482,49 @@ function parityOfLine(field, sent) {
 
 const LINE_COLOURS = { flag: "flag", zero: "fixed", constant: "fixed", crc: "check", parity: "check" };
 
-function lineFieldData(field, sent, hasPosition) {
+function buildFieldRecord(field, sent, hasPosition) {
   const { name, bits: width, low } = field;
   const colour = field.kind === "unused" && hasPosition ? "fixed" : LINE_COLOURS[field.kind] ?? "data";
-  const data = { name, ...notEmpty({ low }), width, colour };
+  const data = { name, ...omitEmptyMembers({ low }), width, colour };
   switch (field.kind) {
     case "flag":
-      return { ...data, kind: field.level === "low" ? "not_flag" : "flag", on: LINE_MEANINGS[field.verdict] };
+      return { ...data, kind: field.level === "low" ? "not_flag" : "flag", on: LINE_VERDICT_MEANINGS[field.verdict] };
     case "zero": return { ...data, fixed: 0 };
-    case "constant": return { ...data, fixed: inTable(field.value) };
+    case "constant": return { ...data, fixed: toTableNumber(field.value) };
     case "unused": return hasPosition ? { ...data, unused: 0, place: field.place } : data;
     case "crc": return { ...data, crc: 1 };
     case "parity": {
-      const { covered, isOdd } = parityOfLine(field, sent);
+      const { covered, isOdd } = findParityCoverage(field, sent);
       return { ...data, parity: covered.map((one) => one.name), odd: isOdd };
     }
     default: {
-      const [unit, meaning] = LINE_NUMBERS[name] ?? [];
-      return { ...data, ...notEmpty({ kind: field.isSigned ? "signed" : "", meaning, unit }) };
+      const [unit, meaning] = LINE_NUMBER_UNITS[name] ?? [];
+      return { ...data, ...omitEmptyMembers({ kind: field.isSigned ? "signed" : "", meaning, unit }) };
     }
   }
 }
 
 /** The checks of constants and parity bits, and then that of the highest position. */
-function lineChecks(sent, { counts = 0n, turns = ONE }) {
-  const placeOf = (field) => ({ ...notEmpty({ low: field.low }), width: field.bits });
+function buildCheckRecords(sent, { counts = 0n, turns = ONE }) {
+  const placeOf = (field) => ({ ...omitEmptyMembers({ low: field.low }), width: field.bits });
   const checks = sent.flatMap((field) => {
     const place = { ...placeOf(field), fault: "constant" };
     if (isConstant(field)) {
-      return [{ ...place, values: [inTable(field.value ?? 0n)], field: field.name, says: "constant", always: 1 }];
+      return [{ ...place, values: [toTableNumber(field.value ?? 0n)], field: field.name, says: "constant", always: 1 }];
     }
     if (field.kind !== "parity") return [];
-    const { covered, isOdd } = parityOfLine(field, sent);
-    return [{ ...place, parity_of: covered.map((one) => [one.low, one.bits]), ...notEmpty({ odd: isOdd }), field: field.name,
+    const { covered, isOdd } = findParityCoverage(field, sent);
+    return [{ ...place, parity_of: covered.map((one) => [one.low, one.bits]), ...omitEmptyMembers({ odd: isOdd }), field: field.name,
       says: "parity", always: 1, of_name: covered.map((one) => one.name).join(", ") }];
   });
   const limited = sent.filter((field) => field.kind === "number" && field.name === "position" && counts
     && counts * turns <= ones(field.bits));
   return [...checks, ...limited.map((field) => ({
-    ...placeOf(field), fault: "range", limit: inTable(counts * turns - ONE), field: field.name, says: "too_high",
+    ...placeOf(field), fault: "range", limit: toTableNumber(counts * turns - ONE), field: field.name, says: "too_high",
   }))];
 }
 
-function lineMeasure({ fields, options }, joins) {
+function buildMeasure({ fields, options }, joins) {
   const width = (name) => fields.find((field) => field.kind === "number" && field.name === name)?.bits;
   const [inTurn, turns] = [width("singleturn"), width("multiturn")];
   if (inTurn === undefined && !options.counts) return {};
@@ -532,91 +532,91 @@ function lineMeasure({ fields, options }, joins) {
   const counts = inTurn === undefined ? options.counts : ONE << BigInt(inTurn);
   const revolutions = inTurn === undefined ? options.turns ?? ONE : ONE << BigInt(turns ?? 0);
   const part = joins.find((join) => join.name === of)?.fields[0][0];
-  return notEmpty({ of, part, counts_per_turn: inTable(counts), turns: inTable(revolutions) });
+  return omitEmptyMembers({ of, part, counts_per_turn: toTableNumber(counts), turns: toTableNumber(revolutions) });
 }
 
 /** Parameters of a CRC, and those of similar CRCs that may be used by mistake. */
-function lineCrcData({ bits: width, poly, init, isInverted }, isOverBytes) {
-  const parameters = (changes) => notEmpty(Object.fromEntries(Object.entries({
+function buildCrcRecord({ bits: width, poly, init, isInverted }, isOverBytes) {
+  const parameters = (changes) => omitEmptyMembers(Object.fromEntries(Object.entries({
     width: BigInt(width), poly, init, refin: 0n, refout: 0n, xorout: isInverted ? ones(width) : 0n, ...changes,
-  }).map(([name, number]) => [name, inTable(number)])));
+  }).map(([name, number]) => [name, toTableNumber(number)])));
   const own = parameters({});
   const xorout = isInverted ? 0n : ones(width);
   const isXor = isOverBytes && width === 8 && poly === ONE;
   const change = `the CRC is ${isInverted ? "not " : ""}inverted`;
-  const same = isXor ? `, or its start value is ${hexText(ones(width) ^ init)} (the same here)` : "";
-  const starts = isXor ? [] : otherStarts(width, poly, init);
+  const same = isXor ? `, or its start value is ${formatHex(ones(width) ^ init)} (the same here)` : "";
+  const starts = isXor ? [] : listOtherStartValues(width, poly, init);
   const others = [["crc_not_inverted", change + same, parameters({ xorout })],
-    ...starts.map((start) => ["start_value", `the start value of the CRC is ${hexText(start)}`, parameters({ init: start })]),
-    ...(isOverBytes ? otherBytePolynomials(parameters) : [reversedPolynomial(width, poly, parameters)])];
+    ...starts.map((start) => ["start_value", `the start value of the CRC is ${formatHex(start)}`, parameters({ init: start })]),
+    ...(isOverBytes ? buildOtherBytePolynomials(parameters) : [buildReversedPolynomial(width, poly, parameters)])];
   const powers = Array.from({ length: width }, (_, index) => width - 1 - index).filter((power) => bits(poly, power, 1));
   const text = [width, ...powers].map((power) => ["1", "x"][power] ?? `x^${power}`).join(" + ");
   const isDifferent = ([, , crc]) => JSON.stringify(crc) !== JSON.stringify(own);
-  return { ...own, text, ...notEmpty({ [isOverBytes ? "byte_others" : "others"]: others.filter(isDifferent) }) };
+  return { ...own, text, ...omitEmptyMembers({ [isOverBytes ? "byte_others" : "others"]: others.filter(isDifferent) }) };
 }
 
 /** All zeros, all ones, and the start values of known CRCs with the polynomial, except that of the CRC itself. */
-function otherStarts(width, poly, init) {
+function listOtherStartValues(width, poly, init) {
   const isSame = ([known]) => big(known) === (poly | (ONE << BigInt(width)));
   const starts = new Set([0n, ones(width), ...TABLE.known_crcs.filter(isSame).map(([, known]) => BigInt(known))]);
   return [...starts].filter((start) => start !== init).sort((one, other) => (one < other ? -1 : 1));
 }
 
-function reversedPolynomial(width, poly, parameters) {
+function buildReversedPolynomial(width, poly, parameters) {
   const top = poly | (ONE << BigInt(width));
   const backwards = BigInt(`0b${[...top.toString(2)].reverse().join("")}`);
-  return ["polynomial_reversed", `the polynomial is ${hexText(backwards)}, written in reverse`,
+  return ["polynomial_reversed", `the polynomial is ${formatHex(backwards)}, written in reverse`,
     parameters({ poly: backwards & ones(width) })];
 }
 
-function otherBytePolynomials(parameters) {
+function buildOtherBytePolynomials(parameters) {
   return TABLE.byte_polynomials.flatMap((polynomial) => {
     const poly = big(polynomial) & 0xFFn;
-    const text = `the polynomial is ${hexText(big(polynomial))}`;
+    const text = `the polynomial is ${formatHex(big(polynomial))}`;
     return [["other_polynomial", `${text}, most significant bit first`, parameters({ poly })],
       ["other_polynomial", `${text}, least significant bit first`, parameters({ poly, refin: ONE, refout: ONE })]];
   });
 }
 
 /** The request of a line over RS-485, or one byte of any value. */
-function lineRequestFrame(options) {
+function buildRequestFrame(options) {
   const request = options.request && BigInt(`0x${options.request}`);
   const width = options.request ? 4 * options.request.length : 8;
-  const content = options.request ? { colour: "fixed", fixed: inTable(request) } : { meaning: "Request", colour: "data" };
-  const check = { width, fault: "constant", values: [inTable(request || 0n)], field: "request", says: "constant", always: 1 };
+  const content = options.request ? { colour: "fixed", fixed: toTableNumber(request) } : { meaning: "Request", colour: "data" };
+  const check = { width, fault: "constant", values: [toTableNumber(request || 0n)], field: "request", says: "constant", always: 1 };
   return {
     name: "position_request", bits: width, order: "big", fields: [{ name: "request", width, ...content }],
-    ...notEmpty({ checks: options.request ? [check] : [] }), title: "Position request",
+    ...omitEmptyMembers({ checks: options.request ? [check] : [] }), title: "Position request",
     source: options.request ? "line: fields" : "TODO not stated", sender: "master",
   };
 }
 
-function lineFrame(line) {
+function buildEncoderFrame(line) {
   const { interface: interface_, options, fields } = line;
-  const sent = sentFields(line);
-  placeUnused(sent, interface_);
+  const sent = listSentFields(line);
+  placeUnusedBits(sent, interface_);
   const hasPosition = fields.some(isPosition);
   const flags = sent.filter((field) => field.kind === "flag");
   const speaking = hasPosition ? ["not_usable", "usable_with_warning"].flatMap(
     (verdict) => flags.filter((flag) => flag.verdict === verdict)) : [];
   const told = flags.filter((flag) => !hasPosition || flag.verdict !== "usable");
-  const joins = lineJoins(sent);
-  const coded = sent.filter((field) => LINE_NUMBERS[field.name] || LINE_NUMBERS[field.of]);
+  const joins = buildJoins(sent);
+  const coded = sent.filter((field) => LINE_NUMBER_UNITS[field.name] || LINE_NUMBER_UNITS[field.of]);
   const lowest = Math.min(...coded.map((field) => field.low));
-  const [name, title] = LINE_LAYOUTS[interface_];
+  const [name, title] = LINE_LAYOUT_NAMES[interface_];
   return {
-    name, bits: lineLength(fields),
-    ...notEmpty({
+    name, bits: sumFieldBits(fields),
+    ...omitEmptyMembers({
       order: interface_ === "rs485" ? options.order ?? "big" : "",
       joins,
       speaks: speaking.map((flag) => ({ verdict: flag.verdict, flag: flag.name })),
-      gray: options.isGray ? { ...notEmpty({ low: lowest }), width: lineLength(coded) } : {},
+      gray: options.isGray ? { ...omitEmptyMembers({ low: lowest }), width: sumFieldBits(coded) } : {},
     }),
     ...(hasPosition ? { otherwise: speaking.length ? "usable" : "unknown" } : {}),
-    fields: sent.map((field) => lineFieldData(field, sent, hasPosition)),
-    ...notEmpty({ checks: lineChecks(sent, options), crc: fields.at(-1).kind === "crc" ? "line_crc" : "" }),
+    fields: sent.map((field) => buildFieldRecord(field, sent, hasPosition)),
+    ...omitEmptyMembers({ checks: buildCheckRecords(sent, options), crc: fields.at(-1).kind === "crc" ? "line_crc" : "" }),
     title, source: "line: fields", sender: "encoder",
-    ...notEmpty({ tells: told.map((flag) => ({ report: flag.name, flag: flag.name, meaning: LINE_MEANINGS[flag.verdict] })) }),
+    ...omitEmptyMembers({ tells: told.map((flag) => ({ report: flag.name, flag: flag.name, meaning: LINE_VERDICT_MEANINGS[flag.verdict] })) }),
   };
 }
 
@@ -630,19 +630,19 @@ function lineFamily(line) {
     if (!indexes.has(key)) indexes.set(key, shared.push(item) - 1);
     return indexes.get(key);
   };
-  const frame = lineFrame(line);
+  const frame = buildEncoderFrame(line);
   const joins = frame.joins ?? [];
-  const frames = [...(interface_ === "rs485" ? [lineRequestFrame(options)] : []), frame];
+  const frames = [...(interface_ === "rs485" ? [buildRequestFrame(options)] : []), frame];
   const indexed = frames.map((item) => ({ ...item, ...Object.fromEntries(["fields", "checks", "tells"]
     .filter((name) => item[name]).map((name) => [name, item[name].map(index)])) }));
   const crc = fields.find((field) => field.kind === "crc");
   const lineName = interface_ === "ssi" ? `ssi_${options.alignment ?? "msb_left"}` : interface_;
   return {
     name: "one_line", title: "Encoder described in one line", mark: TABLE.line.mark, evidence: TABLE.line.evidence,
-    ...notEmpty({ crcs: crc ? { line_crc: lineCrcData(crc, interface_ === "rs485") } : {} }),
+    ...omitEmptyMembers({ crcs: crc ? { line_crc: buildCrcRecord(crc, interface_ === "rs485") } : {} }),
     interfaces: [{
       name: interface_, title: LINE_TITLES[interface_],
-      ...notEmpty({ line: interface_ === "rs485" ? "" : lineName, measure: lineMeasure(line, joins) }), frames: indexed,
+      ...omitEmptyMembers({ line: interface_ === "rs485" ? "" : lineName, measure: buildMeasure(line, joins) }), frames: indexed,
     }],
     shared,
     codes: [[line.text, 0]],
@@ -656,5 +656,5 @@ function readLine(text) {
     throw new UnknownCode(line.problems.map(([column, message]) => `column ${column}: ${message}`).join(". "), true);
   }
   const family = lineFamily(line);
-  return { ...ofRow(family, family.codes[0]), unlisted: [], tail: "", isSpecial: false, writtenAsIn: "", label: text };
+  return { ...orderCodeOfRow(family, family.codes[0]), unlisted: [], tail: "", isSpecial: false, writtenAsIn: "", label: text };
 }

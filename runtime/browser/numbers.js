@@ -48,10 +48,10 @@ function quantityOf(scale, number) {
 function value(expression, parameters) {
   if (!Array.isArray(expression)) return big(expression);
   return expression.slice(1).reduce((sum, [multiple, ...factors]) => sum + factors.reduce(
-    (product, name) => product * factor(name, parameters), big(multiple)), big(expression[0]));
+    (product, name) => product * evaluateFactor(name, parameters), big(multiple)), big(expression[0]));
 }
 
-function factor(name, parameters) {
+function evaluateFactor(name, parameters) {
   if (!name.startsWith("^")) return parameters[name];
   const exponent = parameters[name.slice(1)];
   if (exponent < 0n || exponent > 128n) throw new RangeError(`2${name} is out of range`);
@@ -59,17 +59,17 @@ function factor(name, parameters) {
 }
 
 /** The parameters of an order code and those derived from them. */
-function resolved(family, given) {
+function resolveParameters(family, given) {
   const parameters = named(given);
   let unsettled = family.derived ?? [];
   for (let countBefore = -1; unsettled.length !== countBefore;) {
     countBefore = unsettled.length;
-    unsettled = unsettled.filter(([name, expression]) => !settle(parameters, name, expression));
+    unsettled = unsettled.filter(([name, expression]) => !settleParameter(parameters, name, expression));
   }
   return parameters;
 }
 
-function settle(parameters, name, expression) {
+function settleParameter(parameters, name, expression) {
   const names = Array.isArray(expression) ? expression.slice(1).flatMap((term) => term.slice(1)) : [];
   if (!names.every((nameOrPower) => nameOrPower.replace("^", "") in parameters)) return false;
   try {

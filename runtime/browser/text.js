@@ -4,12 +4,12 @@
 class FrameText extends Error {}
 
 /** Most bits of a frame over BiSS, SSI and SPI. */
-const MOST_BITS = 128;
-const LONGEST_QUOTE = TABLE.limits.quote;
-const quoted = (text) => (text.length <= LONGEST_QUOTE ? `'${text}'` : `'${text.slice(0, LONGEST_QUOTE - 3)}...'`);
+const MAX_FRAME_BITS = 128;
+const MAX_QUOTE_LENGTH = TABLE.limits.quote;
+const quoteText = (text) => (text.length <= MAX_QUOTE_LENGTH ? `'${text}'` : `'${text.slice(0, MAX_QUOTE_LENGTH - 3)}...'`);
 
 /** Spellings of programs and logs, and their replacement. The command line has the same list. */
-const PASTED = [
+const PASTED_SPELLINGS = [
   [/\bb(?=['"])/g, ""],
   [/\\x([0-9A-Fa-f]{2})/g, " 0x$1 "],
   [/[[\](){}<>"',;:]/g, " "],
@@ -18,14 +18,14 @@ const PASTED = [
   [/(?<![0-9A-Za-z])(0[xXbB][0-9A-Fa-f_]+)[uUlL]+(?![0-9A-Za-z])/g, "$1"],
 ];
 /** A time in front of a frame: with a decimal point, a unit, or hours, minutes and seconds. */
-const TIME = new RegExp("^\\[?((?:[0-9]{4}-[0-9]{2}-[0-9]{2}[T ])?[0-9]{1,2}:[0-9]{2}:[0-9]{2}(?:[.,][0-9]+)?Z?"
+const LEADING_TIME = new RegExp("^\\[?((?:[0-9]{4}-[0-9]{2}-[0-9]{2}[T ])?[0-9]{1,2}:[0-9]{2}:[0-9]{2}(?:[.,][0-9]+)?Z?"
   + "|[0-9]+[.][0-9]+(?: ?(?:s|ms|us|µs))?|[0-9]+ ?(?:s|ms|us|µs))\\]?[ \\t,;]+(?=[^ \\t])");
 
 /** The frames in a text, one per line. Comments after # and empty lines are skipped. */
 function linesOf(input) {
   return input.split(/\r\n|\r|\n/).flatMap((line, place) => {
     const kept = line.split("#")[0].trim();
-    const time = TIME.exec(kept);
+    const time = LEADING_TIME.exec(kept);
     const text = time ? kept.slice(time[0].length) : kept;
     return text ? [{ number: place + 1, time: time ? time[1] : "", text }] : [];
   });
@@ -34,7 +34,7 @@ function linesOf(input) {
 /** The text of a frame without brackets, quotes and other marks of the program that it was copied from. */
 function checked(text) {
   if (text.length > TABLE.limits.text) throw new FrameText(said("frame_too_long"));
-  const plain = PASTED.reduce((made, [pattern, other]) => made.replace(pattern, other), text).trim();
+  const plain = PASTED_SPELLINGS.reduce((made, [pattern, other]) => made.replace(pattern, other), text).trim();
   if (!plain) throw new FrameText(said("frame_empty"));
   return plain;
 }
@@ -43,10 +43,10 @@ function checked(text) {
 function bytesIn(text) {
   return text.split(/\s+/).flatMap((piece) => {
     const digits = piece.replace(/^0x/i, "");
-    if (!/^[0-9a-f]+$/i.test(digits)) throw new FrameText(said("not_hex", quoted(piece)));
+    if (!/^[0-9a-f]+$/i.test(digits)) throw new FrameText(said("not_hex", quoteText(piece)));
     const whole = digits !== piece && digits.length === 1 ? `0${digits}` : digits;
-    if (whole.length === 1) throw new FrameText(said("one_digit", quoted(piece), digits));
-    if (whole.length % 2) throw new FrameText(said("odd", quoted(piece)));
+    if (whole.length === 1) throw new FrameText(said("one_digit", quoteText(piece), digits));
+    if (whole.length % 2) throw new FrameText(said("odd", quoteText(piece)));
     return whole.match(/../g).map((byte) => parseInt(byte, 16));
   });
 }
@@ -56,31 +56,31 @@ function bytesIn(text) {
  */
 function numberIn(text, size, exact) {
   let compact = text.replace(/[\s_]/g, "");
-  if (/^0b[01]+$/i.test(compact)) return numberWith(compact, compact.length - 2, true);
+  if (/^0b[01]+$/i.test(compact)) return makeReceivedNumber(compact, compact.length - 2, true);
   const pieces = text.split(/\s+/);
   if (pieces.length > 1 && pieces.every((piece) => /^(0x)?[0-9a-f]{2}$/i.test(piece))) {
-    if (/^[01]+$/.test(pieces.join(""))) throw new FrameText(said("bits_or_bytes", quoted(text)));
+    if (/^[01]+$/.test(pieces.join(""))) throw new FrameText(said("bits_or_bytes", quoteText(text)));
     compact = "0x" + pieces.map((piece) => piece.slice(-2)).join("");
     const bits = 8 * pieces.length;
-    if (exact && (bits < size || bits >= size + 8)) return numberWith(compact, bits, true);
+    if (exact && (bits < size || bits >= size + 8)) return makeReceivedNumber(compact, bits, true);
   }
   if (/^0x[0-9a-f]+$/i.test(compact)) {
-    return { ...numberWith(compact, bitLength(BigInt(compact)), false), written: 4 * (compact.length - 2) };
+    return { ...makeReceivedNumber(compact, bitLength(BigInt(compact)), false), written: 4 * (compact.length - 2) };
   }
-  const meanings = pieces.length === 1 ? readings(compact, size) : [];
+  const meanings = pieces.length === 1 ? listMeanings(compact, size) : [];
   // As a decimal or hexadecimal number, this many digits would not fit.
   if (meanings.length === 1 && compact.length === size && /^[01]+$/.test(compact)) {
-    return numberWith(`0b${compact}`, size, true);
+    return makeReceivedNumber(`0b${compact}`, size, true);
   }
   const remedy = meanings.length ? said("write_one_of", meanings.join(", ")) : said("write_number", size);
-  throw new FrameText(said("no_bits", quoted(text), size, remedy));
+  throw new FrameText(said("no_bits", quoteText(text), size, remedy));
 }
 
 /** A number with its bits. If not ``exact``, it may have more. ``written`` counts the bits of all digits. */
-const numberWith = (text, bits, exact) => ({ number: BigInt(text), bits, exact, written: bits });
+const makeReceivedNumber = (text, bits, exact) => ({ number: BigInt(text), bits, exact, written: bits });
 
 /** The possible meanings of digits without a prefix, as numbers of at most ``size`` bits. The command line does the same. */
-function readings(digits, size) {
+function listMeanings(digits, size) {
   const fits = (number) => number >> BigInt(size) === 0n;
   const decimal = /^(0|[1-9][0-9]{0,39})$/.test(digits) && fits(BigInt(digits));
   const hexadecimal = /^[0-9a-f]{1,40}$/i.test(digits) && fits(BigInt(`0x${digits}`));
@@ -102,41 +102,41 @@ function notOfAnyCode(text) {
   }
   const isRead = (read) => {
     try {
-      read(plain, MOST_BITS);
+      read(plain, MAX_FRAME_BITS);
       return true;
     } catch (error) {
       if (error instanceof FrameText) return false;
       throw error;
     }
   };
-  const meanings = /^[0-9a-f]+$/i.test(plain) ? readings(plain, MOST_BITS).join(", ") : "";
+  const meanings = /^[0-9a-f]+$/i.test(plain) ? listMeanings(plain, MAX_FRAME_BITS).join(", ") : "";
   const remedy = meanings ? said("write_one_of", meanings) : said("write_any");
-  if (!isRead(numberIn) && !isRead(bytesIn)) return said("no_order_code", quoted(plain), remedy);
+  if (!isRead(numberIn) && !isRead(bytesIn)) return said("no_order_code", quoteText(plain), remedy);
   return `this frame is not valid for any order code${meanings ? `. ${remedy}` : ""}`;
 }
 
 /** The bytes of a frame that is sent as bits, from 0b and every bit. */
-function bytesOfBits(at, text) {
+function bytesFromBits(at, text) {
   const digits = text.slice(2).replaceAll("_", "");
   const size = at.bits - (at.layout.fill ?? 0);
   if (digits.length !== size) {
-    throw new FrameText(said("no_bits", quoted(text), size, said("write_bits", size, at.bits / 8)));
+    throw new FrameText(said("no_bits", quoteText(text), size, said("write_bits", size, at.bits / 8)));
   }
   return digits.padStart(at.bits, "0").match(/.{8}/g).map((byte) => parseInt(byte, 2));
 }
 
 /** The parameters of a code with the register contents ``held`` and the answers of the user. */
-function parametersOf(found, held = {}, answers = {}) {
+function computeParameters(found, held = {}, answers = {}) {
   const given = named(found.given, held);
   for (const item of found.family.alternatives ?? []) {
     const taken = item.answers.find(([name]) => name === answers[item.name]);
     for (const [name, one] of Object.entries(taken?.[2] ?? {})) given[name] = big(one);
   }
-  return resolved(found.family, given);
+  return resolveParameters(found.family, given);
 }
 
 function placedFor(found, layout, held, answers) {
-  return { ...placed(found.family, layout, parametersOf(found, held, answers)), code: found.code };
+  return { ...placed(found.family, layout, computeParameters(found, held, answers)), code: found.code };
 }
 
 /** The frame in a text for an order code; ``what`` is its sender, with the name of the frame where that is needed. */
@@ -154,8 +154,8 @@ function decodeFrame(found, what, text, held, answers) {
     return { ...decodeBits(at, numberIn(trimmed, at.bits, found.interface.exact?.includes(sender))), over };
   }
   const isOfBits = over.name !== "rs485" && /^0b[01_]+$/i.test(trimmed);
-  const bytes = isOfBits ? bytesOfBits(placedFor(found, layouts[0], held, answers), trimmed) : bytesIn(trimmed);
-  const told = name ? { layout: layouts[0] } : toldApart(found.interface, sender, bytes);
+  const bytes = isOfBits ? bytesFromBits(placedFor(found, layouts[0], held, answers), trimmed) : bytesIn(trimmed);
+  const told = name ? { layout: layouts[0] } : identifyLayout(found.interface, sender, bytes);
   const made = told.layout ? decodeBytes(placedFor(found, told.layout, held, answers), bytes) : told;
   return { ...made, data: bytes, over, label: found, sender };
 }
@@ -186,13 +186,13 @@ function decodeBits(at, given) {
 }
 
 /** The frame of a sender that the selector in these bytes identifies, or the error if there is none. */
-function toldApart(interface_, sender, bytes) {
+function identifyLayout(interface_, sender, bytes) {
   const told = (interface_.told ?? []).find((item) => item.sender === sender);
   if (!told) return { layout: interface_.frames.find((item) => item.sender === sender) };
   const fallback = interface_.frames[told.fallback];
   if (bytes.length < told.needs) {
     const message = said("too_few_bytes", counted(bytes.length, "byte"));
-    return fallback ? { layout: fallback } : fault("length", "", message);
+    return fallback ? { layout: fallback } : makeFailedFrame("length", "", message);
   }
   const found = told.pieces.reduce(
     (sum, [byte, right, mask, left]) => sum | (((bytes[byte] >> right) & mask) << left), 0);
@@ -200,10 +200,10 @@ function toldApart(interface_, sender, bytes) {
   if (place || fallback) return { layout: place ? interface_.frames[place[0]] : fallback };
   const upper = (number) => number.toString(16).toUpperCase();
   const choices = told.frames.flatMap(([, ...values]) => values).sort((one, other) => one - other).map(upper);
-  return fault("range", told.selector, said("no_frame", told.selector, upper(found), choices.join(", ")));
+  return makeFailedFrame("range", told.selector, said("no_frame", told.selector, upper(found), choices.join(", ")));
 }
 
-const fault = (kind, field, message) => ({ ...nothing(null, 0n), problems: [{ fault: kind, field, message }] });
+const makeFailedFrame = (kind, field, message) => ({ ...createEmptyResult(null, 0n), problems: [{ fault: kind, field, message }] });
 
 /** The bytes of a register, decoded. */
 function decodeRegister(found, register, text, held, answers) {
@@ -219,14 +219,14 @@ function decodeRegister(found, register, text, held, answers) {
 function inferred(text) {
   const groups = new Map();
   for (const family of TABLE.families.filter((item) => !item.base)) {
-    for (const found of family.codes.map((row) => ofRow(family, row))) {
-      for (const sender of ["encoder", "master"]) infer(groups, found, sender, text);
+    for (const found of family.codes.map((row) => orderCodeOfRow(family, row))) {
+      for (const sender of ["encoder", "master"]) addIfValid(groups, found, sender, text);
     }
   }
   return [...groups.values()];
 }
 
-function infer(groups, found, sender, text) {
+function addIfValid(groups, found, sender, text) {
   let decoded;
   try {
     decoded = decodeFrame(found, sender, text);
