@@ -1,8 +1,11 @@
 // Licence 0BSD: use, modify and distribute this file without any condition.
 // Form for the values of a register, from and to bytes.
 
-/** The description of a register, and for a writable one a form that encodes its bytes. */
-function createRegisterForm(state, register, text, show) {
+/**
+ * Create the description of a register, and for a writable one a form that encodes its bytes into ``frameInput``.
+ * Return {parts, fill}: the elements, and the function that fills the inputs from a decoded register.
+ */
+function createRegisterForm(state, register, frameInput, showResult) {
   const placedRegister = () => placedFor(state.found, register, state.held, state.answers);
   const allLimits = register.limits ?? [];
   const bounds = allLimits.map((limits) => describeLimits(placedRegister(), limits)).filter(Boolean);
@@ -20,11 +23,13 @@ function createRegisterForm(state, register, text, show) {
   const meanings = limitsByMeaning.map(({ name, meaning }) => createOption(name, `${name}: ${meaning ?? ""}`));
   const chosenMeaning = element("select", {}, createOption("", "choose"), meanings);
 
+  /** Encode the values of the inputs and show the bytes, or show why they are rejected. */
   function encodeInputs() {
     refusal.textContent = "";
     try {
-      text.value = bytesFor(placedRegister(), readInputs(inputs), chooseLimits(register, limitsByMeaning, chosenMeaning.value));
-      show(true);
+      frameInput.value = bytesFor(
+        placedRegister(), readInputs(inputs), chooseLimits(register, limitsByMeaning, chosenMeaning.value));
+      showResult(true);
     } catch (error) {
       if (!(error instanceof Refusal)) throw error;
       refusal.textContent = sentence(error.message);
@@ -32,40 +37,42 @@ function createRegisterForm(state, register, text, show) {
   }
 
   const form = element("fieldset", {}, element("legend", {}, "Change values to encode bytes"),
-    limitsByMeaning.length ? createLabelledInput("Meaning", chosenMeaning) : "", inputs.map(({ label }) => label), refusal);
+    limitsByMeaning.length ? createLabelledInput("Meaning", chosenMeaning) : "",
+    inputs.map(({ label }) => label), refusal);
   form.addEventListener("input", (event) => {
     inputs.find((labelledInput) => labelledInput.input === event.target)?.split?.(inputs);
     encodeInputs();
   });
-  if (register.default) form.append(createDefaultButton(register, text, show));
+  if (register.default) form.append(createDefaultButton(register, frameInput, showResult));
   return { parts: [form, notes], fill: (decoded) => fillInputs(inputs, decoded) };
 }
 
-function createDefaultButton(register, text, show) {
+/** Create the button that enters the default bytes of a register. */
+function createDefaultButton(register, frameInput, showResult) {
   const button = element("button", { type: "button" }, `Default: ${register.default}`);
   button.addEventListener("click", () => {
-    text.value = register.default;
-    show();
+    frameInput.value = register.default;
+    showResult();
   });
   return button;
 }
 
-/** The limits of a register in numbers, or an empty string without limits. */
+/** Return the limits of a register in numbers, or an empty string if it has neither. */
 function describeLimits(placedRegister, { name, of, low, high }) {
   if (low === null && high === null) return "";
   const bounds = [["at least", low], ["at most", high]].filter(([, bound]) => bound !== null)
-    .map(([words, bound]) => `${words} ${value(bound, placedRegister.parameters)}`);
+    .map(([comparison, bound]) => `${comparison} ${value(bound, placedRegister.parameters)}`);
   return `Limits of ${name ?? of ?? placedRegister.name}: ${bounds.join(", ")}`;
 }
 
-/** The applicable limits: those of the chosen meaning, if a register has several. */
+/** Return the applicable limits: those of the chosen meaning, if a register has several. */
 function chooseLimits(register, limitsByMeaning, chosenMeaning) {
   if (limitsByMeaning.length && !chosenMeaning) throw new Refusal("Choose the meaning of the register first");
   if (!limitsByMeaning.length) return (register.limits ?? [])[0];
   return limitsByMeaning.find((limits) => limits.name === chosenMeaning);
 }
 
-/** An input for a field, by its kind. */
+/** Create an input for a field, by its kind: {name, input, label, read, write}. */
 function createFieldInput({ field, name, width }) {
   const hint = [field.meaning, field.unit].filter(Boolean).join(", ") || counted(width, "bit");
   const inputOf = (input, read, write) => ({ name, input, read, write, label: createLabelledInput(name, input, hint) });
@@ -85,7 +92,7 @@ function createFieldInput({ field, name, width }) {
   return inputOf(input, read, (fieldValue) => Object.assign(input, { value: fieldValue }));
 }
 
-/** An input for a number of several fields, which it fills in. */
+/** Create an input for a number of several fields, which it fills in. */
 function createJoinInput({ name, parts }) {
   const input = element("input", { autocomplete: "off", inputmode: "numeric" });
   const names = parts.map((part) => part.item?.name).filter(Boolean).reverse().join(" and ");
@@ -100,19 +107,22 @@ function createJoinInput({ name, parts }) {
   return { name: "", join: name, input, label, split, write: (number) => Object.assign(input, { value: number }) };
 }
 
+/** Return the number of a text, which may be negative, or an empty string. */
 const parseNumberOrEmpty = (text) => {
   const [, sign, digits] = /^\s*(-?)(.*)$/s.exec(text);
   const number = parseNumberOrNull(digits);
   return number === null ? "" : sign ? -number : number;
 };
 
+/** Return the values of the inputs by name of the field. Throws ``Refusal`` if one is empty. */
 function readInputs(inputs) {
   const values = inputs.filter((input) => input.name).map((input) => [input.name, input.read()]);
-  const missing = values.find(([, fieldValue]) => fieldValue === "");
-  if (missing) throw new Refusal(`'${missing[0]}' needs a value`);
+  const emptyInput = values.find(([, fieldValue]) => fieldValue === "");
+  if (emptyInput) throw new Refusal(`'${emptyInput[0]}' needs a value`);
   return named(Object.fromEntries(values));
 }
 
+/** Write the values of a decoded register into the inputs. */
 function fillInputs(inputs, decoded) {
   for (const input of inputs) {
     const field = decoded.fields.find((candidate) => candidate.name === (input.name || input.join));
