@@ -61,31 +61,34 @@ function bytesIn(text) {
  */
 function numberIn(text, bitCount, areBytesExact) {
   let compactText = text.replace(/[\s_]/g, "");
-  if (/^0b[01]+$/i.test(compactText)) return makeReceivedNumber(compactText, compactText.length - 2, true);
+  if (/^0b[01]+$/i.test(compactText)) return makeTypedFrame(compactText, compactText.length - 2, true);
   const pieces = text.split(/\s+/);
   if (pieces.length > 1 && pieces.every((piece) => /^(0x)?[0-9a-f]{2}$/i.test(piece))) {
     if (/^[01]+$/.test(pieces.join(""))) throw new FrameText(said("bits_or_bytes", quoteText(text)));
     compactText = "0x" + pieces.map((piece) => piece.slice(-2)).join("");
     const writtenBits = 8 * pieces.length;
-    if (areBytesExact && (writtenBits < bitCount || writtenBits >= bitCount + 8)) return makeReceivedNumber(
+    if (areBytesExact && (writtenBits < bitCount || writtenBits >= bitCount + 8)) return makeTypedFrame(
       compactText, writtenBits, true);
   }
   if (/^0x[0-9a-f]+$/i.test(compactText)) {
     return {
-      ...makeReceivedNumber(compactText, bitLength(BigInt(compactText)), false), written: 4 * (compactText.length - 2),
+      ...makeTypedFrame(compactText, bitLength(BigInt(compactText)), false), written: 4 * (compactText.length - 2),
     };
   }
   const meanings = pieces.length === 1 ? listMeanings(compactText, bitCount) : [];
   // As a decimal or hexadecimal number, this many digits would not fit.
   if (meanings.length === 1 && compactText.length === bitCount && /^[01]+$/.test(compactText)) {
-    return makeReceivedNumber(`0b${compactText}`, bitCount, true);
+    return makeTypedFrame(`0b${compactText}`, bitCount, true);
   }
   const remedy = meanings.length ? said("write_one_of", meanings.join(", ")) : said("write_number", bitCount);
   throw new FrameText(said("no_bits", quoteText(text), bitCount, remedy));
 }
 
-/** Return a number with its bits. Unless ``exact``, it may have more. ``written`` counts the bits of all digits. */
-const makeReceivedNumber = (text, bitCount, isExact) => ({
+/**
+ * Return a typed frame: its number with its bits. Unless ``exact``, it may have more. ``written`` counts the bits of
+ * all digits.
+ */
+const makeTypedFrame = (text, bitCount, isExact) => ({
   number: BigInt(text), bits: bitCount, exact: isExact, written: bitCount,
 });
 
@@ -208,13 +211,13 @@ function otherFrames(orderCode, sender, text, decoded, registerContents, answers
   });
 }
 
-/** Decode a frame of bits. ``receivedNumber`` is {number, bits, exact, written}, as ``numberIn`` returns it. */
-function decodeBits(placedLayout, receivedNumber) {
-  const hasOtherBitCount = receivedNumber.exact && receivedNumber.bits !== placedLayout.bits;
+/** Decode a frame of bits. ``typedFrame`` is {number, bits, exact, written}, as ``numberIn`` returns it. */
+function decodeBits(placedLayout, typedFrame) {
+  const hasOtherBitCount = typedFrame.exact && typedFrame.bits !== placedLayout.bits;
   return {
-    ...(hasOtherBitCount ? otherLength(placedLayout, `${placedLayout.bits} bits`, receivedNumber.bits)
-      : decode(placedLayout, receivedNumber.number)),
-    given: receivedNumber,
+    ...(hasOtherBitCount ? otherLength(placedLayout, `${placedLayout.bits} bits`, typedFrame.bits)
+      : decode(placedLayout, typedFrame.number)),
+    given: typedFrame,
   };
 }
 
