@@ -8,73 +8,89 @@
 
   const ONE = 1n;
 
-  /** Values by names of a spec, which can also be names that every JavaScript object has. */
+  /** Merge values into one object by names of a spec, which can also be names that every JavaScript object has. */
   const named = (...pairs) => Object.assign(Object.create(null), ...pairs);
 
-  /** A limit or count of the table: a number, or text if it is too large for a number. */
-  const big = (limit) => BigInt(limit ?? 0);
+  /** Return a limit or count of the table as BigInt: there it is a number, or text if it is too large for a number. */
+  const big = (tableNumber) => BigInt(tableNumber ?? 0);
+  /** Return the number with ``width`` bits that are all 1. */
   const ones = (width) => (ONE << BigInt(width)) - ONE;
+  /** Return ``width`` bits of a number, from bit ``low`` on. */
   const bits = (number, low, width) => (number >> BigInt(low)) & ones(width);
+  /** Return a number in hex, with 0x and leading zeros up to ``digits``. */
   const hex = (number, digits = 1) => "0x" + number.toString(16).padStart(digits, "0");
+  /** Return a count with its noun in the singular or plural. */
   const counted = (count, noun) => `${count} ${noun}${count === 1 ? "" : "s"}`;
-  const filled = (text, ...values) => text.replace(/\{(\d)\}/g, (_, place) => values[place]);
+  /** Fill the values into a template, at {0}, {1} and so on. */
+  const filled = (template, ...values) => template.replace(/\{(\d)\}/g, (_, valueIndex) => values[valueIndex]);
+  /** Return the message with this name of the table, filled with values. */
   const said = (name, ...values) => filled(TABLE.said[name], ...values);
+  /** Count the bits of a number from its highest 1 on. */
   const bitLength = (number) => (number ? number.toString(2).length : 0);
 
-  /** A fraction with all its decimals, or with six of them after ≈ if they never end. */
+  /** Return a fraction with all its decimals, or with six of them after ≈ if they are endless. */
   function decimal(numerator, denominator) {
-    const [magnitude, places] = [numerator < 0n ? -numerator : numerator, denominator.toString(2).length];
+    const [magnitude, denominatorBits] = [numerator < 0n ? -numerator : numerator, denominator.toString(2).length];
     let exactPlaces = 0;
-    while (exactPlaces <= places && (magnitude * 10n ** BigInt(exactPlaces)) % denominator) exactPlaces += 1;
-    const digits = exactPlaces > places ? 6 : exactPlaces;
-    const power = 10n ** BigInt(digits);
-    const scaled = (2n * magnitude * power + denominator) / (2n * denominator);
-    const decimals = digits ? `.${(scaled % power).toString().padStart(digits, "0")}` : "";
-    const text = `${numerator < 0n ? "-" : ""}${(scaled / power).toLocaleString("en")}${decimals}`;
-    return exactPlaces > places ? `≈ ${text}` : text;
+    while (exactPlaces <= denominatorBits && (magnitude * 10n ** BigInt(exactPlaces)) % denominator) exactPlaces += 1;
+    const shownDecimals = exactPlaces > denominatorBits ? 6 : exactPlaces;
+    const power = 10n ** BigInt(shownDecimals);
+    const roundedNumber = (2n * magnitude * power + denominator) / (2n * denominator);
+    const decimals = shownDecimals ? `.${(roundedNumber % power).toString().padStart(shownDecimals, "0")}` : "";
+    const decimalText = `${numerator < 0n ? "-" : ""}${(roundedNumber / power).toLocaleString("en")}${decimals}`;
+    return exactPlaces > denominatorBits ? `≈ ${decimalText}` : decimalText;
   }
 
-  /** The quantity that a number stands for, with a fixed number of decimals, and whether these are exact. */
-  function scaled([numerator, denominator, offset, , places = 0], number) {
-    const [found, divisor] = [number * big(numerator) + big(offset), big(denominator)];
-    const power = 10n ** BigInt(places);
-    const size = (2n * (found < 0n ? -found : found) * power + divisor) / (2n * divisor);
-    const part = places ? `.${(size % power).toString().padStart(places, "0")}` : "";
-    return { decimal: `${found < 0n && size ? "-" : ""}${size / power}${part}`, exact: !((found * power) % divisor) };
+  /**
+   * Return the quantity that a number stands for, with a fixed number of decimals, and whether these are exact.
+   * The scale is [numerator, denominator, offset, unit, decimals].
+   */
+  function scaled([numerator, denominator, offset, , decimalCount = 0], number) {
+    const [scaledNumerator, divisor] = [number * big(numerator) + big(offset), big(denominator)];
+    const power = 10n ** BigInt(decimalCount);
+    const roundedMagnitude = (2n * (scaledNumerator < 0n ? -scaledNumerator : scaledNumerator) * power + divisor)
+      / (2n * divisor);
+    const decimals = decimalCount ? `.${(roundedMagnitude % power).toString().padStart(decimalCount, "0")}` : "";
+    return {
+      decimal: `${scaledNumerator < 0n && roundedMagnitude ? "-" : ""}${roundedMagnitude / power}${decimals}`,
+      exact: !((scaledNumerator * power) % divisor),
+    };
   }
 
-  /** A quantity with its unit. It begins with ≈ if its decimals are rounded. */
+  /** Return a quantity with its unit. It begins with ≈ if its decimals are rounded. */
   function quantityOf(scale, number) {
-    const { decimal: digits, exact } = scaled(scale, number);
-    return `${exact ? "" : "≈ "}${digits} ${scale[3]}`;
+    const { decimal: decimalText, exact } = scaled(scale, number);
+    return `${exact ? "" : "≈ "}${decimalText} ${scale[3]}`;
   }
 
-  /** The value of an expression, which is a number and terms of a multiple and factors. */
+  /** Evaluate an expression, which is a number, or a list of a number and terms. Each term is a multiple and factors. */
   function value(expression, parameters) {
     if (!Array.isArray(expression)) return big(expression);
     return expression.slice(1).reduce((sum, [multiple, ...factors]) => sum + factors.reduce(
-      (product, name) => product * factor(name, parameters), big(multiple)), big(expression[0]));
+      (product, name) => product * evaluateFactor(name, parameters), big(multiple)), big(expression[0]));
   }
 
-  function factor(name, parameters) {
+  /** Return the parameter of a factor, or 2 to the power of the parameter if the factor begins with ^. */
+  function evaluateFactor(name, parameters) {
     if (!name.startsWith("^")) return parameters[name];
     const exponent = parameters[name.slice(1)];
     if (exponent < 0n || exponent > 128n) throw new RangeError(`2${name} is out of range`);
     return ONE << exponent;
   }
 
-  /** The parameters of an order code and those derived from them. */
-  function resolved(family, given) {
+  /** Return the parameters of an order code and those derived from them. */
+  function resolveParameters(family, given) {
     const parameters = named(given);
     let unsettled = family.derived ?? [];
     for (let countBefore = -1; unsettled.length !== countBefore;) {
       countBefore = unsettled.length;
-      unsettled = unsettled.filter(([name, expression]) => !settle(parameters, name, expression));
+      unsettled = unsettled.filter(([name, expression]) => !settleParameter(parameters, name, expression));
     }
     return parameters;
   }
 
-  function settle(parameters, name, expression) {
+  /** Add a derived parameter if the parameters in its expression are there, and return whether they are. */
+  function settleParameter(parameters, name, expression) {
     const names = Array.isArray(expression) ? expression.slice(1).flatMap((term) => term.slice(1)) : [];
     if (!names.every((nameOrPower) => nameOrPower.replace("^", "") in parameters)) return false;
     try {
@@ -85,110 +101,120 @@
     return true;
   }
 
+  /** Return the lowest ``width`` bits of a number in reverse order. */
   function reflected(number, width) {
     let reversed = 0n;
-    for (let place = 0; place < width; place += 1) reversed = (reversed << ONE) | bits(number, place, 1);
+    for (let bitIndex = 0; bitIndex < width; bitIndex += 1) reversed = (reversed << ONE) | bits(number, bitIndex, 1);
     return reversed;
   }
 
-  /** A CRC over the given bits of a number, most significant first. */
-  function crcOfBits(crc, number, count) {
+  /** Compute a CRC over the lowest ``bitCount`` bits of a number, most significant first. */
+  function crcOfBits(crc, number, bitCount) {
     const [mask, poly, top] = [ones(crc.width), big(crc.poly), BigInt(crc.width - 1)];
     let register = big(crc.init);
-    for (let place = BigInt(count) - ONE; place >= 0n; place -= ONE) {
-      const feedback = ((register >> top) ^ (number >> place)) & ONE;
+    for (let bitIndex = BigInt(bitCount) - ONE; bitIndex >= 0n; bitIndex -= ONE) {
+      const feedback = ((register >> top) ^ (number >> bitIndex)) & ONE;
       register = (register << ONE) & mask;
       if (feedback) register ^= poly;
     }
     return (crc.refout ? reflected(register, crc.width) : register) ^ big(crc.xorout);
   }
 
+  /** Compute a CRC over bytes, each reflected if the CRC is. */
   function crcOfBytes(crc, bytes) {
     const bytesInOrder = bytes.map((byte) => (crc.refin ? reflected(BigInt(byte), 8) : byte));
     return crcOfBits(crc, numberOf("big", bytesInOrder), 8 * bytes.length);
   }
 
-  /** The number that bytes form: ``order`` is "little" for low byte first, "big" for high byte first. */
+  /** Return the number that bytes form: ``order`` is "little" for low byte first, "big" for high byte first. */
   function numberOf(order, bytes) {
     const highFirst = order === "little" ? [...bytes].reverse() : bytes;
     return highFirst.reduce((sum, byte) => (sum << 8n) | BigInt(byte), 0n);
   }
 
-  function bytesOf(order, number, count) {
-    const lowFirst = Array.from({ length: count }, (_, place) => Number(bits(number, 8 * place, 8)));
+  /** Return the ``byteCount`` bytes of a number, in this order. */
+  function bytesOf(order, number, byteCount) {
+    const lowFirst = Array.from({ length: byteCount }, (_, byteIndex) => Number(bits(number, 8 * byteIndex, 8)));
     return order === "little" ? lowFirst : lowFirst.reverse();
   }
 
-  /** The parity of the bits of a number at these places, or of those bits at each place that are in the mask. */
+  /** Return the parity of the bits of a number at these places, or of those bits at each place that are in the mask. */
   function parityOf(number, places, { odd, mask }) {
     const countedBits = mask ? big(mask) : -1n;
     const digits = places.map(({ low, width }) => (bits(number, low, width) & countedBits).toString(2)).join("");
     return BigInt((digits.split("1").length - 1 + (odd ?? 0)) % 2);
   }
 
-  /** A layout with the places of its fields for an order code, without fields of 0 bits. */
+  /**
+   * Place the fields of a layout for an order code, except fields of 0 bits. In the result, places are numbers of bits,
+   * and a placed field is {field, name, low, width} with the ``field`` of the table.
+   */
   function placed(family, layout, parameters) {
-    const evaluated = (expression) => Number(value(expression, parameters));
-    const explained = (field) => (!field.only || parameters[field.only] ? field
+    const evaluate = (expression) => Number(value(expression, parameters));
+    const withMeaning = (field) => (!field.only || parameters[field.only] ? field
       : { ...field, on: TABLE.unexplained, off: "", meaning: "" });
-    const fields = (layout.fields ?? []).map((index) => explained(family.shared[index]))
-      .map((field) => ({ field, name: field.name, low: evaluated(field.low), width: evaluated(field.width) }))
+    const fields = (layout.fields ?? []).map((index) => withMeaning(family.shared[index]))
+      .map((field) => ({ field, name: field.name, low: evaluate(field.low), width: evaluate(field.width) }))
       .filter((placedField) => placedField.width > 0);
     const gray = layout.gray && (!layout.gray.when || parameters[layout.gray.when]) ? layout.gray : null;
-    const holds = (only) => !only || Boolean(parameters[only.parameter]) === Boolean(only.holds);
+    const isSatisfied = (only) => !only || Boolean(parameters[only.parameter]) === Boolean(only.holds);
     return {
-      family, layout, parameters, fields, name: layout.name, bits: evaluated(layout.bits),
+      family, layout, parameters, fields, name: layout.name, bits: evaluate(layout.bits),
       crc: layout.crcs ? layout.crcs[fields.find((placedField) => placedField.field.crc)?.name] : layout.crc,
       gray: gray
-        && { low: evaluated(gray.low), width: evaluated(gray.width), excess: value(gray.excess ?? 0, parameters) },
+        && { low: evaluate(gray.low), width: evaluate(gray.width), excess: value(gray.excess ?? 0, parameters) },
       joins: (layout.joins ?? []).map((join) => ({
         name: join.name,
         parts: join.fields.map(([part, low]) => (
-          { item: fields.find((placedField) => placedField.name === part), low: evaluated(low) })),
+          { item: fields.find((placedField) => placedField.name === part), low: evaluate(low) })),
       })),
       checks: (layout.checks ?? []).map((index) => family.shared[index])
-        .map((check) => ({ check, low: evaluated(check.low), width: evaluated(check.width),
+        .map((check) => ({ check, low: evaluate(check.low), width: evaluate(check.width),
           limit: check.limit === undefined ? undefined : value(check.limit, parameters),
           lowest: value(check.lowest ?? 0, parameters),
-          of: check.parity_of?.map(([first, size]) => ({ low: evaluated(first), width: evaluated(size) })) }))
+          of: check.parity_of?.map(([coveredLow, coveredWidth]) => (
+            { low: evaluate(coveredLow), width: evaluate(coveredWidth) })) }))
         .filter((placedCheck) => placedCheck.width > 0),
-      tells: (layout.tells ?? []).map((index) => family.shared[index]).filter((cause) => holds(cause.only)),
-      speaks: (layout.speaks ?? []).filter((cause) => holds(cause.only) && holds(cause.chosen)),
+      tells: (layout.tells ?? []).map((index) => family.shared[index]).filter((cause) => isSatisfied(cause.only)),
+      speaks: (layout.speaks ?? []).filter((cause) => isSatisfied(cause.only) && isSatisfied(cause.chosen)),
     };
   }
 
-  /** The decoded number: fields, CRC, errors, reports and verdict. */
+  /** Return the decoded number: fields, CRC, errors, reports and verdict. */
   function decode(placedLayout, number) {
     if (number >> BigInt(placedLayout.bits)) {
       return otherLength(placedLayout, `${placedLayout.bits} bits`, bitLength(number));
     }
-    const decoded = nothing(placedLayout, number);
+    const decoded = createEmptyResult(placedLayout, number);
     const binary = fromGray(placedLayout, number);
-    decoded.fields = placedLayout.fields.flatMap((placedField) => fieldsOf(placedField, number, binary));
-    decoded.crc = crcOf(placedLayout, number);
+    decoded.fields = placedLayout.fields.flatMap((placedField) => decodeFieldAndRuns(placedField, number, binary));
+    decoded.crc = checkCrc(placedLayout, number);
     if (decoded.crc && decoded.crc.received !== decoded.crc.computed) {
-      const words = said("crc", hex(decoded.crc.received, 2), hex(decoded.crc.computed, 2));
-      decoded.problems.push({ fault: "crc", field: decoded.crc.field, message: words });
+      const message = said("crc", hex(decoded.crc.received, 2), hex(decoded.crc.computed, 2));
+      decoded.problems.push({ fault: "crc", field: decoded.crc.field, message: message });
     }
     decoded.problems.push(...placedLayout.checks.flatMap((placedCheck) => problemOf(placedCheck, number, binary)));
-    const rank = (problem) => TABLE.faults.indexOf(problem.fault);
-    decoded.problems.sort((one, other) => rank(one) - rank(other));
-    decoded.fields.push(...placedLayout.joins.map((join) => joined(join, number, binary)));
-    if (!decoded.problems.length) tell(decoded);
+    const rankOf = (problem) => TABLE.faults.indexOf(problem.fault);
+    decoded.problems.sort((problem, otherProblem) => rankOf(problem) - rankOf(otherProblem));
+    decoded.fields.push(...placedLayout.joins.map((join) => joinFields(join, number, binary)));
+    if (!decoded.problems.length) judgeFrame(decoded);
     return decoded;
   }
 
-  const nothing = (placedLayout, number) => ({
+  /** Create the result of decoding, with its lists still empty. */
+  const createEmptyResult = (placedLayout, number) => ({
     at: placedLayout, number, fields: [], crc: null, problems: [], reports: [], differences: [], verdict: null,
   });
 
-  function otherLength(placedLayout, needed, count) {
-    const decoded = nothing(placedLayout, 0n);
-    decoded.problems.push({ fault: "length", field: "", message: said("length", placedLayout.name, needed, count) });
+  /** Return the result of a frame of another length than the layout needs. */
+  function otherLength(placedLayout, neededText, receivedCount) {
+    const decoded = createEmptyResult(placedLayout, 0n);
+    decoded.problems.push(
+      { fault: "length", field: "", message: said("length", placedLayout.name, neededText, receivedCount) });
     return decoded;
   }
 
-  /** A frame or register of bytes. */
+  /** Decode a frame or register of bytes. */
   function decodeBytes(placedLayout, bytes) {
     if (8 * bytes.length !== placedLayout.bits) {
       return otherLength(placedLayout, counted(placedLayout.bits / 8, "byte"), bytes.length);
@@ -196,40 +222,42 @@
     return decode(placedLayout, numberOf(placedLayout.layout.order, bytes));
   }
 
+  /** Return the number of a frame with the bits in Gray code converted to binary, less the Gray excess. */
   function fromGray(placedLayout, number) {
     if (!placedLayout.gray) return number;
     const binary = plainOf(bits(number, placedLayout.gray.low, placedLayout.gray.width)) - placedLayout.gray.excess;
-    return withGray(placedLayout, number, binary);
+    return replaceGrayBits(placedLayout, number, binary);
   }
 
-  /** The number with other bits in the place of those in Gray code. */
-  function withGray(placedLayout, number, newBits) {
+  /** Return the number with other bits in the place of those in Gray code. */
+  function replaceGrayBits(placedLayout, number, newBits) {
     const { low, width } = placedLayout.gray;
     return (number & ~(ones(width) << BigInt(low))) | (BigInt.asUintN(width, newBits) << BigInt(low));
   }
 
-  /** The number that a number in Gray code stands for. */
+  /** Return the number that a number in Gray code stands for. */
   function plainOf(gray) {
     let binary = gray;
     for (let shifted = gray >> ONE; shifted; shifted >>= ONE) binary ^= shifted;
     return binary;
   }
 
+  /** Return the number of a frame with the position converted to Gray code, with the Gray excess added. */
   function toGray(placedLayout, number) {
     if (!placedLayout.gray) return number;
     const { low, width, excess } = placedLayout.gray;
     const sumWithExcess = BigInt.asUintN(width, bits(number, low, width) + excess);
-    return withGray(placedLayout, number, sumWithExcess ^ (sumWithExcess >> ONE));
+    return replaceGrayBits(placedLayout, number, sumWithExcess ^ (sumWithExcess >> ONE));
   }
 
-  /** A field in readable form with its runs of digits; ``raw`` is the transmitted value. */
-  function fieldsOf(placedField, number, binary) {
+  /** Return a field in readable form, with its runs of digits. ``raw`` is transmitted, ``value`` is decoded. */
+  function decodeFieldAndRuns(placedField, number, binary) {
     const { field, low, width } = placedField;
     const fieldBits = bits(binary, low, width);
     const decodedField = {
       name: field.name, raw: bits(number, low, width), value: fieldBits, unit: field.unit ?? "",
       scale: field.scale, meaning: field.meaning ?? "", high: low + width - 1, low, colour: field.colour,
-      ...meantBy(field, fieldBits, width),
+      ...interpretRaw(field, fieldBits, width),
     };
     const runs = (field.runs ?? []).map(([name, divisor, modulus, meaning = ""]) => {
       const runNumber = (fieldBits / big(divisor)) % big(modulus);
@@ -238,22 +266,23 @@
     return [decodedField, ...runs];
   }
 
-  function meantBy(field, raw, width) {
+  /** Return {value, meaning} of the bits of a field by its kind. */
+  function interpretRaw(field, raw, width) {
     switch (field.kind) {
       case "flag":
       case "not_flag": {
-        const active = (raw === 0n) === (field.kind === "not_flag");
-        return { value: active, meaning: (active ? field.on : field.off) || field.meaning || "" };
+        const isActive = (raw === 0n) === (field.kind === "not_flag");
+        return { value: isActive, meaning: (isActive ? field.on : field.off) || field.meaning || "" };
       }
       case "choice": {
-        const named = field.values.find((listed) => big(listed[0]) === raw);
-        return named ? { value: named[1], meaning: named[2] || field.meaning || "" } : {};
+        const listedChoice = field.values.find((choice) => big(choice[0]) === raw);
+        return listedChoice ? { value: listedChoice[1], meaning: listedChoice[2] || field.meaning || "" } : {};
       }
       case "signed":
         return { value: BigInt.asIntN(width, raw) };
       case "text": {
-        const codes = bytesOf("big", raw, width / 8);
-        return { value: String.fromCharCode(...codes) };
+        const characterCodes = bytesOf("big", raw, width / 8);
+        return { value: String.fromCharCode(...characterCodes) };
       }
       case "digits":
       case undefined:
@@ -263,18 +292,24 @@
     }
   }
 
-  function joined(join, number, binary) {
+  /** Join the parts of a number that is sent in several fields. */
+  function joinFields(join, number, binary) {
     const parts = join.parts.filter((part) => part.item);
     const joinedNumber = (source) => parts.reduce(
-      (whole, { item, low }) => whole | (bits(source, item.low, item.width) << BigInt(low)), 0n);
+      (whole, { item: placedField, low }) =>
+        whole | (bits(source, placedField.low, placedField.width) << BigInt(low)), 0n);
     const names = parts.map((part) => part.item.name).reverse().join(" and ");
     const meaning = join.parts.length > 1 ? said("as_one_number", names) : "";
-    return { name: join.name, raw: joinedNumber(number), value: joinedNumber(binary), unit: "", meaning, high: -1, low: -1 };
+    return {
+      name: join.name, raw: joinedNumber(number), value: joinedNumber(binary), unit: "", meaning, high: -1, low: -1,
+    };
   }
 
+  /** Return the placed field with the CRC. */
   const crcField = (placedLayout) => placedLayout.fields.find((placedField) => placedField.field.crc);
 
-  function crcOf(placedLayout, number) {
+  /** Return the received CRC and the computed one, or null if the layout lacks a CRC. */
+  function checkCrc(placedLayout, number) {
     if (!placedLayout.crc) return null;
     const crc = placedLayout.family.crcs[placedLayout.crc];
     const field = crcField(placedLayout);
@@ -282,24 +317,25 @@
     return { crc, field: field.name, received, computed: computedBy(crc, placedLayout, number) };
   }
 
-  /** The CRC with these parameters over the bits of a frame that its CRC covers. */
+  /** Compute the CRC with these parameters over the bits of a frame that its CRC covers. */
   function computedBy(crc, placedLayout, number) {
     const { width } = crcField(placedLayout);
-    const [low, count] = placedLayout.layout.crc_of ?? [width, placedLayout.bits - width];
-    if (!placedLayout.layout.order || width % 8) return crcOfBits(crc, number >> BigInt(low), count);
+    const [low, bitCount] = placedLayout.layout.crc_of ?? [width, placedLayout.bits - width];
+    if (!placedLayout.layout.order || width % 8) return crcOfBits(crc, number >> BigInt(low), bitCount);
     return crcOfBytes(crc, bytesOf(placedLayout.layout.order, number, placedLayout.bits / 8).slice(0, -width / 8));
   }
 
+  /** Return a list with the problem if the bits at the place of a check are wrong, otherwise an empty list. */
   function problemOf(placedCheck, number, binary) {
-    const { check, low, width, limit, lowest, of } = placedCheck;
-    const checkedBits = bits(of ? number : binary, low, width);
+    const { check, low, width, limit, lowest, of: coveredPlaces } = placedCheck;
+    const checkedBits = bits(coveredPlaces ? number : binary, low, width);
     const checkedNumber = check.says === "outside" ? BigInt.asIntN(width, checkedBits) : checkedBits;
-    const rightValues = of ? [parityOf(number, of, check)]
-      : (check.values ?? []).map((text) => big(text) & ones(width));
+    const rightValues = coveredPlaces ? [parityOf(number, coveredPlaces, check)]
+      : (check.values ?? []).map((listedValue) => big(listedValue) & ones(width));
     const isInside = () => checkedNumber >= lowest && checkedNumber <= limit;
-    const holds = limit === undefined ? rightValues.includes(checkedNumber) : isInside();
-    if (holds) return [];
-    const words = {
+    const isCorrect = limit === undefined ? rightValues.includes(checkedNumber) : isInside();
+    if (isCorrect) return [];
+    const messages = {
       constant: () => said("constant", check.field, hex(checkedNumber), hex(rightValues[0])),
       parity: () => said("parity", check.field, checkedNumber, check.of_name, rightValues[0]),
       no_value: () => said("no_value", check.field, hex(checkedNumber)),
@@ -308,85 +344,93 @@
       outside: () => said("outside", `${check.field} ${checkedNumber}`, lowest, limit),
       digits: () => said("digits", check.field, checkedNumber, check.most),
     };
-    return [{ fault: check.fault, field: check.field, message: words[check.says]() }];
+    return [{ fault: check.fault, field: check.field, message: messages[check.says]() }];
   }
 
-  /** The reports and the verdict of a valid frame or register. */
-  function tell(decoded) {
+  /** Add the reports, the verdict and the differences from the manual to the result of a valid frame or register. */
+  function judgeFrame(decoded) {
     const { at: placedLayout, number } = decoded;
     const binary = fromGray(placedLayout, number);
     const isActive = (placedField) => speaks(placedField, bits(binary, placedField.low, placedField.width));
-    const active = new Set(placedLayout.fields.filter(isActive).map((placedField) => placedField.name));
-    const applies = ({ flag, when }) => (when ? when.every((pair) => matches(decoded, pair)) : active.has(flag));
+    const activeNames = new Set(placedLayout.fields.filter(isActive).map((placedField) => placedField.name));
+    const applies = ({ flag, when }) =>
+      (when ? when.every((pair) => hasFieldValue(decoded, pair)) : activeNames.has(flag));
     decoded.reports = placedLayout.tells.filter(applies);
     if (placedLayout.layout.otherwise) {
       const decidingCause = placedLayout.speaks.find((cause) =>
-        applies(cause) && !(cause.unless ?? []).some((name) => active.has(name)));
+        applies(cause) && !(cause.unless ?? []).some((name) => activeNames.has(name)));
       decoded.verdict = decidingCause ? decidingCause.verdict : placedLayout.layout.otherwise;
-      if (!judges(placedLayout) && decoded.verdict !== "not_usable") decoded.verdict = "unknown";
+      if (!hasJudgingBits(placedLayout) && decoded.verdict !== "not_usable") decoded.verdict = "unknown";
     }
-    decoded.differences = [...placedLayout.fields.flatMap((placedField) => differenceOf(decoded, placedField)), ...strangeIn(decoded)];
+    decoded.differences = [
+      ...placedLayout.fields.flatMap((placedField) => findDifference(decoded, placedField)), ...findStrangeRuns(decoded),
+    ];
   }
 
-  /** Whether frames of the order code have bits that say whether the position is usable, if others have. */
-  function judges({ layout, parameters }) {
+  /** Return whether frames of the order code have bits that say whether the position is usable, if others have. */
+  function hasJudgingBits({ layout, parameters }) {
     return layout.judging_bits === undefined || value(layout.judging_bits, parameters) > 0;
   }
 
-  /** Whether a flag is active, or unused bits differ from the manual. */
+  /** Return whether a flag is active, or unused bits differ from the manual. */
   function speaks({ field, width }, raw) {
     if ("unused" in field) return raw !== (big(field.unused) & ones(width));
     return field.kind === "flag" ? raw !== 0n : field.kind === "not_flag" && raw === 0n;
   }
 
-  /** Whether a flag is active (1) or inactive (0), or another field has this value. */
-  function matches({ at: placedLayout, number }, [name, wanted]) {
+  /** Return whether a flag is active (1) or inactive (0), or another field has this value. */
+  function hasFieldValue({ at: placedLayout, number }, [name, wantedNumber]) {
     const placedField = placedLayout.fields.find((candidate) => candidate.name === name);
     const raw = placedField && bits(fromGray(placedLayout, number), placedField.low, placedField.width);
     if (!placedField) return false;
-    return isFlag(placedField.field) ? speaks(placedField, raw) === (wanted === 1) : raw === big(wanted);
+    return isFlag(placedField.field) ? speaks(placedField, raw) === (wantedNumber === 1) : raw === big(wantedNumber);
   }
 
+  /** Return whether a field is a flag, active high or active low. */
   const isFlag = ({ kind }) => kind === "flag" || kind === "not_flag";
 
-  function differenceOf(decoded, { field }) {
+  /** Return a list with the message about a field that differs from its documented value, otherwise an empty list. */
+  function findDifference(decoded, { field }) {
     if (field.equals === undefined || decoded.at.layout.sender === "master") return [];
     const decodedField = decoded.fields.find((candidate) => candidate.name === field.name);
     const isText = typeof field.equals === "string";
     const actual = isText ? decodedField.value : decodedField.raw;
     const documented = isText ? field.equals : value(field.equals[0], decoded.at.parameters);
     if (actual === documented) return [];
-    const [actualText, documentedText] = [actual, documented].map((known) => (isText ? `"${known}"` : hex(known, 2)));
+    const [actualText, documentedText] = [actual, documented].map(
+      (content) => (isText ? `"${content}"` : hex(content, 2)));
     const name = field.printed || field.name;
     return [decoded.at.layout.sender
       ? said("other_value", name, actualText, documentedText)
       : said("other_content", name, actualText, decoded.at.code, documentedText)];
   }
 
-  function strangeIn(decoded) {
-    return (decoded.at.layout.strange ?? []).flatMap(([run, low, high, words]) => {
+  /** Return the messages about runs of digits outside their usual range. */
+  function findStrangeRuns(decoded) {
+    return (decoded.at.layout.strange ?? []).flatMap(([run, low, high, template]) => {
       const decodedField = decoded.fields.find((candidate) => candidate.name === run);
       const isStrange = decodedField && (decodedField.raw < big(low) || decodedField.raw > big(high));
-      return isStrange ? [filled(words, decodedField.raw)] : [];
+      return isStrange ? [filled(template, decodedField.raw)] : [];
     });
   }
 
-  /** The names and values of the fields that together hold a number. Excess bits go to the highest field. */
-  function splitInto(parts, number) {
+  /** Return the names and values of the fields that together hold a number. Excess bits go to the highest field. */
+  function splitNumber(parts, number) {
     const highestBit = Math.max(...parts.map((part) => part.low + (part.item?.width ?? 0)));
-    return parts.filter((part) => part.item).map(({ item, low }) => {
-      const isOpen = low + item.width === highestBit || number < 0n;
-      return [item.name, isOpen ? number >> BigInt(low) : bits(number, low, item.width)];
+    return parts.filter((part) => part.item).map(({ item: placedField, low }) => {
+      const isOpen = low + placedField.width === highestBit || number < 0n;
+      return [placedField.name, isOpen ? number >> BigInt(low) : bits(number, low, placedField.width)];
     });
   }
 
+  /** Error about a value that a register or field rejects. */
   class Refusal extends Error {}
 
-  /** The number whose fields have these values: numbers, booleans and texts by name. */
+  /** Return the number whose fields have these values: numbers, booleans and texts by name. */
   function encode(placedLayout, values) {
     const parities = placedLayout.fields.filter((placedField) => placedField.field.parity);
     let number = placedLayout.fields.reduce(
-      (sum, placedField) => sum | (rawOf(placedField, values) << BigInt(placedField.low)), 0n);
+      (sum, placedField) => sum | (encodeField(placedField, values) << BigInt(placedField.low)), 0n);
     number = toGray(placedLayout, number);
     parities.forEach((placedField) => {
       const coveredFields = placedLayout.fields.filter((candidate) => placedField.field.parity.includes(candidate.name));
@@ -400,34 +444,39 @@
     return number;
   }
 
-  /** Whether the user provides the value of a field. All others are derived. */
+  /** Return whether the user provides the value of a field. All others are derived. */
   const isGiven = ({ field }) => !["crc", "parity", "fixed", "unused"].some((name) => name in field);
 
-  function rawOf(placedField, values) {
+  /** Return the bits of a field for a value: a number, a boolean or a text. */
+  function encodeField(placedField, values) {
     const { field, width } = placedField;
     if ("fixed" in field) return big(field.fixed) & ones(width);
     if (!isGiven(placedField)) return big(field.unused) & ones(width);
-    const wanted = values[field.name];
-    if (field.kind === "flag" || field.kind === "not_flag") return BigInt(wanted === (field.kind === "flag"));
-    if (field.kind === "text") return rawOfText(placedField, wanted);
-    const raw = field.zero_means && wanted === big(field.zero_means) ? 0n : BigInt.asUintN(width, wanted);
-    if (meantBy({ ...field, kind: field.kind === "signed" ? "signed" : undefined }, raw, width).value !== wanted) {
-      throw new Refusal(said("too_wide", field.name, wanted, width));
+    const wantedValue = values[field.name];
+    if (field.kind === "flag" || field.kind === "not_flag") return BigInt(wantedValue === (field.kind === "flag"));
+    if (field.kind === "text") return encodeText(placedField, wantedValue);
+    const raw = field.zero_means && wantedValue === big(field.zero_means) ? 0n : BigInt.asUintN(width, wantedValue);
+    if (interpretRaw({
+      ...field, kind: field.kind === "signed" ? "signed" : undefined,
+    }, raw, width).value !== wantedValue) {
+      throw new Refusal(said("too_wide", field.name, wantedValue, width));
     }
-    if (field.power_of_two && wanted & (wanted - ONE)) throw new Refusal(said("no_power_of_two", field.name, wanted));
+    if (field.power_of_two && wantedValue & (wantedValue - ONE)) throw new Refusal(
+      said("no_power_of_two", field.name, wantedValue));
     return raw;
   }
 
-  function rawOfText({ field, width }, text) {
-    const codes = [...text].map((character) => character.codePointAt(0));
-    if (codes.length !== width / 8 || codes.some((code) => code > 255)) {
+  /** Return the bits of a text, one byte for each character. */
+  function encodeText({ field, width }, text) {
+    const characterCodes = [...text].map((character) => character.codePointAt(0));
+    if (characterCodes.length !== width / 8 || characterCodes.some((code) => code > 255)) {
       throw new Refusal(said("too_wide", field.name, `"${text}"`, width));
     }
-    return numberOf("big", codes);
+    return numberOf("big", characterCodes);
   }
 
-  /** Rejects a number outside the limits of its register. */
-  function refuseOutside(placedLayout, number, limits) {
+  /** Reject a number outside the limits of its register. */
+  function refuseOutsideLimits(placedLayout, number, limits) {
     if (!limits || (limits.low === null && limits.high === null)) return;
     const decodedFields = decode(placedLayout, number).fields;
     const limitedNumber = limits.of ? decodedFields.find((candidate) => candidate.name === limits.of).value : number;
@@ -438,33 +487,34 @@
     }
   }
 
-  /** The fields that together hold the only number of a register, such as a position. */
+  /** Return the fields that together hold the one number of a register, such as a position. */
   function partsOfNumber(placedLayout) {
     const [join] = placedLayout.joins;
     return join ? join.parts : placedLayout.fields.filter(isGiven).map((placedField) => ({ item: placedField, low: 0 }));
   }
 
-  /** The bytes of a register that holds one number, such as a position, in hex. */
+  /** Return the bytes of a register that holds one number, such as a position, in hex. */
   function bytesOfNumber(placedLayout, number, limits) {
-    return bytesFor(placedLayout, named(Object.fromEntries(splitInto(partsOfNumber(placedLayout), number))), limits);
+    return bytesFor(placedLayout, named(Object.fromEntries(splitNumber(partsOfNumber(placedLayout), number))), limits);
   }
 
-  /** The highest number that a register can hold within its limits. */
+  /** Return the highest number that a register can hold within its limits. */
   function highestNumber(placedLayout, limits) {
     const partWidths = partsOfNumber(placedLayout).filter((part) => part.item)
-      .map(({ item, low }) => low + item.width - (item.field.kind === "signed" ? 1 : 0));
+      .map(({ item: placedField, low }) => low + placedField.width - (placedField.field.kind === "signed" ? 1 : 0));
     const [highestInBits, limit] = [ones(Math.max(...partWidths)), limits?.high ?? null];
     const allowed = limit === null ? highestInBits : value(limit, placedLayout.parameters);
     return allowed < highestInBits ? allowed : highestInBits;
   }
 
-  /** The bytes of a register with these values, in hex. */
+  /** Return the bytes of a register with these values, in hex. */
   function bytesFor(placedLayout, values, limits) {
     const number = encode(placedLayout, values);
-    refuseOutside(placedLayout, number, limits);
+    refuseOutsideLimits(placedLayout, number, limits);
     return shownBytes(bytesOf(placedLayout.layout.order, number, placedLayout.layout.length));
   }
 
+  /** Return bytes as text: two hex digits each, with spaces. */
   const shownBytes = (bytes) => bytes.map((byte) => byte.toString(16).toUpperCase().padStart(2, "0")).join(" ");
 
   /** The frame in a text with all data channels, decoded, or null if the text is not longer than a single channel. */
@@ -543,30 +593,37 @@
   }
 
   const LONGEST_LABEL = TABLE.limits.label;
-  const withoutBlanks = (text) => text.replace(/\s/g, "");
-  const regexOf = (source) => new RegExp(source, "i");
-  const listedValue = (part, text) => part.values.find((listed) => listed.toUpperCase() === text.toUpperCase());
-  const filledPattern = (pattern, texts) => pattern.replace(/\{(\w+)\}/g, (_, name) => texts[name]);
+  /** Remove all spaces and other blanks from a text. */
+  const removeBlanks = (text) => text.replace(/\s/g, "");
+  /** Compile a regular expression of the table, for letters of either case. */
+  const compileRegex = (source) => new RegExp(source, "i");
+  /** Return the listed value of a part that equals a text except for case, if any. */
+  const findListedValue = (part, text) => part.values.find(
+    (listedText) => listedText.toUpperCase() === text.toUpperCase());
+  /** Fill the texts of the parts into the pattern of an order code, at the names of the parts in braces. */
+  const fillPattern = (pattern, texts) => pattern.replace(/\{(\w+)\}/g, (_, name) => texts[name]);
 
-  /** The order code on a label: family, interface and parameters. Throws ``UnknownCode`` with help. */
+  /** Return the order code on a label: family, interface and parameters. Throws ``UnknownCode`` with help. */
   function readLabel(label) {
     if (isLine(label)) return readLine(label);
-    const text = withoutBlanks(label).toUpperCase();
-    const special = (family) => family.special && text.endsWith(`/${family.special}`);
+    const text = removeBlanks(label).toUpperCase();
+    const endsWithSpecial = (family) => family.special && text.endsWith(`/${family.special}`);
     let closeError = null;
-    let best = null;
-    for (const family of [...TABLE.families.filter(special), ...TABLE.families.filter((listedFamily) => !listedFamily.base)]) {
+    let bestReading = null;
+    for (const family of [
+      ...TABLE.families.filter(endsWithSpecial), ...TABLE.families.filter((listedFamily) => !listedFamily.base),
+    ]) {
       try {
-        const reading = readFor(family, label);
+        const reading = readLabelOfFamily(family, label);
         // What is a tail after the code of one family can be a part of the code of another one.
-        if (!best || reading.tail.length < best.tail.length) best = reading;
+        if (!bestReading || reading.tail.length < bestReading.tail.length) bestReading = reading;
       } catch (error) {
         if (!(error instanceof UnknownCode)) throw error;
         if (error.isClose) closeError = closeError ?? error;
       }
     }
-    if (best) return best;
-    throw closeError ?? new UnknownCode(unknownLabel(label), false);
+    if (bestReading) return bestReading;
+    throw closeError ?? new UnknownCode(describeUnknownLabel(label), false);
   }
 
   /** The order code on a label, or null if it is unknown. */
@@ -579,32 +636,34 @@
     }
   }
 
-  function readFor(family, label) {
+  /** Return the order code on a label if it is one of this family. Throws ``UnknownCode`` with help. */
+  function readLabelOfFamily(family, label) {
     if (label.length > LONGEST_LABEL) {
       throw new UnknownCode(said("too_long", label.slice(0, 20), label.length, LONGEST_LABEL), true);
     }
-    const code = withoutBlanks(label).toUpperCase();
+    const code = removeBlanks(label).toUpperCase();
     for (const spelling of family.labels.written) {
-      const match = regexOf(spelling.label).exec(code);
-      if (match) return { ...resolvedCode(family, spelling, match.groups, code), label };
+      const match = compileRegex(spelling.label).exec(code);
+      if (match) return { ...resolveOrderCode(family, spelling, match.groups, code), label };
     }
-    throw wrongPart(family, code);
+    throw explainWrongPart(family, code);
   }
 
-  function resolvedCode(family, spelling, groups, code) {
+  /** Return the order code of a label whose parts a spelling of the family has matched, with notes about its tail. */
+  function resolveOrderCode(family, spelling, groups, code) {
     const { parts, pattern } = family.labels;
     const texts = named(Object.fromEntries(parts.map(({ name }) => {
-      const listedText = spelling.values?.[name]?.[groups[name].toUpperCase()];
-      return [name, listedText ?? groups[name]];
+      const spelledText = spelling.values?.[name]?.[groups[name].toUpperCase()];
+      return [name, spelledText ?? groups[name]];
     })));
-    const values = named(Object.fromEntries(parts.map((part) => [part.name, listedValue(part, texts[part.name])])));
-    const row = fittingRow(family, values);
-    if (!row) throw new UnknownCode(clash(family, code, texts, values), true);
+    const values = named(Object.fromEntries(parts.map((part) => [part.name, findListedValue(part, texts[part.name])])));
+    const row = findFittingRow(family, values);
+    if (!row) throw new UnknownCode(describeClash(family, code, texts, values), true);
     const unlisted = parts.map((part) => part.name).filter((name) => values[name] === undefined);
-    const listedCode = ofRow(family, row);
+    const listedCode = orderCodeOfRow(family, row);
     return {
       ...listedCode,
-      code: unlisted.length ? filledPattern(pattern, named(texts, definedOf(values))) : listedCode.code,
+      code: unlisted.length ? fillPattern(pattern, named(texts, omitUndefined(values))) : listedCode.code,
       unlisted,
       tail: groups.tail_ ?? "",
       isSpecial: groups.special_ !== undefined,
@@ -612,115 +671,134 @@
     };
   }
 
-  const definedOf = (values) => Object.fromEntries(Object.entries(values).filter(([, listed]) => listed !== undefined));
+  /** Return the values by name, except those that are undefined. */
+  const omitUndefined = (values) => Object.fromEntries(
+    Object.entries(values).filter(([, listedText]) => listedText !== undefined));
 
   /** The first listed code with these parts, where undefined stands for a value that is not listed. */
-  function fittingRow(family, values) {
-    const open = family.labels.parts.filter((part) => values[part.name] === undefined);
-    const isAllowed = ([otherPart, allowed]) => values[otherPart] === undefined || allowed.includes(values[otherPart]);
-    if (!open.every((part) => Object.entries(part.only_with ?? {}).every(isAllowed))) return undefined;
+  function findFittingRow(family, values) {
+    const unlistedParts = family.labels.parts.filter((part) => values[part.name] === undefined);
+    const isAllowed = ([otherPart, allowedValues]) =>
+      values[otherPart] === undefined || allowedValues.includes(values[otherPart]);
+    if (!unlistedParts.every((part) => Object.entries(part.only_with ?? {}).every(isAllowed))) return undefined;
     return family.codes.find((row) => {
-      const rowValues = partsOf(family, row);
+      const rowValues = partsOfRow(family, row);
       return Object.entries(values).every(([name, wanted]) => wanted === undefined || wanted === rowValues[name]);
     });
   }
 
-  const partsOfCodes = new Map();
+  /** Parts of the listed codes by row of the table, filled in by ``partsOfRow``. */
+  const partsByRow = new Map();
 
-  function partsOf(family, row) {
-    if (!partsOfCodes.has(row)) {
-      const { groups } = regexOf(family.labels.written[0].label).exec(withoutBlanks(row[0]));
-      const listed = family.labels.parts.map((part) => [part.name, listedValue(part, groups[part.name])]);
-      partsOfCodes.set(row, named(Object.fromEntries(listed)));
+  /** Return the values of the parts of a listed code, by name of the part. */
+  function partsOfRow(family, row) {
+    if (!partsByRow.has(row)) {
+      const { groups } = compileRegex(family.labels.written[0].label).exec(removeBlanks(row[0]));
+      const listed = family.labels.parts.map((part) => [part.name, findListedValue(part, groups[part.name])]);
+      partsByRow.set(row, named(Object.fromEntries(listed)));
     }
-    return partsOfCodes.get(row);
+    return partsByRow.get(row);
   }
 
-  function clash(family, code, texts, values) {
+  /** Return the message about an order code whose parts are listed but exclude each other. */
+  function describeClash(family, code, texts, values) {
     const names = family.labels.parts.filter((part) => part.values.some(
-      (candidate) => fittingRow(family, named(values, { [part.name]: candidate })))).map((part) => part.name);
+      (candidate) => findFittingRow(family, named(values, { [part.name]: candidate })))).map((part) => part.name);
     const namedParts = names.map((name) => `${name} '${values[name] ?? texts[name]}'`).join(" and ") || "its parts";
-    return said("cannot_be_combined", code, namedParts, nearest([family], code));
+    return said("cannot_be_combined", code, namedParts, listNearestCodes([family], code));
   }
 
-  /** The error about a text with one missing or unlisted part, or about a text that is far from every code. */
-  function wrongPart(family, code) {
-    const { parts, wrong } = family.labels;
+  /** Return the error about a text with one part left out or unlisted, or about a text that is far from every code. */
+  function explainWrongPart(family, code) {
+    const { parts, wrong: patterns } = family.labels;
     const candidates = parts.flatMap((part, index) => {
-      const groups = regexOf(wrong[index]).exec(code)?.groups;
-      if (!groups || !hasMoreThan(groups, part, code)) return [];
-      const unlisted = parts.filter((other) => other !== part && listedValue(other, groups[other.name]) === undefined);
+      const groups = compileRegex(patterns[index]).exec(code)?.groups;
+      if (!groups || !hasOtherText(groups, part, code)) return [];
+      const unlisted = parts.filter(
+        (other) => other !== part && findListedValue(other, groups[other.name]) === undefined);
       return [{ part, given: groups[part.name], rank: 2 * unlisted.length + (groups[part.name] ? 1 : 0) }];
     });
     if (!candidates.length) {
-      return new UnknownCode(said("not_of_family", code, family.name.toUpperCase(), nearest([family], code)), false);
+      return new UnknownCode(
+        said("not_of_family", code, family.name.toUpperCase(), listNearestCodes([family], code)), false);
     }
-    const { part, given } = candidates.reduce((best, candidate) => (candidate.rank < best.rank ? candidate : best));
-    const words = given ? said("has_part", part.name, given) : said("has_no_part", part.name);
-    return new UnknownCode(said("wrong_part", code, words, part.values.join(", "), nearest([family], code)), true);
+    const { part, given: partText } = candidates.reduce(
+      (best, candidate) => (candidate.rank < best.rank ? candidate : best));
+    const partProblem = partText ? said("has_part", part.name, partText) : said("has_no_part", part.name);
+    return new UnknownCode(
+      said("wrong_part", code, partProblem, part.values.join(", "), listNearestCodes([family], code)), true);
   }
 
-  /** Whether a label has letters or digits of the family, apart from a wrong part and the tail. */
-  function hasMoreThan(groups, part, code) {
+  /** Return whether a label has letters or digits of the family, apart from a wrong part and the tail. */
+  function hasOtherText(groups, part, code) {
     const partText = groups[part.name];
     const ownText = code.slice(0, code.length - (groups.tail_ ?? "").length - (groups.special_ ?? "").length);
     return partText === "" || /[A-Z0-9]/i.test(ownText.replace(partText, ""));
   }
 
-  function unknownLabel(text) {
-    const family = TABLE.families.find((known) => known.name === text.trim().toLowerCase());
+  /** Return the message about a text that is far from the codes of every family, with the nearest codes. */
+  function describeUnknownLabel(text) {
+    const family = TABLE.families.find((candidate) => candidate.name === text.trim().toLowerCase());
     if (family) return said("family", text, family.codes[0][0]);
-    const near = nearest(TABLE.families, text, TABLE.limits.likeness);
-    return said("unknown", text) + (near ? said("nearest", near) : "");
+    const nearestCodes = listNearestCodes(TABLE.families, text, TABLE.limits.likeness);
+    return said("unknown", text) + (nearestCodes ? said("nearest", nearestCodes) : "");
   }
 
-  /** The three most similar codes, as a list in words. */
-  function nearest(families, text, least = 0) {
+  /** List the three most similar codes, with commas. ``leastLikeness`` is from 0 to 1. */
+  function listNearestCodes(families, text, leastLikeness = 0) {
     const pieces = text.toUpperCase().split("-");
-    const likeness = (code) => similarity(code, pieces.slice(0, code.split("-").length).join("-"));
+    const likeness = (code) => computeSimilarity(code, pieces.slice(0, code.split("-").length).join("-"));
     return families.flatMap((family) => family.codes.map((row) => [likeness(row[0]), row[0]]))
-      .sort(([ratio], [otherRatio]) => otherRatio - ratio).slice(0, 3).filter(([ratio]) => ratio >= least)
+      .sort(([ratio], [otherRatio]) => otherRatio - ratio).slice(0, 3).filter(([ratio]) => ratio >= leastLikeness)
       .map(([, code]) => code).join(", ");
   }
 
-  /** The similarity of two texts from 0 to 1, as difflib.SequenceMatcher computes it. */
-  function similarity(text, otherText) {
-    const matched = (from, to, low, high) => {
-      let [best, size, bestInOther] = [0, 0, 0];
-      let lengths = new Map();
-      for (let place = from; place < to; place += 1) {
-        const next = new Map();
-        for (let otherPlace = low; otherPlace < high; otherPlace += 1) {
-          if (text[place] !== otherText[otherPlace]) continue;
-          const length = (lengths.get(otherPlace - 1) ?? 0) + 1;
-          next.set(otherPlace, length);
-          if (length > size) [best, bestInOther, size] = [place - length + 1, otherPlace - length + 1, length];
+  /** Return the similarity of two texts from 0 to 1, as difflib.SequenceMatcher computes it. */
+  function computeSimilarity(text, otherText) {
+    const countMatching = (start, end, otherStart, otherEnd) => {
+      let [bestStart, bestLength, bestOtherStart] = [0, 0, 0];
+      let lengthsBefore = new Map();
+      for (let index = start; index < end; index += 1) {
+        const lengthsHere = new Map();
+        for (let otherIndex = otherStart; otherIndex < otherEnd; otherIndex += 1) {
+          if (text[index] !== otherText[otherIndex]) continue;
+          const length = (lengthsBefore.get(otherIndex - 1) ?? 0) + 1;
+          lengthsHere.set(otherIndex, length);
+          if (length > bestLength) [bestStart, bestOtherStart, bestLength] = [
+            index - length + 1, otherIndex - length + 1, length];
         }
-        lengths = next;
+        lengthsBefore = lengthsHere;
       }
-      return size ? size + matched(from, best, low, bestInOther) + matched(best + size, to, bestInOther + size, high) : 0;
+      return bestLength ? bestLength + countMatching(start, bestStart, otherStart, bestOtherStart)
+        + countMatching(bestStart + bestLength, end, bestOtherStart + bestLength, otherEnd) : 0;
     };
     const total = text.length + otherText.length;
-    return total ? (2 * matched(0, text.length, 0, otherText.length)) / total : 1;
+    return total ? (2 * countMatching(0, text.length, 0, otherText.length)) / total : 1;
   }
 
-  function ofRow(family, [code, interface_, ...values]) {
-    const given = named(Object.fromEntries((family.given ?? []).map((name, index) => [name, big(values[index])])));
-    return { code, family, interface: family.interfaces[interface_], given };
+  /** Return the order code of a row of the table, which is [code, index of its interface, values of the parameters]. */
+  function orderCodeOfRow(family, [code, interfaceIndex, ...values]) {
+    const parameters = named(Object.fromEntries((family.given ?? []).map((name, index) => [name, big(values[index])])));
+    return { code, family, interface: family.interfaces[interfaceIndex], given: parameters };
   }
 
+  /** Interfaces that a line can begin with. */
   const LINE_INTERFACES = ["biss", "ssi", "spi", "rs485"];
   const LINE_TITLES = { biss: "BiSS C-mode", ssi: "SSI", spi: "SPI", rs485: "RS-485" };
   const LINE_EXAMPLE = "INTERFACE:FIELD,FIELD, such as biss:position=32,error,warning,crc=6:0x43";
-  const LINE_LAYOUTS = {
+  /** Name and title of the layout of the frames from the encoder, by interface. */
+  const LINE_LAYOUT_NAMES = {
     biss: ["single_cycle_data", "Single cycle data"], ssi: ["ssi_word", "SSI word"],
     spi: ["position_word", "Position word"], rs485: ["reply", "Reply"],
   };
-  const LINE_VERDICTS = named({ error: "not_usable", warning: "usable_with_warning", status: "usable" });
-  const LINE_MEANINGS = {
+  /** Verdict of an active flag, by its effect. */
+  const LINE_EFFECT_VERDICTS = named({ error: "not_usable", warning: "usable_with_warning", status: "usable" });
+  /** Meaning of an active flag, by its verdict. */
+  const LINE_VERDICT_MEANINGS = {
     not_usable: "an error is active", usable_with_warning: "a warning is active", usable: "the bit is active",
   };
-  const LINE_NUMBERS = named({
+  /** Unit and meaning of the fields with a number that the measured position consists of, by name. */
+  const LINE_NUMBER_UNITS = named({
     position: ["counts", "Position"], singleturn: ["counts", "Position within one revolution"],
     multiturn: ["revolutions", "Number of revolutions"],
   });
@@ -728,328 +806,376 @@
   const MOST_LINE_FIELDS = 64;
 
   /** A text that is not a field or an option. The message says what would be right, and ``offset`` where it is. */
-  class LinePart extends Error {
+  class LineError extends Error {
     constructor(message, offset = 0) {
       super(message);
       this.offset = offset;
     }
   }
 
+  /** Return whether a text is meant as a line, because it has = or begins with an interface. */
   const isLine = (text) => text.includes("=") || /^\s*(biss|ssi|spi|rs485)\s*[:,]/i.test(text);
-  const shortText = (text) => (text.length > TABLE.limits.quote ? `'${text.slice(0, TABLE.limits.quote - 3)}...'` : `'${text}'`);
-  const hexText = (number) => `0x${number.toString(16)}`;
+  /** Return a text in quotes, with ... after its first characters if it is long. */
+  const quotePart = (text) =>
+    (text.length > TABLE.limits.quote ? `'${text.slice(0, TABLE.limits.quote - 3)}...'` : `'${text}'`);
+  /** Return a number in hex, with 0x. */
+  const formatHex = (number) => `0x${number.toString(16)}`;
 
-  /** The decimal, hexadecimal or binary number of at most 65 bits that a text is, otherwise null. */
-  function lineNumber(text) {
+  /** Return the decimal, hexadecimal or binary number of at most 65 bits that a text is, otherwise null. */
+  function parseLineNumber(text) {
     return /^(0[xX][0-9A-Fa-f]{1,17}|0[bB][01]{1,65}|0|[1-9][0-9]{0,19})$/.test(text) ? BigInt(text) : null;
   }
 
-  function lineBits(name, text, widest = 64n) {
-    const width = lineNumber(text);
-    if (width === null || width < 1n || width > widest) {
-      throw new LinePart(`${shortText(text)} is not a width of '${name}'; write 1 to ${widest}`, name.length + 1);
+  /** Return the width of a field in bits, from 1 to ``maxWidth``. */
+  function parseWidth(name, text, maxWidth = 64n) {
+    const width = parseLineNumber(text);
+    if (width === null || width < 1n || width > maxWidth) {
+      throw new LineError(`${quotePart(text)} is not a width of '${name}'; write 1 to ${maxWidth}`, name.length + 1);
     }
     return Number(width);
   }
 
-  function lineField(text, column, interface_) {
-    const at = text.indexOf("=");
-    if (!text.trim()) throw new LinePart("a field is missing between two commas; remove one of them");
-    const given = (at < 0 ? text : text.slice(0, at)).trim();
-    const values = at < 0 ? [] : text.slice(at + 1).split(":").map((value) => value.trim());
-    if (!/^[A-Za-z][A-Za-z0-9_]{0,39}$/.test(given)) {
-      throw new LinePart(`${shortText(given)} is not a name; use letters, digits and underscores, such as position=32`);
+  /** Parse a field, such as position=32: {kind, name, bits, column} and members that depend on its kind. */
+  function parseLineField(text, column, interface_) {
+    const equalsIndex = text.indexOf("=");
+    if (!text.trim()) throw new LineError("a field is missing between two commas; remove one of them");
+    const writtenName = (equalsIndex < 0 ? text : text.slice(0, equalsIndex)).trim();
+    const values = equalsIndex < 0 ? [] : text.slice(equalsIndex + 1).split(":").map((value) => value.trim());
+    if (!/^[A-Za-z][A-Za-z0-9_]{0,39}$/.test(writtenName)) {
+      throw new LineError(
+        `${quotePart(writtenName)} is not a name; use letters, digits and underscores, such as position=32`);
     }
-    const name = given.toLowerCase().split("_").filter(Boolean).join("_");
-    if (name === "crc") return { ...lineCrc(values, interface_), column };
-    if (name === "parity") return { ...lineParity(values), column };
+    const name = writtenName.toLowerCase().split("_").filter(Boolean).join("_");
+    if (name === "crc") return { ...parseCrc(values, interface_), column };
+    if (name === "parity") return { ...parseParity(values), column };
     if (name === "zero" || name === "unused") {
-      if (values.length !== 1) throw new LinePart(`'${name}' takes only a width; write ${name}=2 for two bits`);
-      return { kind: name, name, bits: lineBits(name, values[0]), column };
+      if (values.length !== 1) throw new LineError(`'${name}' takes only a width; write ${name}=2 for two bits`);
+      return { kind: name, name, bits: parseWidth(name, values[0]), column };
     }
-    if (values[0] === "low" || values[0] === "high") return { ...lineFlag(name, values), column };
+    if (values[0] === "low" || values[0] === "high") return { ...parseFlag(name, values), column };
     if (["error", "warning"].includes(name) && (!values.length || (values.length === 1 && values[0] === "1"))) {
-      if (interface_ !== "biss") throw new LinePart(`'${name}' has no active level; write ${name}=low or ${name}=high`);
-      return { kind: "flag", name, bits: 1, level: "low", verdict: LINE_VERDICTS[name], column };
+      if (interface_ !== "biss") throw new LineError(`'${name}' has no active level; write ${name}=low or ${name}=high`);
+      return { kind: "flag", name, bits: 1, level: "low", verdict: LINE_EFFECT_VERDICTS[name], column };
     }
-    return { ...lineNumberField(name, values), column };
+    return { ...parseNumberField(name, values), column };
   }
 
-  function lineNumberField(name, values) {
+  /** Parse a number or a constant. ``values`` are the texts after =, which colons separate. */
+  function parseNumberField(name, values) {
     if (!values.length || (values.length === 1 && !values[0])) {
-      throw new LinePart(`'${name}' has no width; write NAME=BITS for a number, NAME=low or NAME=high for a flag`);
+      throw new LineError(`'${name}' has no width; write NAME=BITS for a number, NAME=low or NAME=high for a flag`);
     }
     if (name === "error" || name === "warning") {
-      throw new LinePart(`'${name}' is one bit; write ${name}=low or ${name}=high`, name.length + 1);
+      throw new LineError(`'${name}' is one bit; write ${name}=low or ${name}=high`, name.length + 1);
     }
-    const width = lineBits(name, values[0]);
+    const width = parseWidth(name, values[0]);
     if (values.length === 1) return { kind: "number", name, bits: width };
     if (values.length === 2 && values[1] === "signed") return { kind: "number", name, bits: width, isSigned: true };
-    const number = lineNumber(values[1]);
-    const place = name.length + values[0].length + 2;
-    if (number === null || values.length > 2) {
-      const wrong = shortText(values.slice(1).join(":"));
-      throw new LinePart(`${wrong} does not fit after a width; write signed, or the value of a constant`, place);
+    const constant = parseLineNumber(values[1]);
+    const valueOffset = name.length + values[0].length + 2;
+    if (constant === null || values.length > 2) {
+      const wrongText = quotePart(values.slice(1).join(":"));
+      throw new LineError(
+        `${wrongText} does not fit after a width; write signed, or the value of a constant`, valueOffset);
     }
-    if (number >> BigInt(width)) {
-      throw new LinePart(`${hexText(number)} does not fit into ${width} bits; write at most ${hexText(ones(width))}`, place);
+    if (constant >> BigInt(width)) {
+      throw new LineError(
+        `${formatHex(constant)} does not fit into ${width} bits; write at most ${formatHex(ones(width))}`, valueOffset);
     }
-    if (name in LINE_NUMBERS) {
-      throw new LinePart(`'${name}' is not a constant; give the constant bits another name`, place);
+    if (name in LINE_NUMBER_UNITS) {
+      throw new LineError(`'${name}' is not a constant; give the constant bits another name`, valueOffset);
     }
-    return { kind: "constant", name, bits: width, value: number };
+    return { kind: "constant", name, bits: width, value: constant };
   }
 
-  function lineFlag(name, values) {
-    const effect = values[1] ?? (name in LINE_VERDICTS ? name : "status");
-    if (values.length > 2 || !(effect in LINE_VERDICTS)) {
-      const wrong = shortText(values.slice(1).join(":"));
-      throw new LinePart(`${wrong} is not an effect of a flag; write error, warning or status`,
+  /** Parse a flag: its active level, "low" or "high", and its effect. */
+  function parseFlag(name, values) {
+    const effect = values[1] ?? (name in LINE_EFFECT_VERDICTS ? name : "status");
+    if (values.length > 2 || !(effect in LINE_EFFECT_VERDICTS)) {
+      const wrongText = quotePart(values.slice(1).join(":"));
+      throw new LineError(`${wrongText} is not an effect of a flag; write error, warning or status`,
         name.length + values[0].length + 2);
     }
-    return { kind: "flag", name, bits: 1, level: values[0], verdict: LINE_VERDICTS[effect] };
+    return { kind: "flag", name, bits: 1, level: values[0], verdict: LINE_EFFECT_VERDICTS[effect] };
   }
 
-  function lineParity(values) {
+  /** Parse a parity bit: even or odd. */
+  function parseParity(values) {
     if (values.length === 1 && (values[0] === "even" || values[0] === "odd")) {
       return { kind: "parity", name: "parity", bits: 1, isOdd: values[0] === "odd" };
     }
-    throw new LinePart("a parity bit is even or odd; write parity=even or parity=odd");
+    throw new LineError("a parity bit is even or odd; write parity=even or parity=odd");
   }
 
-  function lineCrc(values, interface_) {
+  /** Parse a CRC: its width, its polynomial, and if they are there, its start value and whether it is inverted. */
+  function parseCrc(values, interface_) {
     if (values.length < 2) {
-      throw new LinePart("a CRC needs its width and polynomial; write crc=BITS:POLYNOMIAL, such as crc=6:0x43");
+      throw new LineError("a CRC needs its width and polynomial; write crc=BITS:POLYNOMIAL, such as crc=6:0x43");
     }
-    const width = lineBits("crc", values[0], 32n);
-    const numbers = values.slice(1);
+    const width = parseWidth("crc", values[0], 32n);
+    const crcNumbers = values.slice(1);
     let isInverted = interface_ === "biss";
-    if (["inverted", "plain"].includes(numbers.at(-1))) isInverted = numbers.pop() === "inverted";
-    const place = "crc=".length + values[0].length + 1;
-    if (numbers.length < 1 || numbers.length > 2) {
-      throw new LinePart("write crc=BITS:POLYNOMIAL:START, with :inverted or :plain after it if needed", place);
+    if (["inverted", "plain"].includes(crcNumbers.at(-1))) isInverted = crcNumbers.pop() === "inverted";
+    const polynomialOffset = "crc=".length + values[0].length + 1;
+    if (crcNumbers.length < 1 || crcNumbers.length > 2) {
+      throw new LineError(
+        "write crc=BITS:POLYNOMIAL:START, with :inverted or :plain after it if needed", polynomialOffset);
     }
-    const poly = lineNumber(numbers[0]);
+    const poly = parseLineNumber(crcNumbers[0]);
     if (poly === null || !(poly & ONE) || poly > ones(width + 1)) {
-      const right = `write an odd number of at most ${hexText(ones(width + 1))}, with or without its top bit`;
-      throw new LinePart(`${shortText(numbers[0])} is not a polynomial of ${width} bits; ${right}`, place);
+      const remedy = `write an odd number of at most ${formatHex(ones(width + 1))}, with or without its top bit`;
+      throw new LineError(
+        `${quotePart(crcNumbers[0])} is not a polynomial of ${width} bits; ${remedy}`, polynomialOffset);
     }
-    const init = numbers.length > 1 ? lineNumber(numbers[1]) : 0n;
+    const init = crcNumbers.length > 1 ? parseLineNumber(crcNumbers[1]) : 0n;
     if (init === null || init > ones(width)) {
-      throw new LinePart(`${shortText(numbers[1])} is not a start value; write at most ${hexText(ones(width))}`,
-        place + numbers[0].length + 1);
+      throw new LineError(`${quotePart(crcNumbers[1])} is not a start value; write at most ${formatHex(ones(width))}`,
+        polynomialOffset + crcNumbers[0].length + 1);
     }
     return { kind: "crc", name: "crc", bits: width, poly: poly & ones(width), init, isInverted };
   }
 
   // -- options
 
-  function lineHertz(text) {
+  /** Return a clock frequency in Hz, or null if the text is different. */
+  function parseHertz(text) {
     const match = /^([0-9]{1,12})([.][0-9]{1,6})?(|k|M)(?:Hz)?$/.exec(text);
     const hertz = match ? Math.round(Number(match[1] + (match[2] ?? "")) * { "": 1, k: 1e3, M: 1e6 }[match[3]]) : 0;
     return hertz > 0 && hertz <= 1e9 ? hertz : null;
   }
 
-  function linePositive(text) {
-    const number = lineNumber(text);
+  /** Return a number from 1 to 2^63 - 1, or null if the text is different. */
+  function parsePositive(text) {
+    const number = parseLineNumber(text);
     return number && number < ONE << 63n ? number : null;
   }
 
-  function lineRequest(text) {
+  /** Return the hex digits of one to eight bytes, or null if the text is different. */
+  function parseRequest(text) {
     const digits = text.startsWith("0x") ? text.slice(2) : text;
     return /^([0-9A-Fa-f]{2}){1,8}$/.test(digits) ? digits : null;
   }
 
-  const LINE_WORDS = named({
+  /** Options that are a word, by that word: their interfaces, their member in the options of a line, and its value. */
+  const LINE_KEYWORDS = named({
     gray: [["biss", "ssi", "spi"], "isGray", true], binary: [LINE_INTERFACES, "isGray", false],
     left: [["ssi"], "alignment", "msb_left"], right: [["ssi"], "alignment", "lsb_right"],
     low_byte_first: [["spi", "rs485"], "order", "little"], high_byte_first: [["spi", "rs485"], "order", "big"],
   });
+  /** Options with a value, by name: their interfaces, the function that parses the value or returns null, an example. */
   const LINE_SETTINGS = named({
-    clock: [["biss", "ssi", "spi"], lineHertz, "clock=1MHz"],
+    clock: [["biss", "ssi", "spi"], parseHertz, "clock=1MHz"],
     mode: [["spi"], (text) => (/^[0-3]$/.test(text) ? Number(text) : null), "mode=1"],
-    baud: [["rs485"], linePositive, "baud=2500000"], request: [["rs485"], lineRequest, "request=1A"],
-    counts: [LINE_INTERFACES, linePositive, "counts=4096"], turns: [LINE_INTERFACES, linePositive, "turns=4096"],
+    baud: [["rs485"], parsePositive, "baud=2500000"], request: [["rs485"], parseRequest, "request=1A"],
+    counts: [LINE_INTERFACES, parsePositive, "counts=4096"], turns: [LINE_INTERFACES, parsePositive, "turns=4096"],
   });
-  const inWords = (names, last = "and") => (names.length > 1 ? `${names.slice(0, -1).join(", ")} ${last} ${names.at(-1)}` : names[0]);
+  /** Join names as a list in words, such as "a, b and c". */
+  const joinNames = (names, conjunction = "and") =>
+    (names.length > 1 ? `${names.slice(0, -1).join(", ")} ${conjunction} ${names.at(-1)}` : names[0]);
 
-  function withLineOption(options, text, interface_) {
-    const at = text.indexOf("=");
-    const name = (at < 0 ? text : text.slice(0, at)).trim();
-    const given = at < 0 ? "" : text.slice(at + 1).trim();
-    const [word, setting] = [LINE_WORDS[name], LINE_SETTINGS[name]];
-    if (!word && !setting) {
-      const every = inWords([...Object.keys(LINE_WORDS), ...Object.keys(LINE_SETTINGS)], "or");
-      throw new LinePart(`${shortText(name)} is not an option; write ${every} (a field belongs after the colon)`);
+  /** Parse an option and add it to ``options``, with its member as key. */
+  function setLineOption(options, text, interface_) {
+    const equalsIndex = text.indexOf("=");
+    const name = (equalsIndex < 0 ? text : text.slice(0, equalsIndex)).trim();
+    const settingText = equalsIndex < 0 ? "" : text.slice(equalsIndex + 1).trim();
+    const [keyword, setting] = [LINE_KEYWORDS[name], LINE_SETTINGS[name]];
+    if (!keyword && !setting) {
+      const allNames = joinNames([...Object.keys(LINE_KEYWORDS), ...Object.keys(LINE_SETTINGS)], "or");
+      throw new LineError(`${quotePart(name)} is not an option; write ${allNames} (a field belongs after the colon)`);
     }
-    const [interfaces] = word ?? setting;
+    const [interfaces] = keyword ?? setting;
     if (!interfaces.includes(interface_)) {
-      throw new LinePart(`'${name}' is not an option of ${interface_}, only of ${inWords(interfaces)}; remove it`);
+      throw new LineError(`'${name}' is not an option of ${interface_}, only of ${joinNames(interfaces)}; remove it`);
     }
-    if (word) {
-      if (at >= 0) throw new LinePart(`'${name}' has no value; write only ${name}`, name.length);
-      return Object.assign(options, { [word[1]]: word[2] });
+    if (keyword) {
+      if (equalsIndex >= 0) throw new LineError(`'${name}' has no value; write only ${name}`, name.length);
+      return Object.assign(options, { [keyword[1]]: keyword[2] });
     }
-    const value_ = setting[1](given);
-    if (value_ === null) {
-      throw new LinePart(`${shortText(given)} is not a value of '${name}'; write it like ${setting[2]}`, name.length + 1);
+    const settingValue = setting[1](settingText);
+    if (settingValue === null) {
+      throw new LineError(
+        `${quotePart(settingText)} is not a value of '${name}'; write it like ${setting[2]}`, name.length + 1);
     }
-    return Object.assign(options, { [name]: value_ });
+    return Object.assign(options, { [name]: settingValue });
   }
 
   // -- the line
 
-  /** The parts of a text between commas, each with the column of its first character that is not a space. */
-  function linePieces(text, column) {
-    let next = column;
+  /** Return the parts of a text between commas, each with the column of its first character after blanks. */
+  function splitAtCommas(text, column) {
+    let nextColumn = column;
     return text.split(",").map((piece) => {
-      const place = next + (piece.trim() ? piece.length - piece.trimStart().length : 0);
-      next += piece.length + 1;
-      return [place, piece.trim()];
+      const pieceColumn = nextColumn + (piece.trim() ? piece.length - piece.trimStart().length : 0);
+      nextColumn += piece.length + 1;
+      return [pieceColumn, piece.trim()];
     });
   }
 
-  /** The interface, options and fields of a line, or its problems, each with its column. */
-  function parsedLine(given) {
-    const text = given.trim();
-    if (text.length > LONGEST_LINE) {
+  /** Return {text, interface, options, fields, problems} of a line. A problem is [column, message], sorted by column. */
+  function parsedLine(untrimmedLine) {
+    const lineText = untrimmedLine.trim();
+    if (lineText.length > LONGEST_LINE) {
       return { problems: [[1, `the line is longer than ${LONGEST_LINE} characters; shorten it`]] };
     }
-    const wrong = text.search(/[^A-Za-z0-9_=:,. ]/);
-    if (wrong >= 0) {
-      const [character] = text.slice(wrong);
-      return { problems: [[wrong + 1, `'${character}' is not a character of a line; write ${LINE_EXAMPLE}`]] };
+    const wrongIndex = lineText.search(/[^A-Za-z0-9_=:,. ]/);
+    if (wrongIndex >= 0) {
+      const [character] = lineText.slice(wrongIndex);
+      return { problems: [[wrongIndex + 1, `'${character}' is not a character of a line; write ${LINE_EXAMPLE}`]] };
     }
     const problems = [];
-    const [interface_, end] = lineInterface(text, problems);
+    const [interface_, headLength] = parseInterface(lineText, problems);
     const options = {};
     const columns = {};
-    for (const [column, piece] of linePieces(text.slice(0, end), 1).slice(1)) {
-      attempt(column, problems, () => {
-        withLineOption(options, piece, interface_);
+    for (const [column, piece] of splitAtCommas(lineText.slice(0, headLength), 1).slice(1)) {
+      collectProblem(column, problems, () => {
+        setLineOption(options, piece, interface_);
         columns[piece.split("=")[0].trim()] = column;
       });
     }
-    const start = end ? end + 1 : 0;
-    const fields = start <= text.length ? lineFields(text.slice(start), start + 1, interface_, problems) : [];
-    if (fields.length) problems.push(...lineFieldProblems(fields, interface_), ...lineOptionProblems(options, columns, fields, interface_));
-    return { text, interface: interface_, options, fields, problems: problems.sort(([one], [other]) => one - other) };
+    const fieldsStart = headLength ? headLength + 1 : 0;
+    const fields = fieldsStart <= lineText.length
+      ? parseLineFields(lineText.slice(fieldsStart), fieldsStart + 1, interface_, problems) : [];
+    if (fields.length) problems.push(
+      ...checkLineFields(fields, interface_), ...checkLineOptions(options, columns, fields, interface_));
+    return {
+      text: lineText, interface: interface_, options, fields,
+      problems: problems.sort(([column], [otherColumn]) => column - otherColumn),
+    };
   }
 
-  function attempt(column, problems, read) {
+  /** Call ``parse``, and add the problem to the list if it throws a ``LineError``. */
+  function collectProblem(column, problems, parse) {
     try {
-      read();
+      parse();
     } catch (error) {
-      if (!(error instanceof LinePart)) throw error;
+      if (!(error instanceof LineError)) throw error;
       problems.push([column + error.offset, error.message]);
     }
   }
 
-  function lineInterface(text, problems) {
-    const colon = text.indexOf(":");
-    const head = colon < 0 ? text : text.slice(0, colon);
-    const word = head.split(",")[0].trim();
-    const interface_ = word.toLowerCase();
+  /** Return the interface of a line and the length of its head, which is the interface and the options. */
+  function parseInterface(lineText, problems) {
+    const colon = lineText.indexOf(":");
+    const head = colon < 0 ? lineText : lineText.slice(0, colon);
+    const firstWord = head.split(",")[0].trim();
+    const interface_ = firstWord.toLowerCase();
     if (LINE_INTERFACES.includes(interface_)) {
       if (colon < 0) {
-        problems.push([text.length + 1, `there is no colon after '${interface_}' and its options; write ${LINE_EXAMPLE}`]);
+        problems.push([
+          lineText.length + 1, `there is no colon after '${interface_}' and its options; write ${LINE_EXAMPLE}`]);
       }
       return [interface_, head.length];
     }
-    if (word.includes("=") || ["error", "warning", "position"].includes(interface_) || colon < 0) {
+    if (firstWord.includes("=") || ["error", "warning", "position"].includes(interface_) || colon < 0) {
       problems.push([1, "the line does not begin with its interface; write biss:, ssi:, spi: or rs485: in front of it"]);
       return ["biss", 0];
     }
-    problems.push([1, `${shortText(word)} is not an interface; write one of: ${LINE_INTERFACES.join(", ")}`]);
+    problems.push([1, `${quotePart(firstWord)} is not an interface; write one of: ${LINE_INTERFACES.join(", ")}`]);
     return ["biss", head.length];
   }
 
-  function lineFields(text, column, interface_, problems) {
+  /** Parse the fields of a line, and add the problems to the list. */
+  function parseLineFields(text, column, interface_, problems) {
     const fields = [];
     if (!text.trim()) {
       problems.push([column, `the line has no fields; write ${LINE_EXAMPLE}`]);
       return fields;
     }
-    const pieces = linePieces(text, column);
+    const pieces = splitAtCommas(text, column);
     if (pieces.length > MOST_LINE_FIELDS) {
       problems.push([pieces[MOST_LINE_FIELDS][0], `write at most ${MOST_LINE_FIELDS} fields`]);
     }
-    for (const [place, piece] of pieces.slice(0, MOST_LINE_FIELDS)) {
-      attempt(place, problems, () => fields.push(lineField(piece, place, interface_)));
+    for (const [pieceColumn, piece] of pieces.slice(0, MOST_LINE_FIELDS)) {
+      collectProblem(pieceColumn, problems, () => fields.push(parseLineField(piece, pieceColumn, interface_)));
     }
     return fields;
   }
 
+  /** Return whether a field is zero or unused bits, whose names may occur twice. */
   const isFiller = (field) => field.kind === "zero" || field.kind === "unused";
+  /** Return whether a field is the position or its part within one revolution. */
   const isPosition = (field) => field.name === "position" || field.name === "singleturn";
-  const lineLength = (fields) => fields.reduce((sum, field) => sum + field.bits, 0);
+  /** Return the bits of all fields together. */
+  const sumFieldBits = (fields) => fields.reduce((sum, field) => sum + field.bits, 0);
 
-  function lineFieldProblems(fields, interface_) {
+  /** Return the problems with the names and the order of the fields, and with their bits in all. */
+  function checkLineFields(fields, interface_) {
     const problems = [];
     const names = new Set();
     for (const field of fields) {
       const { name, column, kind } = field;
-      if (!isFiller(field) && names.has(name)) problems.push([column, `a second field has the name '${name}'; rename one of them`]);
+      if (!isFiller(field) && names.has(name)) problems.push([
+        column, `a second field has the name '${name}'; rename one of them`]);
       names.add(name);
-      if (kind === "crc" && field !== fields.at(-1)) problems.push([column, "the CRC must be the last field; move it to the end"]);
+      if (kind === "crc" && field !== fields.at(-1)) problems.push([
+        column, "the CRC must be the last field; move it to the end"]);
       if (kind === "crc" && interface_ === "rs485" && field.bits % 8) {
         problems.push([column, `the CRC has ${field.bits} bits; over RS-485, write whole bytes`]);
       }
-      if (kind === "parity" && fields.every((one) => ["parity", "crc", "zero", "constant"].includes(one.kind))) {
+      if (kind === "parity" && fields.every((other) => ["parity", "crc", "zero", "constant"].includes(other.kind))) {
         problems.push([column, "a parity bit needs other fields that change; add them"]);
       }
     }
-    return [...problems, ...linePositionProblems(fields, interface_), ...lineLengthProblems(fields, interface_)];
+    return [...problems, ...checkPositionFields(fields, interface_), ...checkLineLength(fields, interface_)];
   }
 
-  function linePositionProblems(fields, interface_) {
-    const last = (name) => fields.findLastIndex((field) => field.name === name);
-    const [position, turns, inTurn] = ["position", "multiturn", "singleturn"].map(last);
+  /** Return the problems with the position and its two parts. */
+  function checkPositionFields(fields, interface_) {
+    const lastIndexOf = (name) => fields.findLastIndex((field) => field.name === name);
+    const [positionIndex, multiturnIndex, singleturnIndex] = ["position", "multiturn", "singleturn"].map(lastIndexOf);
     const problems = [];
-    if (position >= 0 && (turns >= 0 || inTurn >= 0)) {
-      problems.push([fields[position].column,
+    if (positionIndex >= 0 && (multiturnIndex >= 0 || singleturnIndex >= 0)) {
+      problems.push([fields[positionIndex].column,
         "'position' is the whole position; write either it, or multiturn and singleturn"]);
     }
-    if (turns < 0) return problems;
-    if (inTurn < 0) problems.push([fields[turns].column, "'multiturn' needs 'singleturn'; add singleturn=BITS"]);
-    else if (turns > inTurn && interface_ !== "rs485") {
-      problems.push([fields[turns].column,
+    if (multiturnIndex < 0) return problems;
+    if (singleturnIndex < 0) problems.push([fields[multiturnIndex].column,
+      "'multiturn' needs 'singleturn'; add singleturn=BITS"]);
+    else if (multiturnIndex > singleturnIndex && interface_ !== "rs485") {
+      problems.push([fields[multiturnIndex].column,
         "'multiturn' must be before 'singleturn'; swap the two, or write position=BITS"]);
     }
     return problems;
   }
 
-  function lineLengthProblems(fields, interface_) {
-    const length = lineLength(fields);
-    const [fewest, most] = [interface_ === "spi" || interface_ === "rs485" ? 8 : 1, interface_ === "rs485" ? 1024 : 64];
-    if (length < fewest || length > most) {
-      return [[fields[0].column, `the fields have ${length} bits; write ${fewest} to ${most}`]];
+  /** Return a list with the problem if the fields have too few or too many bits. */
+  function checkLineLength(fields, interface_) {
+    const bitCount = sumFieldBits(fields);
+    const [minBits, maxBits] = [
+      interface_ === "spi" || interface_ === "rs485" ? 8 : 1, interface_ === "rs485" ? 1024 : 64];
+    if (bitCount < minBits || bitCount > maxBits) {
+      return [[fields[0].column, `the fields have ${bitCount} bits; write ${minBits} to ${maxBits}`]];
     }
-    if (interface_ !== "rs485" || length % 8 === 0) return [];
-    return [[fields[0].column, `the fields have ${length} bits; over RS-485, write whole bytes`]];
+    if (interface_ !== "rs485" || bitCount % 8 === 0) return [];
+    return [[fields[0].column, `the fields have ${bitCount} bits; over RS-485, write whole bytes`]];
   }
 
-  function lineOptionProblems(options, columns, fields, interface_) {
+  /** Return the problems of options with the fields. ``columns`` are those of the options, by name. */
+  function checkLineOptions(options, columns, fields, interface_) {
     return [
-      ...(options.isGray ? lineGrayProblems(options, columns, fields) : []),
-      ...(options.counts || options.turns ? lineCountProblems(options, columns, fields) : []),
-      ...lineOrderProblems(options, fields, interface_),
+      ...(options.isGray ? checkGrayOption(options, columns, fields) : []),
+      ...(options.counts || options.turns ? checkCountOptions(options, columns, fields) : []),
+      ...checkByteOrder(options, fields, interface_),
     ];
   }
 
-  function lineGrayProblems(options, columns, fields) {
-    const positions = fields.filter(isPosition);
+  /** Return the problems of Gray code with the fields. */
+  function checkGrayOption(options, columns, fields) {
+    const positionFields = fields.filter(isPosition);
     const hasTurns = fields.some((field) => field.name === "multiturn");
-    const problems = positions.length ? [] : [[columns.gray ?? 1, "'gray' needs a position; add position=BITS, or remove gray"]];
-    const [turns, inTurn] = ["multiturn", "singleturn"].map((name) => fields.findIndex((field) => field.name === name));
-    if (turns >= 0 && inTurn > turns + 1) {
-      problems.push([fields[inTurn].column,
+    const problems = positionFields.length ? []
+      : [[columns.gray ?? 1, "'gray' needs a position; add position=BITS, or remove gray"]];
+    const [multiturnIndex, singleturnIndex] = ["multiturn", "singleturn"].map(
+      (name) => fields.findIndex((field) => field.name === name));
+    if (multiturnIndex >= 0 && singleturnIndex > multiturnIndex + 1) {
+      problems.push([fields[singleturnIndex].column,
         "with gray, 'singleturn' must follow 'multiturn' directly; move the fields between them"]);
     }
     for (const { kind, column } of fields) {
-      if (kind === "parity") problems.push([column, "a parity over Gray code is not supported; write its bit as unused=1"]);
+      if (kind === "parity") problems.push([
+        column, "a parity over Gray code is not supported; write its bit as unused=1"]);
     }
-    for (const { name, bits: width, column, isSigned } of positions) {
+    for (const { name, bits: width, column, isSigned } of positionFields) {
       if (width === 1 && !hasTurns) {
         problems.push([column, `'${name}' has one bit, which is the same in Gray code; remove gray`]);
       }
@@ -1063,308 +1189,356 @@
     return problems;
   }
 
-  function lineCountProblems(options, columns, fields) {
+  /** Return the problems of the counts and turns with the fields. */
+  function checkCountOptions(options, columns, fields) {
     const column = columns.counts ?? columns.turns ?? 1;
-    const positions = fields.filter((field) => field.kind === "number" && field.name === "position");
-    const problems = positions.length ? [] : [[column,
+    const positionFields = fields.filter((field) => field.kind === "number" && field.name === "position");
+    const problems = positionFields.length ? [] : [[column,
       "'counts' and 'turns' need a field 'position'; singleturn and multiturn already give them"]];
     const { counts = 0n, turns = 0n } = options;
-    if (turns && !counts) problems.push([columns.turns ?? 1, "'turns' needs the counts per revolution; add counts=NUMBER"]);
-    for (const field of positions) {
-      const most = ONE << BigInt(field.bits);
-      if (counts * (turns || ONE) > most) {
+    if (turns && !counts) problems.push([
+      columns.turns ?? 1, "'turns' needs the counts per revolution; add counts=NUMBER"]);
+    for (const field of positionFields) {
+      const mostCounts = ONE << BigInt(field.bits);
+      if (counts * (turns || ONE) > mostCounts) {
         problems.push([column, `${counts} counts × ${turns || ONE} turns do not fit into ${field.bits} bits; `
-          + `write at most ${most} counts in all`]);
+          + `write at most ${mostCounts} counts in all`]);
       }
       if (field.isSigned) {
-        problems.push([column, "a signed position has no counts in a line; remove counts, and add its range to the spec"]);
+        problems.push([
+          column, "a signed position has no counts in a line; remove counts, and add its range to the spec"]);
       }
     }
     return problems;
   }
 
-  function lineOrderProblems(options, fields, interface_) {
+  /** Return the problems of the byte order with the fields. */
+  function checkByteOrder(options, fields, interface_) {
     const problems = [];
-    let place = 0;
+    let bitOffset = 0;
     for (const field of fields) {
       const isWide = field.bits > 8 && !isFiller(field);
       if (interface_ === "rs485" && isWide && !options.order) {
         problems.push([field.column,
           `the byte order of '${field.name}' is not known; write rs485,low_byte_first: or high_byte_first`]);
       }
-      const isSplit = interface_ === "spi" && options.order === "little" && ["number", "constant"].includes(field.kind);
-      if (isSplit && isWide && (place % 8 || field.bits % 8)) {
+      const isSplitIntoBytes = interface_ === "spi" && options.order === "little"
+        && ["number", "constant"].includes(field.kind);
+      if (isSplitIntoBytes && isWide && (bitOffset % 8 || field.bits % 8)) {
         problems.push([field.column,
           `'${field.name}' is not whole bytes, so low_byte_first cannot apply; add zero or unused bits`]);
       }
-      if (isSplit && isWide && (field.isSigned || field.kind === "constant")) {
+      if (isSplitIntoBytes && isWide && (field.isSigned || field.kind === "constant")) {
         problems.push([field.column,
           `'${field.name}' is signed or a constant, and cannot be sent low byte first; write its bytes`]);
       }
-      place += field.bits;
+      bitOffset += field.bits;
     }
     return problems;
   }
 
   // -- the record
 
-  /** Members that are not 0, empty or false. */
-  const notEmpty = (members) => Object.fromEntries(Object.entries(members).filter(
-    ([, one]) => one && (typeof one !== "object" || Object.keys(one).length)));
-  const inTable = (number) => (number <= BigInt(Number.MAX_SAFE_INTEGER) ? Number(number) : hexText(number));
+  /** Omit members that are 0, empty or false, and return the others. */
+  const omitEmpty = (members) => Object.fromEntries(Object.entries(members).filter(
+    ([, member]) => member && (typeof member !== "object" || Object.keys(member).length)));
+  /** Return a number as the table has it: as text if it is too large for a JavaScript number. */
+  const toTableNumber = (number) => (number <= BigInt(Number.MAX_SAFE_INTEGER) ? Number(number) : formatHex(number));
 
-  /** The fields as they are sent, each with a name of its own and its lowest bit. A number sent low byte first is split. */
-  function sentFields({ interface: interface_, options, fields }) {
-    const taken = new Set(fields.filter((field) => !isFiller(field)).map((field) => field.name));
-    const isLow = options.order === "little";
-    const sent = [];
-    const used = new Set();
+  /**
+   * List the fields as they are sent, each with a name of its own and its lowest bit ``low``.
+   * A number sent low byte first is split into bytes.
+   */
+  function listSentFields({ interface: interface_, options, fields }) {
+    const fieldNames = new Set(fields.filter((field) => !isFiller(field)).map((field) => field.name));
+    const isLowByteFirst = options.order === "little";
+    const sentFields = [];
+    const sentNames = new Set();
     for (const field of fields) {
-      if (interface_ === "spi" && isLow && field.kind === "number" && field.bits > 8) {
-        for (let index = 0; index < field.bits / 8; index += 1) {
-          sent.push({ kind: "byte", name: `${field.name}_byte_${index}`, of: field.name, bits: 8 });
+      if (interface_ === "spi" && isLowByteFirst && field.kind === "number" && field.bits > 8) {
+        for (let byteIndex = 0; byteIndex < field.bits / 8; byteIndex += 1) {
+          sentFields.push({ kind: "byte", name: `${field.name}_byte_${byteIndex}`, of: field.name, bits: 8 });
         }
         continue;
       }
       let { name } = field;
       if (isFiller(field)) {
         name = `${field.name}_bits`;
-        for (let number = 2; used.has(name) || taken.has(name); number += 1) name = `${field.name}_bits_${number}`;
+        for (let index = 2; sentNames.has(name) || fieldNames.has(name); index += 1) name = `${field.name}_bits_${index}`;
       }
-      used.add(name);
-      sent.push({ ...field, name });
+      sentNames.add(name);
+      sentFields.push({ ...field, name });
     }
-    const isFromLow = interface_ === "rs485" && isLow;
-    const length = lineLength(fields);
-    let place = 0;
-    for (const field of sent) {
-      field.low = isFromLow ? place : length - place - field.bits;
-      place += field.bits;
+    const isLowBitFirst = interface_ === "rs485" && isLowByteFirst;
+    const bitCount = sumFieldBits(fields);
+    let bitOffset = 0;
+    for (const field of sentFields) {
+      field.low = isLowBitFirst ? bitOffset : bitCount - bitOffset - field.bits;
+      bitOffset += field.bits;
     }
-    return sent;
+    return sentFields;
   }
 
-  /** Adds to each unused field its place among the unused bits. */
-  function placeUnused(sent, interface_) {
-    const unused = sent.filter((field) => field.kind === "unused").sort((one, other) => one.low - other.low);
+  /** Add to each unused field its place among the unused bits. */
+  function placeUnusedBits(sentFields, interface_) {
+    const unusedFields = sentFields.filter((field) => field.kind === "unused")
+      .sort((field, other) => field.low - other.low);
     if (interface_ !== "rs485") {
-      let place = 0;
-      for (const field of unused) {
-        field.place = place;
-        place += field.bits;
+      let bitOffset = 0;
+      for (const field of unusedFields) {
+        field.place = bitOffset;
+        bitOffset += field.bits;
       }
       return;
     }
-    const bytes = [...new Set(unused.flatMap(({ low, bits: width }) => {
-      const first = Math.floor(low / 8);
-      return Array.from({ length: Math.floor((low + width - 1) / 8) - first + 1 }, (_, index) => first + index);
-    }))].sort((one, other) => one - other);
-    for (const field of unused) field.place = 8 * bytes.indexOf(Math.floor(field.low / 8)) + (field.low % 8);
+    const unusedBytes = [...new Set(unusedFields.flatMap(({ low, bits: width }) => {
+      const firstByte = Math.floor(low / 8);
+      return Array.from({ length: Math.floor((low + width - 1) / 8) - firstByte + 1 }, (_, index) => firstByte + index);
+    }))].sort((first, second) => first - second);
+    for (const field of unusedFields) field.place = 8 * unusedBytes.indexOf(Math.floor(field.low / 8)) + (field.low % 8);
   }
 
-  function lineJoins(sent) {
-    const join = (name, parts) => {
+  /** Build the numbers that are joined from several fields: split numbers, and the position from its two parts. */
+  function buildJoins(sentFields) {
+    const buildJoin = (name, partFields) => {
       let shift = 0;
-      return { name, fields: parts.map((field) => {
-        const row = [field.name, shift];
+      return { name, fields: partFields.map((field) => {
+        const nameAndShift = [field.name, shift];
         shift += field.bits;
-        return row;
+        return nameAndShift;
       }) };
     };
-    const parts = (name) => sent.filter((field) => field.of === name || (field.kind === "number" && field.name === name));
-    const split = [...new Set(sent.map((field) => field.of).filter(Boolean))];
-    const joins = split.map((name) => join(name, parts(name)));
-    const [turns, inTurn] = [parts("multiturn"), parts("singleturn")];
-    return turns.length && inTurn.length ? [...joins, join("position", [...inTurn, ...turns])] : joins;
+    const partsNamed = (name) => sentFields.filter(
+      (field) => field.of === name || (field.kind === "number" && field.name === name));
+    const splitNames = [...new Set(sentFields.map((field) => field.of).filter(Boolean))];
+    const joins = splitNames.map((name) => buildJoin(name, partsNamed(name)));
+    const [multiturnParts, singleturnParts] = [partsNamed("multiturn"), partsNamed("singleturn")];
+    return multiturnParts.length && singleturnParts.length
+      ? [...joins, buildJoin("position", [...singleturnParts, ...multiturnParts])] : joins;
   }
 
+  /** Return whether a field has the same bits in every frame. */
   const isConstant = (field) => field.kind === "zero" || field.kind === "constant";
+  /** Count the ones in a number. */
   const onesIn = (number) => number.toString(2).replaceAll("0", "").length;
 
-  /** The other fields of a parity bit that change, and whether their number of ones must be odd with it. */
-  function parityOfLine(field, sent) {
-    const others = sent.filter((one) => !["parity", "crc"].includes(one.kind));
-    const constants = others.filter((one) => one.kind === "constant").reduce((sum, one) => sum + onesIn(one.value), 0);
-    return { covered: others.filter((one) => !isConstant(one)), isOdd: (Number(field.isOdd) + constants) % 2 };
+  /** Return the other fields of a parity bit that change, and whether their number of ones must be odd with it. */
+  function findParityCoverage(field, sentFields) {
+    const otherFields = sentFields.filter((other) => !["parity", "crc"].includes(other.kind));
+    const constantOnes = otherFields.filter((other) => other.kind === "constant")
+      .reduce((sum, constant) => sum + onesIn(constant.value), 0);
+    return {
+      covered: otherFields.filter((other) => !isConstant(other)), isOdd: (Number(field.isOdd) + constantOnes) % 2,
+    };
   }
 
+  /** Colour of a field in the drawing of a frame, by kind. Other fields have the colour of data. */
   const LINE_COLOURS = { flag: "flag", zero: "fixed", constant: "fixed", crc: "check", parity: "check" };
 
-  function lineFieldData(field, sent, hasPosition) {
+  /** Build the record of a field, as in the table. */
+  function buildFieldRecord(field, sentFields, hasPosition) {
     const { name, bits: width, low } = field;
     const colour = field.kind === "unused" && hasPosition ? "fixed" : LINE_COLOURS[field.kind] ?? "data";
-    const data = { name, ...notEmpty({ low }), width, colour };
+    const record = { name, ...omitEmpty({ low }), width, colour };
     switch (field.kind) {
       case "flag":
-        return { ...data, kind: field.level === "low" ? "not_flag" : "flag", on: LINE_MEANINGS[field.verdict] };
-      case "zero": return { ...data, fixed: 0 };
-      case "constant": return { ...data, fixed: inTable(field.value) };
-      case "unused": return hasPosition ? { ...data, unused: 0, place: field.place } : data;
-      case "crc": return { ...data, crc: 1 };
+        return { ...record, kind: field.level === "low" ? "not_flag" : "flag", on: LINE_VERDICT_MEANINGS[field.verdict] };
+      case "zero": return { ...record, fixed: 0 };
+      case "constant": return { ...record, fixed: toTableNumber(field.value) };
+      case "unused": return hasPosition ? { ...record, unused: 0, place: field.place } : record;
+      case "crc": return { ...record, crc: 1 };
       case "parity": {
-        const { covered, isOdd } = parityOfLine(field, sent);
-        return { ...data, parity: covered.map((one) => one.name), odd: isOdd };
+        const { covered, isOdd } = findParityCoverage(field, sentFields);
+        return { ...record, parity: covered.map((coveredField) => coveredField.name), odd: isOdd };
       }
       default: {
-        const [unit, meaning] = LINE_NUMBERS[name] ?? [];
-        return { ...data, ...notEmpty({ kind: field.isSigned ? "signed" : "", meaning, unit }) };
+        const [unit, meaning] = LINE_NUMBER_UNITS[name] ?? [];
+        return { ...record, ...omitEmpty({ kind: field.isSigned ? "signed" : "", meaning, unit }) };
       }
     }
   }
 
-  /** The checks of constants and parity bits, and then that of the highest position. */
-  function lineChecks(sent, { counts = 0n, turns = ONE }) {
-    const placeOf = (field) => ({ ...notEmpty({ low: field.low }), width: field.bits });
-    const checks = sent.flatMap((field) => {
-      const place = { ...placeOf(field), fault: "constant" };
+  /** Build the checks of constants and parity bits, and then that of the highest position. */
+  function buildCheckRecords(sentFields, { counts = 0n, turns = ONE }) {
+    const lowAndWidth = (field) => ({ ...omitEmpty({ low: field.low }), width: field.bits });
+    const checks = sentFields.flatMap((field) => {
+      const placeAndFault = { ...lowAndWidth(field), fault: "constant" };
       if (isConstant(field)) {
-        return [{ ...place, values: [inTable(field.value ?? 0n)], field: field.name, says: "constant", always: 1 }];
+        return [{
+          ...placeAndFault, values: [toTableNumber(field.value ?? 0n)], field: field.name, says: "constant", always: 1,
+        }];
       }
       if (field.kind !== "parity") return [];
-      const { covered, isOdd } = parityOfLine(field, sent);
-      return [{ ...place, parity_of: covered.map((one) => [one.low, one.bits]), ...notEmpty({ odd: isOdd }), field: field.name,
-        says: "parity", always: 1, of_name: covered.map((one) => one.name).join(", ") }];
+      const { covered, isOdd } = findParityCoverage(field, sentFields);
+      return [{ ...placeAndFault, parity_of: covered.map((coveredField) => [coveredField.low, coveredField.bits]),
+        ...omitEmpty({ odd: isOdd }), field: field.name,
+        says: "parity", always: 1, of_name: covered.map((coveredField) => coveredField.name).join(", ") }];
     });
-    const limited = sent.filter((field) => field.kind === "number" && field.name === "position" && counts
+    const limitedFields = sentFields.filter((field) => field.kind === "number" && field.name === "position" && counts
       && counts * turns <= ones(field.bits));
-    return [...checks, ...limited.map((field) => ({
-      ...placeOf(field), fault: "range", limit: inTable(counts * turns - ONE), field: field.name, says: "too_high",
+    return [...checks, ...limitedFields.map((field) => ({
+      ...lowAndWidth(field), fault: "range", limit: toTableNumber(counts * turns - ONE), field: field.name,
+      says: "too_high",
     }))];
   }
 
-  function lineMeasure({ fields, options }, joins) {
-    const width = (name) => fields.find((field) => field.kind === "number" && field.name === name)?.bits;
-    const [inTurn, turns] = [width("singleturn"), width("multiturn")];
-    if (inTurn === undefined && !options.counts) return {};
-    const of = turns !== undefined || inTurn === undefined ? "position" : "singleturn";
-    const counts = inTurn === undefined ? options.counts : ONE << BigInt(inTurn);
-    const revolutions = inTurn === undefined ? options.turns ?? ONE : ONE << BigInt(turns ?? 0);
-    const part = joins.find((join) => join.name === of)?.fields[0][0];
-    return notEmpty({ of, part, counts_per_turn: inTable(counts), turns: inTable(revolutions) });
-  }
-
-  /** Parameters of a CRC, and those of similar CRCs that may be used by mistake. */
-  function lineCrcData({ bits: width, poly, init, isInverted }, isOverBytes) {
-    const parameters = (changes) => notEmpty(Object.fromEntries(Object.entries({
-      width: BigInt(width), poly, init, refin: 0n, refout: 0n, xorout: isInverted ? ones(width) : 0n, ...changes,
-    }).map(([name, number]) => [name, inTable(number)])));
-    const own = parameters({});
-    const xorout = isInverted ? 0n : ones(width);
-    const isXor = isOverBytes && width === 8 && poly === ONE;
-    const change = `the CRC is ${isInverted ? "not " : ""}inverted`;
-    const same = isXor ? `, or its start value is ${hexText(ones(width) ^ init)} (the same here)` : "";
-    const starts = isXor ? [] : otherStarts(width, poly, init);
-    const others = [["crc_not_inverted", change + same, parameters({ xorout })],
-      ...starts.map((start) => ["start_value", `the start value of the CRC is ${hexText(start)}`, parameters({ init: start })]),
-      ...(isOverBytes ? otherBytePolynomials(parameters) : [reversedPolynomial(width, poly, parameters)])];
-    const powers = Array.from({ length: width }, (_, index) => width - 1 - index).filter((power) => bits(poly, power, 1));
-    const text = [width, ...powers].map((power) => ["1", "x"][power] ?? `x^${power}`).join(" + ");
-    const isDifferent = ([, , crc]) => JSON.stringify(crc) !== JSON.stringify(own);
-    return { ...own, text, ...notEmpty({ [isOverBytes ? "byte_others" : "others"]: others.filter(isDifferent) }) };
-  }
-
-  /** All zeros, all ones, and the start values of known CRCs with the polynomial, except that of the CRC itself. */
-  function otherStarts(width, poly, init) {
-    const isSame = ([known]) => big(known) === (poly | (ONE << BigInt(width)));
-    const starts = new Set([0n, ones(width), ...TABLE.known_crcs.filter(isSame).map(([, known]) => BigInt(known))]);
-    return [...starts].filter((start) => start !== init).sort((one, other) => (one < other ? -1 : 1));
-  }
-
-  function reversedPolynomial(width, poly, parameters) {
-    const top = poly | (ONE << BigInt(width));
-    const backwards = BigInt(`0b${[...top.toString(2)].reverse().join("")}`);
-    return ["polynomial_reversed", `the polynomial is ${hexText(backwards)}, written in reverse`,
-      parameters({ poly: backwards & ones(width) })];
-  }
-
-  function otherBytePolynomials(parameters) {
-    return TABLE.byte_polynomials.flatMap((polynomial) => {
-      const poly = big(polynomial) & 0xFFn;
-      const text = `the polynomial is ${hexText(big(polynomial))}`;
-      return [["other_polynomial", `${text}, most significant bit first`, parameters({ poly })],
-        ["other_polynomial", `${text}, least significant bit first`, parameters({ poly, refin: ONE, refout: ONE })]];
+  /** Build the description of the measured position: its field, and its counts and revolutions. */
+  function buildMeasure({ fields, options }, joins) {
+    const widthOf = (name) => fields.find((field) => field.kind === "number" && field.name === name)?.bits;
+    const [singleturnBits, multiturnBits] = [widthOf("singleturn"), widthOf("multiturn")];
+    if (singleturnBits === undefined && !options.counts) return {};
+    const measuredName = multiturnBits !== undefined || singleturnBits === undefined ? "position" : "singleturn";
+    const counts = singleturnBits === undefined ? options.counts : ONE << BigInt(singleturnBits);
+    const revolutions = singleturnBits === undefined ? options.turns ?? ONE : ONE << BigInt(multiturnBits ?? 0);
+    const lowestPart = joins.find((join) => join.name === measuredName)?.fields[0][0];
+    return omitEmpty({
+      of: measuredName, part: lowestPart, counts_per_turn: toTableNumber(counts), turns: toTableNumber(revolutions),
     });
   }
 
-  /** The request of a line over RS-485, or one byte of any value. */
-  function lineRequestFrame(options) {
-    const request = options.request && BigInt(`0x${options.request}`);
-    const width = options.request ? 4 * options.request.length : 8;
-    const content = options.request ? { colour: "fixed", fixed: inTable(request) } : { meaning: "Request", colour: "data" };
-    const check = { width, fault: "constant", values: [inTable(request || 0n)], field: "request", says: "constant", always: 1 };
+  /** Build the parameters of a CRC, and those of similar CRCs that may be used by mistake. */
+  function buildCrcRecord({ bits: width, poly, init, isInverted }, isOverBytes) {
+    const parametersWith = (changes) => omitEmpty(Object.fromEntries(Object.entries({
+      width: BigInt(width), poly, init, refin: 0n, refout: 0n, xorout: isInverted ? ones(width) : 0n, ...changes,
+    }).map(([name, number]) => [name, toTableNumber(number)])));
+    const ownParameters = parametersWith({});
+    const otherXorout = isInverted ? 0n : ones(width);
+    const isXorOfBytes = isOverBytes && width === 8 && poly === ONE;
+    const inversionText = `the CRC is ${isInverted ? "not " : ""}inverted`;
+    const sameEffectText = isXorOfBytes ? `, or its start value is ${formatHex(ones(width) ^ init)} (the same here)` : "";
+    const startValues = isXorOfBytes ? [] : listOtherStartValues(width, poly, init);
+    const similarCrcs = [["crc_not_inverted", inversionText + sameEffectText, parametersWith({ xorout: otherXorout })],
+      ...startValues.map((startValue) => [
+        "start_value", `the start value of the CRC is ${formatHex(startValue)}`, parametersWith({ init: startValue })]),
+      ...(isOverBytes ? buildOtherBytePolynomials(parametersWith)
+        : [buildReversedPolynomial(width, poly, parametersWith)])];
+    const powers = Array.from({ length: width }, (_, index) => width - 1 - index).filter((power) => bits(poly, power, 1));
+    const polynomialText = [width, ...powers].map((power) => ["1", "x"][power] ?? `x^${power}`).join(" + ");
+    const isDifferent = ([, , crc]) => JSON.stringify(crc) !== JSON.stringify(ownParameters);
     return {
-      name: "position_request", bits: width, order: "big", fields: [{ name: "request", width, ...content }],
-      ...notEmpty({ checks: options.request ? [check] : [] }), title: "Position request",
+      ...ownParameters, text: polynomialText,
+      ...omitEmpty({ [isOverBytes ? "byte_others" : "others"]: similarCrcs.filter(isDifferent) }),
+    };
+  }
+
+  /** List all zeros, all ones, and the start values of known CRCs with the polynomial, except that of the CRC itself. */
+  function listOtherStartValues(width, poly, init) {
+    const hasPolynomial = ([knownPolynomial]) => big(knownPolynomial) === (poly | (ONE << BigInt(width)));
+    const startValues = new Set([
+      0n, ones(width), ...TABLE.known_crcs.filter(hasPolynomial).map(([, knownInit]) => BigInt(knownInit))]);
+    return [...startValues].filter((startValue) => startValue !== init)
+      .sort((first, second) => (first < second ? -1 : 1));
+  }
+
+  /** Build the similar CRC whose polynomial is written in reverse: [kind, text, parameters]. */
+  function buildReversedPolynomial(width, poly, parametersWith) {
+    const withTopBit = poly | (ONE << BigInt(width));
+    const reversed = BigInt(`0b${[...withTopBit.toString(2)].reverse().join("")}`);
+    return ["polynomial_reversed", `the polynomial is ${formatHex(reversed)}, written in reverse`,
+      parametersWith({ poly: reversed & ones(width) })];
+  }
+
+  /** Build the similar CRCs over bytes with the usual polynomials, in both bit orders. */
+  function buildOtherBytePolynomials(parametersWith) {
+    return TABLE.byte_polynomials.flatMap((polynomial) => {
+      const poly = big(polynomial) & 0xFFn;
+      const text = `the polynomial is ${formatHex(big(polynomial))}`;
+      return [["other_polynomial", `${text}, most significant bit first`, parametersWith({ poly })],
+        ["other_polynomial", `${text}, least significant bit first`, parametersWith({ poly, refin: ONE, refout: ONE })]];
+    });
+  }
+
+  /** Build the request of a line over RS-485, or one byte of any value. */
+  function buildRequestFrame(options) {
+    const requestNumber = options.request && BigInt(`0x${options.request}`);
+    const width = options.request ? 4 * options.request.length : 8;
+    const fieldContent = options.request ? { colour: "fixed", fixed: toTableNumber(requestNumber) }
+      : { meaning: "Request", colour: "data" };
+    const check = {
+      width, fault: "constant", values: [toTableNumber(requestNumber || 0n)], field: "request", says: "constant",
+      always: 1,
+    };
+    return {
+      name: "position_request", bits: width, order: "big", fields: [{ name: "request", width, ...fieldContent }],
+      ...omitEmpty({ checks: options.request ? [check] : [] }), title: "Position request",
       source: options.request ? "line: fields" : "TODO not stated", sender: "master",
     };
   }
 
-  function lineFrame(line) {
+  /** Build the frame from the encoder. Its fields, checks and reports are records, which ``lineFamily`` numbers. */
+  function buildEncoderFrame(line) {
     const { interface: interface_, options, fields } = line;
-    const sent = sentFields(line);
-    placeUnused(sent, interface_);
+    const sentFields = listSentFields(line);
+    placeUnusedBits(sentFields, interface_);
     const hasPosition = fields.some(isPosition);
-    const flags = sent.filter((field) => field.kind === "flag");
-    const speaking = hasPosition ? ["not_usable", "usable_with_warning"].flatMap(
+    const flags = sentFields.filter((field) => field.kind === "flag");
+    const decidingFlags = hasPosition ? ["not_usable", "usable_with_warning"].flatMap(
       (verdict) => flags.filter((flag) => flag.verdict === verdict)) : [];
-    const told = flags.filter((flag) => !hasPosition || flag.verdict !== "usable");
-    const joins = lineJoins(sent);
-    const coded = sent.filter((field) => LINE_NUMBERS[field.name] || LINE_NUMBERS[field.of]);
-    const lowest = Math.min(...coded.map((field) => field.low));
-    const [name, title] = LINE_LAYOUTS[interface_];
+    const reportedFlags = flags.filter((flag) => !hasPosition || flag.verdict !== "usable");
+    const joins = buildJoins(sentFields);
+    const grayFields = sentFields.filter((field) => LINE_NUMBER_UNITS[field.name] || LINE_NUMBER_UNITS[field.of]);
+    const lowestGrayBit = Math.min(...grayFields.map((field) => field.low));
+    const [name, title] = LINE_LAYOUT_NAMES[interface_];
     return {
-      name, bits: lineLength(fields),
-      ...notEmpty({
+      name, bits: sumFieldBits(fields),
+      ...omitEmpty({
         order: interface_ === "rs485" ? options.order ?? "big" : "",
         joins,
-        speaks: speaking.map((flag) => ({ verdict: flag.verdict, flag: flag.name })),
-        gray: options.isGray ? { ...notEmpty({ low: lowest }), width: lineLength(coded) } : {},
+        speaks: decidingFlags.map((flag) => ({ verdict: flag.verdict, flag: flag.name })),
+        gray: options.isGray ? { ...omitEmpty({ low: lowestGrayBit }), width: sumFieldBits(grayFields) } : {},
       }),
-      ...(hasPosition ? { otherwise: speaking.length ? "usable" : "unknown" } : {}),
-      fields: sent.map((field) => lineFieldData(field, sent, hasPosition)),
-      ...notEmpty({ checks: lineChecks(sent, options), crc: fields.at(-1).kind === "crc" ? "line_crc" : "" }),
+      ...(hasPosition ? { otherwise: decidingFlags.length ? "usable" : "unknown" } : {}),
+      fields: sentFields.map((field) => buildFieldRecord(field, sentFields, hasPosition)),
+      ...omitEmpty({
+        checks: buildCheckRecords(sentFields, options), crc: fields.at(-1).kind === "crc" ? "line_crc" : "",
+      }),
       title, source: "line: fields", sender: "encoder",
-      ...notEmpty({ tells: told.map((flag) => ({ report: flag.name, flag: flag.name, meaning: LINE_MEANINGS[flag.verdict] })) }),
+      ...omitEmpty({ tells: reportedFlags.map((flag) => (
+        { report: flag.name, flag: flag.name, meaning: LINE_VERDICT_MEANINGS[flag.verdict] })) }),
     };
   }
 
-  /** The record of the family that a line describes, like those of the table. */
+  /** Return the record of the family that a line describes, like those of the table. */
   function lineFamily(line) {
     const { interface: interface_, options, fields } = line;
     const shared = [];
     const indexes = new Map();
-    const index = (item) => {
-      const key = JSON.stringify(item);
-      if (!indexes.has(key)) indexes.set(key, shared.push(item) - 1);
+    const indexOfRecord = (record) => {
+      const key = JSON.stringify(record);
+      if (!indexes.has(key)) indexes.set(key, shared.push(record) - 1);
       return indexes.get(key);
     };
-    const frame = lineFrame(line);
-    const joins = frame.joins ?? [];
-    const frames = [...(interface_ === "rs485" ? [lineRequestFrame(options)] : []), frame];
-    const indexed = frames.map((item) => ({ ...item, ...Object.fromEntries(["fields", "checks", "tells"]
-      .filter((name) => item[name]).map((name) => [name, item[name].map(index)])) }));
-    const crc = fields.find((field) => field.kind === "crc");
+    const encoderFrame = buildEncoderFrame(line);
+    const joins = encoderFrame.joins ?? [];
+    const frames = [...(interface_ === "rs485" ? [buildRequestFrame(options)] : []), encoderFrame];
+    const indexedFrames = frames.map((layout) => ({ ...layout, ...Object.fromEntries(["fields", "checks", "tells"]
+      .filter((name) => layout[name]).map((name) => [name, layout[name].map(indexOfRecord)])) }));
+    const lineCrcField = fields.find((field) => field.kind === "crc");
     const lineName = interface_ === "ssi" ? `ssi_${options.alignment ?? "msb_left"}` : interface_;
     return {
       name: "one_line", title: "Encoder described in one line", mark: TABLE.line.mark, evidence: TABLE.line.evidence,
-      ...notEmpty({ crcs: crc ? { line_crc: lineCrcData(crc, interface_ === "rs485") } : {} }),
+      ...omitEmpty({ crcs: lineCrcField ? { line_crc: buildCrcRecord(lineCrcField, interface_ === "rs485") } : {} }),
       interfaces: [{
         name: interface_, title: LINE_TITLES[interface_],
-        ...notEmpty({ line: interface_ === "rs485" ? "" : lineName, measure: lineMeasure(line, joins) }), frames: indexed,
+        ...omitEmpty({ line: interface_ === "rs485" ? "" : lineName, measure: buildMeasure(line, joins) }),
+        frames: indexedFrames,
       }],
       shared,
       codes: [[line.text, 0]],
     };
   }
 
-  /** The encoder of a line. Throws ``UnknownCode`` with all problems of the line. */
-  function readLine(text) {
-    const line = parsedLine(text);
+  /** Return the order code of a line. Throws ``UnknownCode`` with all problems of the line. */
+  function readLine(lineText) {
+    const line = parsedLine(lineText);
     if (line.problems.length) {
       throw new UnknownCode(line.problems.map(([column, message]) => `column ${column}: ${message}`).join(". "), true);
     }
     const family = lineFamily(line);
-    return { ...ofRow(family, family.codes[0]), unlisted: [], tail: "", isSpecial: false, writtenAsIn: "", label: text };
+    return {
+      ...orderCodeOfRow(family, family.codes[0]), unlisted: [], tail: "", isSpecial: false, writtenAsIn: "",
+      label: lineText,
+    };
   }
 
   /** A line to begin with, by interface. */
@@ -1392,17 +1566,18 @@
     ["clock", "Clock, such as 1MHz"], ["baud", "Baud"], ["request", "Request in hex bytes"],
     ["counts", "Counts per revolution"], ["turns", "Revolutions that it counts"],
   ];
+  /** Effects of a flag that is active, with their words in the form. */
   const LINE_EFFECTS = [["error", "an error"], ["warning", "a warning"], ["status", "a status only"]];
 
   // -- from the form to the line
 
-  /** A field as a line writes it. */
-  function lineFieldText(field, interface_) {
+  /** Return a field as a line writes it. */
+  function writeLineField(field, interface_) {
     const { kind, name } = field;
     switch (kind) {
       case "flag": {
         const effect = field.effect ?? "status";
-        const isUsual = effect === (name in LINE_VERDICTS ? name : "status");
+        const isUsual = effect === (name in LINE_EFFECT_VERDICTS ? name : "status");
         const isShort = interface_ === "biss" && field.level === "low" && isUsual && ["error", "warning"].includes(name);
         return isShort ? name : `${name}=${field.level}${isUsual ? "" : `:${effect}`}`;
       }
@@ -1410,194 +1585,219 @@
       case "parity": return `parity=${field.isOdd ? "odd" : "even"}`;
       case "crc": {
         const inversion = field.isInverted === (interface_ === "biss") ? "" : field.isInverted ? ":inverted" : ":plain";
-        const start = field.init && !/^0(x0+)?$/i.test(field.init) ? `:${field.init}` : "";
-        return `crc=${field.bits}:${field.poly}${start}${inversion}`;
+        const startValue = field.init && !/^0(x0+)?$/i.test(field.init) ? `:${field.init}` : "";
+        return `crc=${field.bits}:${field.poly}${startValue}${inversion}`;
       }
       default: return `${name}=${field.bits}${field.isSigned ? ":signed" : ""}`;
     }
   }
 
-  /** The line of a form. */
+  /** Return the line of a form, which is {interface, options, fields}. */
   function builtLine({ interface: interface_, options, fields }) {
-    const words = Object.entries(LINE_WORDS).filter(([, [interfaces, member, value_]]) => value_ !== false
-      && interfaces.includes(interface_) && options[member] === value_).map(([word]) => word);
-    if (interface_ === "spi" && options.mode !== undefined) words.push(`mode=${options.mode}`);
+    const optionTexts = Object.entries(LINE_KEYWORDS).filter(([, [interfaces, member, optionValue]]) =>
+      optionValue !== false && interfaces.includes(interface_) && options[member] === optionValue)
+      .map(([keyword]) => keyword);
+    if (interface_ === "spi" && options.mode !== undefined) optionTexts.push(`mode=${options.mode}`);
     for (const [name] of LINE_TEXTS) {
-      if (options[name] && LINE_SETTINGS[name][0].includes(interface_)) words.push(`${name}=${options[name]}`);
+      if (options[name] && LINE_SETTINGS[name][0].includes(interface_)) optionTexts.push(`${name}=${options[name]}`);
     }
-    return `${[interface_, ...words].join(",")}:${fields.map((field) => lineFieldText(field, interface_)).join(",")}`;
+    return `${[interface_, ...optionTexts].join(",")}:${
+      fields.map((field) => writeLineField(field, interface_)).join(",")}`;
   }
 
-  /** The form of a line, or null if the line has problems. Numbers are texts, as they are typed. */
-  function formOf(text) {
-    const line = parsedLine(text);
+  /** Return the form of a line, or null if the line has problems. Numbers are texts, as they are typed. */
+  function formOf(lineText) {
+    const line = parsedLine(lineText);
     if (line.problems.length) return null;
-    const given = text.slice(0, text.indexOf(":")).split(",").map((piece) => piece.split("=").map((one) => one.trim()));
-    const options = { ...line.options, ...Object.fromEntries(given.filter(([name]) => LINE_TEXTS.some(([one]) => one === name))) };
-    return { interface: line.interface, options, fields: line.fields.map(formField) };
+    const typedOptions = lineText.slice(0, lineText.indexOf(":")).split(",")
+      .map((piece) => piece.split("=").map((text) => text.trim()));
+    const options = {
+      ...line.options,
+      ...Object.fromEntries(typedOptions.filter(([name]) => LINE_TEXTS.some(([textName]) => textName === name))),
+    };
+    return { interface: line.interface, options, fields: line.fields.map(toFormField) };
   }
 
-  function formField(field) {
+  /** Convert a field of a parsed line to one of the form, where widths and other numbers are texts. */
+  function toFormField(field) {
     const { kind } = field;
-    const width = { bits: `${field.bits}` };
+    const widthText = { bits: `${field.bits}` };
     if (kind === "flag") {
-      return { ...field, effect: Object.keys(LINE_VERDICTS).find((name) => LINE_VERDICTS[name] === field.verdict) };
+      return {
+        ...field,
+        effect: Object.keys(LINE_EFFECT_VERDICTS).find((name) => LINE_EFFECT_VERDICTS[name] === field.verdict),
+      };
     }
-    if (kind === "constant") return { ...field, ...width, value: hexText(field.value) };
-    if (kind !== "crc") return { ...field, ...width };
-    const poly = hexText(field.poly | (ONE << BigInt(field.bits)));
-    return { ...field, ...width, poly, init: hexText(field.init) };
+    if (kind === "constant") return { ...field, ...widthText, value: formatHex(field.value) };
+    if (kind !== "crc") return { ...field, ...widthText };
+    const poly = formatHex(field.poly | (ONE << BigInt(field.bits)));
+    return { ...field, ...widthText, poly, init: formatHex(field.init) };
   }
 
-  /** A new field with a name that no other field has. A CRC is the last one. */
-  function addField(form, text) {
-    const field = formField(lineField(text, 0, form.interface));
-    const names = new Set(form.fields.map((one) => one.name));
-    const isNamed = !isFiller(field) && !["crc", "parity"].includes(field.kind) && !(field.name in LINE_NUMBERS);
+  /** Add a new field with a name that is free in the form. A CRC stays the last field. */
+  function addField(form, fieldText) {
+    const field = toFormField(parseLineField(fieldText, 0, form.interface));
+    const names = new Set(form.fields.map((otherField) => otherField.name));
+    const isNamed = !isFiller(field) && !["crc", "parity"].includes(field.kind) && !(field.name in LINE_NUMBER_UNITS);
     const { name } = field;
-    for (let number = 2; isNamed && names.has(field.name); number += 1) field.name = `${name}_${number}`;
-    const last = form.fields.at(-1);
-    if (last?.kind === "crc") form.fields.splice(-1, 0, field);
+    for (let suffix = 2; isNamed && names.has(field.name); suffix += 1) field.name = `${name}_${suffix}`;
+    const lastField = form.fields.at(-1);
+    if (lastField?.kind === "crc") form.fields.splice(-1, 0, field);
     else form.fields.push(field);
     return field;
   }
 
   // -- the form
 
-  const smallInput = (label, text, changed, attributes = {}) => {
+  /** Create an input with its label. ``onChange`` gets its text. */
+  const createSmallInput = (label, text, onChange, attributes = {}) => {
     const input = element("input", { autocomplete: "off", spellcheck: "false", ...attributes });
     input.value = text ?? "";
-    input.addEventListener("input", () => changed(input.value.trim()));
+    input.addEventListener("input", () => onChange(input.value.trim()));
     return element("label", {}, `${label} `, input);
   };
-  const checkbox = (label, isOn, changed) => {
+  /** Create a checkbox with its label. ``onChange`` gets whether it is on. */
+  const createCheckbox = (label, isOn, onChange) => {
     const input = element("input", { type: "checkbox" });
     input.checked = Boolean(isOn);
-    input.addEventListener("change", () => changed(input.checked));
+    input.addEventListener("change", () => onChange(input.checked));
     return element("label", {}, input, ` ${label}`);
   };
-  const selection = (label, choices, chosen, changed) => {
-    const select = element("select", {}, choices.map(([, words], place) => option(`${place}`, words)));
-    select.value = `${Math.max(choices.findIndex(([one]) => one === chosen), 0)}`;
-    select.addEventListener("change", () => changed(choices[Number(select.value)][0]));
+  /** Create a selection with its label. A choice is [value, text], and ``onChange`` gets the value. */
+  const createSelection = (label, choices, selectedValue, onChange) => {
+    const select = element("select", {},
+      choices.map(([, choiceText], choiceIndex) => createOption(`${choiceIndex}`, choiceText)));
+    select.value = `${Math.max(choices.findIndex(([choiceValue]) => choiceValue === selectedValue), 0)}`;
+    select.addEventListener("change", () => onChange(choices[Number(select.value)][0]));
     return element("label", {}, `${label} `, select);
   };
-  const pressed = (text, act, label) => {
-    const button = element("button", { type: "button", "aria-label": label }, text);
-    button.addEventListener("click", act);
+  /** Create a button. ``ariaLabel`` is its name for screen readers, if its text is a symbol. */
+  const createButton = (text, onClick, ariaLabel) => {
+    const button = element("button", { type: "button", "aria-label": ariaLabel }, text);
+    button.addEventListener("click", onClick);
     return button;
   };
 
-  /** The words for a field in the form. */
+  /** Return the words for a field in the form. */
   function titleOfField({ kind, name }) {
-    const titles = { flag: "Flag", number: LINE_NUMBERS[name]?.[1] ?? "Number", constant: "Constant", zero: "Zero bits",
-      unused: "Unused bits", parity: "Parity bit over the other fields", crc: "CRC over the bits before it" };
+    const titles = { flag: "Flag", number: LINE_NUMBER_UNITS[name]?.[1] ?? "Number", constant: "Constant",
+      zero: "Zero bits", unused: "Unused bits", parity: "Parity bit over the other fields",
+      crc: "CRC over the bits before it" };
     return titles[kind];
   }
 
-  /** The inputs of a field. ``changed`` writes the line, and ``redraw`` also builds the form again. */
-  function inputsOf(field, changed, redraw) {
-    const set = (member) => (value_) => {
-      field[member] = value_;
-      changed();
+  /** Create the inputs of a field. ``onChange`` writes the line, and ``redraw`` also builds the form again. */
+  function createLineFieldInputs(field, onChange, redraw) {
+    const setterOf = (member) => (newValue) => {
+      field[member] = newValue;
+      onChange();
     };
-    const bitsInput = smallInput("Bits", field.bits, set("bits"), { inputmode: "numeric", size: "3" });
-    const nameInput = smallInput("Name", field.name, set("name"), { size: "12" });
+    const bitsInput = createSmallInput("Bits", field.bits, setterOf("bits"), { inputmode: "numeric", size: "3" });
+    const nameInput = createSmallInput("Name", field.name, setterOf("name"), { size: "12" });
     switch (field.kind) {
       case "flag": return [nameInput,
-        selection("Active", [["low", "at 0"], ["high", "at 1"]], field.level, set("level")),
-        selection("Means", LINE_EFFECTS, field.effect, set("effect"))];
-      case "constant": return [nameInput, bitsInput, smallInput("Value", field.value, set("value"), { size: "8" })];
-      case "parity": return [selection("Ones, with it", [[false, "even"], [true, "odd"]], field.isOdd, set("isOdd"))];
-      case "crc": return crcInputs(field, bitsInput, set, redraw);
-      case "number": return [...(field.name in LINE_NUMBERS ? [] : [nameInput]), bitsInput,
-        checkbox("signed", field.isSigned, set("isSigned"))];
+        createSelection("Active", [["low", "at 0"], ["high", "at 1"]], field.level, setterOf("level")),
+        createSelection("Means", LINE_EFFECTS, field.effect, setterOf("effect"))];
+      case "constant": return [nameInput, bitsInput,
+        createSmallInput("Value", field.value, setterOf("value"), { size: "8" })];
+      case "parity": return [
+        createSelection("Ones, with it", [[false, "even"], [true, "odd"]], field.isOdd, setterOf("isOdd"))];
+      case "crc": return createCrcInputs(field, bitsInput, setterOf, redraw);
+      case "number": return [...(field.name in LINE_NUMBER_UNITS ? [] : [nameInput]), bitsInput,
+        createCheckbox("signed", field.isSigned, setterOf("isSigned"))];
       default: return [bitsInput];
     }
   }
 
-  /** A list of the known CRCs, and the numbers of any other. */
-  function crcInputs(field, bitsInput, set, redraw) {
-    const isSame = ([poly, init]) => BigInt(poly) === lineNumber(field.poly) && BigInt(init) === lineNumber(field.init || "0");
-    const knownCrc = TABLE.known_crcs.find(isSame);
-    const choices = [...TABLE.known_crcs.map((row) => [row, `${hexText(BigInt(row[0]))}: ${row[2]}`]), [undefined, "other"]];
-    const pick = (row) => {
-      Object.assign(field, row ? { bits: `${bitLength(BigInt(row[0])) - 1}`, poly: hexText(BigInt(row[0])), init: hexText(BigInt(row[1])) }
+  /** Create a list of the known CRCs, and inputs for the numbers of any other. ``setterOf`` takes a field member. */
+  function createCrcInputs(field, bitsInput, setterOf, redraw) {
+    const isSameCrc = ([poly, init]) => BigInt(poly) === parseLineNumber(field.poly)
+      && BigInt(init) === parseLineNumber(field.init || "0");
+    const knownCrc = TABLE.known_crcs.find(isSameCrc);
+    const choices = [
+      ...TABLE.known_crcs.map((row) => [row, `${formatHex(BigInt(row[0]))}: ${row[2]}`]), [undefined, "other"]];
+    const pickCrc = (row) => {
+      Object.assign(field, row
+        ? { bits: `${bitLength(BigInt(row[0])) - 1}`, poly: formatHex(BigInt(row[0])), init: formatHex(BigInt(row[1])) }
         : { init: "0x0", isOther: true });
       if (row) delete field.isOther;
       redraw();
     };
     const isOther = field.isOther || !knownCrc;
-    const numbers = [bitsInput, smallInput("Polynomial", field.poly, set("poly"), { size: "10" }),
-      smallInput("Start value", field.init, set("init"), { size: "8" })];
-    return [selection("CRC", choices, isOther ? undefined : knownCrc, pick), ...(isOther ? numbers : []),
-      checkbox("inverted", field.isInverted, set("isInverted"))];
+    const numberInputs = [bitsInput, createSmallInput("Polynomial", field.poly, setterOf("poly"), { size: "10" }),
+      createSmallInput("Start value", field.init, setterOf("init"), { size: "8" })];
+    return [createSelection("CRC", choices, isOther ? undefined : knownCrc, pickCrc), ...(isOther ? numberInputs : []),
+      createCheckbox("inverted", field.isInverted, setterOf("isInverted"))];
   }
 
-  /** One field of the form, with buttons that move and remove it. */
-  function fieldRow(form, place, changed, redraw) {
-    const field = form.fields[place];
+  /** Create one field of the form, with buttons that move and remove it. */
+  function createFieldRow(form, fieldIndex, onChange, redraw) {
+    const field = form.fields[fieldIndex];
     const title = titleOfField(field);
-    const move = (step) => () => {
-      form.fields.splice(place, 1);
-      form.fields.splice(place + step, 0, field);
-      redraw(place + step, step < 0 ? 0 : 1);
+    const moveBy = (step) => () => {
+      form.fields.splice(fieldIndex, 1);
+      form.fields.splice(fieldIndex + step, 0, field);
+      redraw(fieldIndex + step, step < 0 ? 0 : 1);
     };
     const remove = () => {
-      form.fields.splice(place, 1);
-      redraw(Math.min(place, form.fields.length - 1), 2);
+      form.fields.splice(fieldIndex, 1);
+      redraw(Math.min(fieldIndex, form.fields.length - 1), 2);
     };
-    const number = `field ${place + 1}, ${title}`;
-    const [up, down] = [pressed("↑", move(-1), `Move up ${number}`), pressed("↓", move(1), `Move down ${number}`)];
-    up.disabled = place === 0;
-    down.disabled = place === form.fields.length - 1;
-    const buttons = part("span", "moves", up, down, pressed("✕", remove, `Remove ${number}`));
+    const fieldLabel = `field ${fieldIndex + 1}, ${title}`;
+    const [upButton, downButton] = [
+      createButton("↑", moveBy(-1), `Move up ${fieldLabel}`), createButton("↓", moveBy(1), `Move down ${fieldLabel}`)];
+    upButton.disabled = fieldIndex === 0;
+    downButton.disabled = fieldIndex === form.fields.length - 1;
+    const buttons = part("span", "moves", upButton, downButton, createButton("✕", remove, `Remove ${fieldLabel}`));
     return element("li", {}, element("fieldset", {}, element("legend", {}, title),
-      part("div", "row", inputsOf(field, changed, redraw), buttons)));
+      part("div", "row", createLineFieldInputs(field, onChange, redraw), buttons)));
   }
 
-  /** The options of the line that its interface has. */
-  function optionRow(form, changed) {
-    const set = (member) => (value_) => {
-      if (value_ === "") delete form.options[member];
-      else form.options[member] = value_;
-      changed();
+  /** Create the inputs of the options that the interface of the line has. */
+  function createOptionRow(form, onChange) {
+    const setterOf = (member) => (newValue) => {
+      if (newValue === "") delete form.options[member];
+      else form.options[member] = newValue;
+      onChange();
     };
     const choices = LINE_CHOICES.filter(([, , interfaces]) => interfaces.includes(form.interface));
-    const texts = LINE_TEXTS.filter(([name]) => LINE_SETTINGS[name][0].includes(form.interface));
+    const textOptions = LINE_TEXTS.filter(([name]) => LINE_SETTINGS[name][0].includes(form.interface));
     return part("div", "row",
-      choices.map(([member, legend, , values]) => selection(legend, values, form.options[member] ?? "", set(member))),
-      texts.map(([name, legend]) => smallInput(legend, form.options[name], set(name), { size: "9" })));
+      choices.map(([member, legend, , values]) =>
+        createSelection(legend, values, form.options[member] ?? "", setterOf(member))),
+      textOptions.map(([name, legend]) => createSmallInput(legend, form.options[name], setterOf(name), { size: "9" })));
   }
 
   /**
-   * A form that builds a line. ``write`` gets the line after each change, and ``read`` returns the text of the box.
-   * It is empty while it is closed.
+   * Create a form that builds a line. ``writeBox`` gets the line after each change, and ``readBox`` returns the text of
+   * the box. The form is empty while it is closed.
    */
-  function lineBuilder(read, write) {
+  function createLineBuilder(readBox, writeBox) {
     let form = formOf(FIRST_LINES.biss);
-    let written = "";
+    let writtenLine = "";
     const body = part("div", "builder");
     const root = element("details", {}, element("summary", {}, "No order code? Describe the frame by clicking"), body);
 
-    const changed = () => {
-      written = builtLine(form);
-      write(written);
+    /** Write the line of the form into the box. */
+    const writeLine = () => {
+      writtenLine = builtLine(form);
+      writeBox(writtenLine);
     };
 
-    /** Builds the form again, and gives the focus back to a button of a field: its place, and 0 up, 1 down, 2 remove. */
-    function redraw(place, button) {
-      changed();
+    /** Build the form again, and give the focus back to a button of a field: its index, and 0 up, 1 down, 2 remove. */
+    function redraw(fieldIndex, buttonIndex) {
+      writeLine();
       draw();
-      if (button === undefined) return;
-      const buttons = [...body.querySelectorAll("li")][place]?.querySelectorAll(`.${CLASS}-moves button`);
-      const focused = buttons && [buttons[button], ...buttons].find((one) => !one.disabled);
-      (focused ?? body.querySelector(`.${CLASS}-new button`)).focus();
+      if (buttonIndex === undefined) return;
+      const buttons = [...body.querySelectorAll("li")][fieldIndex]?.querySelectorAll(`.${CLASS}-moves button`);
+      const buttonToFocus = buttons && [buttons[buttonIndex], ...buttons].find((candidate) => !candidate.disabled);
+      (buttonToFocus ?? body.querySelector(`.${CLASS}-new button`)).focus();
     }
 
+    /** Change the interface of the line. An unchanged first line becomes the first line of the other interface. */
     function changeInterface(name) {
-      const isFirst = builtLine(form) === builtLine(formOf(FIRST_LINES[form.interface]));
-      if (isFirst) form = formOf(FIRST_LINES[name]);
+      const isUnchanged = builtLine(form) === builtLine(formOf(FIRST_LINES[form.interface]));
+      if (isUnchanged) form = formOf(FIRST_LINES[name]);
       else {
         for (const field of form.fields) if (field.kind === "crc") field.isInverted = name === "biss";
         form.interface = name;
@@ -1606,27 +1806,29 @@
       body.querySelector("select").focus();
     }
 
+    /** Build the inputs of the form. */
     function draw() {
-      const rows = form.fields.map((_, place) => fieldRow(form, place, changed, redraw));
-      const isThere = (text) => form.fields.some(({ name }) => name === text.split("=")[0])
-        && /^(position|multiturn|singleturn|parity|crc)=/.test(text);
-      const added = NEW_FIELDS.filter(([, text]) => !isThere(text)).map(([words, text]) => pressed(`+ ${words}`, () => {
-        const field = addField(form, text);
-        redraw();
-        [...body.querySelectorAll("li")][form.fields.indexOf(field)].querySelector("input, select").focus();
-      }));
-      const interfaces = LINE_INTERFACES.map((name) => [name, LINE_TITLES[name]]);
+      const fieldRows = form.fields.map((_, fieldIndex) => createFieldRow(form, fieldIndex, writeLine, redraw));
+      const isInForm = (fieldText) => form.fields.some(({ name }) => name === fieldText.split("=")[0])
+        && /^(position|multiturn|singleturn|parity|crc)=/.test(fieldText);
+      const addButtons = NEW_FIELDS.filter(([, fieldText]) => !isInForm(fieldText))
+        .map(([buttonText, fieldText]) => createButton(`+ ${buttonText}`, () => {
+          const field = addField(form, fieldText);
+          redraw();
+          [...body.querySelectorAll("li")][form.fields.indexOf(field)].querySelector("input, select").focus();
+        }));
+      const interfaceChoices = LINE_INTERFACES.map((name) => [name, LINE_TITLES[name]]);
       body.replaceChildren(
-        part("div", "row", selection("Interface", interfaces, form.interface, changeInterface)),
-        optionRow(form, changed), part("p", "hint", "Fields in the order sent, first bit first:"),
-        element("ol", {}, rows), part("div", "new", added));
+        part("div", "row", createSelection("Interface", interfaceChoices, form.interface, changeInterface)),
+        createOptionRow(form, writeLine), part("p", "hint", "Fields in the order sent, first bit first:"),
+        element("ol", {}, fieldRows), part("div", "new", addButtons));
     }
 
-    /** Follows the text of the box, unless the form wrote it. */
+    /** Follow the text of the box, unless the form wrote it. */
     function follow() {
-      if (!root.open || read() === written) return;
-      form = (isLine(read()) && formOf(read())) || form;
-      written = read();
+      if (!root.open || readBox() === writtenLine) return;
+      form = (isLine(readBox()) && formOf(readBox())) || form;
+      writtenLine = readBox();
       draw();
     }
 
@@ -1635,22 +1837,25 @@
         body.replaceChildren();
         return;
       }
-      form = (isLine(read()) && formOf(read())) || form;
-      if (!read().trim()) changed();
+      form = (isLine(readBox()) && formOf(readBox())) || form;
+      if (!readBox().trim()) writeLine();
       draw();
     });
     return { root, follow };
   }
 
+  /** Error about a text that is unreadable as a frame, with how to write it. */
   class FrameText extends Error {}
 
   /** Most bits of a frame over BiSS, SSI and SPI. */
-  const MOST_BITS = 128;
+  const MOST_FRAME_BITS = 128;
   const LONGEST_QUOTE = TABLE.limits.quote;
-  const quoted = (text) => (text.length <= LONGEST_QUOTE ? `'${text}'` : `'${text.slice(0, LONGEST_QUOTE - 3)}...'`);
+  /** Return a text in quotes, with ... after its first characters if it is long. */
+  const quoteText = (text) =>
+    (text.length <= LONGEST_QUOTE ? `'${text}'` : `'${text.slice(0, LONGEST_QUOTE - 3)}...'`);
 
   /** Spellings of programs and logs, and their replacement. The command line has the same list. */
-  const PASTED = [
+  const PASTED_SPELLINGS = [
     [/\bb(?=['"])/g, ""],
     [/\\x([0-9A-Fa-f]{2})/g, " 0x$1 "],
     [/[[\](){}<>"',;:]/g, " "],
@@ -1659,160 +1864,189 @@
     [/(?<![0-9A-Za-z])(0[xXbB][0-9A-Fa-f_]+)[uUlL]+(?![0-9A-Za-z])/g, "$1"],
   ];
   /** A time in front of a frame: with a decimal point, a unit, or hours, minutes and seconds. */
-  const TIME = new RegExp("^\\[?((?:[0-9]{4}-[0-9]{2}-[0-9]{2}[T ])?[0-9]{1,2}:[0-9]{2}:[0-9]{2}(?:[.,][0-9]+)?Z?"
+  const LEADING_TIME = new RegExp("^\\[?((?:[0-9]{4}-[0-9]{2}-[0-9]{2}[T ])?[0-9]{1,2}:[0-9]{2}:[0-9]{2}(?:[.,][0-9]+)?Z?"
     + "|[0-9]+[.][0-9]+(?: ?(?:s|ms|us|µs))?|[0-9]+ ?(?:s|ms|us|µs))\\]?[ \\t,;]+(?=[^ \\t])");
 
-  /** The frames in a text, one per line. Comments after # and empty lines are skipped. */
+  /** Return the frames in a text, one per line, as {number, time, text}. Comments after # and empty lines are skipped. */
   function linesOf(input) {
-    return input.split(/\r\n|\r|\n/).flatMap((line, place) => {
-      const kept = line.split("#")[0].trim();
-      const time = TIME.exec(kept);
-      const text = time ? kept.slice(time[0].length) : kept;
-      return text ? [{ number: place + 1, time: time ? time[1] : "", text }] : [];
+    return input.split(/\r\n|\r|\n/).flatMap((line, lineIndex) => {
+      const lineText = line.split("#")[0].trim();
+      const timeMatch = LEADING_TIME.exec(lineText);
+      const frameText = timeMatch ? lineText.slice(timeMatch[0].length) : lineText;
+      return frameText ? [{ number: lineIndex + 1, time: timeMatch ? timeMatch[1] : "", text: frameText }] : [];
     });
   }
 
-  /** The text of a frame without brackets, quotes and other marks of the program that it was copied from. */
+  /** Return the text of a frame, cleared of brackets, quotes and other marks of the program that it was copied from. */
   function checked(text) {
     if (text.length > TABLE.limits.text) throw new FrameText(said("frame_too_long"));
-    const plain = PASTED.reduce((made, [pattern, other]) => made.replace(pattern, other), text).trim();
-    if (!plain) throw new FrameText(said("frame_empty"));
-    return plain;
+    const plainText = PASTED_SPELLINGS.reduce(
+      (cleaned, [pattern, replacement]) => cleaned.replace(pattern, replacement), text).trim();
+    if (!plainText) throw new FrameText(said("frame_empty"));
+    return plainText;
   }
 
-  /** Hex bytes, in pieces of whole bytes. */
+  /** Return the numbers of hex bytes, which are written in pieces of whole bytes. */
   function bytesIn(text) {
     return text.split(/\s+/).flatMap((piece) => {
       const digits = piece.replace(/^0x/i, "");
-      if (!/^[0-9a-f]+$/i.test(digits)) throw new FrameText(said("not_hex", quoted(piece)));
-      const whole = digits !== piece && digits.length === 1 ? `0${digits}` : digits;
-      if (whole.length === 1) throw new FrameText(said("one_digit", quoted(piece), digits));
-      if (whole.length % 2) throw new FrameText(said("odd", quoted(piece)));
-      return whole.match(/../g).map((byte) => parseInt(byte, 16));
+      if (!/^[0-9a-f]+$/i.test(digits)) throw new FrameText(said("not_hex", quoteText(piece)));
+      const evenDigits = digits !== piece && digits.length === 1 ? `0${digits}` : digits;
+      if (evenDigits.length === 1) throw new FrameText(said("one_digit", quoteText(piece), digits));
+      if (evenDigits.length % 2) throw new FrameText(said("odd", quoteText(piece)));
+      return evenDigits.match(/../g).map((byte) => parseInt(byte, 16));
     });
   }
 
   /**
-   * One number of ``size`` bits: 0b with all leading zeros, or 0x or hex bytes, which imply them. If ``exact``, bytes do not.
+   * Read one number of ``bitCount`` bits: 0b with all leading zeros, or 0x or hex bytes, which imply them.
+   * If ``areBytesExact``, bytes of another length have exactly the bits that are written.
    */
-  function numberIn(text, size, exact) {
-    let compact = text.replace(/[\s_]/g, "");
-    if (/^0b[01]+$/i.test(compact)) return numberWith(compact, compact.length - 2, true);
+  function numberIn(text, bitCount, areBytesExact) {
+    let compactText = text.replace(/[\s_]/g, "");
+    if (/^0b[01]+$/i.test(compactText)) return makeTypedFrame(compactText, compactText.length - 2, true);
     const pieces = text.split(/\s+/);
     if (pieces.length > 1 && pieces.every((piece) => /^(0x)?[0-9a-f]{2}$/i.test(piece))) {
-      if (/^[01]+$/.test(pieces.join(""))) throw new FrameText(said("bits_or_bytes", quoted(text)));
-      compact = "0x" + pieces.map((piece) => piece.slice(-2)).join("");
-      const bits = 8 * pieces.length;
-      if (exact && (bits < size || bits >= size + 8)) return numberWith(compact, bits, true);
+      if (/^[01]+$/.test(pieces.join(""))) throw new FrameText(said("bits_or_bytes", quoteText(text)));
+      compactText = "0x" + pieces.map((piece) => piece.slice(-2)).join("");
+      const writtenBits = 8 * pieces.length;
+      if (areBytesExact && (writtenBits < bitCount || writtenBits >= bitCount + 8)) return makeTypedFrame(
+        compactText, writtenBits, true);
     }
-    if (/^0x[0-9a-f]+$/i.test(compact)) {
-      return { ...numberWith(compact, bitLength(BigInt(compact)), false), written: 4 * (compact.length - 2) };
+    if (/^0x[0-9a-f]+$/i.test(compactText)) {
+      return {
+        ...makeTypedFrame(compactText, bitLength(BigInt(compactText)), false), written: 4 * (compactText.length - 2),
+      };
     }
-    const meanings = pieces.length === 1 ? readings(compact, size) : [];
+    const meanings = pieces.length === 1 ? listMeanings(compactText, bitCount) : [];
     // As a decimal or hexadecimal number, this many digits would not fit.
-    if (meanings.length === 1 && compact.length === size && /^[01]+$/.test(compact)) {
-      return numberWith(`0b${compact}`, size, true);
+    if (meanings.length === 1 && compactText.length === bitCount && /^[01]+$/.test(compactText)) {
+      return makeTypedFrame(`0b${compactText}`, bitCount, true);
     }
-    const remedy = meanings.length ? said("write_one_of", meanings.join(", ")) : said("write_number", size);
-    throw new FrameText(said("no_bits", quoted(text), size, remedy));
+    const remedy = meanings.length ? said("write_one_of", meanings.join(", ")) : said("write_number", bitCount);
+    throw new FrameText(said("no_bits", quoteText(text), bitCount, remedy));
   }
 
-  /** A number with its bits. If not ``exact``, it may have more. ``written`` counts the bits of all digits. */
-  const numberWith = (text, bits, exact) => ({ number: BigInt(text), bits, exact, written: bits });
+  /**
+   * Return a typed frame: its number with its bits. Unless ``exact``, it may have more. ``written`` counts the bits of
+   * all digits.
+   */
+  const makeTypedFrame = (text, bitCount, isExact) => ({
+    number: BigInt(text), bits: bitCount, exact: isExact, written: bitCount,
+  });
 
-  /** The possible meanings of digits without a prefix, as numbers of at most ``size`` bits. The command line does the same. */
-  function readings(digits, size) {
-    const fits = (number) => number >> BigInt(size) === 0n;
-    const decimal = /^(0|[1-9][0-9]{0,39})$/.test(digits) && fits(BigInt(digits));
-    const hexadecimal = /^[0-9a-f]{1,40}$/i.test(digits) && fits(BigInt(`0x${digits}`));
+  /**
+   * List the possible meanings of digits that have lost their 0x or 0b, as numbers of at most ``bitCount`` bits.
+   * The command line does the same.
+   */
+  function listMeanings(digits, bitCount) {
+    const fits = (number) => number >> BigInt(bitCount) === 0n;
+    const isDecimal = /^(0|[1-9][0-9]{0,39})$/.test(digits) && fits(BigInt(digits));
+    const isHexadecimal = /^[0-9a-f]{1,40}$/i.test(digits) && fits(BigInt(`0x${digits}`));
     return [
-      ...(decimal ? [said("if_decimal", `0x${BigInt(digits).toString(16).toUpperCase()}`)] : []),
-      ...(hexadecimal ? [said("if_hex", digits)] : []),
+      ...(isDecimal ? [said("if_decimal", `0x${BigInt(digits).toString(16).toUpperCase()}`)] : []),
+      ...(isHexadecimal ? [said("if_hex", digits)] : []),
       ...(/^[01]{1,96}$/.test(digits) ? [said("if_bits", digits)] : []),
     ];
   }
 
   /** The message about a text that is not a valid frame of any order code: how to write it, if that is the reason. */
   function notOfAnyCode(text) {
-    let plain;
+    let plainText;
     try {
-      plain = checked(text);
+      plainText = checked(text);
     } catch (error) {
       if (error instanceof FrameText) return error.message;
       throw error;
     }
-    const isRead = (read) => {
+    const isReadable = (parse) => {
       try {
-        read(plain, MOST_BITS);
+        parse(plainText, MOST_FRAME_BITS);
         return true;
       } catch (error) {
         if (error instanceof FrameText) return false;
         throw error;
       }
     };
-    const meanings = /^[0-9a-f]+$/i.test(plain) ? readings(plain, MOST_BITS).join(", ") : "";
+    const meanings = /^[0-9a-f]+$/i.test(plainText) ? listMeanings(plainText, MOST_FRAME_BITS).join(", ") : "";
     const remedy = meanings ? said("write_one_of", meanings) : said("write_any");
-    if (!isRead(numberIn) && !isRead(bytesIn)) return said("no_order_code", quoted(plain), remedy);
+    if (!isReadable(numberIn) && !isReadable(bytesIn)) return said("no_order_code", quoteText(plainText), remedy);
     return `this frame is not valid for any order code${meanings ? `. ${remedy}` : ""}`;
   }
 
-  /** The bytes of a frame that is sent as bits, from 0b and every bit. */
-  function bytesOfBits(at, text) {
+  /** Return the bytes of a frame that is sent as bits, from 0b and every bit. */
+  function bytesFromBits(placedLayout, text) {
     const digits = text.slice(2).replaceAll("_", "");
-    const size = at.bits - (at.layout.fill ?? 0);
-    if (digits.length !== size) {
-      throw new FrameText(said("no_bits", quoted(text), size, said("write_bits", size, at.bits / 8)));
+    const sentBits = placedLayout.bits - (placedLayout.layout.fill ?? 0);
+    if (digits.length !== sentBits) {
+      throw new FrameText(
+        said("no_bits", quoteText(text), sentBits, said("write_bits", sentBits, placedLayout.bits / 8)));
     }
-    return digits.padStart(at.bits, "0").match(/.{8}/g).map((byte) => parseInt(byte, 2));
+    return digits.padStart(placedLayout.bits, "0").match(/.{8}/g).map((byte) => parseInt(byte, 2));
   }
 
-  /** The parameters of a code with the register contents ``held`` and the answers of the user. */
-  function parametersOf(found, held = {}, answers = {}) {
-    const given = named(found.given, held);
-    for (const item of found.family.alternatives ?? []) {
-      const taken = item.answers.find(([name]) => name === answers[item.name]);
-      for (const [name, one] of Object.entries(taken?.[2] ?? {})) given[name] = big(one);
+  /** Return the parameters of an order code by name, from the contents of registers and the answers of the user. */
+  function computeParameters(orderCode, registerContents = {}, answers = {}) {
+    const parameters = named(orderCode.given, registerContents);
+    for (const alternative of orderCode.family.alternatives ?? []) {
+      const answer = alternative.answers.find(([parameterName]) => parameterName === answers[alternative.name]);
+      for (const [parameterName, number] of Object.entries(answer?.[2] ?? {})) parameters[parameterName] = big(number);
     }
-    return resolved(found.family, given);
+    return resolveParameters(orderCode.family, parameters);
   }
 
-  function placedFor(found, layout, held, answers) {
-    return { ...placed(found.family, layout, parametersOf(found, held, answers)), code: found.code };
+  /** Place the fields of a layout for an order code, with the contents of registers and the answers of the user. */
+  function placedFor(orderCode, layout, registerContents, answers) {
+    return {
+      ...placed(orderCode.family, layout, computeParameters(orderCode, registerContents, answers)), code: orderCode.code,
+    };
   }
 
-  /** The frame in a text for an order code; ``what`` is its sender, with the name of the frame where that is needed. */
-  function decodeFrame(found, what, text, held, answers) {
-    const [sender, name] = what.split(":");
-    const layouts = found.interface.frames.filter((item) => item.sender === sender && (!name || item.name === name));
+  /**
+   * Decode the frame in a text. ``orderCode`` is {code, family, interface, given}. ``senderAndName`` is "encoder" or
+   * "master", with a colon and the name of the frame where that is needed.
+   */
+  function decodeFrame(orderCode, senderAndName, text, registerContents, answers) {
+    const [sender, layoutName] = senderAndName.split(":");
+    const layouts = orderCode.interface.frames.filter(
+      (layout) => layout.sender === sender && (!layoutName || layout.name === layoutName));
     if (!layouts.length) {
-      throw new FrameText(`the spec does not describe a frame from the ${sender} over ${found.interface.title}`);
+      throw new FrameText(`the spec does not describe a frame from the ${sender} over ${orderCode.interface.title}`);
     }
-    const [over, trimmed] = [found.interface, checked(text)];
-    const whole = sender === "encoder" && !name ? decodeChannels(found, trimmed, held, answers) : null;
-    if (whole) return { ...whole, over };
+    const [interface_, plainText] = [orderCode.interface, checked(text)];
+    const wholeFrame = sender === "encoder" && !layoutName
+      ? decodeChannels(orderCode, plainText, registerContents, answers) : null;
+    if (wholeFrame) return { ...wholeFrame, over: interface_ };
     if (!layouts[0].order) {
-      const at = placedFor(found, layouts[0], held, answers);
-      return { ...decodeBits(at, numberIn(trimmed, at.bits, found.interface.exact?.includes(sender))), over };
+      const placedLayout = placedFor(orderCode, layouts[0], registerContents, answers);
+      return {
+        ...decodeBits(placedLayout, numberIn(plainText, placedLayout.bits, orderCode.interface.exact?.includes(sender))),
+        over: interface_,
+      };
     }
-    const isOfBits = over.name !== "rs485" && /^0b[01_]+$/i.test(trimmed);
-    const bytes = isOfBits ? bytesOfBits(placedFor(found, layouts[0], held, answers), trimmed) : bytesIn(trimmed);
-    const told = name ? { layout: layouts[0] } : toldApart(found.interface, sender, bytes);
-    const made = told.layout ? decodeBytes(placedFor(found, told.layout, held, answers), bytes) : told;
-    return { ...made, data: bytes, over, label: found, sender };
+    const isWrittenInBits = interface_.name !== "rs485" && /^0b[01_]+$/i.test(plainText);
+    const bytes = isWrittenInBits
+      ? bytesFromBits(placedFor(orderCode, layouts[0], registerContents, answers), plainText) : bytesIn(plainText);
+    const layoutOrFailure = layoutName ? { layout: layouts[0] } : identifyLayout(orderCode.interface, sender, bytes);
+    const decoded = layoutOrFailure.layout
+      ? decodeBytes(placedFor(orderCode, layoutOrFailure.layout, registerContents, answers), bytes) : layoutOrFailure;
+    return { ...decoded, data: bytes, over: interface_, label: orderCode, sender };
   }
 
-  /** The placed layouts of the other frames that a text can be, if nothing in a frame identifies it. */
-  function otherFrames(found, sender, text, decoded, held, answers) {
-    const { frames, told = [] } = found.interface;
-    const isTold = told.some((item) => item.sender === sender);
-    if (!decoded.at || isTold) return [];
-    const hasOtherLength = decoded.problems.some((item) => item.fault === "length");
-    return frames.filter((item) => item.sender === sender && item !== decoded.at.layout
-      && !item.order === !decoded.at.layout.order && !item.asks?.some((name) => !(name in answers))).flatMap((item) => {
+  /** Return the placed layouts of the other frames that a text can be, if the frame lacks a selector. */
+  function otherFrames(orderCode, sender, text, decoded, registerContents, answers) {
+    const { frames, told: selectors = [] } = orderCode.interface;
+    const hasSelector = selectors.some((selector) => selector.sender === sender);
+    if (!decoded.at || hasSelector) return [];
+    const hasOtherLength = decoded.problems.some((problem) => problem.fault === "length");
+    return frames.filter((layout) => layout.sender === sender && layout !== decoded.at.layout
+      && !layout.order === !decoded.at.layout.order
+      && !layout.asks?.some((question) => !(question in answers))).flatMap((layout) => {
       try {
-        const { at, problems } = decodeFrame(found, `${sender}:${item.name}`, text, held, answers);
+        const { at: placedLayout, problems } = decodeFrame(
+          orderCode, `${sender}:${layout.name}`, text, registerContents, answers);
         // Hex digits imply leading zeros, so without this, a short frame would be valid as a long one.
-        return !problems.length && (hasOtherLength || at.bits === decoded.at.bits) ? [at] : [];
+        return !problems.length && (hasOtherLength || placedLayout.bits === decoded.at.bits) ? [placedLayout] : [];
       } catch (error) {
         if (error instanceof FrameText) return [];
         throw error;
@@ -1820,68 +2054,81 @@
     });
   }
 
-  /** A frame of bits; ``given`` is its text as a number. */
-  function decodeBits(at, given) {
-    const hasOthers = given.exact && given.bits !== at.bits;
-    return { ...(hasOthers ? otherLength(at, `${at.bits} bits`, given.bits) : decode(at, given.number)), given };
+  /** Decode a frame of bits. ``typedFrame`` is {number, bits, exact, written}, as ``numberIn`` returns it. */
+  function decodeBits(placedLayout, typedFrame) {
+    const hasOtherBitCount = typedFrame.exact && typedFrame.bits !== placedLayout.bits;
+    return {
+      ...(hasOtherBitCount ? otherLength(placedLayout, `${placedLayout.bits} bits`, typedFrame.bits)
+        : decode(placedLayout, typedFrame.number)),
+      given: typedFrame,
+    };
   }
 
-  /** The frame of a sender that the selector in these bytes identifies, or the error if there is none. */
-  function toldApart(interface_, sender, bytes) {
-    const told = (interface_.told ?? []).find((item) => item.sender === sender);
-    if (!told) return { layout: interface_.frames.find((item) => item.sender === sender) };
-    const fallback = interface_.frames[told.fallback];
-    if (bytes.length < told.needs) {
+  /** Return {layout} of the frame that the selector in these bytes identifies, or else a result with the problem. */
+  function identifyLayout(interface_, sender, bytes) {
+    const selector = (interface_.told ?? []).find((candidate) => candidate.sender === sender);
+    if (!selector) return { layout: interface_.frames.find((layout) => layout.sender === sender) };
+    const fallbackLayout = interface_.frames[selector.fallback];
+    if (bytes.length < selector.needs) {
       const message = said("too_few_bytes", counted(bytes.length, "byte"));
-      return fallback ? { layout: fallback } : fault("length", "", message);
+      return fallbackLayout ? { layout: fallbackLayout } : makeFailedFrame("length", "", message);
     }
-    const found = told.pieces.reduce(
-      (sum, [byte, right, mask, left]) => sum | (((bytes[byte] >> right) & mask) << left), 0);
-    const place = told.frames.find(([, ...values]) => values.includes(found));
-    if (place || fallback) return { layout: place ? interface_.frames[place[0]] : fallback };
-    const upper = (number) => number.toString(16).toUpperCase();
-    const choices = told.frames.flatMap(([, ...values]) => values).sort((one, other) => one - other).map(upper);
-    return fault("range", told.selector, said("no_frame", told.selector, upper(found), choices.join(", ")));
+    const selectorValue = selector.pieces.reduce(
+      (bitsSoFar, [byteIndex, rightShift, mask, leftShift]) =>
+        bitsSoFar | (((bytes[byteIndex] >> rightShift) & mask) << leftShift), 0);
+    const selectorRow = selector.frames.find(([, ...selectorValues]) => selectorValues.includes(selectorValue));
+    if (selectorRow || fallbackLayout) return {
+      layout: selectorRow ? interface_.frames[selectorRow[0]] : fallbackLayout,
+    };
+    const formatUpper = (number) => number.toString(16).toUpperCase();
+    const allowedValues = selector.frames.flatMap(([, ...selectorValues]) => selectorValues)
+      .sort((first, second) => first - second).map(formatUpper);
+    return makeFailedFrame("range", selector.selector,
+      said("no_frame", selector.selector, formatUpper(selectorValue), allowedValues.join(", ")));
   }
 
-  const fault = (kind, field, message) => ({ ...nothing(null, 0n), problems: [{ fault: kind, field, message }] });
+  /** Return the result of a frame whose layout is open, with its problem. */
+  const makeFailedFrame = (faultKind, field, message) => ({
+    ...createEmptyResult(null, 0n), problems: [{ fault: faultKind, field, message }],
+  });
 
-  /** The bytes of a register, decoded. */
-  function decodeRegister(found, register, text, held, answers) {
+  /** Decode the bytes of a register. */
+  function decodeRegister(orderCode, register, text, registerContents, answers) {
     const bytes = bytesIn(checked(text));
     if (bytes.length !== register.length) {
-      const [needed, given] = [counted(register.length, "byte"), counted(bytes.length, "byte")];
-      throw new FrameText(said("register_length", register.name, needed, given));
+      const [neededBytes, receivedBytes] = [counted(register.length, "byte"), counted(bytes.length, "byte")];
+      throw new FrameText(said("register_length", register.name, neededBytes, receivedBytes));
     }
-    return decodeBytes(placedFor(found, register, held, answers), bytes);
+    return decodeBytes(placedFor(orderCode, register, registerContents, answers), bytes);
   }
 
-  /** All order codes for which a text is a valid frame, grouped by the places of its fields. */
+  /** Return all order codes for which a text is a valid frame, grouped by the places of its fields. */
   function inferred(text) {
     const groups = new Map();
-    for (const family of TABLE.families.filter((item) => !item.base)) {
-      for (const found of family.codes.map((row) => ofRow(family, row))) {
-        for (const sender of ["encoder", "master"]) infer(groups, found, sender, text);
+    for (const family of TABLE.families.filter((candidate) => !candidate.base)) {
+      for (const orderCode of family.codes.map((row) => orderCodeOfRow(family, row))) {
+        for (const sender of ["encoder", "master"]) addIfValid(groups, orderCode, sender, text);
       }
     }
     return [...groups.values()];
   }
 
-  function infer(groups, found, sender, text) {
+  /** Decode a text with an order code, and add the code to the group with the same fields if the frame is valid. */
+  function addIfValid(groups, orderCode, sender, text) {
     let decoded;
     try {
-      decoded = decodeFrame(found, sender, text);
+      decoded = decodeFrame(orderCode, sender, text);
     } catch (error) {
       if (error instanceof FrameText) return;
       throw error;
     }
     if (decoded.problems.length) return;
-    const { at } = decoded;
-    const places = at.fields.map((item) => [item.name, item.low, item.width]);
-    const key = JSON.stringify([found.family.name, at.name, at.gray !== null, places]);
-    const { family, interface: over } = found;
-    if (!groups.has(key)) groups.set(key, { decoded, sender, over, family, codes: [] });
-    groups.get(key).codes.push(found.code);
+    const { at: placedLayout } = decoded;
+    const fieldPlaces = placedLayout.fields.map((placedField) => [placedField.name, placedField.low, placedField.width]);
+    const groupKey = JSON.stringify([orderCode.family.name, placedLayout.name, placedLayout.gray !== null, fieldPlaces]);
+    const { family, interface: interface_ } = orderCode;
+    if (!groups.has(groupKey)) groups.set(groupKey, { decoded, sender, over: interface_, family, codes: [] });
+    groups.get(groupKey).codes.push(orderCode.code);
   }
 
   const LEAST_BITS = 3;
@@ -3003,11 +3250,14 @@
     return part("p", "exports", copy, save);
   }
 
-  /** The description of a register, and for a writable one a form that encodes its bytes. */
-  function registerForm(state, register, text, show) {
+  /**
+   * Create the description of a register, and for a writable one a form that encodes its bytes into ``frameInput``.
+   * Return {parts, fill}: the elements, and the function that fills the inputs from a decoded register.
+   */
+  function createRegisterForm(state, register, frameInput, showResult) {
     const placedRegister = () => placedFor(state.found, register, state.held, state.answers);
     const allLimits = register.limits ?? [];
-    const bounds = allLimits.map((limits) => boundsOf(placedRegister(), limits)).filter(Boolean);
+    const bounds = allLimits.map((limits) => describeLimits(placedRegister(), limits)).filter(Boolean);
     const notes = part("p", "note", [...(register.about ?? []), ...bounds.map(sentence)].join(" "));
     if (!register.writable) {
       return { parts: [notes, part("p", "note", "Read-only. Paste its bytes to decode them.")], fill: null };
@@ -3015,18 +3265,20 @@
     const refusal = part("p", "wrong");
     refusal.setAttribute("role", "alert");
     const inputs = [
-      ...placedRegister().joins.filter((join) => join.parts.length > 1).map((join) => joinInput(join)),
-      ...placedRegister().fields.filter(isGiven).map((placedField) => fieldInput(placedField)),
+      ...placedRegister().joins.filter((join) => join.parts.length > 1).map((join) => createJoinInput(join)),
+      ...placedRegister().fields.filter(isGiven).map((placedField) => createFieldInput(placedField)),
     ];
     const limitsByMeaning = allLimits.filter((limits) => limits.name);
-    const meanings = limitsByMeaning.map(({ name, meaning }) => option(name, `${name}: ${meaning ?? ""}`));
-    const chosenMeaning = element("select", {}, option("", "choose"), meanings);
+    const meanings = limitsByMeaning.map(({ name, meaning }) => createOption(name, `${name}: ${meaning ?? ""}`));
+    const chosenMeaning = element("select", {}, createOption("", "choose"), meanings);
 
+    /** Encode the values of the inputs and show the bytes, or show why they are rejected. */
     function encodeInputs() {
       refusal.textContent = "";
       try {
-        text.value = bytesFor(placedRegister(), valuesOf(inputs), limitsFor(register, limitsByMeaning, chosenMeaning.value));
-        show(true);
+        frameInput.value = bytesFor(
+          placedRegister(), readInputs(inputs), chooseLimits(register, limitsByMeaning, chosenMeaning.value));
+        showResult(true);
       } catch (error) {
         if (!(error instanceof Refusal)) throw error;
         refusal.textContent = sentence(error.message);
@@ -3034,312 +3286,339 @@
     }
 
     const form = element("fieldset", {}, element("legend", {}, "Change values to encode bytes"),
-      limitsByMeaning.length ? labelled("Meaning", chosenMeaning) : "", inputs.map(({ label }) => label), refusal);
+      limitsByMeaning.length ? createLabelledInput("Meaning", chosenMeaning) : "",
+      inputs.map(({ label }) => label), refusal);
     form.addEventListener("input", (event) => {
       inputs.find((labelledInput) => labelledInput.input === event.target)?.split?.(inputs);
       encodeInputs();
     });
-    if (register.default) form.append(defaultButton(register, text, show));
-    return { parts: [form, notes], fill: (decoded) => fill(inputs, decoded) };
+    if (register.default) form.append(createDefaultButton(register, frameInput, showResult));
+    return { parts: [form, notes], fill: (decoded) => fillInputs(inputs, decoded) };
   }
 
-  function defaultButton(register, text, show) {
+  /** Create the button that enters the default bytes of a register. */
+  function createDefaultButton(register, frameInput, showResult) {
     const button = element("button", { type: "button" }, `Default: ${register.default}`);
     button.addEventListener("click", () => {
-      text.value = register.default;
-      show();
+      frameInput.value = register.default;
+      showResult();
     });
     return button;
   }
 
-  /** The limits of a register in numbers, or an empty string without limits. */
-  function boundsOf(placedRegister, { name, of, low, high }) {
+  /** Return the limits of a register in numbers, or an empty string if it has neither. */
+  function describeLimits(placedRegister, { name, of, low, high }) {
     if (low === null && high === null) return "";
     const bounds = [["at least", low], ["at most", high]].filter(([, bound]) => bound !== null)
-      .map(([words, bound]) => `${words} ${value(bound, placedRegister.parameters)}`);
+      .map(([comparison, bound]) => `${comparison} ${value(bound, placedRegister.parameters)}`);
     return `Limits of ${name ?? of ?? placedRegister.name}: ${bounds.join(", ")}`;
   }
 
-  /** The applicable limits: those of the chosen meaning, if a register has several. */
-  function limitsFor(register, limitsByMeaning, chosenMeaning) {
+  /** Return the applicable limits: those of the chosen meaning, if a register has several. */
+  function chooseLimits(register, limitsByMeaning, chosenMeaning) {
     if (limitsByMeaning.length && !chosenMeaning) throw new Refusal("Choose the meaning of the register first");
     if (!limitsByMeaning.length) return (register.limits ?? [])[0];
     return limitsByMeaning.find((limits) => limits.name === chosenMeaning);
   }
 
-  /** An input for a field, by its kind. */
-  function fieldInput({ field, name, width }) {
+  /** Create an input for a field, by its kind: {name, input, label, read, write}. */
+  function createFieldInput({ field, name, width }) {
     const hint = [field.meaning, field.unit].filter(Boolean).join(", ") || counted(width, "bit");
-    const inputOf = (input, read, write) => ({ name, input, read, write, label: labelled(name, input, hint) });
+    const inputOf = (input, read, write) => ({ name, input, read, write, label: createLabelledInput(name, input, hint) });
     if (field.kind === "flag" || field.kind === "not_flag") {
       const input = element("input", { type: "checkbox" });
       return inputOf(input, () => input.checked, (isActive) => Object.assign(input, { checked: isActive }));
     }
     if (field.kind === "choice") {
-      const choices = field.values.map(([number, text]) => option(`${big(number)}`, text));
-      const input = element("select", {}, option("", "choose"), choices);
+      const choices = field.values.map(([number, text]) => createOption(`${big(number)}`, text));
+      const input = element("select", {}, createOption("", "choose"), choices);
       const read = () => (input.value ? BigInt(input.value) : "");
       return inputOf(input, read, (_, raw) => Object.assign(input, { value: `${raw}` }));
     }
     const isText = field.kind === "text";
     const input = element("input", { autocomplete: "off", inputmode: isText ? "text" : "numeric" });
-    const read = () => (isText ? input.value : numberOrEmpty(input.value));
+    const read = () => (isText ? input.value : parseNumberOrEmpty(input.value));
     return inputOf(input, read, (fieldValue) => Object.assign(input, { value: fieldValue }));
   }
 
-  /** An input for a number of several fields, which it fills in. */
-  function joinInput({ name, parts }) {
+  /** Create an input for a number of several fields, which it fills in. */
+  function createJoinInput({ name, parts }) {
     const input = element("input", { autocomplete: "off", inputmode: "numeric" });
     const names = parts.map((part) => part.item?.name).filter(Boolean).reverse().join(" and ");
     const split = (inputs) => {
-      const number = numberOrEmpty(input.value);
+      const number = parseNumberOrEmpty(input.value);
       if (number === "") return;
-      for (const [partName, partNumber] of splitInto(parts, number)) {
+      for (const [partName, partNumber] of splitNumber(parts, number)) {
         inputs.find((partInput) => partInput.name === partName)?.write(partNumber, partNumber);
       }
     };
-    const label = labelled(name, input, said("as_one_number", names));
+    const label = createLabelledInput(name, input, said("as_one_number", names));
     return { name: "", join: name, input, label, split, write: (number) => Object.assign(input, { value: number }) };
   }
 
-  const numberOrEmpty = (text) => {
+  /** Return the number of a text, which may be negative, or an empty string. */
+  const parseNumberOrEmpty = (text) => {
     const [, sign, digits] = /^\s*(-?)(.*)$/s.exec(text);
-    const number = numberOrNull(digits);
+    const number = parseNumberOrNull(digits);
     return number === null ? "" : sign ? -number : number;
   };
 
-  function valuesOf(inputs) {
+  /** Return the values of the inputs by name of the field. Throws ``Refusal`` if one is empty. */
+  function readInputs(inputs) {
     const values = inputs.filter((input) => input.name).map((input) => [input.name, input.read()]);
-    const missing = values.find(([, fieldValue]) => fieldValue === "");
-    if (missing) throw new Refusal(`'${missing[0]}' needs a value`);
+    const emptyInput = values.find(([, fieldValue]) => fieldValue === "");
+    if (emptyInput) throw new Refusal(`'${emptyInput[0]}' needs a value`);
     return named(Object.fromEntries(values));
   }
 
-  function fill(inputs, decoded) {
+  /** Write the values of a decoded register into the inputs. */
+  function fillInputs(inputs, decoded) {
     for (const input of inputs) {
       const field = decoded.fields.find((candidate) => candidate.name === (input.name || input.join));
       if (field) input.write(field.value, field.raw);
     }
   }
 
-  let boxes = 0;
+  /** Counts the ids of inputs, lists and questions, so that each is unique on the page. */
+  let idCounter = 0;
 
-  /** An input with its label and hint. */
-  function labelled(text, input, hint = "") {
-    boxes += 1;
-    input.id = `${CLASS}-${boxes}`;
-    const help = hint && element("span", { class: `${CLASS}-hint`, id: `${input.id}-hint` }, hint);
-    if (hint) input.setAttribute("aria-describedby", help.id);
-    return part("p", "item", element("label", { for: input.id }, text), input, help);
+  /** Return an input in a paragraph with its label and hint. */
+  function createLabelledInput(text, input, hint = "") {
+    idCounter += 1;
+    input.id = `${CLASS}-${idCounter}`;
+    const hintElement = hint && element("span", { class: `${CLASS}-hint`, id: `${input.id}-hint` }, hint);
+    if (hint) input.setAttribute("aria-describedby", hintElement.id);
+    return part("p", "item", element("label", { for: input.id }, text), input, hintElement);
   }
 
-  const option = (name, text = "") => element("option", { value: name }, text);
+  /** Create an option of a selection or list, with its value and text. */
+  const createOption = (name, text = "") => element("option", { value: name }, text);
 
   /**
-   * A box in an element: ``data-code`` fills in an order code and ``data-frame`` frames. ``data-link`` follows the address
-   * of the page. ``data-page`` is the address of a page with such a box, which the box links to.
-   * ``data-evidence-above`` says that the page around the box states the evidence. ``data-picture`` is the id of a section
-   * whose picture of the frame the box replaces by its own drawing, which a pasted frame fills.
+   * Fill an element with a box: ``data-code`` fills in an order code and ``data-frame`` frames. ``data-link`` follows the
+   * address of the page. ``data-page`` is the address of a page with such a box, which the box links to.
+   * ``data-evidence-above`` says that the page around the box states the evidence. ``data-picture`` is the id of a
+   * section whose picture of the frame the box replaces by its own drawing, which a pasted frame fills.
    */
   function box(root) {
-    const known = new Map(TABLE.families.flatMap((family) => family.codes.map((row) => [row[0], family.mark ?? ""])));
-    const codes = element("datalist", { id: `${CLASS}-codes-${boxes}` }, [...known].map(([name, mark]) => option(name, mark)));
-    const code = element("input", { list: codes.id, autocomplete: "off", spellcheck: "false" });
-    code.value = root.dataset.code ?? "";
-    const what = element("select");
-    const text = element("textarea", { rows: "3", spellcheck: "false", autocomplete: "off" });
-    text.value = root.dataset.frame ?? "";
-    const [asks, form, result] = ["asks", "form", "result"].map((name) => part("div", name));
-    const link = element("a", {}, root.dataset.page ? "All about this frame, and a link to it" : "Link to this");
-    result.setAttribute("role", "status");
-    const builder = root.hasAttribute("data-link") ? lineBuilder(() => code.value, (line) => {
-      code.value = line;
-      codeChanged();
+    const marksByCode = new Map(TABLE.families.flatMap(
+      (family) => family.codes.map((row) => [row[0], family.mark ?? ""])));
+    const codeList = element("datalist", { id: `${CLASS}-codes-${idCounter}` },
+      [...marksByCode].map(([name, mark]) => createOption(name, mark)));
+    const codeInput = element("input", { list: codeList.id, autocomplete: "off", spellcheck: "false" });
+    codeInput.value = root.dataset.code ?? "";
+    const typeSelect = element("select");
+    const frameInput = element("textarea", { rows: "3", spellcheck: "false", autocomplete: "off" });
+    frameInput.value = root.dataset.frame ?? "";
+    const [questionArea, formArea, resultArea] = ["asks", "form", "result"].map((name) => part("div", name));
+    const frameLink = element("a", {}, root.dataset.page ? "All about this frame, and a link to it" : "Link to this");
+    resultArea.setAttribute("role", "status");
+    const builder = root.hasAttribute("data-link") ? createLineBuilder(() => codeInput.value, (line) => {
+      codeInput.value = line;
+      updateFromCode();
     }) : null;
-    const section = root.dataset.picture ? document.getElementById(root.dataset.picture) : null;
-    const picture = section && framePicture(section);
+    const pictureSection = root.dataset.picture ? document.getElementById(root.dataset.picture) : null;
+    const picture = pictureSection && createFramePicture(pictureSection);
     let isSetUp = false;
     const state = { found: null, what: "encoder", answers: named(), held: named(), asked: "", fill: null };
 
-    /** The selected register, if any. */
-    const register = () => state.found?.interface.registers?.find(({ name }) => `=${name}` === state.what);
+    /** Return the selected register, if any. */
+    const selectedRegister = () => state.found?.interface.registers?.find(({ name }) => `=${name}` === state.what);
 
-    function codeChanged() {
+    /** Read the order code, offer its frames and registers to choose from, and update the rest of the box. */
+    function updateFromCode() {
       builder?.follow();
-      const found = findCode(code.value);
-      if (found?.code !== state.found?.code) Object.assign(state, { answers: named(), held: named(), asked: "" });
-      state.found = found;
-      const senders = [...new Set((found?.interface.frames ?? []).map((layout) => layout.sender))];
-      const registers = found?.interface.registers ?? [];
-      const frames = senders.flatMap((sender) => framesOf(found.interface, sender));
-      const registerChoices = registers.map(({ name, title, place }) => option(`=${name}`, `${title}, ${place}`));
-      const groups = registerChoices.length
+      const orderCode = findCode(codeInput.value);
+      if (orderCode?.code !== state.found?.code) Object.assign(state, { answers: named(), held: named(), asked: "" });
+      state.found = orderCode;
+      const senders = [...new Set((orderCode?.interface.frames ?? []).map((layout) => layout.sender))];
+      const registers = orderCode?.interface.registers ?? [];
+      const frameChoices = senders.flatMap((sender) => createFrameChoices(orderCode.interface, sender));
+      const registerChoices = registers.map(({ name, title, place }) => createOption(`=${name}`, `${title}, ${place}`));
+      const registerGroups = registerChoices.length
         ? [element("optgroup", { label: "the bytes of a register" }, registerChoices)] : [];
-      what.replaceChildren(...frames, ...groups);
-      const choices = [...frames, ...registerChoices].map((choice) => choice.value);
-      if (!choices.includes(state.what)) {
-        state.what = choices.find((choice) => choice.startsWith("encoder")) ?? choices[0] ?? "encoder";
+      typeSelect.replaceChildren(...frameChoices, ...registerGroups);
+      const choiceValues = [...frameChoices, ...registerChoices].map((choice) => choice.value);
+      if (!choiceValues.includes(state.what)) {
+        state.what = choiceValues.find((choice) => choice.startsWith("encoder")) ?? choiceValues[0] ?? "encoder";
       }
-      what.value = state.what;
-      what.parentElement.hidden = choices.length < 2;
-      whatChanged();
+      typeSelect.value = state.what;
+      typeSelect.parentElement.hidden = choiceValues.length < 2;
+      updateFromType();
     }
 
-    function whatChanged() {
-      const { parts, fill } = register() ? registerForm(state, register(), text, show) : { parts: [], fill: null };
-      form.replaceChildren(...parts);
+    /** Build the form of the selected register, if any, and show the result. */
+    function updateFromType() {
+      const { parts, fill } = selectedRegister()
+        ? createRegisterForm(state, selectedRegister(), frameInput, showResult) : { parts: [], fill: null };
+      formArea.replaceChildren(...parts);
       state.fill = fill;
-      show();
+      showResult();
     }
 
-    function decoded(frameText) {
-      const { found, held, answers } = state;
-      if (register()) return decodeRegister(found, register(), frameText, held, answers);
-      return decodeFrame(found, state.what, frameText, held, answers);
+    /** Decode a text as the selected register or frame. */
+    function decodeText(frameText) {
+      const { found: orderCode, held: registerContents, answers } = state;
+      if (selectedRegister()) return decodeRegister(orderCode, selectedRegister(), frameText, registerContents, answers);
+      return decodeFrame(orderCode, state.what, frameText, registerContents, answers);
     }
 
-    function row(line) {
+    /** Return {line, found} with the decoded frame of a line, or {line, error} with the reason why it is unreadable. */
+    function decodeLine(line) {
       try {
-        return { line, found: decoded(line.text) };
+        return { line, found: decodeText(line.text) };
       } catch (error) {
         if (!(error instanceof FrameText)) throw error;
         return { line, error: error.message };
       }
     }
 
-    const undecided = (layout) => (layout?.asks ?? []).filter((name) => !(name in state.answers));
+    /** Return the names of the questions about a layout that the user has yet to answer. */
+    const unansweredQuestions = (layout) => (layout?.asks ?? []).filter((name) => !(name in state.answers));
 
-    /** Decodes and shows the text; ``isForm`` is true if the text comes from the values of a form. */
-    function show(isForm = false) {
-      follow();
-      text.rows = Math.min(12, Math.max(3, text.value.split("\n").length));
+    /** Decode and show the text. ``isForm`` is true if the text comes from the values of a form. */
+    function showResult(isForm = false) {
+      updateAddress();
+      frameInput.rows = Math.min(12, Math.max(3, frameInput.value.split("\n").length));
       if (!state.found) {
-        asks.replaceChildren();
-        result.replaceChildren(...withoutCode());
+        questionArea.replaceChildren();
+        resultArea.replaceChildren(...helpToFindCode());
         return;
       }
-      const rows = linesOf(text.value).map(row);
-      const layout = rows.find(({ found }) => found?.at)?.found.at.layout ?? register();
-      ask(layout);
-      const missing = undecided(layout);
+      const rows = linesOf(frameInput.value).map(decodeLine);
+      const layout = rows.find(({ found: decoded }) => decoded?.at)?.found.at.layout ?? selectedRegister();
+      askQuestions(layout);
+      const openQuestions = unansweredQuestions(layout);
       const evidence = root.hasAttribute("data-evidence-above") ? [] : [part("p", "note", state.found.family.evidence)];
-      const shown = rows.length > 1 ? many(rows, missing) : rows.flatMap(single);
-      const expected = rows.length ? null : expectedFrame();
-      result.replaceChildren(...notes(), ...shown, ...(expected ? [emptyFrame(expected)] : []), ...evidence);
-      picture?.follow(result, expectedFrame);
-      if (rows.length === 1 && rows[0].found && !isForm && !missing.length) state.fill?.(rows[0].found);
+      const resultParts = rows.length > 1 ? resultOfLines(rows, openQuestions) : rows.flatMap(resultOfLine);
+      const expectedLayout = rows.length ? null : findExpectedLayout();
+      resultArea.replaceChildren(
+        ...listNotes(), ...resultParts, ...(expectedLayout ? [emptyFrame(expectedLayout)] : []), ...evidence);
+      picture?.follow(resultArea, findExpectedLayout);
+      if (rows.length === 1 && rows[0].found && !isForm && !openQuestions.length) state.fill?.(rows[0].found);
     }
 
-    /** The layout to paste, of those that the user can choose: the one with the position. Null if a question is open. */
-    function expectedFrame() {
-      if (register()) return null;
-      const [sender, name] = state.what.split(":");
-      const { interface: over } = state.found;
-      const layouts = over.frames.filter((layout) => layout.sender === sender && (!name || layout.name === name));
-      const decided = layouts.filter((layout) => !undecided(layout).length);
-      const frames = decided.map((layout) => placedFor(state.found, layout, state.held, state.answers));
-      return frames.find((at) => hasPosition(at, over.measure)) ?? (layouts.length === 1 ? frames[0] : null) ?? null;
+    /** Return the layout to paste: the one with the position, of those to choose from. Null if a question is open. */
+    function findExpectedLayout() {
+      if (selectedRegister()) return null;
+      const [sender, layoutName] = state.what.split(":");
+      const { interface: interface_ } = state.found;
+      const layouts = interface_.frames.filter(
+        (layout) => layout.sender === sender && (!layoutName || layout.name === layoutName));
+      const decidedLayouts = layouts.filter((layout) => !unansweredQuestions(layout).length);
+      const placedLayouts = decidedLayouts.map((layout) => placedFor(state.found, layout, state.held, state.answers));
+      return placedLayouts.find((placedLayout) => hasPosition(placedLayout, interface_.measure))
+        ?? (layouts.length === 1 ? placedLayouts[0] : null) ?? null;
     }
 
     /** All about one frame, or the reason why it is not one. */
-    function single({ line, found, error }) {
+    function resultOfLine({ line, found: decoded, error }) {
       if (error) return [part("div", "bad", element("p", {}, sentence(error)))];
-      if (undecided(found.at?.layout).length && found.fields.length) {
-        return [part("div", "warning", element("p", {}, UNDECIDED))];
+      if (unansweredQuestions(decoded.at?.layout).length && decoded.fields.length) {
+        return [part("div", "warning", element("p", {}, UNANSWERED_QUESTION))];
       }
-      if (found.channels) return wholeResultOf(found, state.found.interface.measure);
+      if (decoded.channels) return wholeResultOf(decoded, state.found.interface.measure);
       const [sender] = state.what.split(":");
-      const others = register() ? [] : otherFrames(state.found, sender, line.text, found, state.held, state.answers);
-      return resultOf(found, state.found.interface.measure, others);
+      const otherLayouts = selectedRegister() ? []
+        : otherFrames(state.found, sender, line.text, decoded, state.held, state.answers);
+      return resultOf(decoded, state.found.interface.measure, otherLayouts);
     }
 
-    /** The table of many frames, and one of them in full below it. */
-    function many(rows, missing) {
-      if (missing.length) return [part("div", "warning", element("p", {}, UNDECIDED))];
-      const full = part("div", "full");
-      const pick = (row) => {
-        full.replaceChildren(element("h3", {}, `Line ${row.line.number}`), ...single(row));
-        full.scrollIntoView({ block: "nearest" });
+    /** Return the table of many frames, and one of them in full below it. */
+    function resultOfLines(rows, openQuestions) {
+      if (openQuestions.length) return [part("div", "warning", element("p", {}, UNANSWERED_QUESTION))];
+      const fullResult = part("div", "full");
+      const showInFull = (row) => {
+        fullResult.replaceChildren(element("h3", {}, `Line ${row.line.number}`), ...resultOfLine(row));
+        fullResult.scrollIntoView({ block: "nearest" });
       };
       const { measure } = state.found.interface;
-      return [...togetherOf(rows), tableOf(rows, measure, pick), ...doubtsOfAll(rows, measure), exportsOf(rows), full];
+      return [
+        ...togetherOf(rows), tableOf(rows, measure, showInFull), ...doubtsOfAll(rows, measure), exportsOf(rows),
+        fullResult,
+      ];
     }
 
-    /** Puts the inputs into the address of the page, so that a link to it carries them. */
-    function follow() {
-      link.href = (root.dataset.page ?? "") + linkTo(code.value, text.value, state);
-      link.hidden = !text.value.trim();
+    /** Put the inputs into the address of the page, so that a link to it carries them. */
+    function updateAddress() {
+      frameLink.href = (root.dataset.page ?? "") + buildAddress(codeInput.value, frameInput.value, state);
+      frameLink.hidden = !frameInput.value.trim();
       if (!root.hasAttribute("data-link") || !isSetUp) return;
-      const isEmpty = !code.value.trim() && !text.value.trim();
-      history.replaceState(null, "", isEmpty ? location.pathname + location.search : link.getAttribute("href"));
+      const isEmpty = !codeInput.value.trim() && !frameInput.value.trim();
+      history.replaceState(null, "", isEmpty ? location.pathname + location.search : frameLink.getAttribute("href"));
     }
 
-    function withoutCode() {
-      const pick = (picked, sender = state.what) => {
-        code.value = picked;
+    /** Return the elements that help to find the order code: near codes, and the codes that match the first frame. */
+    function helpToFindCode() {
+      const pickCode = (pickedCode, sender = state.what) => {
+        codeInput.value = pickedCode;
         state.what = sender;
-        codeChanged();
-        code.focus();
+        updateFromCode();
+        codeInput.focus();
       };
-      const help = code.value.trim() ? helpFor(code.value) : "";
-      const nearCodes = help.split(/[\s,;]+/).filter((word) => known.has(word));
-      const start = help ? [part("div", "bad", element("p", {}, sentence(help)), codeButtons(nearCodes, pick))] : [];
-      const [first] = linesOf(text.value);
-      return first ? [...start, ...guessesOf(first.text, pick)] : start;
+      const helpText = codeInput.value.trim() ? explainUnknownCode(codeInput.value) : "";
+      const nearCodes = helpText.split(/[\s,;]+/).filter((word) => marksByCode.has(word));
+      const helpParts = helpText
+        ? [part("div", "bad", element("p", {}, sentence(helpText)), codeButtons(nearCodes, pickCode))] : [];
+      const [firstLine] = linesOf(frameInput.value);
+      return firstLine ? [...helpParts, ...guessesOf(firstLine.text, pickCode)] : helpParts;
     }
 
-    /** How the label differs from the codes in the manual, and the origin of the family. */
-    function notes() {
-      const { family, code: own, tail, isSpecial, unlisted, writtenAsIn } = state.found;
-      const asSpec = isLine(own) ? `To write it as a spec: codewheel new my_encoder --line '${own}'` : "";
-      const written = writtenAsIn ? `The label is written as in ${writtenAsIn}.` : "";
-      const open = unlisted.length ? `Accepted, although not listed in the manual: ${unlisted.join(", ")}.` : "";
-      const special = isSpecial ? family.special_codes ?? "A code that ends in /Sxxx may differ from the manual." : "";
-      const goesOn = tail ? `The label continues with ${tail}.` : "";
-      const all = [asSpec, written, open, goesOn, special, ...(family.about ?? [])];
-      return all.filter(Boolean).map((words) => part("p", "note", words));
+    /** Return the notes on how the label differs from the codes in the manual, and on the origin of the family. */
+    function listNotes() {
+      const { family, code: codeText, tail, isSpecial, unlisted, writtenAsIn } = state.found;
+      const specNote = isLine(codeText) ? `To write it as a spec: codewheel new my_encoder --line '${codeText}'` : "";
+      const spellingNote = writtenAsIn ? `The label is written as in ${writtenAsIn}.` : "";
+      const unlistedNote = unlisted.length ? `Accepted, although not listed in the manual: ${unlisted.join(", ")}.` : "";
+      const specialNote = isSpecial
+        ? family.special_codes ?? "A code that ends in /Sxxx may differ from the manual." : "";
+      const tailNote = tail ? `The label continues with ${tail}.` : "";
+      const allNotes = [specNote, spellingNote, unlistedNote, tailNote, specialNote, ...(family.about ?? [])];
+      return allNotes.filter(Boolean).map((noteText) => part("p", "note", noteText));
     }
 
-    /** The questions that a layout leaves to the user, rebuilt only if they changed. */
-    function ask(layout) {
+    /** Show the questions that a layout leaves to the user. The inputs are built again after a change. */
+    function askQuestions(layout) {
       const { family } = state.found;
       const questions = [...layout?.asks ?? [], ...layout?.offers ?? []];
-      const open = (family.alternatives ?? []).filter(({ name }) => questions.includes(name));
-      const held = (family.held ?? []).filter(({ name }) => layout?.held?.includes(name));
-      const asked = JSON.stringify([state.found.code, open, held]);
-      if (asked === state.asked) return;
-      state.asked = asked;
-      const questionsToAsk = open.map((alternative) => question(state, alternative, show));
-      asks.replaceChildren(...questionsToAsk, ...heldBy(state, held, show));
+      const openAlternatives = (family.alternatives ?? []).filter(({ name }) => questions.includes(name));
+      const heldParameters = (family.held ?? []).filter(({ name }) => layout?.held?.includes(name));
+      const questionsKey = JSON.stringify([state.found.code, openAlternatives, heldParameters]);
+      if (questionsKey === state.asked) return;
+      state.asked = questionsKey;
+      const questionInputs = openAlternatives.map((alternative) => createQuestion(state, alternative, showResult));
+      questionArea.replaceChildren(...questionInputs, ...createRegisterInputs(state, heldParameters, showResult));
     }
 
+    /** Fill the inputs from the address of the page, and show the result. */
     function followAddress() {
       const parameters = new URLSearchParams(location.hash.slice(1));
       if (![...parameters.keys()].length) return;
-      code.value = parameters.get("code") ?? "";
-      text.value = parameters.get("frame") ?? "";
+      codeInput.value = parameters.get("code") ?? "";
+      frameInput.value = parameters.get("frame") ?? "";
       state.what = parameters.has("as") ? `=${parameters.get("as")}` : parameters.get("from") ?? "encoder";
-      codeChanged();
+      updateFromCode();
       state.answers = named(Object.fromEntries(parameters.getAll("choose").map((pair) => pair.split("="))));
       state.asked = "";
-      show();
+      showResult();
     }
 
     root.replaceChildren(
-      labelled("Order code, as on the label", code, "Leave it empty to list the codes that match the frame. "
-        + "Any other encoder: one line, such as biss:position=32,error,warning,crc=6:0x43."), codes,
-      labelled("Type", what), ...(builder ? [builder.root] : []),
-      labelled("Frames, one per line, or the bytes of a register", text,
+      createLabelledInput("Order code, as on the label", codeInput,
+        "Leave it empty to list the codes that match the frame. "
+        + "Any other encoder: one line, such as biss:position=32,error,warning,crc=6:0x43."), codeList,
+      createLabelledInput("Type", typeSelect), ...(builder ? [builder.root] : []),
+      createLabelledInput("Frames, one per line, or the bytes of a register", frameInput,
         "Hex bytes, or one number (0x… or 0b…), in any usual notation. A line can begin with a time. "
         + "Text after # is a comment."),
-      asks, form, result, part("p", "link", link));
-    code.addEventListener("input", codeChanged);
-    what.addEventListener("change", () => {
-      state.what = what.value;
-      whatChanged();
+      questionArea, formArea, resultArea, part("p", "link", frameLink));
+    codeInput.addEventListener("input", updateFromCode);
+    typeSelect.addEventListener("change", () => {
+      state.what = typeSelect.value;
+      updateFromType();
     });
-    text.addEventListener("input", () => show());
-    codeChanged();
+    frameInput.addEventListener("input", () => showResult());
+    updateFromCode();
     if (root.hasAttribute("data-link")) {
       addEventListener("hashchange", followAddress);
       followAddress();
@@ -3347,29 +3626,34 @@
     isSetUp = true;
   }
 
-  /** Whether a frame has the measured number, whole or as fields. */
-  const hasPosition = (at, measure) =>
-    Boolean(measure) && [...at.fields, ...at.joins].some(({ name }) => name === measure.of || name === measure.part);
+  /** Return whether a frame has the measured number, whole or as fields. */
+  const hasPosition = (placedLayout, measure) =>
+    Boolean(measure)
+    && [...placedLayout.fields, ...placedLayout.joins].some(({ name }) => name === measure.of || name === measure.part);
 
-  /** The picture of a frame on the page, which ``follow`` replaces by the drawing in a result, or an empty one. */
-  function framePicture(section) {
-    const printed = section.querySelector("picture");
-    if (!printed) return null;
-    const drawing = element("div", { class: `${CLASS}-picture` });
-    printed.before(drawing);
+  /**
+   * Prepare the picture of a frame on the page. Return {follow}, which replaces it by the drawing in a result, or by an
+   * empty drawing, or return null if the section lacks a picture.
+   */
+  function createFramePicture(section) {
+    const printedPicture = section.querySelector("picture");
+    if (!printedPicture) return null;
+    const drawingArea = element("div", { class: `${CLASS}-picture` });
+    printedPicture.before(drawingArea);
     return {
-      follow(result, expectedFrame) {
-        const drawings = result.querySelectorAll(`:scope > .${CLASS}-frame-drawing`);
-        const filled = drawings.length === 1 ? drawings[0] : null;
-        const expected = drawings.length ? null : expectedFrame();
-        drawing.replaceChildren(...(filled ? [filled] : expected ? [emptyFrame(expected)] : []));
-        printed.classList.toggle(`${CLASS}-printed`, Boolean(filled || expected));
+      follow(resultArea, findExpectedLayout) {
+        const drawings = resultArea.querySelectorAll(`:scope > .${CLASS}-frame-drawing`);
+        const filledDrawing = drawings.length === 1 ? drawings[0] : null;
+        const expectedLayout = drawings.length ? null : findExpectedLayout();
+        drawingArea.replaceChildren(
+          ...(filledDrawing ? [filledDrawing] : expectedLayout ? [emptyFrame(expectedLayout)] : []));
+        printedPicture.classList.toggle(`${CLASS}-printed`, Boolean(filledDrawing || expectedLayout));
       },
     };
   }
 
-  /** Why a text is not an order code, and what would be. */
-  function helpFor(label) {
+  /** Return the message that helps with a wrong order code, or an empty string if the order code is right. */
+  function explainUnknownCode(label) {
     try {
       readLabel(label);
       return "";
@@ -3379,67 +3663,70 @@
     }
   }
 
-  const UNDECIDED = "The manual is ambiguous here. Choose above, because there is no default.";
+  const UNANSWERED_QUESTION = "The manual is ambiguous here. Choose above, because there is no default.";
 
-  /** The frames of a sender to choose from: one entry, or one for each frame if nothing in a frame identifies it. */
-  function framesOf(interface_, sender) {
+  /** Create the frames of a sender to choose from: one option, or one for each frame if the frames lack a selector. */
+  function createFrameChoices(interface_, sender) {
     const layouts = interface_.frames.filter((layout) => layout.sender === sender);
-    const isIdentified = interface_.told?.some((dispatch) => dispatch.sender === sender);
-    if (layouts.length < 2 || isIdentified) return [option(sender, `a frame from the ${sender}`)];
-    const hasWhole = interface_.channels && sender === "encoder";
-    const whole = hasWhole ? [option(sender, `a whole frame, from the ${sender}`)] : [];
-    const titles = layouts.map(({ name }) => option(`${sender}:${name}`, `${name.replaceAll("_", " ")}, from the ${sender}`));
-    return [...whole, ...titles];
+    const isIdentified = interface_.told?.some((selector) => selector.sender === sender);
+    if (layouts.length < 2 || isIdentified) return [createOption(sender, `a frame from the ${sender}`)];
+    const hasWholeFrame = interface_.channels && sender === "encoder";
+    const wholeFrameChoice = hasWholeFrame ? [createOption(sender, `a whole frame, from the ${sender}`)] : [];
+    const layoutChoices = layouts.map(
+      ({ name }) => createOption(`${sender}:${name}`, `${name.replaceAll("_", " ")}, from the ${sender}`));
+    return [...wholeFrameChoice, ...layoutChoices];
   }
 
-  function linkTo(code, text, state) {
-    const parameters = new URLSearchParams({ code, frame: text.trim() });
+  /** Return the part of an address after #, with the inputs of the box. */
+  function buildAddress(code, frameText, state) {
+    const parameters = new URLSearchParams({ code, frame: frameText.trim() });
     if (state.what.startsWith("=")) parameters.set("as", state.what.slice(1));
     else if (state.what !== "encoder") parameters.set("from", state.what);
     for (const [name, answer] of Object.entries(state.answers)) parameters.append("choose", `${name}=${answer}`);
     return `#${parameters}`;
   }
 
-  /** A question that the manual leaves open, with its answers. Without a default, none is selected at first. */
-  function question(state, alternative, show) {
-    const answers = alternative.answers.map(([name, meaning]) => {
-      const radio = element("input", { type: "radio", name: `${CLASS}-${boxes}-${alternative.name}`, value: name });
+  /** Create a question that the manual leaves open, with its answers. If it lacks a default, it starts unanswered. */
+  function createQuestion(state, alternative, showResult) {
+    const answerLabels = alternative.answers.map(([name, meaning]) => {
+      const radio = element("input", { type: "radio", name: `${CLASS}-${idCounter}-${alternative.name}`, value: name });
       radio.checked = (state.answers[alternative.name] ?? alternative.default) === name;
       radio.addEventListener("change", () => {
         state.answers[alternative.name] = name;
-        show();
+        showResult();
       });
       return element("label", {}, radio, ` ${name}: ${meaning}`);
     });
-    boxes += 1;
-    return element("fieldset", {}, element("legend", {}, sentence(alternative.meaning)), answers);
+    idCounter += 1;
+    return element("fieldset", {}, element("legend", {}, sentence(alternative.meaning)), answerLabels);
   }
 
-  /** The register contents that a frame depends on: those of the order code, unless the user enters others. */
-  function heldBy(state, held, show) {
-    if (!held.length) return [];
-    const defaults = parametersOf(state.found);
-    const inputs = held.map(({ name, meaning, at, min, max, values }) => {
+  /** Create inputs for the register contents that a frame depends on. By default, those of the order code apply. */
+  function createRegisterInputs(state, heldParameters, showResult) {
+    if (!heldParameters.length) return [];
+    const defaults = computeParameters(state.found);
+    const inputs = heldParameters.map(({ name, meaning, at: registerName, min, max, values }) => {
       const input = element("input", { inputmode: "numeric", autocomplete: "off" });
       input.placeholder = `${defaults[name]}`;
       const isAllowed = (number) => number >= big(min) && (max === undefined || number <= big(max))
-        && (!values || values.some((allowed) => big(allowed) === number));
+        && (!values || values.some((allowedNumber) => big(allowedNumber) === number));
       input.addEventListener("input", () => {
-        const number = numberOrNull(input.value);
+        const number = parseNumberOrNull(input.value);
         const isValid = number !== null && isAllowed(number);
         input.setAttribute("aria-invalid", `${input.value.trim() !== "" && !isValid}`);
         delete state.held[name];
         if (isValid) state.held[name] = number;
-        show();
+        showResult();
       });
       const range = values?.join(", ") ?? `${min ?? 0} to ${max ?? "the highest value"}`;
-      return labelled(meaning, input, `${at}, ${range}`);
+      return createLabelledInput(meaning, input, `${registerName}, ${range}`);
     });
     const summary = element("summary", {}, "Registers have factory defaults. Enter the contents of yours");
     return [element("details", {}, summary, inputs)];
   }
 
-  const numberOrNull = (text) => (/^\s*(\d+|0x[0-9a-f]+)\s*$/i.test(text) ? BigInt(text.trim()) : null);
+  /** Return the decimal or hexadecimal number that a text is, otherwise null. */
+  const parseNumberOrNull = (text) => (/^\s*(\d+|0x[0-9a-f]+)\s*$/i.test(text) ? BigInt(text.trim()) : null);
 
   const PALETTE = `:root {
   --codewheel-page: #ffffff;

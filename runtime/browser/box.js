@@ -1,224 +1,246 @@
 // Licence 0BSD: use, modify and distribute this file without any condition.
 // The box, its inputs and their effects.
 
-let boxes = 0;
+/** Counts the ids of inputs, lists and questions, so that each is unique on the page. */
+let idCounter = 0;
 
-/** An input with its label and hint. */
-function labelled(text, input, hint = "") {
-  boxes += 1;
-  input.id = `${CLASS}-${boxes}`;
-  const help = hint && element("span", { class: `${CLASS}-hint`, id: `${input.id}-hint` }, hint);
-  if (hint) input.setAttribute("aria-describedby", help.id);
-  return part("p", "item", element("label", { for: input.id }, text), input, help);
+/** Return an input in a paragraph with its label and hint. */
+function createLabelledInput(text, input, hint = "") {
+  idCounter += 1;
+  input.id = `${CLASS}-${idCounter}`;
+  const hintElement = hint && element("span", { class: `${CLASS}-hint`, id: `${input.id}-hint` }, hint);
+  if (hint) input.setAttribute("aria-describedby", hintElement.id);
+  return part("p", "item", element("label", { for: input.id }, text), input, hintElement);
 }
 
-const option = (name, text = "") => element("option", { value: name }, text);
+/** Create an option of a selection or list, with its value and text. */
+const createOption = (name, text = "") => element("option", { value: name }, text);
 
 /**
- * A box in an element: ``data-code`` fills in an order code and ``data-frame`` frames. ``data-link`` follows the address
- * of the page. ``data-page`` is the address of a page with such a box, which the box links to.
- * ``data-evidence-above`` says that the page around the box states the evidence. ``data-picture`` is the id of a section
- * whose picture of the frame the box replaces by its own drawing, which a pasted frame fills.
+ * Fill an element with a box: ``data-code`` fills in an order code and ``data-frame`` frames. ``data-link`` follows the
+ * address of the page. ``data-page`` is the address of a page with such a box, which the box links to.
+ * ``data-evidence-above`` says that the page around the box states the evidence. ``data-picture`` is the id of a
+ * section whose picture of the frame the box replaces by its own drawing, which a pasted frame fills.
  */
 function box(root) {
-  const known = new Map(TABLE.families.flatMap((family) => family.codes.map((row) => [row[0], family.mark ?? ""])));
-  const codes = element("datalist", { id: `${CLASS}-codes-${boxes}` }, [...known].map(([name, mark]) => option(name, mark)));
-  const code = element("input", { list: codes.id, autocomplete: "off", spellcheck: "false" });
-  code.value = root.dataset.code ?? "";
-  const what = element("select");
-  const text = element("textarea", { rows: "3", spellcheck: "false", autocomplete: "off" });
-  text.value = root.dataset.frame ?? "";
-  const [asks, form, result] = ["asks", "form", "result"].map((name) => part("div", name));
-  const link = element("a", {}, root.dataset.page ? "All about this frame, and a link to it" : "Link to this");
-  result.setAttribute("role", "status");
-  const builder = root.hasAttribute("data-link") ? lineBuilder(() => code.value, (line) => {
-    code.value = line;
-    codeChanged();
+  const marksByCode = new Map(TABLE.families.flatMap(
+    (family) => family.codes.map((row) => [row[0], family.mark ?? ""])));
+  const codeList = element("datalist", { id: `${CLASS}-codes-${idCounter}` },
+    [...marksByCode].map(([name, mark]) => createOption(name, mark)));
+  const codeInput = element("input", { list: codeList.id, autocomplete: "off", spellcheck: "false" });
+  codeInput.value = root.dataset.code ?? "";
+  const typeSelect = element("select");
+  const frameInput = element("textarea", { rows: "3", spellcheck: "false", autocomplete: "off" });
+  frameInput.value = root.dataset.frame ?? "";
+  const [questionArea, formArea, resultArea] = ["asks", "form", "result"].map((name) => part("div", name));
+  const frameLink = element("a", {}, root.dataset.page ? "All about this frame, and a link to it" : "Link to this");
+  resultArea.setAttribute("role", "status");
+  const builder = root.hasAttribute("data-link") ? createLineBuilder(() => codeInput.value, (line) => {
+    codeInput.value = line;
+    updateFromCode();
   }) : null;
-  const section = root.dataset.picture ? document.getElementById(root.dataset.picture) : null;
-  const picture = section && framePicture(section);
+  const pictureSection = root.dataset.picture ? document.getElementById(root.dataset.picture) : null;
+  const picture = pictureSection && createFramePicture(pictureSection);
   let isSetUp = false;
   const state = { found: null, what: "encoder", answers: named(), held: named(), asked: "", fill: null };
 
-  /** The selected register, if any. */
-  const register = () => state.found?.interface.registers?.find(({ name }) => `=${name}` === state.what);
+  /** Return the selected register, if any. */
+  const selectedRegister = () => state.found?.interface.registers?.find(({ name }) => `=${name}` === state.what);
 
-  function codeChanged() {
+  /** Read the order code, offer its frames and registers to choose from, and update the rest of the box. */
+  function updateFromCode() {
     builder?.follow();
-    const found = findCode(code.value);
-    if (found?.code !== state.found?.code) Object.assign(state, { answers: named(), held: named(), asked: "" });
-    state.found = found;
-    const senders = [...new Set((found?.interface.frames ?? []).map((layout) => layout.sender))];
-    const registers = found?.interface.registers ?? [];
-    const frames = senders.flatMap((sender) => framesOf(found.interface, sender));
-    const registerChoices = registers.map(({ name, title, place }) => option(`=${name}`, `${title}, ${place}`));
-    const groups = registerChoices.length
+    const orderCode = findCode(codeInput.value);
+    if (orderCode?.code !== state.found?.code) Object.assign(state, { answers: named(), held: named(), asked: "" });
+    state.found = orderCode;
+    const senders = [...new Set((orderCode?.interface.frames ?? []).map((layout) => layout.sender))];
+    const registers = orderCode?.interface.registers ?? [];
+    const frameChoices = senders.flatMap((sender) => createFrameChoices(orderCode.interface, sender));
+    const registerChoices = registers.map(({ name, title, place }) => createOption(`=${name}`, `${title}, ${place}`));
+    const registerGroups = registerChoices.length
       ? [element("optgroup", { label: "the bytes of a register" }, registerChoices)] : [];
-    what.replaceChildren(...frames, ...groups);
-    const choices = [...frames, ...registerChoices].map((choice) => choice.value);
-    if (!choices.includes(state.what)) {
-      state.what = choices.find((choice) => choice.startsWith("encoder")) ?? choices[0] ?? "encoder";
+    typeSelect.replaceChildren(...frameChoices, ...registerGroups);
+    const choiceValues = [...frameChoices, ...registerChoices].map((choice) => choice.value);
+    if (!choiceValues.includes(state.what)) {
+      state.what = choiceValues.find((choice) => choice.startsWith("encoder")) ?? choiceValues[0] ?? "encoder";
     }
-    what.value = state.what;
-    what.parentElement.hidden = choices.length < 2;
-    whatChanged();
+    typeSelect.value = state.what;
+    typeSelect.parentElement.hidden = choiceValues.length < 2;
+    updateFromType();
   }
 
-  function whatChanged() {
-    const { parts, fill } = register() ? registerForm(state, register(), text, show) : { parts: [], fill: null };
-    form.replaceChildren(...parts);
+  /** Build the form of the selected register, if any, and show the result. */
+  function updateFromType() {
+    const { parts, fill } = selectedRegister()
+      ? createRegisterForm(state, selectedRegister(), frameInput, showResult) : { parts: [], fill: null };
+    formArea.replaceChildren(...parts);
     state.fill = fill;
-    show();
+    showResult();
   }
 
-  function decoded(frameText) {
-    const { found, held, answers } = state;
-    if (register()) return decodeRegister(found, register(), frameText, held, answers);
-    return decodeFrame(found, state.what, frameText, held, answers);
+  /** Decode a text as the selected register or frame. */
+  function decodeText(frameText) {
+    const { found: orderCode, held: registerContents, answers } = state;
+    if (selectedRegister()) return decodeRegister(orderCode, selectedRegister(), frameText, registerContents, answers);
+    return decodeFrame(orderCode, state.what, frameText, registerContents, answers);
   }
 
-  function row(line) {
+  /** Return {line, found} with the decoded frame of a line, or {line, error} with the reason why it is unreadable. */
+  function decodeLine(line) {
     try {
-      return { line, found: decoded(line.text) };
+      return { line, found: decodeText(line.text) };
     } catch (error) {
       if (!(error instanceof FrameText)) throw error;
       return { line, error: error.message };
     }
   }
 
-  const undecided = (layout) => (layout?.asks ?? []).filter((name) => !(name in state.answers));
+  /** Return the names of the questions about a layout that the user has yet to answer. */
+  const unansweredQuestions = (layout) => (layout?.asks ?? []).filter((name) => !(name in state.answers));
 
-  /** Decodes and shows the text; ``isForm`` is true if the text comes from the values of a form. */
-  function show(isForm = false) {
-    follow();
-    text.rows = Math.min(12, Math.max(3, text.value.split("\n").length));
+  /** Decode and show the text. ``isForm`` is true if the text comes from the values of a form. */
+  function showResult(isForm = false) {
+    updateAddress();
+    frameInput.rows = Math.min(12, Math.max(3, frameInput.value.split("\n").length));
     if (!state.found) {
-      asks.replaceChildren();
-      result.replaceChildren(...withoutCode());
+      questionArea.replaceChildren();
+      resultArea.replaceChildren(...helpToFindCode());
       return;
     }
-    const rows = linesOf(text.value).map(row);
-    const layout = rows.find(({ found }) => found?.at)?.found.at.layout ?? register();
-    ask(layout);
-    const missing = undecided(layout);
+    const rows = linesOf(frameInput.value).map(decodeLine);
+    const layout = rows.find(({ found: decoded }) => decoded?.at)?.found.at.layout ?? selectedRegister();
+    askQuestions(layout);
+    const openQuestions = unansweredQuestions(layout);
     const evidence = root.hasAttribute("data-evidence-above") ? [] : [part("p", "note", state.found.family.evidence)];
-    const shown = rows.length > 1 ? many(rows, missing) : rows.flatMap(single);
-    const expected = rows.length ? null : expectedFrame();
-    result.replaceChildren(...notes(), ...shown, ...(expected ? [emptyFrame(expected)] : []), ...evidence);
-    picture?.follow(result, expectedFrame);
-    if (rows.length === 1 && rows[0].found && !isForm && !missing.length) state.fill?.(rows[0].found);
+    const resultParts = rows.length > 1 ? resultOfLines(rows, openQuestions) : rows.flatMap(resultOfLine);
+    const expectedLayout = rows.length ? null : findExpectedLayout();
+    resultArea.replaceChildren(
+      ...listNotes(), ...resultParts, ...(expectedLayout ? [emptyFrame(expectedLayout)] : []), ...evidence);
+    picture?.follow(resultArea, findExpectedLayout);
+    if (rows.length === 1 && rows[0].found && !isForm && !openQuestions.length) state.fill?.(rows[0].found);
   }
 
-  /** The layout to paste, of those that the user can choose: the one with the position. Null if a question is open. */
-  function expectedFrame() {
-    if (register()) return null;
-    const [sender, name] = state.what.split(":");
-    const { interface: over } = state.found;
-    const layouts = over.frames.filter((layout) => layout.sender === sender && (!name || layout.name === name));
-    const decided = layouts.filter((layout) => !undecided(layout).length);
-    const frames = decided.map((layout) => placedFor(state.found, layout, state.held, state.answers));
-    return frames.find((at) => hasPosition(at, over.measure)) ?? (layouts.length === 1 ? frames[0] : null) ?? null;
+  /** Return the layout to paste: the one with the position, of those to choose from. Null if a question is open. */
+  function findExpectedLayout() {
+    if (selectedRegister()) return null;
+    const [sender, layoutName] = state.what.split(":");
+    const { interface: interface_ } = state.found;
+    const layouts = interface_.frames.filter(
+      (layout) => layout.sender === sender && (!layoutName || layout.name === layoutName));
+    const decidedLayouts = layouts.filter((layout) => !unansweredQuestions(layout).length);
+    const placedLayouts = decidedLayouts.map((layout) => placedFor(state.found, layout, state.held, state.answers));
+    return placedLayouts.find((placedLayout) => hasPosition(placedLayout, interface_.measure))
+      ?? (layouts.length === 1 ? placedLayouts[0] : null) ?? null;
   }
 
   /** All about one frame, or the reason why it is not one. */
-  function single({ line, found, error }) {
+  function resultOfLine({ line, found: decoded, error }) {
     if (error) return [part("div", "bad", element("p", {}, sentence(error)))];
-    if (undecided(found.at?.layout).length && found.fields.length) {
-      return [part("div", "warning", element("p", {}, UNDECIDED))];
+    if (unansweredQuestions(decoded.at?.layout).length && decoded.fields.length) {
+      return [part("div", "warning", element("p", {}, UNANSWERED_QUESTION))];
     }
-    if (found.channels) return wholeResultOf(found, state.found.interface.measure);
+    if (decoded.channels) return wholeResultOf(decoded, state.found.interface.measure);
     const [sender] = state.what.split(":");
-    const others = register() ? [] : otherFrames(state.found, sender, line.text, found, state.held, state.answers);
-    return resultOf(found, state.found.interface.measure, others);
+    const otherLayouts = selectedRegister() ? []
+      : otherFrames(state.found, sender, line.text, decoded, state.held, state.answers);
+    return resultOf(decoded, state.found.interface.measure, otherLayouts);
   }
 
-  /** The table of many frames, and one of them in full below it. */
-  function many(rows, missing) {
-    if (missing.length) return [part("div", "warning", element("p", {}, UNDECIDED))];
-    const full = part("div", "full");
-    const pick = (row) => {
-      full.replaceChildren(element("h3", {}, `Line ${row.line.number}`), ...single(row));
-      full.scrollIntoView({ block: "nearest" });
+  /** Return the table of many frames, and one of them in full below it. */
+  function resultOfLines(rows, openQuestions) {
+    if (openQuestions.length) return [part("div", "warning", element("p", {}, UNANSWERED_QUESTION))];
+    const fullResult = part("div", "full");
+    const showInFull = (row) => {
+      fullResult.replaceChildren(element("h3", {}, `Line ${row.line.number}`), ...resultOfLine(row));
+      fullResult.scrollIntoView({ block: "nearest" });
     };
     const { measure } = state.found.interface;
-    return [...togetherOf(rows), tableOf(rows, measure, pick), ...doubtsOfAll(rows, measure), exportsOf(rows), full];
+    return [
+      ...togetherOf(rows), tableOf(rows, measure, showInFull), ...doubtsOfAll(rows, measure), exportsOf(rows),
+      fullResult,
+    ];
   }
 
-  /** Puts the inputs into the address of the page, so that a link to it carries them. */
-  function follow() {
-    link.href = (root.dataset.page ?? "") + linkTo(code.value, text.value, state);
-    link.hidden = !text.value.trim();
+  /** Put the inputs into the address of the page, so that a link to it carries them. */
+  function updateAddress() {
+    frameLink.href = (root.dataset.page ?? "") + buildAddress(codeInput.value, frameInput.value, state);
+    frameLink.hidden = !frameInput.value.trim();
     if (!root.hasAttribute("data-link") || !isSetUp) return;
-    const isEmpty = !code.value.trim() && !text.value.trim();
-    history.replaceState(null, "", isEmpty ? location.pathname + location.search : link.getAttribute("href"));
+    const isEmpty = !codeInput.value.trim() && !frameInput.value.trim();
+    history.replaceState(null, "", isEmpty ? location.pathname + location.search : frameLink.getAttribute("href"));
   }
 
-  function withoutCode() {
-    const pick = (picked, sender = state.what) => {
-      code.value = picked;
+  /** Return the elements that help to find the order code: near codes, and the codes that match the first frame. */
+  function helpToFindCode() {
+    const pickCode = (pickedCode, sender = state.what) => {
+      codeInput.value = pickedCode;
       state.what = sender;
-      codeChanged();
-      code.focus();
+      updateFromCode();
+      codeInput.focus();
     };
-    const help = code.value.trim() ? helpFor(code.value) : "";
-    const nearCodes = help.split(/[\s,;]+/).filter((word) => known.has(word));
-    const start = help ? [part("div", "bad", element("p", {}, sentence(help)), codeButtons(nearCodes, pick))] : [];
-    const [first] = linesOf(text.value);
-    return first ? [...start, ...guessesOf(first.text, pick)] : start;
+    const helpText = codeInput.value.trim() ? explainUnknownCode(codeInput.value) : "";
+    const nearCodes = helpText.split(/[\s,;]+/).filter((word) => marksByCode.has(word));
+    const helpParts = helpText
+      ? [part("div", "bad", element("p", {}, sentence(helpText)), codeButtons(nearCodes, pickCode))] : [];
+    const [firstLine] = linesOf(frameInput.value);
+    return firstLine ? [...helpParts, ...guessesOf(firstLine.text, pickCode)] : helpParts;
   }
 
-  /** How the label differs from the codes in the manual, and the origin of the family. */
-  function notes() {
-    const { family, code: own, tail, isSpecial, unlisted, writtenAsIn } = state.found;
-    const asSpec = isLine(own) ? `To write it as a spec: codewheel new my_encoder --line '${own}'` : "";
-    const written = writtenAsIn ? `The label is written as in ${writtenAsIn}.` : "";
-    const open = unlisted.length ? `Accepted, although not listed in the manual: ${unlisted.join(", ")}.` : "";
-    const special = isSpecial ? family.special_codes ?? "A code that ends in /Sxxx may differ from the manual." : "";
-    const goesOn = tail ? `The label continues with ${tail}.` : "";
-    const all = [asSpec, written, open, goesOn, special, ...(family.about ?? [])];
-    return all.filter(Boolean).map((words) => part("p", "note", words));
+  /** Return the notes on how the label differs from the codes in the manual, and on the origin of the family. */
+  function listNotes() {
+    const { family, code: codeText, tail, isSpecial, unlisted, writtenAsIn } = state.found;
+    const specNote = isLine(codeText) ? `To write it as a spec: codewheel new my_encoder --line '${codeText}'` : "";
+    const spellingNote = writtenAsIn ? `The label is written as in ${writtenAsIn}.` : "";
+    const unlistedNote = unlisted.length ? `Accepted, although not listed in the manual: ${unlisted.join(", ")}.` : "";
+    const specialNote = isSpecial
+      ? family.special_codes ?? "A code that ends in /Sxxx may differ from the manual." : "";
+    const tailNote = tail ? `The label continues with ${tail}.` : "";
+    const allNotes = [specNote, spellingNote, unlistedNote, tailNote, specialNote, ...(family.about ?? [])];
+    return allNotes.filter(Boolean).map((noteText) => part("p", "note", noteText));
   }
 
-  /** The questions that a layout leaves to the user, rebuilt only if they changed. */
-  function ask(layout) {
+  /** Show the questions that a layout leaves to the user. The inputs are built again after a change. */
+  function askQuestions(layout) {
     const { family } = state.found;
     const questions = [...layout?.asks ?? [], ...layout?.offers ?? []];
-    const open = (family.alternatives ?? []).filter(({ name }) => questions.includes(name));
-    const held = (family.held ?? []).filter(({ name }) => layout?.held?.includes(name));
-    const asked = JSON.stringify([state.found.code, open, held]);
-    if (asked === state.asked) return;
-    state.asked = asked;
-    const questionsToAsk = open.map((alternative) => question(state, alternative, show));
-    asks.replaceChildren(...questionsToAsk, ...heldBy(state, held, show));
+    const openAlternatives = (family.alternatives ?? []).filter(({ name }) => questions.includes(name));
+    const heldParameters = (family.held ?? []).filter(({ name }) => layout?.held?.includes(name));
+    const questionsKey = JSON.stringify([state.found.code, openAlternatives, heldParameters]);
+    if (questionsKey === state.asked) return;
+    state.asked = questionsKey;
+    const questionInputs = openAlternatives.map((alternative) => createQuestion(state, alternative, showResult));
+    questionArea.replaceChildren(...questionInputs, ...createRegisterInputs(state, heldParameters, showResult));
   }
 
+  /** Fill the inputs from the address of the page, and show the result. */
   function followAddress() {
     const parameters = new URLSearchParams(location.hash.slice(1));
     if (![...parameters.keys()].length) return;
-    code.value = parameters.get("code") ?? "";
-    text.value = parameters.get("frame") ?? "";
+    codeInput.value = parameters.get("code") ?? "";
+    frameInput.value = parameters.get("frame") ?? "";
     state.what = parameters.has("as") ? `=${parameters.get("as")}` : parameters.get("from") ?? "encoder";
-    codeChanged();
+    updateFromCode();
     state.answers = named(Object.fromEntries(parameters.getAll("choose").map((pair) => pair.split("="))));
     state.asked = "";
-    show();
+    showResult();
   }
 
   root.replaceChildren(
-    labelled("Order code, as on the label", code, "Leave it empty to list the codes that match the frame. "
-      + "Any other encoder: one line, such as biss:position=32,error,warning,crc=6:0x43."), codes,
-    labelled("Type", what), ...(builder ? [builder.root] : []),
-    labelled("Frames, one per line, or the bytes of a register", text,
+    createLabelledInput("Order code, as on the label", codeInput,
+      "Leave it empty to list the codes that match the frame. "
+      + "Any other encoder: one line, such as biss:position=32,error,warning,crc=6:0x43."), codeList,
+    createLabelledInput("Type", typeSelect), ...(builder ? [builder.root] : []),
+    createLabelledInput("Frames, one per line, or the bytes of a register", frameInput,
       "Hex bytes, or one number (0x… or 0b…), in any usual notation. A line can begin with a time. "
       + "Text after # is a comment."),
-    asks, form, result, part("p", "link", link));
-  code.addEventListener("input", codeChanged);
-  what.addEventListener("change", () => {
-    state.what = what.value;
-    whatChanged();
+    questionArea, formArea, resultArea, part("p", "link", frameLink));
+  codeInput.addEventListener("input", updateFromCode);
+  typeSelect.addEventListener("change", () => {
+    state.what = typeSelect.value;
+    updateFromType();
   });
-  text.addEventListener("input", () => show());
-  codeChanged();
+  frameInput.addEventListener("input", () => showResult());
+  updateFromCode();
   if (root.hasAttribute("data-link")) {
     addEventListener("hashchange", followAddress);
     followAddress();
@@ -226,29 +248,34 @@ function box(root) {
   isSetUp = true;
 }
 
-/** Whether a frame has the measured number, whole or as fields. */
-const hasPosition = (at, measure) =>
-  Boolean(measure) && [...at.fields, ...at.joins].some(({ name }) => name === measure.of || name === measure.part);
+/** Return whether a frame has the measured number, whole or as fields. */
+const hasPosition = (placedLayout, measure) =>
+  Boolean(measure)
+  && [...placedLayout.fields, ...placedLayout.joins].some(({ name }) => name === measure.of || name === measure.part);
 
-/** The picture of a frame on the page, which ``follow`` replaces by the drawing in a result, or an empty one. */
-function framePicture(section) {
-  const printed = section.querySelector("picture");
-  if (!printed) return null;
-  const drawing = element("div", { class: `${CLASS}-picture` });
-  printed.before(drawing);
+/**
+ * Prepare the picture of a frame on the page. Return {follow}, which replaces it by the drawing in a result, or by an
+ * empty drawing, or return null if the section lacks a picture.
+ */
+function createFramePicture(section) {
+  const printedPicture = section.querySelector("picture");
+  if (!printedPicture) return null;
+  const drawingArea = element("div", { class: `${CLASS}-picture` });
+  printedPicture.before(drawingArea);
   return {
-    follow(result, expectedFrame) {
-      const drawings = result.querySelectorAll(`:scope > .${CLASS}-frame-drawing`);
-      const filled = drawings.length === 1 ? drawings[0] : null;
-      const expected = drawings.length ? null : expectedFrame();
-      drawing.replaceChildren(...(filled ? [filled] : expected ? [emptyFrame(expected)] : []));
-      printed.classList.toggle(`${CLASS}-printed`, Boolean(filled || expected));
+    follow(resultArea, findExpectedLayout) {
+      const drawings = resultArea.querySelectorAll(`:scope > .${CLASS}-frame-drawing`);
+      const filledDrawing = drawings.length === 1 ? drawings[0] : null;
+      const expectedLayout = drawings.length ? null : findExpectedLayout();
+      drawingArea.replaceChildren(
+        ...(filledDrawing ? [filledDrawing] : expectedLayout ? [emptyFrame(expectedLayout)] : []));
+      printedPicture.classList.toggle(`${CLASS}-printed`, Boolean(filledDrawing || expectedLayout));
     },
   };
 }
 
-/** Why a text is not an order code, and what would be. */
-function helpFor(label) {
+/** Return the message that helps with a wrong order code, or an empty string if the order code is right. */
+function explainUnknownCode(label) {
   try {
     readLabel(label);
     return "";
@@ -258,64 +285,67 @@ function helpFor(label) {
   }
 }
 
-const UNDECIDED = "The manual is ambiguous here. Choose above, because there is no default.";
+const UNANSWERED_QUESTION = "The manual is ambiguous here. Choose above, because there is no default.";
 
-/** The frames of a sender to choose from: one entry, or one for each frame if nothing in a frame identifies it. */
-function framesOf(interface_, sender) {
+/** Create the frames of a sender to choose from: one option, or one for each frame if the frames lack a selector. */
+function createFrameChoices(interface_, sender) {
   const layouts = interface_.frames.filter((layout) => layout.sender === sender);
-  const isIdentified = interface_.told?.some((dispatch) => dispatch.sender === sender);
-  if (layouts.length < 2 || isIdentified) return [option(sender, `a frame from the ${sender}`)];
-  const hasWhole = interface_.channels && sender === "encoder";
-  const whole = hasWhole ? [option(sender, `a whole frame, from the ${sender}`)] : [];
-  const titles = layouts.map(({ name }) => option(`${sender}:${name}`, `${name.replaceAll("_", " ")}, from the ${sender}`));
-  return [...whole, ...titles];
+  const isIdentified = interface_.told?.some((selector) => selector.sender === sender);
+  if (layouts.length < 2 || isIdentified) return [createOption(sender, `a frame from the ${sender}`)];
+  const hasWholeFrame = interface_.channels && sender === "encoder";
+  const wholeFrameChoice = hasWholeFrame ? [createOption(sender, `a whole frame, from the ${sender}`)] : [];
+  const layoutChoices = layouts.map(
+    ({ name }) => createOption(`${sender}:${name}`, `${name.replaceAll("_", " ")}, from the ${sender}`));
+  return [...wholeFrameChoice, ...layoutChoices];
 }
 
-function linkTo(code, text, state) {
-  const parameters = new URLSearchParams({ code, frame: text.trim() });
+/** Return the part of an address after #, with the inputs of the box. */
+function buildAddress(code, frameText, state) {
+  const parameters = new URLSearchParams({ code, frame: frameText.trim() });
   if (state.what.startsWith("=")) parameters.set("as", state.what.slice(1));
   else if (state.what !== "encoder") parameters.set("from", state.what);
   for (const [name, answer] of Object.entries(state.answers)) parameters.append("choose", `${name}=${answer}`);
   return `#${parameters}`;
 }
 
-/** A question that the manual leaves open, with its answers. Without a default, none is selected at first. */
-function question(state, alternative, show) {
-  const answers = alternative.answers.map(([name, meaning]) => {
-    const radio = element("input", { type: "radio", name: `${CLASS}-${boxes}-${alternative.name}`, value: name });
+/** Create a question that the manual leaves open, with its answers. If it lacks a default, it starts unanswered. */
+function createQuestion(state, alternative, showResult) {
+  const answerLabels = alternative.answers.map(([name, meaning]) => {
+    const radio = element("input", { type: "radio", name: `${CLASS}-${idCounter}-${alternative.name}`, value: name });
     radio.checked = (state.answers[alternative.name] ?? alternative.default) === name;
     radio.addEventListener("change", () => {
       state.answers[alternative.name] = name;
-      show();
+      showResult();
     });
     return element("label", {}, radio, ` ${name}: ${meaning}`);
   });
-  boxes += 1;
-  return element("fieldset", {}, element("legend", {}, sentence(alternative.meaning)), answers);
+  idCounter += 1;
+  return element("fieldset", {}, element("legend", {}, sentence(alternative.meaning)), answerLabels);
 }
 
-/** The register contents that a frame depends on: those of the order code, unless the user enters others. */
-function heldBy(state, held, show) {
-  if (!held.length) return [];
-  const defaults = parametersOf(state.found);
-  const inputs = held.map(({ name, meaning, at, min, max, values }) => {
+/** Create inputs for the register contents that a frame depends on. By default, those of the order code apply. */
+function createRegisterInputs(state, heldParameters, showResult) {
+  if (!heldParameters.length) return [];
+  const defaults = computeParameters(state.found);
+  const inputs = heldParameters.map(({ name, meaning, at: registerName, min, max, values }) => {
     const input = element("input", { inputmode: "numeric", autocomplete: "off" });
     input.placeholder = `${defaults[name]}`;
     const isAllowed = (number) => number >= big(min) && (max === undefined || number <= big(max))
-      && (!values || values.some((allowed) => big(allowed) === number));
+      && (!values || values.some((allowedNumber) => big(allowedNumber) === number));
     input.addEventListener("input", () => {
-      const number = numberOrNull(input.value);
+      const number = parseNumberOrNull(input.value);
       const isValid = number !== null && isAllowed(number);
       input.setAttribute("aria-invalid", `${input.value.trim() !== "" && !isValid}`);
       delete state.held[name];
       if (isValid) state.held[name] = number;
-      show();
+      showResult();
     });
     const range = values?.join(", ") ?? `${min ?? 0} to ${max ?? "the highest value"}`;
-    return labelled(meaning, input, `${at}, ${range}`);
+    return createLabelledInput(meaning, input, `${registerName}, ${range}`);
   });
   const summary = element("summary", {}, "Registers have factory defaults. Enter the contents of yours");
   return [element("details", {}, summary, inputs)];
 }
 
-const numberOrNull = (text) => (/^\s*(\d+|0x[0-9a-f]+)\s*$/i.test(text) ? BigInt(text.trim()) : null);
+/** Return the decimal or hexadecimal number that a text is, otherwise null. */
+const parseNumberOrNull = (text) => (/^\s*(\d+|0x[0-9a-f]+)\s*$/i.test(text) ? BigInt(text.trim()) : null);

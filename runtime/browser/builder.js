@@ -26,17 +26,18 @@ const LINE_TEXTS = [
   ["clock", "Clock, such as 1MHz"], ["baud", "Baud"], ["request", "Request in hex bytes"],
   ["counts", "Counts per revolution"], ["turns", "Revolutions that it counts"],
 ];
+/** Effects of a flag that is active, with their words in the form. */
 const LINE_EFFECTS = [["error", "an error"], ["warning", "a warning"], ["status", "a status only"]];
 
 // -- from the form to the line
 
-/** A field as a line writes it. */
-function lineFieldText(field, interface_) {
+/** Return a field as a line writes it. */
+function writeLineField(field, interface_) {
   const { kind, name } = field;
   switch (kind) {
     case "flag": {
       const effect = field.effect ?? "status";
-      const isUsual = effect === (name in LINE_VERDICTS ? name : "status");
+      const isUsual = effect === (name in LINE_EFFECT_VERDICTS ? name : "status");
       const isShort = interface_ === "biss" && field.level === "low" && isUsual && ["error", "warning"].includes(name);
       return isShort ? name : `${name}=${field.level}${isUsual ? "" : `:${effect}`}`;
     }
@@ -44,194 +45,219 @@ function lineFieldText(field, interface_) {
     case "parity": return `parity=${field.isOdd ? "odd" : "even"}`;
     case "crc": {
       const inversion = field.isInverted === (interface_ === "biss") ? "" : field.isInverted ? ":inverted" : ":plain";
-      const start = field.init && !/^0(x0+)?$/i.test(field.init) ? `:${field.init}` : "";
-      return `crc=${field.bits}:${field.poly}${start}${inversion}`;
+      const startValue = field.init && !/^0(x0+)?$/i.test(field.init) ? `:${field.init}` : "";
+      return `crc=${field.bits}:${field.poly}${startValue}${inversion}`;
     }
     default: return `${name}=${field.bits}${field.isSigned ? ":signed" : ""}`;
   }
 }
 
-/** The line of a form. */
+/** Return the line of a form, which is {interface, options, fields}. */
 function builtLine({ interface: interface_, options, fields }) {
-  const words = Object.entries(LINE_WORDS).filter(([, [interfaces, member, value_]]) => value_ !== false
-    && interfaces.includes(interface_) && options[member] === value_).map(([word]) => word);
-  if (interface_ === "spi" && options.mode !== undefined) words.push(`mode=${options.mode}`);
+  const optionTexts = Object.entries(LINE_KEYWORDS).filter(([, [interfaces, member, optionValue]]) =>
+    optionValue !== false && interfaces.includes(interface_) && options[member] === optionValue)
+    .map(([keyword]) => keyword);
+  if (interface_ === "spi" && options.mode !== undefined) optionTexts.push(`mode=${options.mode}`);
   for (const [name] of LINE_TEXTS) {
-    if (options[name] && LINE_SETTINGS[name][0].includes(interface_)) words.push(`${name}=${options[name]}`);
+    if (options[name] && LINE_SETTINGS[name][0].includes(interface_)) optionTexts.push(`${name}=${options[name]}`);
   }
-  return `${[interface_, ...words].join(",")}:${fields.map((field) => lineFieldText(field, interface_)).join(",")}`;
+  return `${[interface_, ...optionTexts].join(",")}:${
+    fields.map((field) => writeLineField(field, interface_)).join(",")}`;
 }
 
-/** The form of a line, or null if the line has problems. Numbers are texts, as they are typed. */
-function formOf(text) {
-  const line = parsedLine(text);
+/** Return the form of a line, or null if the line has problems. Numbers are texts, as they are typed. */
+function formOf(lineText) {
+  const line = parsedLine(lineText);
   if (line.problems.length) return null;
-  const given = text.slice(0, text.indexOf(":")).split(",").map((piece) => piece.split("=").map((one) => one.trim()));
-  const options = { ...line.options, ...Object.fromEntries(given.filter(([name]) => LINE_TEXTS.some(([one]) => one === name))) };
-  return { interface: line.interface, options, fields: line.fields.map(formField) };
+  const typedOptions = lineText.slice(0, lineText.indexOf(":")).split(",")
+    .map((piece) => piece.split("=").map((text) => text.trim()));
+  const options = {
+    ...line.options,
+    ...Object.fromEntries(typedOptions.filter(([name]) => LINE_TEXTS.some(([textName]) => textName === name))),
+  };
+  return { interface: line.interface, options, fields: line.fields.map(toFormField) };
 }
 
-function formField(field) {
+/** Convert a field of a parsed line to one of the form, where widths and other numbers are texts. */
+function toFormField(field) {
   const { kind } = field;
-  const width = { bits: `${field.bits}` };
+  const widthText = { bits: `${field.bits}` };
   if (kind === "flag") {
-    return { ...field, effect: Object.keys(LINE_VERDICTS).find((name) => LINE_VERDICTS[name] === field.verdict) };
+    return {
+      ...field,
+      effect: Object.keys(LINE_EFFECT_VERDICTS).find((name) => LINE_EFFECT_VERDICTS[name] === field.verdict),
+    };
   }
-  if (kind === "constant") return { ...field, ...width, value: hexText(field.value) };
-  if (kind !== "crc") return { ...field, ...width };
-  const poly = hexText(field.poly | (ONE << BigInt(field.bits)));
-  return { ...field, ...width, poly, init: hexText(field.init) };
+  if (kind === "constant") return { ...field, ...widthText, value: formatHex(field.value) };
+  if (kind !== "crc") return { ...field, ...widthText };
+  const poly = formatHex(field.poly | (ONE << BigInt(field.bits)));
+  return { ...field, ...widthText, poly, init: formatHex(field.init) };
 }
 
-/** A new field with a name that no other field has. A CRC is the last one. */
-function addField(form, text) {
-  const field = formField(lineField(text, 0, form.interface));
-  const names = new Set(form.fields.map((one) => one.name));
-  const isNamed = !isFiller(field) && !["crc", "parity"].includes(field.kind) && !(field.name in LINE_NUMBERS);
+/** Add a new field with a name that is free in the form. A CRC stays the last field. */
+function addField(form, fieldText) {
+  const field = toFormField(parseLineField(fieldText, 0, form.interface));
+  const names = new Set(form.fields.map((otherField) => otherField.name));
+  const isNamed = !isFiller(field) && !["crc", "parity"].includes(field.kind) && !(field.name in LINE_NUMBER_UNITS);
   const { name } = field;
-  for (let number = 2; isNamed && names.has(field.name); number += 1) field.name = `${name}_${number}`;
-  const last = form.fields.at(-1);
-  if (last?.kind === "crc") form.fields.splice(-1, 0, field);
+  for (let suffix = 2; isNamed && names.has(field.name); suffix += 1) field.name = `${name}_${suffix}`;
+  const lastField = form.fields.at(-1);
+  if (lastField?.kind === "crc") form.fields.splice(-1, 0, field);
   else form.fields.push(field);
   return field;
 }
 
 // -- the form
 
-const smallInput = (label, text, changed, attributes = {}) => {
+/** Create an input with its label. ``onChange`` gets its text. */
+const createSmallInput = (label, text, onChange, attributes = {}) => {
   const input = element("input", { autocomplete: "off", spellcheck: "false", ...attributes });
   input.value = text ?? "";
-  input.addEventListener("input", () => changed(input.value.trim()));
+  input.addEventListener("input", () => onChange(input.value.trim()));
   return element("label", {}, `${label} `, input);
 };
-const checkbox = (label, isOn, changed) => {
+/** Create a checkbox with its label. ``onChange`` gets whether it is on. */
+const createCheckbox = (label, isOn, onChange) => {
   const input = element("input", { type: "checkbox" });
   input.checked = Boolean(isOn);
-  input.addEventListener("change", () => changed(input.checked));
+  input.addEventListener("change", () => onChange(input.checked));
   return element("label", {}, input, ` ${label}`);
 };
-const selection = (label, choices, chosen, changed) => {
-  const select = element("select", {}, choices.map(([, words], place) => option(`${place}`, words)));
-  select.value = `${Math.max(choices.findIndex(([one]) => one === chosen), 0)}`;
-  select.addEventListener("change", () => changed(choices[Number(select.value)][0]));
+/** Create a selection with its label. A choice is [value, text], and ``onChange`` gets the value. */
+const createSelection = (label, choices, selectedValue, onChange) => {
+  const select = element("select", {},
+    choices.map(([, choiceText], choiceIndex) => createOption(`${choiceIndex}`, choiceText)));
+  select.value = `${Math.max(choices.findIndex(([choiceValue]) => choiceValue === selectedValue), 0)}`;
+  select.addEventListener("change", () => onChange(choices[Number(select.value)][0]));
   return element("label", {}, `${label} `, select);
 };
-const pressed = (text, act, label) => {
-  const button = element("button", { type: "button", "aria-label": label }, text);
-  button.addEventListener("click", act);
+/** Create a button. ``ariaLabel`` is its name for screen readers, if its text is a symbol. */
+const createButton = (text, onClick, ariaLabel) => {
+  const button = element("button", { type: "button", "aria-label": ariaLabel }, text);
+  button.addEventListener("click", onClick);
   return button;
 };
 
-/** The words for a field in the form. */
+/** Return the words for a field in the form. */
 function titleOfField({ kind, name }) {
-  const titles = { flag: "Flag", number: LINE_NUMBERS[name]?.[1] ?? "Number", constant: "Constant", zero: "Zero bits",
-    unused: "Unused bits", parity: "Parity bit over the other fields", crc: "CRC over the bits before it" };
+  const titles = { flag: "Flag", number: LINE_NUMBER_UNITS[name]?.[1] ?? "Number", constant: "Constant",
+    zero: "Zero bits", unused: "Unused bits", parity: "Parity bit over the other fields",
+    crc: "CRC over the bits before it" };
   return titles[kind];
 }
 
-/** The inputs of a field. ``changed`` writes the line, and ``redraw`` also builds the form again. */
-function inputsOf(field, changed, redraw) {
-  const set = (member) => (value_) => {
-    field[member] = value_;
-    changed();
+/** Create the inputs of a field. ``onChange`` writes the line, and ``redraw`` also builds the form again. */
+function createLineFieldInputs(field, onChange, redraw) {
+  const setterOf = (member) => (newValue) => {
+    field[member] = newValue;
+    onChange();
   };
-  const bitsInput = smallInput("Bits", field.bits, set("bits"), { inputmode: "numeric", size: "3" });
-  const nameInput = smallInput("Name", field.name, set("name"), { size: "12" });
+  const bitsInput = createSmallInput("Bits", field.bits, setterOf("bits"), { inputmode: "numeric", size: "3" });
+  const nameInput = createSmallInput("Name", field.name, setterOf("name"), { size: "12" });
   switch (field.kind) {
     case "flag": return [nameInput,
-      selection("Active", [["low", "at 0"], ["high", "at 1"]], field.level, set("level")),
-      selection("Means", LINE_EFFECTS, field.effect, set("effect"))];
-    case "constant": return [nameInput, bitsInput, smallInput("Value", field.value, set("value"), { size: "8" })];
-    case "parity": return [selection("Ones, with it", [[false, "even"], [true, "odd"]], field.isOdd, set("isOdd"))];
-    case "crc": return crcInputs(field, bitsInput, set, redraw);
-    case "number": return [...(field.name in LINE_NUMBERS ? [] : [nameInput]), bitsInput,
-      checkbox("signed", field.isSigned, set("isSigned"))];
+      createSelection("Active", [["low", "at 0"], ["high", "at 1"]], field.level, setterOf("level")),
+      createSelection("Means", LINE_EFFECTS, field.effect, setterOf("effect"))];
+    case "constant": return [nameInput, bitsInput,
+      createSmallInput("Value", field.value, setterOf("value"), { size: "8" })];
+    case "parity": return [
+      createSelection("Ones, with it", [[false, "even"], [true, "odd"]], field.isOdd, setterOf("isOdd"))];
+    case "crc": return createCrcInputs(field, bitsInput, setterOf, redraw);
+    case "number": return [...(field.name in LINE_NUMBER_UNITS ? [] : [nameInput]), bitsInput,
+      createCheckbox("signed", field.isSigned, setterOf("isSigned"))];
     default: return [bitsInput];
   }
 }
 
-/** A list of the known CRCs, and the numbers of any other. */
-function crcInputs(field, bitsInput, set, redraw) {
-  const isSame = ([poly, init]) => BigInt(poly) === lineNumber(field.poly) && BigInt(init) === lineNumber(field.init || "0");
-  const knownCrc = TABLE.known_crcs.find(isSame);
-  const choices = [...TABLE.known_crcs.map((row) => [row, `${hexText(BigInt(row[0]))}: ${row[2]}`]), [undefined, "other"]];
-  const pick = (row) => {
-    Object.assign(field, row ? { bits: `${bitLength(BigInt(row[0])) - 1}`, poly: hexText(BigInt(row[0])), init: hexText(BigInt(row[1])) }
+/** Create a list of the known CRCs, and inputs for the numbers of any other. ``setterOf`` takes a field member. */
+function createCrcInputs(field, bitsInput, setterOf, redraw) {
+  const isSameCrc = ([poly, init]) => BigInt(poly) === parseLineNumber(field.poly)
+    && BigInt(init) === parseLineNumber(field.init || "0");
+  const knownCrc = TABLE.known_crcs.find(isSameCrc);
+  const choices = [
+    ...TABLE.known_crcs.map((row) => [row, `${formatHex(BigInt(row[0]))}: ${row[2]}`]), [undefined, "other"]];
+  const pickCrc = (row) => {
+    Object.assign(field, row
+      ? { bits: `${bitLength(BigInt(row[0])) - 1}`, poly: formatHex(BigInt(row[0])), init: formatHex(BigInt(row[1])) }
       : { init: "0x0", isOther: true });
     if (row) delete field.isOther;
     redraw();
   };
   const isOther = field.isOther || !knownCrc;
-  const numbers = [bitsInput, smallInput("Polynomial", field.poly, set("poly"), { size: "10" }),
-    smallInput("Start value", field.init, set("init"), { size: "8" })];
-  return [selection("CRC", choices, isOther ? undefined : knownCrc, pick), ...(isOther ? numbers : []),
-    checkbox("inverted", field.isInverted, set("isInverted"))];
+  const numberInputs = [bitsInput, createSmallInput("Polynomial", field.poly, setterOf("poly"), { size: "10" }),
+    createSmallInput("Start value", field.init, setterOf("init"), { size: "8" })];
+  return [createSelection("CRC", choices, isOther ? undefined : knownCrc, pickCrc), ...(isOther ? numberInputs : []),
+    createCheckbox("inverted", field.isInverted, setterOf("isInverted"))];
 }
 
-/** One field of the form, with buttons that move and remove it. */
-function fieldRow(form, place, changed, redraw) {
-  const field = form.fields[place];
+/** Create one field of the form, with buttons that move and remove it. */
+function createFieldRow(form, fieldIndex, onChange, redraw) {
+  const field = form.fields[fieldIndex];
   const title = titleOfField(field);
-  const move = (step) => () => {
-    form.fields.splice(place, 1);
-    form.fields.splice(place + step, 0, field);
-    redraw(place + step, step < 0 ? 0 : 1);
+  const moveBy = (step) => () => {
+    form.fields.splice(fieldIndex, 1);
+    form.fields.splice(fieldIndex + step, 0, field);
+    redraw(fieldIndex + step, step < 0 ? 0 : 1);
   };
   const remove = () => {
-    form.fields.splice(place, 1);
-    redraw(Math.min(place, form.fields.length - 1), 2);
+    form.fields.splice(fieldIndex, 1);
+    redraw(Math.min(fieldIndex, form.fields.length - 1), 2);
   };
-  const number = `field ${place + 1}, ${title}`;
-  const [up, down] = [pressed("↑", move(-1), `Move up ${number}`), pressed("↓", move(1), `Move down ${number}`)];
-  up.disabled = place === 0;
-  down.disabled = place === form.fields.length - 1;
-  const buttons = part("span", "moves", up, down, pressed("✕", remove, `Remove ${number}`));
+  const fieldLabel = `field ${fieldIndex + 1}, ${title}`;
+  const [upButton, downButton] = [
+    createButton("↑", moveBy(-1), `Move up ${fieldLabel}`), createButton("↓", moveBy(1), `Move down ${fieldLabel}`)];
+  upButton.disabled = fieldIndex === 0;
+  downButton.disabled = fieldIndex === form.fields.length - 1;
+  const buttons = part("span", "moves", upButton, downButton, createButton("✕", remove, `Remove ${fieldLabel}`));
   return element("li", {}, element("fieldset", {}, element("legend", {}, title),
-    part("div", "row", inputsOf(field, changed, redraw), buttons)));
+    part("div", "row", createLineFieldInputs(field, onChange, redraw), buttons)));
 }
 
-/** The options of the line that its interface has. */
-function optionRow(form, changed) {
-  const set = (member) => (value_) => {
-    if (value_ === "") delete form.options[member];
-    else form.options[member] = value_;
-    changed();
+/** Create the inputs of the options that the interface of the line has. */
+function createOptionRow(form, onChange) {
+  const setterOf = (member) => (newValue) => {
+    if (newValue === "") delete form.options[member];
+    else form.options[member] = newValue;
+    onChange();
   };
   const choices = LINE_CHOICES.filter(([, , interfaces]) => interfaces.includes(form.interface));
-  const texts = LINE_TEXTS.filter(([name]) => LINE_SETTINGS[name][0].includes(form.interface));
+  const textOptions = LINE_TEXTS.filter(([name]) => LINE_SETTINGS[name][0].includes(form.interface));
   return part("div", "row",
-    choices.map(([member, legend, , values]) => selection(legend, values, form.options[member] ?? "", set(member))),
-    texts.map(([name, legend]) => smallInput(legend, form.options[name], set(name), { size: "9" })));
+    choices.map(([member, legend, , values]) =>
+      createSelection(legend, values, form.options[member] ?? "", setterOf(member))),
+    textOptions.map(([name, legend]) => createSmallInput(legend, form.options[name], setterOf(name), { size: "9" })));
 }
 
 /**
- * A form that builds a line. ``write`` gets the line after each change, and ``read`` returns the text of the box.
- * It is empty while it is closed.
+ * Create a form that builds a line. ``writeBox`` gets the line after each change, and ``readBox`` returns the text of
+ * the box. The form is empty while it is closed.
  */
-function lineBuilder(read, write) {
+function createLineBuilder(readBox, writeBox) {
   let form = formOf(FIRST_LINES.biss);
-  let written = "";
+  let writtenLine = "";
   const body = part("div", "builder");
   const root = element("details", {}, element("summary", {}, "No order code? Describe the frame by clicking"), body);
 
-  const changed = () => {
-    written = builtLine(form);
-    write(written);
+  /** Write the line of the form into the box. */
+  const writeLine = () => {
+    writtenLine = builtLine(form);
+    writeBox(writtenLine);
   };
 
-  /** Builds the form again, and gives the focus back to a button of a field: its place, and 0 up, 1 down, 2 remove. */
-  function redraw(place, button) {
-    changed();
+  /** Build the form again, and give the focus back to a button of a field: its index, and 0 up, 1 down, 2 remove. */
+  function redraw(fieldIndex, buttonIndex) {
+    writeLine();
     draw();
-    if (button === undefined) return;
-    const buttons = [...body.querySelectorAll("li")][place]?.querySelectorAll(`.${CLASS}-moves button`);
-    const focused = buttons && [buttons[button], ...buttons].find((one) => !one.disabled);
-    (focused ?? body.querySelector(`.${CLASS}-new button`)).focus();
+    if (buttonIndex === undefined) return;
+    const buttons = [...body.querySelectorAll("li")][fieldIndex]?.querySelectorAll(`.${CLASS}-moves button`);
+    const buttonToFocus = buttons && [buttons[buttonIndex], ...buttons].find((candidate) => !candidate.disabled);
+    (buttonToFocus ?? body.querySelector(`.${CLASS}-new button`)).focus();
   }
 
+  /** Change the interface of the line. An unchanged first line becomes the first line of the other interface. */
   function changeInterface(name) {
-    const isFirst = builtLine(form) === builtLine(formOf(FIRST_LINES[form.interface]));
-    if (isFirst) form = formOf(FIRST_LINES[name]);
+    const isUnchanged = builtLine(form) === builtLine(formOf(FIRST_LINES[form.interface]));
+    if (isUnchanged) form = formOf(FIRST_LINES[name]);
     else {
       for (const field of form.fields) if (field.kind === "crc") field.isInverted = name === "biss";
       form.interface = name;
@@ -240,27 +266,29 @@ function lineBuilder(read, write) {
     body.querySelector("select").focus();
   }
 
+  /** Build the inputs of the form. */
   function draw() {
-    const rows = form.fields.map((_, place) => fieldRow(form, place, changed, redraw));
-    const isThere = (text) => form.fields.some(({ name }) => name === text.split("=")[0])
-      && /^(position|multiturn|singleturn|parity|crc)=/.test(text);
-    const added = NEW_FIELDS.filter(([, text]) => !isThere(text)).map(([words, text]) => pressed(`+ ${words}`, () => {
-      const field = addField(form, text);
-      redraw();
-      [...body.querySelectorAll("li")][form.fields.indexOf(field)].querySelector("input, select").focus();
-    }));
-    const interfaces = LINE_INTERFACES.map((name) => [name, LINE_TITLES[name]]);
+    const fieldRows = form.fields.map((_, fieldIndex) => createFieldRow(form, fieldIndex, writeLine, redraw));
+    const isInForm = (fieldText) => form.fields.some(({ name }) => name === fieldText.split("=")[0])
+      && /^(position|multiturn|singleturn|parity|crc)=/.test(fieldText);
+    const addButtons = NEW_FIELDS.filter(([, fieldText]) => !isInForm(fieldText))
+      .map(([buttonText, fieldText]) => createButton(`+ ${buttonText}`, () => {
+        const field = addField(form, fieldText);
+        redraw();
+        [...body.querySelectorAll("li")][form.fields.indexOf(field)].querySelector("input, select").focus();
+      }));
+    const interfaceChoices = LINE_INTERFACES.map((name) => [name, LINE_TITLES[name]]);
     body.replaceChildren(
-      part("div", "row", selection("Interface", interfaces, form.interface, changeInterface)),
-      optionRow(form, changed), part("p", "hint", "Fields in the order sent, first bit first:"),
-      element("ol", {}, rows), part("div", "new", added));
+      part("div", "row", createSelection("Interface", interfaceChoices, form.interface, changeInterface)),
+      createOptionRow(form, writeLine), part("p", "hint", "Fields in the order sent, first bit first:"),
+      element("ol", {}, fieldRows), part("div", "new", addButtons));
   }
 
-  /** Follows the text of the box, unless the form wrote it. */
+  /** Follow the text of the box, unless the form wrote it. */
   function follow() {
-    if (!root.open || read() === written) return;
-    form = (isLine(read()) && formOf(read())) || form;
-    written = read();
+    if (!root.open || readBox() === writtenLine) return;
+    form = (isLine(readBox()) && formOf(readBox())) || form;
+    writtenLine = readBox();
     draw();
   }
 
@@ -269,8 +297,8 @@ function lineBuilder(read, write) {
       body.replaceChildren();
       return;
     }
-    form = (isLine(read()) && formOf(read())) || form;
-    if (!read().trim()) changed();
+    form = (isLine(readBox()) && formOf(readBox())) || form;
+    if (!readBox().trim()) writeLine();
     draw();
   });
   return { root, follow };

@@ -1,69 +1,76 @@
 // Licence 0BSD: use, modify and distribute this file without any condition.
 // Decoding and encoding of frames and registers by the table.
 
-/** A layout with the places of its fields for an order code, without fields of 0 bits. */
+/**
+ * Place the fields of a layout for an order code, except fields of 0 bits. In the result, places are numbers of bits,
+ * and a placed field is {field, name, low, width} with the ``field`` of the table.
+ */
 function placed(family, layout, parameters) {
-  const evaluated = (expression) => Number(value(expression, parameters));
-  const explained = (field) => (!field.only || parameters[field.only] ? field
+  const evaluate = (expression) => Number(value(expression, parameters));
+  const withMeaning = (field) => (!field.only || parameters[field.only] ? field
     : { ...field, on: TABLE.unexplained, off: "", meaning: "" });
-  const fields = (layout.fields ?? []).map((index) => explained(family.shared[index]))
-    .map((field) => ({ field, name: field.name, low: evaluated(field.low), width: evaluated(field.width) }))
+  const fields = (layout.fields ?? []).map((index) => withMeaning(family.shared[index]))
+    .map((field) => ({ field, name: field.name, low: evaluate(field.low), width: evaluate(field.width) }))
     .filter((placedField) => placedField.width > 0);
   const gray = layout.gray && (!layout.gray.when || parameters[layout.gray.when]) ? layout.gray : null;
-  const holds = (only) => !only || Boolean(parameters[only.parameter]) === Boolean(only.holds);
+  const isSatisfied = (only) => !only || Boolean(parameters[only.parameter]) === Boolean(only.holds);
   return {
-    family, layout, parameters, fields, name: layout.name, bits: evaluated(layout.bits),
+    family, layout, parameters, fields, name: layout.name, bits: evaluate(layout.bits),
     crc: layout.crcs ? layout.crcs[fields.find((placedField) => placedField.field.crc)?.name] : layout.crc,
     gray: gray
-      && { low: evaluated(gray.low), width: evaluated(gray.width), excess: value(gray.excess ?? 0, parameters) },
+      && { low: evaluate(gray.low), width: evaluate(gray.width), excess: value(gray.excess ?? 0, parameters) },
     joins: (layout.joins ?? []).map((join) => ({
       name: join.name,
       parts: join.fields.map(([part, low]) => (
-        { item: fields.find((placedField) => placedField.name === part), low: evaluated(low) })),
+        { item: fields.find((placedField) => placedField.name === part), low: evaluate(low) })),
     })),
     checks: (layout.checks ?? []).map((index) => family.shared[index])
-      .map((check) => ({ check, low: evaluated(check.low), width: evaluated(check.width),
+      .map((check) => ({ check, low: evaluate(check.low), width: evaluate(check.width),
         limit: check.limit === undefined ? undefined : value(check.limit, parameters),
         lowest: value(check.lowest ?? 0, parameters),
-        of: check.parity_of?.map(([first, size]) => ({ low: evaluated(first), width: evaluated(size) })) }))
+        of: check.parity_of?.map(([coveredLow, coveredWidth]) => (
+          { low: evaluate(coveredLow), width: evaluate(coveredWidth) })) }))
       .filter((placedCheck) => placedCheck.width > 0),
-    tells: (layout.tells ?? []).map((index) => family.shared[index]).filter((cause) => holds(cause.only)),
-    speaks: (layout.speaks ?? []).filter((cause) => holds(cause.only) && holds(cause.chosen)),
+    tells: (layout.tells ?? []).map((index) => family.shared[index]).filter((cause) => isSatisfied(cause.only)),
+    speaks: (layout.speaks ?? []).filter((cause) => isSatisfied(cause.only) && isSatisfied(cause.chosen)),
   };
 }
 
-/** The decoded number: fields, CRC, errors, reports and verdict. */
+/** Return the decoded number: fields, CRC, errors, reports and verdict. */
 function decode(placedLayout, number) {
   if (number >> BigInt(placedLayout.bits)) {
     return otherLength(placedLayout, `${placedLayout.bits} bits`, bitLength(number));
   }
-  const decoded = nothing(placedLayout, number);
+  const decoded = createEmptyResult(placedLayout, number);
   const binary = fromGray(placedLayout, number);
-  decoded.fields = placedLayout.fields.flatMap((placedField) => fieldsOf(placedField, number, binary));
-  decoded.crc = crcOf(placedLayout, number);
+  decoded.fields = placedLayout.fields.flatMap((placedField) => decodeFieldAndRuns(placedField, number, binary));
+  decoded.crc = checkCrc(placedLayout, number);
   if (decoded.crc && decoded.crc.received !== decoded.crc.computed) {
-    const words = said("crc", hex(decoded.crc.received, 2), hex(decoded.crc.computed, 2));
-    decoded.problems.push({ fault: "crc", field: decoded.crc.field, message: words });
+    const message = said("crc", hex(decoded.crc.received, 2), hex(decoded.crc.computed, 2));
+    decoded.problems.push({ fault: "crc", field: decoded.crc.field, message: message });
   }
   decoded.problems.push(...placedLayout.checks.flatMap((placedCheck) => problemOf(placedCheck, number, binary)));
-  const rank = (problem) => TABLE.faults.indexOf(problem.fault);
-  decoded.problems.sort((one, other) => rank(one) - rank(other));
-  decoded.fields.push(...placedLayout.joins.map((join) => joined(join, number, binary)));
-  if (!decoded.problems.length) tell(decoded);
+  const rankOf = (problem) => TABLE.faults.indexOf(problem.fault);
+  decoded.problems.sort((problem, otherProblem) => rankOf(problem) - rankOf(otherProblem));
+  decoded.fields.push(...placedLayout.joins.map((join) => joinFields(join, number, binary)));
+  if (!decoded.problems.length) judgeFrame(decoded);
   return decoded;
 }
 
-const nothing = (placedLayout, number) => ({
+/** Create the result of decoding, with its lists still empty. */
+const createEmptyResult = (placedLayout, number) => ({
   at: placedLayout, number, fields: [], crc: null, problems: [], reports: [], differences: [], verdict: null,
 });
 
-function otherLength(placedLayout, needed, count) {
-  const decoded = nothing(placedLayout, 0n);
-  decoded.problems.push({ fault: "length", field: "", message: said("length", placedLayout.name, needed, count) });
+/** Return the result of a frame of another length than the layout needs. */
+function otherLength(placedLayout, neededText, receivedCount) {
+  const decoded = createEmptyResult(placedLayout, 0n);
+  decoded.problems.push(
+    { fault: "length", field: "", message: said("length", placedLayout.name, neededText, receivedCount) });
   return decoded;
 }
 
-/** A frame or register of bytes. */
+/** Decode a frame or register of bytes. */
 function decodeBytes(placedLayout, bytes) {
   if (8 * bytes.length !== placedLayout.bits) {
     return otherLength(placedLayout, counted(placedLayout.bits / 8, "byte"), bytes.length);
@@ -71,40 +78,42 @@ function decodeBytes(placedLayout, bytes) {
   return decode(placedLayout, numberOf(placedLayout.layout.order, bytes));
 }
 
+/** Return the number of a frame with the bits in Gray code converted to binary, less the Gray excess. */
 function fromGray(placedLayout, number) {
   if (!placedLayout.gray) return number;
   const binary = plainOf(bits(number, placedLayout.gray.low, placedLayout.gray.width)) - placedLayout.gray.excess;
-  return withGray(placedLayout, number, binary);
+  return replaceGrayBits(placedLayout, number, binary);
 }
 
-/** The number with other bits in the place of those in Gray code. */
-function withGray(placedLayout, number, newBits) {
+/** Return the number with other bits in the place of those in Gray code. */
+function replaceGrayBits(placedLayout, number, newBits) {
   const { low, width } = placedLayout.gray;
   return (number & ~(ones(width) << BigInt(low))) | (BigInt.asUintN(width, newBits) << BigInt(low));
 }
 
-/** The number that a number in Gray code stands for. */
+/** Return the number that a number in Gray code stands for. */
 function plainOf(gray) {
   let binary = gray;
   for (let shifted = gray >> ONE; shifted; shifted >>= ONE) binary ^= shifted;
   return binary;
 }
 
+/** Return the number of a frame with the position converted to Gray code, with the Gray excess added. */
 function toGray(placedLayout, number) {
   if (!placedLayout.gray) return number;
   const { low, width, excess } = placedLayout.gray;
   const sumWithExcess = BigInt.asUintN(width, bits(number, low, width) + excess);
-  return withGray(placedLayout, number, sumWithExcess ^ (sumWithExcess >> ONE));
+  return replaceGrayBits(placedLayout, number, sumWithExcess ^ (sumWithExcess >> ONE));
 }
 
-/** A field in readable form with its runs of digits; ``raw`` is the transmitted value. */
-function fieldsOf(placedField, number, binary) {
+/** Return a field in readable form, with its runs of digits. ``raw`` is transmitted, ``value`` is decoded. */
+function decodeFieldAndRuns(placedField, number, binary) {
   const { field, low, width } = placedField;
   const fieldBits = bits(binary, low, width);
   const decodedField = {
     name: field.name, raw: bits(number, low, width), value: fieldBits, unit: field.unit ?? "",
     scale: field.scale, meaning: field.meaning ?? "", high: low + width - 1, low, colour: field.colour,
-    ...meantBy(field, fieldBits, width),
+    ...interpretRaw(field, fieldBits, width),
   };
   const runs = (field.runs ?? []).map(([name, divisor, modulus, meaning = ""]) => {
     const runNumber = (fieldBits / big(divisor)) % big(modulus);
@@ -113,22 +122,23 @@ function fieldsOf(placedField, number, binary) {
   return [decodedField, ...runs];
 }
 
-function meantBy(field, raw, width) {
+/** Return {value, meaning} of the bits of a field by its kind. */
+function interpretRaw(field, raw, width) {
   switch (field.kind) {
     case "flag":
     case "not_flag": {
-      const active = (raw === 0n) === (field.kind === "not_flag");
-      return { value: active, meaning: (active ? field.on : field.off) || field.meaning || "" };
+      const isActive = (raw === 0n) === (field.kind === "not_flag");
+      return { value: isActive, meaning: (isActive ? field.on : field.off) || field.meaning || "" };
     }
     case "choice": {
-      const named = field.values.find((listed) => big(listed[0]) === raw);
-      return named ? { value: named[1], meaning: named[2] || field.meaning || "" } : {};
+      const listedChoice = field.values.find((choice) => big(choice[0]) === raw);
+      return listedChoice ? { value: listedChoice[1], meaning: listedChoice[2] || field.meaning || "" } : {};
     }
     case "signed":
       return { value: BigInt.asIntN(width, raw) };
     case "text": {
-      const codes = bytesOf("big", raw, width / 8);
-      return { value: String.fromCharCode(...codes) };
+      const characterCodes = bytesOf("big", raw, width / 8);
+      return { value: String.fromCharCode(...characterCodes) };
     }
     case "digits":
     case undefined:
@@ -138,18 +148,24 @@ function meantBy(field, raw, width) {
   }
 }
 
-function joined(join, number, binary) {
+/** Join the parts of a number that is sent in several fields. */
+function joinFields(join, number, binary) {
   const parts = join.parts.filter((part) => part.item);
   const joinedNumber = (source) => parts.reduce(
-    (whole, { item, low }) => whole | (bits(source, item.low, item.width) << BigInt(low)), 0n);
+    (whole, { item: placedField, low }) =>
+      whole | (bits(source, placedField.low, placedField.width) << BigInt(low)), 0n);
   const names = parts.map((part) => part.item.name).reverse().join(" and ");
   const meaning = join.parts.length > 1 ? said("as_one_number", names) : "";
-  return { name: join.name, raw: joinedNumber(number), value: joinedNumber(binary), unit: "", meaning, high: -1, low: -1 };
+  return {
+    name: join.name, raw: joinedNumber(number), value: joinedNumber(binary), unit: "", meaning, high: -1, low: -1,
+  };
 }
 
+/** Return the placed field with the CRC. */
 const crcField = (placedLayout) => placedLayout.fields.find((placedField) => placedField.field.crc);
 
-function crcOf(placedLayout, number) {
+/** Return the received CRC and the computed one, or null if the layout lacks a CRC. */
+function checkCrc(placedLayout, number) {
   if (!placedLayout.crc) return null;
   const crc = placedLayout.family.crcs[placedLayout.crc];
   const field = crcField(placedLayout);
@@ -157,24 +173,25 @@ function crcOf(placedLayout, number) {
   return { crc, field: field.name, received, computed: computedBy(crc, placedLayout, number) };
 }
 
-/** The CRC with these parameters over the bits of a frame that its CRC covers. */
+/** Compute the CRC with these parameters over the bits of a frame that its CRC covers. */
 function computedBy(crc, placedLayout, number) {
   const { width } = crcField(placedLayout);
-  const [low, count] = placedLayout.layout.crc_of ?? [width, placedLayout.bits - width];
-  if (!placedLayout.layout.order || width % 8) return crcOfBits(crc, number >> BigInt(low), count);
+  const [low, bitCount] = placedLayout.layout.crc_of ?? [width, placedLayout.bits - width];
+  if (!placedLayout.layout.order || width % 8) return crcOfBits(crc, number >> BigInt(low), bitCount);
   return crcOfBytes(crc, bytesOf(placedLayout.layout.order, number, placedLayout.bits / 8).slice(0, -width / 8));
 }
 
+/** Return a list with the problem if the bits at the place of a check are wrong, otherwise an empty list. */
 function problemOf(placedCheck, number, binary) {
-  const { check, low, width, limit, lowest, of } = placedCheck;
-  const checkedBits = bits(of ? number : binary, low, width);
+  const { check, low, width, limit, lowest, of: coveredPlaces } = placedCheck;
+  const checkedBits = bits(coveredPlaces ? number : binary, low, width);
   const checkedNumber = check.says === "outside" ? BigInt.asIntN(width, checkedBits) : checkedBits;
-  const rightValues = of ? [parityOf(number, of, check)]
-    : (check.values ?? []).map((text) => big(text) & ones(width));
+  const rightValues = coveredPlaces ? [parityOf(number, coveredPlaces, check)]
+    : (check.values ?? []).map((listedValue) => big(listedValue) & ones(width));
   const isInside = () => checkedNumber >= lowest && checkedNumber <= limit;
-  const holds = limit === undefined ? rightValues.includes(checkedNumber) : isInside();
-  if (holds) return [];
-  const words = {
+  const isCorrect = limit === undefined ? rightValues.includes(checkedNumber) : isInside();
+  if (isCorrect) return [];
+  const messages = {
     constant: () => said("constant", check.field, hex(checkedNumber), hex(rightValues[0])),
     parity: () => said("parity", check.field, checkedNumber, check.of_name, rightValues[0]),
     no_value: () => said("no_value", check.field, hex(checkedNumber)),
@@ -183,85 +200,93 @@ function problemOf(placedCheck, number, binary) {
     outside: () => said("outside", `${check.field} ${checkedNumber}`, lowest, limit),
     digits: () => said("digits", check.field, checkedNumber, check.most),
   };
-  return [{ fault: check.fault, field: check.field, message: words[check.says]() }];
+  return [{ fault: check.fault, field: check.field, message: messages[check.says]() }];
 }
 
-/** The reports and the verdict of a valid frame or register. */
-function tell(decoded) {
+/** Add the reports, the verdict and the differences from the manual to the result of a valid frame or register. */
+function judgeFrame(decoded) {
   const { at: placedLayout, number } = decoded;
   const binary = fromGray(placedLayout, number);
   const isActive = (placedField) => speaks(placedField, bits(binary, placedField.low, placedField.width));
-  const active = new Set(placedLayout.fields.filter(isActive).map((placedField) => placedField.name));
-  const applies = ({ flag, when }) => (when ? when.every((pair) => matches(decoded, pair)) : active.has(flag));
+  const activeNames = new Set(placedLayout.fields.filter(isActive).map((placedField) => placedField.name));
+  const applies = ({ flag, when }) =>
+    (when ? when.every((pair) => hasFieldValue(decoded, pair)) : activeNames.has(flag));
   decoded.reports = placedLayout.tells.filter(applies);
   if (placedLayout.layout.otherwise) {
     const decidingCause = placedLayout.speaks.find((cause) =>
-      applies(cause) && !(cause.unless ?? []).some((name) => active.has(name)));
+      applies(cause) && !(cause.unless ?? []).some((name) => activeNames.has(name)));
     decoded.verdict = decidingCause ? decidingCause.verdict : placedLayout.layout.otherwise;
-    if (!judges(placedLayout) && decoded.verdict !== "not_usable") decoded.verdict = "unknown";
+    if (!hasJudgingBits(placedLayout) && decoded.verdict !== "not_usable") decoded.verdict = "unknown";
   }
-  decoded.differences = [...placedLayout.fields.flatMap((placedField) => differenceOf(decoded, placedField)), ...strangeIn(decoded)];
+  decoded.differences = [
+    ...placedLayout.fields.flatMap((placedField) => findDifference(decoded, placedField)), ...findStrangeRuns(decoded),
+  ];
 }
 
-/** Whether frames of the order code have bits that say whether the position is usable, if others have. */
-function judges({ layout, parameters }) {
+/** Return whether frames of the order code have bits that say whether the position is usable, if others have. */
+function hasJudgingBits({ layout, parameters }) {
   return layout.judging_bits === undefined || value(layout.judging_bits, parameters) > 0;
 }
 
-/** Whether a flag is active, or unused bits differ from the manual. */
+/** Return whether a flag is active, or unused bits differ from the manual. */
 function speaks({ field, width }, raw) {
   if ("unused" in field) return raw !== (big(field.unused) & ones(width));
   return field.kind === "flag" ? raw !== 0n : field.kind === "not_flag" && raw === 0n;
 }
 
-/** Whether a flag is active (1) or inactive (0), or another field has this value. */
-function matches({ at: placedLayout, number }, [name, wanted]) {
+/** Return whether a flag is active (1) or inactive (0), or another field has this value. */
+function hasFieldValue({ at: placedLayout, number }, [name, wantedNumber]) {
   const placedField = placedLayout.fields.find((candidate) => candidate.name === name);
   const raw = placedField && bits(fromGray(placedLayout, number), placedField.low, placedField.width);
   if (!placedField) return false;
-  return isFlag(placedField.field) ? speaks(placedField, raw) === (wanted === 1) : raw === big(wanted);
+  return isFlag(placedField.field) ? speaks(placedField, raw) === (wantedNumber === 1) : raw === big(wantedNumber);
 }
 
+/** Return whether a field is a flag, active high or active low. */
 const isFlag = ({ kind }) => kind === "flag" || kind === "not_flag";
 
-function differenceOf(decoded, { field }) {
+/** Return a list with the message about a field that differs from its documented value, otherwise an empty list. */
+function findDifference(decoded, { field }) {
   if (field.equals === undefined || decoded.at.layout.sender === "master") return [];
   const decodedField = decoded.fields.find((candidate) => candidate.name === field.name);
   const isText = typeof field.equals === "string";
   const actual = isText ? decodedField.value : decodedField.raw;
   const documented = isText ? field.equals : value(field.equals[0], decoded.at.parameters);
   if (actual === documented) return [];
-  const [actualText, documentedText] = [actual, documented].map((known) => (isText ? `"${known}"` : hex(known, 2)));
+  const [actualText, documentedText] = [actual, documented].map(
+    (content) => (isText ? `"${content}"` : hex(content, 2)));
   const name = field.printed || field.name;
   return [decoded.at.layout.sender
     ? said("other_value", name, actualText, documentedText)
     : said("other_content", name, actualText, decoded.at.code, documentedText)];
 }
 
-function strangeIn(decoded) {
-  return (decoded.at.layout.strange ?? []).flatMap(([run, low, high, words]) => {
+/** Return the messages about runs of digits outside their usual range. */
+function findStrangeRuns(decoded) {
+  return (decoded.at.layout.strange ?? []).flatMap(([run, low, high, template]) => {
     const decodedField = decoded.fields.find((candidate) => candidate.name === run);
     const isStrange = decodedField && (decodedField.raw < big(low) || decodedField.raw > big(high));
-    return isStrange ? [filled(words, decodedField.raw)] : [];
+    return isStrange ? [filled(template, decodedField.raw)] : [];
   });
 }
 
-/** The names and values of the fields that together hold a number. Excess bits go to the highest field. */
-function splitInto(parts, number) {
+/** Return the names and values of the fields that together hold a number. Excess bits go to the highest field. */
+function splitNumber(parts, number) {
   const highestBit = Math.max(...parts.map((part) => part.low + (part.item?.width ?? 0)));
-  return parts.filter((part) => part.item).map(({ item, low }) => {
-    const isOpen = low + item.width === highestBit || number < 0n;
-    return [item.name, isOpen ? number >> BigInt(low) : bits(number, low, item.width)];
+  return parts.filter((part) => part.item).map(({ item: placedField, low }) => {
+    const isOpen = low + placedField.width === highestBit || number < 0n;
+    return [placedField.name, isOpen ? number >> BigInt(low) : bits(number, low, placedField.width)];
   });
 }
 
+/** Error about a value that a register or field rejects. */
 class Refusal extends Error {}
 
-/** The number whose fields have these values: numbers, booleans and texts by name. */
+/** Return the number whose fields have these values: numbers, booleans and texts by name. */
 function encode(placedLayout, values) {
   const parities = placedLayout.fields.filter((placedField) => placedField.field.parity);
   let number = placedLayout.fields.reduce(
-    (sum, placedField) => sum | (rawOf(placedField, values) << BigInt(placedField.low)), 0n);
+    (sum, placedField) => sum | (encodeField(placedField, values) << BigInt(placedField.low)), 0n);
   number = toGray(placedLayout, number);
   parities.forEach((placedField) => {
     const coveredFields = placedLayout.fields.filter((candidate) => placedField.field.parity.includes(candidate.name));
@@ -275,34 +300,39 @@ function encode(placedLayout, values) {
   return number;
 }
 
-/** Whether the user provides the value of a field. All others are derived. */
+/** Return whether the user provides the value of a field. All others are derived. */
 const isGiven = ({ field }) => !["crc", "parity", "fixed", "unused"].some((name) => name in field);
 
-function rawOf(placedField, values) {
+/** Return the bits of a field for a value: a number, a boolean or a text. */
+function encodeField(placedField, values) {
   const { field, width } = placedField;
   if ("fixed" in field) return big(field.fixed) & ones(width);
   if (!isGiven(placedField)) return big(field.unused) & ones(width);
-  const wanted = values[field.name];
-  if (field.kind === "flag" || field.kind === "not_flag") return BigInt(wanted === (field.kind === "flag"));
-  if (field.kind === "text") return rawOfText(placedField, wanted);
-  const raw = field.zero_means && wanted === big(field.zero_means) ? 0n : BigInt.asUintN(width, wanted);
-  if (meantBy({ ...field, kind: field.kind === "signed" ? "signed" : undefined }, raw, width).value !== wanted) {
-    throw new Refusal(said("too_wide", field.name, wanted, width));
+  const wantedValue = values[field.name];
+  if (field.kind === "flag" || field.kind === "not_flag") return BigInt(wantedValue === (field.kind === "flag"));
+  if (field.kind === "text") return encodeText(placedField, wantedValue);
+  const raw = field.zero_means && wantedValue === big(field.zero_means) ? 0n : BigInt.asUintN(width, wantedValue);
+  if (interpretRaw({
+    ...field, kind: field.kind === "signed" ? "signed" : undefined,
+  }, raw, width).value !== wantedValue) {
+    throw new Refusal(said("too_wide", field.name, wantedValue, width));
   }
-  if (field.power_of_two && wanted & (wanted - ONE)) throw new Refusal(said("no_power_of_two", field.name, wanted));
+  if (field.power_of_two && wantedValue & (wantedValue - ONE)) throw new Refusal(
+    said("no_power_of_two", field.name, wantedValue));
   return raw;
 }
 
-function rawOfText({ field, width }, text) {
-  const codes = [...text].map((character) => character.codePointAt(0));
-  if (codes.length !== width / 8 || codes.some((code) => code > 255)) {
+/** Return the bits of a text, one byte for each character. */
+function encodeText({ field, width }, text) {
+  const characterCodes = [...text].map((character) => character.codePointAt(0));
+  if (characterCodes.length !== width / 8 || characterCodes.some((code) => code > 255)) {
     throw new Refusal(said("too_wide", field.name, `"${text}"`, width));
   }
-  return numberOf("big", codes);
+  return numberOf("big", characterCodes);
 }
 
-/** Rejects a number outside the limits of its register. */
-function refuseOutside(placedLayout, number, limits) {
+/** Reject a number outside the limits of its register. */
+function refuseOutsideLimits(placedLayout, number, limits) {
   if (!limits || (limits.low === null && limits.high === null)) return;
   const decodedFields = decode(placedLayout, number).fields;
   const limitedNumber = limits.of ? decodedFields.find((candidate) => candidate.name === limits.of).value : number;
@@ -313,31 +343,32 @@ function refuseOutside(placedLayout, number, limits) {
   }
 }
 
-/** The fields that together hold the only number of a register, such as a position. */
+/** Return the fields that together hold the one number of a register, such as a position. */
 function partsOfNumber(placedLayout) {
   const [join] = placedLayout.joins;
   return join ? join.parts : placedLayout.fields.filter(isGiven).map((placedField) => ({ item: placedField, low: 0 }));
 }
 
-/** The bytes of a register that holds one number, such as a position, in hex. */
+/** Return the bytes of a register that holds one number, such as a position, in hex. */
 function bytesOfNumber(placedLayout, number, limits) {
-  return bytesFor(placedLayout, named(Object.fromEntries(splitInto(partsOfNumber(placedLayout), number))), limits);
+  return bytesFor(placedLayout, named(Object.fromEntries(splitNumber(partsOfNumber(placedLayout), number))), limits);
 }
 
-/** The highest number that a register can hold within its limits. */
+/** Return the highest number that a register can hold within its limits. */
 function highestNumber(placedLayout, limits) {
   const partWidths = partsOfNumber(placedLayout).filter((part) => part.item)
-    .map(({ item, low }) => low + item.width - (item.field.kind === "signed" ? 1 : 0));
+    .map(({ item: placedField, low }) => low + placedField.width - (placedField.field.kind === "signed" ? 1 : 0));
   const [highestInBits, limit] = [ones(Math.max(...partWidths)), limits?.high ?? null];
   const allowed = limit === null ? highestInBits : value(limit, placedLayout.parameters);
   return allowed < highestInBits ? allowed : highestInBits;
 }
 
-/** The bytes of a register with these values, in hex. */
+/** Return the bytes of a register with these values, in hex. */
 function bytesFor(placedLayout, values, limits) {
   const number = encode(placedLayout, values);
-  refuseOutside(placedLayout, number, limits);
+  refuseOutsideLimits(placedLayout, number, limits);
   return shownBytes(bytesOf(placedLayout.layout.order, number, placedLayout.layout.length));
 }
 
+/** Return bytes as text: two hex digits each, with spaces. */
 const shownBytes = (bytes) => bytes.map((byte) => byte.toString(16).toUpperCase().padStart(2, "0")).join(" ");

@@ -10,30 +10,37 @@ class UnknownCode extends Error {
 }
 
 const LONGEST_LABEL = TABLE.limits.label;
-const withoutBlanks = (text) => text.replace(/\s/g, "");
-const regexOf = (source) => new RegExp(source, "i");
-const listedValue = (part, text) => part.values.find((listed) => listed.toUpperCase() === text.toUpperCase());
-const filledPattern = (pattern, texts) => pattern.replace(/\{(\w+)\}/g, (_, name) => texts[name]);
+/** Remove all spaces and other blanks from a text. */
+const removeBlanks = (text) => text.replace(/\s/g, "");
+/** Compile a regular expression of the table, for letters of either case. */
+const compileRegex = (source) => new RegExp(source, "i");
+/** Return the listed value of a part that equals a text except for case, if any. */
+const findListedValue = (part, text) => part.values.find(
+  (listedText) => listedText.toUpperCase() === text.toUpperCase());
+/** Fill the texts of the parts into the pattern of an order code, at the names of the parts in braces. */
+const fillPattern = (pattern, texts) => pattern.replace(/\{(\w+)\}/g, (_, name) => texts[name]);
 
-/** The order code on a label: family, interface and parameters. Throws ``UnknownCode`` with help. */
+/** Return the order code on a label: family, interface and parameters. Throws ``UnknownCode`` with help. */
 function readLabel(label) {
   if (isLine(label)) return readLine(label);
-  const text = withoutBlanks(label).toUpperCase();
-  const special = (family) => family.special && text.endsWith(`/${family.special}`);
+  const text = removeBlanks(label).toUpperCase();
+  const endsWithSpecial = (family) => family.special && text.endsWith(`/${family.special}`);
   let closeError = null;
-  let best = null;
-  for (const family of [...TABLE.families.filter(special), ...TABLE.families.filter((listedFamily) => !listedFamily.base)]) {
+  let bestReading = null;
+  for (const family of [
+    ...TABLE.families.filter(endsWithSpecial), ...TABLE.families.filter((listedFamily) => !listedFamily.base),
+  ]) {
     try {
-      const reading = readFor(family, label);
+      const reading = readLabelOfFamily(family, label);
       // What is a tail after the code of one family can be a part of the code of another one.
-      if (!best || reading.tail.length < best.tail.length) best = reading;
+      if (!bestReading || reading.tail.length < bestReading.tail.length) bestReading = reading;
     } catch (error) {
       if (!(error instanceof UnknownCode)) throw error;
       if (error.isClose) closeError = closeError ?? error;
     }
   }
-  if (best) return best;
-  throw closeError ?? new UnknownCode(unknownLabel(label), false);
+  if (bestReading) return bestReading;
+  throw closeError ?? new UnknownCode(describeUnknownLabel(label), false);
 }
 
 /** The order code on a label, or null if it is unknown. */
@@ -46,32 +53,34 @@ function findCode(label) {
   }
 }
 
-function readFor(family, label) {
+/** Return the order code on a label if it is one of this family. Throws ``UnknownCode`` with help. */
+function readLabelOfFamily(family, label) {
   if (label.length > LONGEST_LABEL) {
     throw new UnknownCode(said("too_long", label.slice(0, 20), label.length, LONGEST_LABEL), true);
   }
-  const code = withoutBlanks(label).toUpperCase();
+  const code = removeBlanks(label).toUpperCase();
   for (const spelling of family.labels.written) {
-    const match = regexOf(spelling.label).exec(code);
-    if (match) return { ...resolvedCode(family, spelling, match.groups, code), label };
+    const match = compileRegex(spelling.label).exec(code);
+    if (match) return { ...resolveOrderCode(family, spelling, match.groups, code), label };
   }
-  throw wrongPart(family, code);
+  throw explainWrongPart(family, code);
 }
 
-function resolvedCode(family, spelling, groups, code) {
+/** Return the order code of a label whose parts a spelling of the family has matched, with notes about its tail. */
+function resolveOrderCode(family, spelling, groups, code) {
   const { parts, pattern } = family.labels;
   const texts = named(Object.fromEntries(parts.map(({ name }) => {
-    const listedText = spelling.values?.[name]?.[groups[name].toUpperCase()];
-    return [name, listedText ?? groups[name]];
+    const spelledText = spelling.values?.[name]?.[groups[name].toUpperCase()];
+    return [name, spelledText ?? groups[name]];
   })));
-  const values = named(Object.fromEntries(parts.map((part) => [part.name, listedValue(part, texts[part.name])])));
-  const row = fittingRow(family, values);
-  if (!row) throw new UnknownCode(clash(family, code, texts, values), true);
+  const values = named(Object.fromEntries(parts.map((part) => [part.name, findListedValue(part, texts[part.name])])));
+  const row = findFittingRow(family, values);
+  if (!row) throw new UnknownCode(describeClash(family, code, texts, values), true);
   const unlisted = parts.map((part) => part.name).filter((name) => values[name] === undefined);
-  const listedCode = ofRow(family, row);
+  const listedCode = orderCodeOfRow(family, row);
   return {
     ...listedCode,
-    code: unlisted.length ? filledPattern(pattern, named(texts, definedOf(values))) : listedCode.code,
+    code: unlisted.length ? fillPattern(pattern, named(texts, omitUndefined(values))) : listedCode.code,
     unlisted,
     tail: groups.tail_ ?? "",
     isSpecial: groups.special_ !== undefined,
@@ -79,99 +88,113 @@ function resolvedCode(family, spelling, groups, code) {
   };
 }
 
-const definedOf = (values) => Object.fromEntries(Object.entries(values).filter(([, listed]) => listed !== undefined));
+/** Return the values by name, except those that are undefined. */
+const omitUndefined = (values) => Object.fromEntries(
+  Object.entries(values).filter(([, listedText]) => listedText !== undefined));
 
 /** The first listed code with these parts, where undefined stands for a value that is not listed. */
-function fittingRow(family, values) {
-  const open = family.labels.parts.filter((part) => values[part.name] === undefined);
-  const isAllowed = ([otherPart, allowed]) => values[otherPart] === undefined || allowed.includes(values[otherPart]);
-  if (!open.every((part) => Object.entries(part.only_with ?? {}).every(isAllowed))) return undefined;
+function findFittingRow(family, values) {
+  const unlistedParts = family.labels.parts.filter((part) => values[part.name] === undefined);
+  const isAllowed = ([otherPart, allowedValues]) =>
+    values[otherPart] === undefined || allowedValues.includes(values[otherPart]);
+  if (!unlistedParts.every((part) => Object.entries(part.only_with ?? {}).every(isAllowed))) return undefined;
   return family.codes.find((row) => {
-    const rowValues = partsOf(family, row);
+    const rowValues = partsOfRow(family, row);
     return Object.entries(values).every(([name, wanted]) => wanted === undefined || wanted === rowValues[name]);
   });
 }
 
-const partsOfCodes = new Map();
+/** Parts of the listed codes by row of the table, filled in by ``partsOfRow``. */
+const partsByRow = new Map();
 
-function partsOf(family, row) {
-  if (!partsOfCodes.has(row)) {
-    const { groups } = regexOf(family.labels.written[0].label).exec(withoutBlanks(row[0]));
-    const listed = family.labels.parts.map((part) => [part.name, listedValue(part, groups[part.name])]);
-    partsOfCodes.set(row, named(Object.fromEntries(listed)));
+/** Return the values of the parts of a listed code, by name of the part. */
+function partsOfRow(family, row) {
+  if (!partsByRow.has(row)) {
+    const { groups } = compileRegex(family.labels.written[0].label).exec(removeBlanks(row[0]));
+    const listed = family.labels.parts.map((part) => [part.name, findListedValue(part, groups[part.name])]);
+    partsByRow.set(row, named(Object.fromEntries(listed)));
   }
-  return partsOfCodes.get(row);
+  return partsByRow.get(row);
 }
 
-function clash(family, code, texts, values) {
+/** Return the message about an order code whose parts are listed but exclude each other. */
+function describeClash(family, code, texts, values) {
   const names = family.labels.parts.filter((part) => part.values.some(
-    (candidate) => fittingRow(family, named(values, { [part.name]: candidate })))).map((part) => part.name);
+    (candidate) => findFittingRow(family, named(values, { [part.name]: candidate })))).map((part) => part.name);
   const namedParts = names.map((name) => `${name} '${values[name] ?? texts[name]}'`).join(" and ") || "its parts";
-  return said("cannot_be_combined", code, namedParts, nearest([family], code));
+  return said("cannot_be_combined", code, namedParts, listNearestCodes([family], code));
 }
 
-/** The error about a text with one missing or unlisted part, or about a text that is far from every code. */
-function wrongPart(family, code) {
-  const { parts, wrong } = family.labels;
+/** Return the error about a text with one part left out or unlisted, or about a text that is far from every code. */
+function explainWrongPart(family, code) {
+  const { parts, wrong: patterns } = family.labels;
   const candidates = parts.flatMap((part, index) => {
-    const groups = regexOf(wrong[index]).exec(code)?.groups;
-    if (!groups || !hasMoreThan(groups, part, code)) return [];
-    const unlisted = parts.filter((other) => other !== part && listedValue(other, groups[other.name]) === undefined);
+    const groups = compileRegex(patterns[index]).exec(code)?.groups;
+    if (!groups || !hasOtherText(groups, part, code)) return [];
+    const unlisted = parts.filter(
+      (other) => other !== part && findListedValue(other, groups[other.name]) === undefined);
     return [{ part, given: groups[part.name], rank: 2 * unlisted.length + (groups[part.name] ? 1 : 0) }];
   });
   if (!candidates.length) {
-    return new UnknownCode(said("not_of_family", code, family.name.toUpperCase(), nearest([family], code)), false);
+    return new UnknownCode(
+      said("not_of_family", code, family.name.toUpperCase(), listNearestCodes([family], code)), false);
   }
-  const { part, given } = candidates.reduce((best, candidate) => (candidate.rank < best.rank ? candidate : best));
-  const words = given ? said("has_part", part.name, given) : said("has_no_part", part.name);
-  return new UnknownCode(said("wrong_part", code, words, part.values.join(", "), nearest([family], code)), true);
+  const { part, given: partText } = candidates.reduce(
+    (best, candidate) => (candidate.rank < best.rank ? candidate : best));
+  const partProblem = partText ? said("has_part", part.name, partText) : said("has_no_part", part.name);
+  return new UnknownCode(
+    said("wrong_part", code, partProblem, part.values.join(", "), listNearestCodes([family], code)), true);
 }
 
-/** Whether a label has letters or digits of the family, apart from a wrong part and the tail. */
-function hasMoreThan(groups, part, code) {
+/** Return whether a label has letters or digits of the family, apart from a wrong part and the tail. */
+function hasOtherText(groups, part, code) {
   const partText = groups[part.name];
   const ownText = code.slice(0, code.length - (groups.tail_ ?? "").length - (groups.special_ ?? "").length);
   return partText === "" || /[A-Z0-9]/i.test(ownText.replace(partText, ""));
 }
 
-function unknownLabel(text) {
-  const family = TABLE.families.find((known) => known.name === text.trim().toLowerCase());
+/** Return the message about a text that is far from the codes of every family, with the nearest codes. */
+function describeUnknownLabel(text) {
+  const family = TABLE.families.find((candidate) => candidate.name === text.trim().toLowerCase());
   if (family) return said("family", text, family.codes[0][0]);
-  const near = nearest(TABLE.families, text, TABLE.limits.likeness);
-  return said("unknown", text) + (near ? said("nearest", near) : "");
+  const nearestCodes = listNearestCodes(TABLE.families, text, TABLE.limits.likeness);
+  return said("unknown", text) + (nearestCodes ? said("nearest", nearestCodes) : "");
 }
 
-/** The three most similar codes, as a list in words. */
-function nearest(families, text, least = 0) {
+/** List the three most similar codes, with commas. ``leastLikeness`` is from 0 to 1. */
+function listNearestCodes(families, text, leastLikeness = 0) {
   const pieces = text.toUpperCase().split("-");
-  const likeness = (code) => similarity(code, pieces.slice(0, code.split("-").length).join("-"));
+  const likeness = (code) => computeSimilarity(code, pieces.slice(0, code.split("-").length).join("-"));
   return families.flatMap((family) => family.codes.map((row) => [likeness(row[0]), row[0]]))
-    .sort(([ratio], [otherRatio]) => otherRatio - ratio).slice(0, 3).filter(([ratio]) => ratio >= least)
+    .sort(([ratio], [otherRatio]) => otherRatio - ratio).slice(0, 3).filter(([ratio]) => ratio >= leastLikeness)
     .map(([, code]) => code).join(", ");
 }
 
-/** The similarity of two texts from 0 to 1, as difflib.SequenceMatcher computes it. */
-function similarity(text, otherText) {
-  const matched = (from, to, low, high) => {
-    let [best, size, bestInOther] = [0, 0, 0];
-    let lengths = new Map();
-    for (let place = from; place < to; place += 1) {
-      const next = new Map();
-      for (let otherPlace = low; otherPlace < high; otherPlace += 1) {
-        if (text[place] !== otherText[otherPlace]) continue;
-        const length = (lengths.get(otherPlace - 1) ?? 0) + 1;
-        next.set(otherPlace, length);
-        if (length > size) [best, bestInOther, size] = [place - length + 1, otherPlace - length + 1, length];
+/** Return the similarity of two texts from 0 to 1, as difflib.SequenceMatcher computes it. */
+function computeSimilarity(text, otherText) {
+  const countMatching = (start, end, otherStart, otherEnd) => {
+    let [bestStart, bestLength, bestOtherStart] = [0, 0, 0];
+    let lengthsBefore = new Map();
+    for (let index = start; index < end; index += 1) {
+      const lengthsHere = new Map();
+      for (let otherIndex = otherStart; otherIndex < otherEnd; otherIndex += 1) {
+        if (text[index] !== otherText[otherIndex]) continue;
+        const length = (lengthsBefore.get(otherIndex - 1) ?? 0) + 1;
+        lengthsHere.set(otherIndex, length);
+        if (length > bestLength) [bestStart, bestOtherStart, bestLength] = [
+          index - length + 1, otherIndex - length + 1, length];
       }
-      lengths = next;
+      lengthsBefore = lengthsHere;
     }
-    return size ? size + matched(from, best, low, bestInOther) + matched(best + size, to, bestInOther + size, high) : 0;
+    return bestLength ? bestLength + countMatching(start, bestStart, otherStart, bestOtherStart)
+      + countMatching(bestStart + bestLength, end, bestOtherStart + bestLength, otherEnd) : 0;
   };
   const total = text.length + otherText.length;
-  return total ? (2 * matched(0, text.length, 0, otherText.length)) / total : 1;
+  return total ? (2 * countMatching(0, text.length, 0, otherText.length)) / total : 1;
 }
 
-function ofRow(family, [code, interface_, ...values]) {
-  const given = named(Object.fromEntries((family.given ?? []).map((name, index) => [name, big(values[index])])));
-  return { code, family, interface: family.interfaces[interface_], given };
+/** Return the order code of a row of the table, which is [code, index of its interface, values of the parameters]. */
+function orderCodeOfRow(family, [code, interfaceIndex, ...values]) {
+  const parameters = named(Object.fromEntries((family.given ?? []).map((name, index) => [name, big(values[index])])));
+  return { code, family, interface: family.interfaces[interfaceIndex], given: parameters };
 }

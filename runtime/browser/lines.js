@@ -1,18 +1,23 @@
 // Licence 0BSD: use, modify and distribute this file without any condition.
 // An encoder described in one line, with the same words and messages as on the command line.
 
+/** Interfaces that a line can begin with. */
 const LINE_INTERFACES = ["biss", "ssi", "spi", "rs485"];
 const LINE_TITLES = { biss: "BiSS C-mode", ssi: "SSI", spi: "SPI", rs485: "RS-485" };
 const LINE_EXAMPLE = "INTERFACE:FIELD,FIELD, such as biss:position=32,error,warning,crc=6:0x43";
-const LINE_LAYOUTS = {
+/** Name and title of the layout of the frames from the encoder, by interface. */
+const LINE_LAYOUT_NAMES = {
   biss: ["single_cycle_data", "Single cycle data"], ssi: ["ssi_word", "SSI word"],
   spi: ["position_word", "Position word"], rs485: ["reply", "Reply"],
 };
-const LINE_VERDICTS = named({ error: "not_usable", warning: "usable_with_warning", status: "usable" });
-const LINE_MEANINGS = {
+/** Verdict of an active flag, by its effect. */
+const LINE_EFFECT_VERDICTS = named({ error: "not_usable", warning: "usable_with_warning", status: "usable" });
+/** Meaning of an active flag, by its verdict. */
+const LINE_VERDICT_MEANINGS = {
   not_usable: "an error is active", usable_with_warning: "a warning is active", usable: "the bit is active",
 };
-const LINE_NUMBERS = named({
+/** Unit and meaning of the fields with a number that the measured position consists of, by name. */
+const LINE_NUMBER_UNITS = named({
   position: ["counts", "Position"], singleturn: ["counts", "Position within one revolution"],
   multiturn: ["revolutions", "Number of revolutions"],
 });
@@ -20,328 +25,376 @@ const LONGEST_LINE = 1000;
 const MOST_LINE_FIELDS = 64;
 
 /** A text that is not a field or an option. The message says what would be right, and ``offset`` where it is. */
-class LinePart extends Error {
+class LineError extends Error {
   constructor(message, offset = 0) {
     super(message);
     this.offset = offset;
   }
 }
 
+/** Return whether a text is meant as a line, because it has = or begins with an interface. */
 const isLine = (text) => text.includes("=") || /^\s*(biss|ssi|spi|rs485)\s*[:,]/i.test(text);
-const shortText = (text) => (text.length > TABLE.limits.quote ? `'${text.slice(0, TABLE.limits.quote - 3)}...'` : `'${text}'`);
-const hexText = (number) => `0x${number.toString(16)}`;
+/** Return a text in quotes, with ... after its first characters if it is long. */
+const quotePart = (text) =>
+  (text.length > TABLE.limits.quote ? `'${text.slice(0, TABLE.limits.quote - 3)}...'` : `'${text}'`);
+/** Return a number in hex, with 0x. */
+const formatHex = (number) => `0x${number.toString(16)}`;
 
-/** The decimal, hexadecimal or binary number of at most 65 bits that a text is, otherwise null. */
-function lineNumber(text) {
+/** Return the decimal, hexadecimal or binary number of at most 65 bits that a text is, otherwise null. */
+function parseLineNumber(text) {
   return /^(0[xX][0-9A-Fa-f]{1,17}|0[bB][01]{1,65}|0|[1-9][0-9]{0,19})$/.test(text) ? BigInt(text) : null;
 }
 
-function lineBits(name, text, widest = 64n) {
-  const width = lineNumber(text);
-  if (width === null || width < 1n || width > widest) {
-    throw new LinePart(`${shortText(text)} is not a width of '${name}'; write 1 to ${widest}`, name.length + 1);
+/** Return the width of a field in bits, from 1 to ``maxWidth``. */
+function parseWidth(name, text, maxWidth = 64n) {
+  const width = parseLineNumber(text);
+  if (width === null || width < 1n || width > maxWidth) {
+    throw new LineError(`${quotePart(text)} is not a width of '${name}'; write 1 to ${maxWidth}`, name.length + 1);
   }
   return Number(width);
 }
 
-function lineField(text, column, interface_) {
-  const at = text.indexOf("=");
-  if (!text.trim()) throw new LinePart("a field is missing between two commas; remove one of them");
-  const given = (at < 0 ? text : text.slice(0, at)).trim();
-  const values = at < 0 ? [] : text.slice(at + 1).split(":").map((value) => value.trim());
-  if (!/^[A-Za-z][A-Za-z0-9_]{0,39}$/.test(given)) {
-    throw new LinePart(`${shortText(given)} is not a name; use letters, digits and underscores, such as position=32`);
+/** Parse a field, such as position=32: {kind, name, bits, column} and members that depend on its kind. */
+function parseLineField(text, column, interface_) {
+  const equalsIndex = text.indexOf("=");
+  if (!text.trim()) throw new LineError("a field is missing between two commas; remove one of them");
+  const writtenName = (equalsIndex < 0 ? text : text.slice(0, equalsIndex)).trim();
+  const values = equalsIndex < 0 ? [] : text.slice(equalsIndex + 1).split(":").map((value) => value.trim());
+  if (!/^[A-Za-z][A-Za-z0-9_]{0,39}$/.test(writtenName)) {
+    throw new LineError(
+      `${quotePart(writtenName)} is not a name; use letters, digits and underscores, such as position=32`);
   }
-  const name = given.toLowerCase().split("_").filter(Boolean).join("_");
-  if (name === "crc") return { ...lineCrc(values, interface_), column };
-  if (name === "parity") return { ...lineParity(values), column };
+  const name = writtenName.toLowerCase().split("_").filter(Boolean).join("_");
+  if (name === "crc") return { ...parseCrc(values, interface_), column };
+  if (name === "parity") return { ...parseParity(values), column };
   if (name === "zero" || name === "unused") {
-    if (values.length !== 1) throw new LinePart(`'${name}' takes only a width; write ${name}=2 for two bits`);
-    return { kind: name, name, bits: lineBits(name, values[0]), column };
+    if (values.length !== 1) throw new LineError(`'${name}' takes only a width; write ${name}=2 for two bits`);
+    return { kind: name, name, bits: parseWidth(name, values[0]), column };
   }
-  if (values[0] === "low" || values[0] === "high") return { ...lineFlag(name, values), column };
+  if (values[0] === "low" || values[0] === "high") return { ...parseFlag(name, values), column };
   if (["error", "warning"].includes(name) && (!values.length || (values.length === 1 && values[0] === "1"))) {
-    if (interface_ !== "biss") throw new LinePart(`'${name}' has no active level; write ${name}=low or ${name}=high`);
-    return { kind: "flag", name, bits: 1, level: "low", verdict: LINE_VERDICTS[name], column };
+    if (interface_ !== "biss") throw new LineError(`'${name}' has no active level; write ${name}=low or ${name}=high`);
+    return { kind: "flag", name, bits: 1, level: "low", verdict: LINE_EFFECT_VERDICTS[name], column };
   }
-  return { ...lineNumberField(name, values), column };
+  return { ...parseNumberField(name, values), column };
 }
 
-function lineNumberField(name, values) {
+/** Parse a number or a constant. ``values`` are the texts after =, which colons separate. */
+function parseNumberField(name, values) {
   if (!values.length || (values.length === 1 && !values[0])) {
-    throw new LinePart(`'${name}' has no width; write NAME=BITS for a number, NAME=low or NAME=high for a flag`);
+    throw new LineError(`'${name}' has no width; write NAME=BITS for a number, NAME=low or NAME=high for a flag`);
   }
   if (name === "error" || name === "warning") {
-    throw new LinePart(`'${name}' is one bit; write ${name}=low or ${name}=high`, name.length + 1);
+    throw new LineError(`'${name}' is one bit; write ${name}=low or ${name}=high`, name.length + 1);
   }
-  const width = lineBits(name, values[0]);
+  const width = parseWidth(name, values[0]);
   if (values.length === 1) return { kind: "number", name, bits: width };
   if (values.length === 2 && values[1] === "signed") return { kind: "number", name, bits: width, isSigned: true };
-  const number = lineNumber(values[1]);
-  const place = name.length + values[0].length + 2;
-  if (number === null || values.length > 2) {
-    const wrong = shortText(values.slice(1).join(":"));
-    throw new LinePart(`${wrong} does not fit after a width; write signed, or the value of a constant`, place);
+  const constant = parseLineNumber(values[1]);
+  const valueOffset = name.length + values[0].length + 2;
+  if (constant === null || values.length > 2) {
+    const wrongText = quotePart(values.slice(1).join(":"));
+    throw new LineError(
+      `${wrongText} does not fit after a width; write signed, or the value of a constant`, valueOffset);
   }
-  if (number >> BigInt(width)) {
-    throw new LinePart(`${hexText(number)} does not fit into ${width} bits; write at most ${hexText(ones(width))}`, place);
+  if (constant >> BigInt(width)) {
+    throw new LineError(
+      `${formatHex(constant)} does not fit into ${width} bits; write at most ${formatHex(ones(width))}`, valueOffset);
   }
-  if (name in LINE_NUMBERS) {
-    throw new LinePart(`'${name}' is not a constant; give the constant bits another name`, place);
+  if (name in LINE_NUMBER_UNITS) {
+    throw new LineError(`'${name}' is not a constant; give the constant bits another name`, valueOffset);
   }
-  return { kind: "constant", name, bits: width, value: number };
+  return { kind: "constant", name, bits: width, value: constant };
 }
 
-function lineFlag(name, values) {
-  const effect = values[1] ?? (name in LINE_VERDICTS ? name : "status");
-  if (values.length > 2 || !(effect in LINE_VERDICTS)) {
-    const wrong = shortText(values.slice(1).join(":"));
-    throw new LinePart(`${wrong} is not an effect of a flag; write error, warning or status`,
+/** Parse a flag: its active level, "low" or "high", and its effect. */
+function parseFlag(name, values) {
+  const effect = values[1] ?? (name in LINE_EFFECT_VERDICTS ? name : "status");
+  if (values.length > 2 || !(effect in LINE_EFFECT_VERDICTS)) {
+    const wrongText = quotePart(values.slice(1).join(":"));
+    throw new LineError(`${wrongText} is not an effect of a flag; write error, warning or status`,
       name.length + values[0].length + 2);
   }
-  return { kind: "flag", name, bits: 1, level: values[0], verdict: LINE_VERDICTS[effect] };
+  return { kind: "flag", name, bits: 1, level: values[0], verdict: LINE_EFFECT_VERDICTS[effect] };
 }
 
-function lineParity(values) {
+/** Parse a parity bit: even or odd. */
+function parseParity(values) {
   if (values.length === 1 && (values[0] === "even" || values[0] === "odd")) {
     return { kind: "parity", name: "parity", bits: 1, isOdd: values[0] === "odd" };
   }
-  throw new LinePart("a parity bit is even or odd; write parity=even or parity=odd");
+  throw new LineError("a parity bit is even or odd; write parity=even or parity=odd");
 }
 
-function lineCrc(values, interface_) {
+/** Parse a CRC: its width, its polynomial, and if they are there, its start value and whether it is inverted. */
+function parseCrc(values, interface_) {
   if (values.length < 2) {
-    throw new LinePart("a CRC needs its width and polynomial; write crc=BITS:POLYNOMIAL, such as crc=6:0x43");
+    throw new LineError("a CRC needs its width and polynomial; write crc=BITS:POLYNOMIAL, such as crc=6:0x43");
   }
-  const width = lineBits("crc", values[0], 32n);
-  const numbers = values.slice(1);
+  const width = parseWidth("crc", values[0], 32n);
+  const crcNumbers = values.slice(1);
   let isInverted = interface_ === "biss";
-  if (["inverted", "plain"].includes(numbers.at(-1))) isInverted = numbers.pop() === "inverted";
-  const place = "crc=".length + values[0].length + 1;
-  if (numbers.length < 1 || numbers.length > 2) {
-    throw new LinePart("write crc=BITS:POLYNOMIAL:START, with :inverted or :plain after it if needed", place);
+  if (["inverted", "plain"].includes(crcNumbers.at(-1))) isInverted = crcNumbers.pop() === "inverted";
+  const polynomialOffset = "crc=".length + values[0].length + 1;
+  if (crcNumbers.length < 1 || crcNumbers.length > 2) {
+    throw new LineError(
+      "write crc=BITS:POLYNOMIAL:START, with :inverted or :plain after it if needed", polynomialOffset);
   }
-  const poly = lineNumber(numbers[0]);
+  const poly = parseLineNumber(crcNumbers[0]);
   if (poly === null || !(poly & ONE) || poly > ones(width + 1)) {
-    const right = `write an odd number of at most ${hexText(ones(width + 1))}, with or without its top bit`;
-    throw new LinePart(`${shortText(numbers[0])} is not a polynomial of ${width} bits; ${right}`, place);
+    const remedy = `write an odd number of at most ${formatHex(ones(width + 1))}, with or without its top bit`;
+    throw new LineError(
+      `${quotePart(crcNumbers[0])} is not a polynomial of ${width} bits; ${remedy}`, polynomialOffset);
   }
-  const init = numbers.length > 1 ? lineNumber(numbers[1]) : 0n;
+  const init = crcNumbers.length > 1 ? parseLineNumber(crcNumbers[1]) : 0n;
   if (init === null || init > ones(width)) {
-    throw new LinePart(`${shortText(numbers[1])} is not a start value; write at most ${hexText(ones(width))}`,
-      place + numbers[0].length + 1);
+    throw new LineError(`${quotePart(crcNumbers[1])} is not a start value; write at most ${formatHex(ones(width))}`,
+      polynomialOffset + crcNumbers[0].length + 1);
   }
   return { kind: "crc", name: "crc", bits: width, poly: poly & ones(width), init, isInverted };
 }
 
 // -- options
 
-function lineHertz(text) {
+/** Return a clock frequency in Hz, or null if the text is different. */
+function parseHertz(text) {
   const match = /^([0-9]{1,12})([.][0-9]{1,6})?(|k|M)(?:Hz)?$/.exec(text);
   const hertz = match ? Math.round(Number(match[1] + (match[2] ?? "")) * { "": 1, k: 1e3, M: 1e6 }[match[3]]) : 0;
   return hertz > 0 && hertz <= 1e9 ? hertz : null;
 }
 
-function linePositive(text) {
-  const number = lineNumber(text);
+/** Return a number from 1 to 2^63 - 1, or null if the text is different. */
+function parsePositive(text) {
+  const number = parseLineNumber(text);
   return number && number < ONE << 63n ? number : null;
 }
 
-function lineRequest(text) {
+/** Return the hex digits of one to eight bytes, or null if the text is different. */
+function parseRequest(text) {
   const digits = text.startsWith("0x") ? text.slice(2) : text;
   return /^([0-9A-Fa-f]{2}){1,8}$/.test(digits) ? digits : null;
 }
 
-const LINE_WORDS = named({
+/** Options that are a word, by that word: their interfaces, their member in the options of a line, and its value. */
+const LINE_KEYWORDS = named({
   gray: [["biss", "ssi", "spi"], "isGray", true], binary: [LINE_INTERFACES, "isGray", false],
   left: [["ssi"], "alignment", "msb_left"], right: [["ssi"], "alignment", "lsb_right"],
   low_byte_first: [["spi", "rs485"], "order", "little"], high_byte_first: [["spi", "rs485"], "order", "big"],
 });
+/** Options with a value, by name: their interfaces, the function that parses the value or returns null, an example. */
 const LINE_SETTINGS = named({
-  clock: [["biss", "ssi", "spi"], lineHertz, "clock=1MHz"],
+  clock: [["biss", "ssi", "spi"], parseHertz, "clock=1MHz"],
   mode: [["spi"], (text) => (/^[0-3]$/.test(text) ? Number(text) : null), "mode=1"],
-  baud: [["rs485"], linePositive, "baud=2500000"], request: [["rs485"], lineRequest, "request=1A"],
-  counts: [LINE_INTERFACES, linePositive, "counts=4096"], turns: [LINE_INTERFACES, linePositive, "turns=4096"],
+  baud: [["rs485"], parsePositive, "baud=2500000"], request: [["rs485"], parseRequest, "request=1A"],
+  counts: [LINE_INTERFACES, parsePositive, "counts=4096"], turns: [LINE_INTERFACES, parsePositive, "turns=4096"],
 });
-const inWords = (names, last = "and") => (names.length > 1 ? `${names.slice(0, -1).join(", ")} ${last} ${names.at(-1)}` : names[0]);
+/** Join names as a list in words, such as "a, b and c". */
+const joinNames = (names, conjunction = "and") =>
+  (names.length > 1 ? `${names.slice(0, -1).join(", ")} ${conjunction} ${names.at(-1)}` : names[0]);
 
-function withLineOption(options, text, interface_) {
-  const at = text.indexOf("=");
-  const name = (at < 0 ? text : text.slice(0, at)).trim();
-  const given = at < 0 ? "" : text.slice(at + 1).trim();
-  const [word, setting] = [LINE_WORDS[name], LINE_SETTINGS[name]];
-  if (!word && !setting) {
-    const every = inWords([...Object.keys(LINE_WORDS), ...Object.keys(LINE_SETTINGS)], "or");
-    throw new LinePart(`${shortText(name)} is not an option; write ${every} (a field belongs after the colon)`);
+/** Parse an option and add it to ``options``, with its member as key. */
+function setLineOption(options, text, interface_) {
+  const equalsIndex = text.indexOf("=");
+  const name = (equalsIndex < 0 ? text : text.slice(0, equalsIndex)).trim();
+  const settingText = equalsIndex < 0 ? "" : text.slice(equalsIndex + 1).trim();
+  const [keyword, setting] = [LINE_KEYWORDS[name], LINE_SETTINGS[name]];
+  if (!keyword && !setting) {
+    const allNames = joinNames([...Object.keys(LINE_KEYWORDS), ...Object.keys(LINE_SETTINGS)], "or");
+    throw new LineError(`${quotePart(name)} is not an option; write ${allNames} (a field belongs after the colon)`);
   }
-  const [interfaces] = word ?? setting;
+  const [interfaces] = keyword ?? setting;
   if (!interfaces.includes(interface_)) {
-    throw new LinePart(`'${name}' is not an option of ${interface_}, only of ${inWords(interfaces)}; remove it`);
+    throw new LineError(`'${name}' is not an option of ${interface_}, only of ${joinNames(interfaces)}; remove it`);
   }
-  if (word) {
-    if (at >= 0) throw new LinePart(`'${name}' has no value; write only ${name}`, name.length);
-    return Object.assign(options, { [word[1]]: word[2] });
+  if (keyword) {
+    if (equalsIndex >= 0) throw new LineError(`'${name}' has no value; write only ${name}`, name.length);
+    return Object.assign(options, { [keyword[1]]: keyword[2] });
   }
-  const value_ = setting[1](given);
-  if (value_ === null) {
-    throw new LinePart(`${shortText(given)} is not a value of '${name}'; write it like ${setting[2]}`, name.length + 1);
+  const settingValue = setting[1](settingText);
+  if (settingValue === null) {
+    throw new LineError(
+      `${quotePart(settingText)} is not a value of '${name}'; write it like ${setting[2]}`, name.length + 1);
   }
-  return Object.assign(options, { [name]: value_ });
+  return Object.assign(options, { [name]: settingValue });
 }
 
 // -- the line
 
-/** The parts of a text between commas, each with the column of its first character that is not a space. */
-function linePieces(text, column) {
-  let next = column;
+/** Return the parts of a text between commas, each with the column of its first character after blanks. */
+function splitAtCommas(text, column) {
+  let nextColumn = column;
   return text.split(",").map((piece) => {
-    const place = next + (piece.trim() ? piece.length - piece.trimStart().length : 0);
-    next += piece.length + 1;
-    return [place, piece.trim()];
+    const pieceColumn = nextColumn + (piece.trim() ? piece.length - piece.trimStart().length : 0);
+    nextColumn += piece.length + 1;
+    return [pieceColumn, piece.trim()];
   });
 }
 
-/** The interface, options and fields of a line, or its problems, each with its column. */
-function parsedLine(given) {
-  const text = given.trim();
-  if (text.length > LONGEST_LINE) {
+/** Return {text, interface, options, fields, problems} of a line. A problem is [column, message], sorted by column. */
+function parsedLine(untrimmedLine) {
+  const lineText = untrimmedLine.trim();
+  if (lineText.length > LONGEST_LINE) {
     return { problems: [[1, `the line is longer than ${LONGEST_LINE} characters; shorten it`]] };
   }
-  const wrong = text.search(/[^A-Za-z0-9_=:,. ]/);
-  if (wrong >= 0) {
-    const [character] = text.slice(wrong);
-    return { problems: [[wrong + 1, `'${character}' is not a character of a line; write ${LINE_EXAMPLE}`]] };
+  const wrongIndex = lineText.search(/[^A-Za-z0-9_=:,. ]/);
+  if (wrongIndex >= 0) {
+    const [character] = lineText.slice(wrongIndex);
+    return { problems: [[wrongIndex + 1, `'${character}' is not a character of a line; write ${LINE_EXAMPLE}`]] };
   }
   const problems = [];
-  const [interface_, end] = lineInterface(text, problems);
+  const [interface_, headLength] = parseInterface(lineText, problems);
   const options = {};
   const columns = {};
-  for (const [column, piece] of linePieces(text.slice(0, end), 1).slice(1)) {
-    attempt(column, problems, () => {
-      withLineOption(options, piece, interface_);
+  for (const [column, piece] of splitAtCommas(lineText.slice(0, headLength), 1).slice(1)) {
+    collectProblem(column, problems, () => {
+      setLineOption(options, piece, interface_);
       columns[piece.split("=")[0].trim()] = column;
     });
   }
-  const start = end ? end + 1 : 0;
-  const fields = start <= text.length ? lineFields(text.slice(start), start + 1, interface_, problems) : [];
-  if (fields.length) problems.push(...lineFieldProblems(fields, interface_), ...lineOptionProblems(options, columns, fields, interface_));
-  return { text, interface: interface_, options, fields, problems: problems.sort(([one], [other]) => one - other) };
+  const fieldsStart = headLength ? headLength + 1 : 0;
+  const fields = fieldsStart <= lineText.length
+    ? parseLineFields(lineText.slice(fieldsStart), fieldsStart + 1, interface_, problems) : [];
+  if (fields.length) problems.push(
+    ...checkLineFields(fields, interface_), ...checkLineOptions(options, columns, fields, interface_));
+  return {
+    text: lineText, interface: interface_, options, fields,
+    problems: problems.sort(([column], [otherColumn]) => column - otherColumn),
+  };
 }
 
-function attempt(column, problems, read) {
+/** Call ``parse``, and add the problem to the list if it throws a ``LineError``. */
+function collectProblem(column, problems, parse) {
   try {
-    read();
+    parse();
   } catch (error) {
-    if (!(error instanceof LinePart)) throw error;
+    if (!(error instanceof LineError)) throw error;
     problems.push([column + error.offset, error.message]);
   }
 }
 
-function lineInterface(text, problems) {
-  const colon = text.indexOf(":");
-  const head = colon < 0 ? text : text.slice(0, colon);
-  const word = head.split(",")[0].trim();
-  const interface_ = word.toLowerCase();
+/** Return the interface of a line and the length of its head, which is the interface and the options. */
+function parseInterface(lineText, problems) {
+  const colon = lineText.indexOf(":");
+  const head = colon < 0 ? lineText : lineText.slice(0, colon);
+  const firstWord = head.split(",")[0].trim();
+  const interface_ = firstWord.toLowerCase();
   if (LINE_INTERFACES.includes(interface_)) {
     if (colon < 0) {
-      problems.push([text.length + 1, `there is no colon after '${interface_}' and its options; write ${LINE_EXAMPLE}`]);
+      problems.push([
+        lineText.length + 1, `there is no colon after '${interface_}' and its options; write ${LINE_EXAMPLE}`]);
     }
     return [interface_, head.length];
   }
-  if (word.includes("=") || ["error", "warning", "position"].includes(interface_) || colon < 0) {
+  if (firstWord.includes("=") || ["error", "warning", "position"].includes(interface_) || colon < 0) {
     problems.push([1, "the line does not begin with its interface; write biss:, ssi:, spi: or rs485: in front of it"]);
     return ["biss", 0];
   }
-  problems.push([1, `${shortText(word)} is not an interface; write one of: ${LINE_INTERFACES.join(", ")}`]);
+  problems.push([1, `${quotePart(firstWord)} is not an interface; write one of: ${LINE_INTERFACES.join(", ")}`]);
   return ["biss", head.length];
 }
 
-function lineFields(text, column, interface_, problems) {
+/** Parse the fields of a line, and add the problems to the list. */
+function parseLineFields(text, column, interface_, problems) {
   const fields = [];
   if (!text.trim()) {
     problems.push([column, `the line has no fields; write ${LINE_EXAMPLE}`]);
     return fields;
   }
-  const pieces = linePieces(text, column);
+  const pieces = splitAtCommas(text, column);
   if (pieces.length > MOST_LINE_FIELDS) {
     problems.push([pieces[MOST_LINE_FIELDS][0], `write at most ${MOST_LINE_FIELDS} fields`]);
   }
-  for (const [place, piece] of pieces.slice(0, MOST_LINE_FIELDS)) {
-    attempt(place, problems, () => fields.push(lineField(piece, place, interface_)));
+  for (const [pieceColumn, piece] of pieces.slice(0, MOST_LINE_FIELDS)) {
+    collectProblem(pieceColumn, problems, () => fields.push(parseLineField(piece, pieceColumn, interface_)));
   }
   return fields;
 }
 
+/** Return whether a field is zero or unused bits, whose names may occur twice. */
 const isFiller = (field) => field.kind === "zero" || field.kind === "unused";
+/** Return whether a field is the position or its part within one revolution. */
 const isPosition = (field) => field.name === "position" || field.name === "singleturn";
-const lineLength = (fields) => fields.reduce((sum, field) => sum + field.bits, 0);
+/** Return the bits of all fields together. */
+const sumFieldBits = (fields) => fields.reduce((sum, field) => sum + field.bits, 0);
 
-function lineFieldProblems(fields, interface_) {
+/** Return the problems with the names and the order of the fields, and with their bits in all. */
+function checkLineFields(fields, interface_) {
   const problems = [];
   const names = new Set();
   for (const field of fields) {
     const { name, column, kind } = field;
-    if (!isFiller(field) && names.has(name)) problems.push([column, `a second field has the name '${name}'; rename one of them`]);
+    if (!isFiller(field) && names.has(name)) problems.push([
+      column, `a second field has the name '${name}'; rename one of them`]);
     names.add(name);
-    if (kind === "crc" && field !== fields.at(-1)) problems.push([column, "the CRC must be the last field; move it to the end"]);
+    if (kind === "crc" && field !== fields.at(-1)) problems.push([
+      column, "the CRC must be the last field; move it to the end"]);
     if (kind === "crc" && interface_ === "rs485" && field.bits % 8) {
       problems.push([column, `the CRC has ${field.bits} bits; over RS-485, write whole bytes`]);
     }
-    if (kind === "parity" && fields.every((one) => ["parity", "crc", "zero", "constant"].includes(one.kind))) {
+    if (kind === "parity" && fields.every((other) => ["parity", "crc", "zero", "constant"].includes(other.kind))) {
       problems.push([column, "a parity bit needs other fields that change; add them"]);
     }
   }
-  return [...problems, ...linePositionProblems(fields, interface_), ...lineLengthProblems(fields, interface_)];
+  return [...problems, ...checkPositionFields(fields, interface_), ...checkLineLength(fields, interface_)];
 }
 
-function linePositionProblems(fields, interface_) {
-  const last = (name) => fields.findLastIndex((field) => field.name === name);
-  const [position, turns, inTurn] = ["position", "multiturn", "singleturn"].map(last);
+/** Return the problems with the position and its two parts. */
+function checkPositionFields(fields, interface_) {
+  const lastIndexOf = (name) => fields.findLastIndex((field) => field.name === name);
+  const [positionIndex, multiturnIndex, singleturnIndex] = ["position", "multiturn", "singleturn"].map(lastIndexOf);
   const problems = [];
-  if (position >= 0 && (turns >= 0 || inTurn >= 0)) {
-    problems.push([fields[position].column,
+  if (positionIndex >= 0 && (multiturnIndex >= 0 || singleturnIndex >= 0)) {
+    problems.push([fields[positionIndex].column,
       "'position' is the whole position; write either it, or multiturn and singleturn"]);
   }
-  if (turns < 0) return problems;
-  if (inTurn < 0) problems.push([fields[turns].column, "'multiturn' needs 'singleturn'; add singleturn=BITS"]);
-  else if (turns > inTurn && interface_ !== "rs485") {
-    problems.push([fields[turns].column,
+  if (multiturnIndex < 0) return problems;
+  if (singleturnIndex < 0) problems.push([fields[multiturnIndex].column,
+    "'multiturn' needs 'singleturn'; add singleturn=BITS"]);
+  else if (multiturnIndex > singleturnIndex && interface_ !== "rs485") {
+    problems.push([fields[multiturnIndex].column,
       "'multiturn' must be before 'singleturn'; swap the two, or write position=BITS"]);
   }
   return problems;
 }
 
-function lineLengthProblems(fields, interface_) {
-  const length = lineLength(fields);
-  const [fewest, most] = [interface_ === "spi" || interface_ === "rs485" ? 8 : 1, interface_ === "rs485" ? 1024 : 64];
-  if (length < fewest || length > most) {
-    return [[fields[0].column, `the fields have ${length} bits; write ${fewest} to ${most}`]];
+/** Return a list with the problem if the fields have too few or too many bits. */
+function checkLineLength(fields, interface_) {
+  const bitCount = sumFieldBits(fields);
+  const [minBits, maxBits] = [
+    interface_ === "spi" || interface_ === "rs485" ? 8 : 1, interface_ === "rs485" ? 1024 : 64];
+  if (bitCount < minBits || bitCount > maxBits) {
+    return [[fields[0].column, `the fields have ${bitCount} bits; write ${minBits} to ${maxBits}`]];
   }
-  if (interface_ !== "rs485" || length % 8 === 0) return [];
-  return [[fields[0].column, `the fields have ${length} bits; over RS-485, write whole bytes`]];
+  if (interface_ !== "rs485" || bitCount % 8 === 0) return [];
+  return [[fields[0].column, `the fields have ${bitCount} bits; over RS-485, write whole bytes`]];
 }
 
-function lineOptionProblems(options, columns, fields, interface_) {
+/** Return the problems of options with the fields. ``columns`` are those of the options, by name. */
+function checkLineOptions(options, columns, fields, interface_) {
   return [
-    ...(options.isGray ? lineGrayProblems(options, columns, fields) : []),
-    ...(options.counts || options.turns ? lineCountProblems(options, columns, fields) : []),
-    ...lineOrderProblems(options, fields, interface_),
+    ...(options.isGray ? checkGrayOption(options, columns, fields) : []),
+    ...(options.counts || options.turns ? checkCountOptions(options, columns, fields) : []),
+    ...checkByteOrder(options, fields, interface_),
   ];
 }
 
-function lineGrayProblems(options, columns, fields) {
-  const positions = fields.filter(isPosition);
+/** Return the problems of Gray code with the fields. */
+function checkGrayOption(options, columns, fields) {
+  const positionFields = fields.filter(isPosition);
   const hasTurns = fields.some((field) => field.name === "multiturn");
-  const problems = positions.length ? [] : [[columns.gray ?? 1, "'gray' needs a position; add position=BITS, or remove gray"]];
-  const [turns, inTurn] = ["multiturn", "singleturn"].map((name) => fields.findIndex((field) => field.name === name));
-  if (turns >= 0 && inTurn > turns + 1) {
-    problems.push([fields[inTurn].column,
+  const problems = positionFields.length ? []
+    : [[columns.gray ?? 1, "'gray' needs a position; add position=BITS, or remove gray"]];
+  const [multiturnIndex, singleturnIndex] = ["multiturn", "singleturn"].map(
+    (name) => fields.findIndex((field) => field.name === name));
+  if (multiturnIndex >= 0 && singleturnIndex > multiturnIndex + 1) {
+    problems.push([fields[singleturnIndex].column,
       "with gray, 'singleturn' must follow 'multiturn' directly; move the fields between them"]);
   }
   for (const { kind, column } of fields) {
-    if (kind === "parity") problems.push([column, "a parity over Gray code is not supported; write its bit as unused=1"]);
+    if (kind === "parity") problems.push([
+      column, "a parity over Gray code is not supported; write its bit as unused=1"]);
   }
-  for (const { name, bits: width, column, isSigned } of positions) {
+  for (const { name, bits: width, column, isSigned } of positionFields) {
     if (width === 1 && !hasTurns) {
       problems.push([column, `'${name}' has one bit, which is the same in Gray code; remove gray`]);
     }
@@ -355,306 +408,354 @@ function lineGrayProblems(options, columns, fields) {
   return problems;
 }
 
-function lineCountProblems(options, columns, fields) {
+/** Return the problems of the counts and turns with the fields. */
+function checkCountOptions(options, columns, fields) {
   const column = columns.counts ?? columns.turns ?? 1;
-  const positions = fields.filter((field) => field.kind === "number" && field.name === "position");
-  const problems = positions.length ? [] : [[column,
+  const positionFields = fields.filter((field) => field.kind === "number" && field.name === "position");
+  const problems = positionFields.length ? [] : [[column,
     "'counts' and 'turns' need a field 'position'; singleturn and multiturn already give them"]];
   const { counts = 0n, turns = 0n } = options;
-  if (turns && !counts) problems.push([columns.turns ?? 1, "'turns' needs the counts per revolution; add counts=NUMBER"]);
-  for (const field of positions) {
-    const most = ONE << BigInt(field.bits);
-    if (counts * (turns || ONE) > most) {
+  if (turns && !counts) problems.push([
+    columns.turns ?? 1, "'turns' needs the counts per revolution; add counts=NUMBER"]);
+  for (const field of positionFields) {
+    const mostCounts = ONE << BigInt(field.bits);
+    if (counts * (turns || ONE) > mostCounts) {
       problems.push([column, `${counts} counts × ${turns || ONE} turns do not fit into ${field.bits} bits; `
-        + `write at most ${most} counts in all`]);
+        + `write at most ${mostCounts} counts in all`]);
     }
     if (field.isSigned) {
-      problems.push([column, "a signed position has no counts in a line; remove counts, and add its range to the spec"]);
+      problems.push([
+        column, "a signed position has no counts in a line; remove counts, and add its range to the spec"]);
     }
   }
   return problems;
 }
 
-function lineOrderProblems(options, fields, interface_) {
+/** Return the problems of the byte order with the fields. */
+function checkByteOrder(options, fields, interface_) {
   const problems = [];
-  let place = 0;
+  let bitOffset = 0;
   for (const field of fields) {
     const isWide = field.bits > 8 && !isFiller(field);
     if (interface_ === "rs485" && isWide && !options.order) {
       problems.push([field.column,
         `the byte order of '${field.name}' is not known; write rs485,low_byte_first: or high_byte_first`]);
     }
-    const isSplit = interface_ === "spi" && options.order === "little" && ["number", "constant"].includes(field.kind);
-    if (isSplit && isWide && (place % 8 || field.bits % 8)) {
+    const isSplitIntoBytes = interface_ === "spi" && options.order === "little"
+      && ["number", "constant"].includes(field.kind);
+    if (isSplitIntoBytes && isWide && (bitOffset % 8 || field.bits % 8)) {
       problems.push([field.column,
         `'${field.name}' is not whole bytes, so low_byte_first cannot apply; add zero or unused bits`]);
     }
-    if (isSplit && isWide && (field.isSigned || field.kind === "constant")) {
+    if (isSplitIntoBytes && isWide && (field.isSigned || field.kind === "constant")) {
       problems.push([field.column,
         `'${field.name}' is signed or a constant, and cannot be sent low byte first; write its bytes`]);
     }
-    place += field.bits;
+    bitOffset += field.bits;
   }
   return problems;
 }
 
 // -- the record
 
-/** Members that are not 0, empty or false. */
-const notEmpty = (members) => Object.fromEntries(Object.entries(members).filter(
-  ([, one]) => one && (typeof one !== "object" || Object.keys(one).length)));
-const inTable = (number) => (number <= BigInt(Number.MAX_SAFE_INTEGER) ? Number(number) : hexText(number));
+/** Omit members that are 0, empty or false, and return the others. */
+const omitEmpty = (members) => Object.fromEntries(Object.entries(members).filter(
+  ([, member]) => member && (typeof member !== "object" || Object.keys(member).length)));
+/** Return a number as the table has it: as text if it is too large for a JavaScript number. */
+const toTableNumber = (number) => (number <= BigInt(Number.MAX_SAFE_INTEGER) ? Number(number) : formatHex(number));
 
-/** The fields as they are sent, each with a name of its own and its lowest bit. A number sent low byte first is split. */
-function sentFields({ interface: interface_, options, fields }) {
-  const taken = new Set(fields.filter((field) => !isFiller(field)).map((field) => field.name));
-  const isLow = options.order === "little";
-  const sent = [];
-  const used = new Set();
+/**
+ * List the fields as they are sent, each with a name of its own and its lowest bit ``low``.
+ * A number sent low byte first is split into bytes.
+ */
+function listSentFields({ interface: interface_, options, fields }) {
+  const fieldNames = new Set(fields.filter((field) => !isFiller(field)).map((field) => field.name));
+  const isLowByteFirst = options.order === "little";
+  const sentFields = [];
+  const sentNames = new Set();
   for (const field of fields) {
-    if (interface_ === "spi" && isLow && field.kind === "number" && field.bits > 8) {
-      for (let index = 0; index < field.bits / 8; index += 1) {
-        sent.push({ kind: "byte", name: `${field.name}_byte_${index}`, of: field.name, bits: 8 });
+    if (interface_ === "spi" && isLowByteFirst && field.kind === "number" && field.bits > 8) {
+      for (let byteIndex = 0; byteIndex < field.bits / 8; byteIndex += 1) {
+        sentFields.push({ kind: "byte", name: `${field.name}_byte_${byteIndex}`, of: field.name, bits: 8 });
       }
       continue;
     }
     let { name } = field;
     if (isFiller(field)) {
       name = `${field.name}_bits`;
-      for (let number = 2; used.has(name) || taken.has(name); number += 1) name = `${field.name}_bits_${number}`;
+      for (let index = 2; sentNames.has(name) || fieldNames.has(name); index += 1) name = `${field.name}_bits_${index}`;
     }
-    used.add(name);
-    sent.push({ ...field, name });
+    sentNames.add(name);
+    sentFields.push({ ...field, name });
   }
-  const isFromLow = interface_ === "rs485" && isLow;
-  const length = lineLength(fields);
-  let place = 0;
-  for (const field of sent) {
-    field.low = isFromLow ? place : length - place - field.bits;
-    place += field.bits;
+  const isLowBitFirst = interface_ === "rs485" && isLowByteFirst;
+  const bitCount = sumFieldBits(fields);
+  let bitOffset = 0;
+  for (const field of sentFields) {
+    field.low = isLowBitFirst ? bitOffset : bitCount - bitOffset - field.bits;
+    bitOffset += field.bits;
   }
-  return sent;
+  return sentFields;
 }
 
-/** Adds to each unused field its place among the unused bits. */
-function placeUnused(sent, interface_) {
-  const unused = sent.filter((field) => field.kind === "unused").sort((one, other) => one.low - other.low);
+/** Add to each unused field its place among the unused bits. */
+function placeUnusedBits(sentFields, interface_) {
+  const unusedFields = sentFields.filter((field) => field.kind === "unused")
+    .sort((field, other) => field.low - other.low);
   if (interface_ !== "rs485") {
-    let place = 0;
-    for (const field of unused) {
-      field.place = place;
-      place += field.bits;
+    let bitOffset = 0;
+    for (const field of unusedFields) {
+      field.place = bitOffset;
+      bitOffset += field.bits;
     }
     return;
   }
-  const bytes = [...new Set(unused.flatMap(({ low, bits: width }) => {
-    const first = Math.floor(low / 8);
-    return Array.from({ length: Math.floor((low + width - 1) / 8) - first + 1 }, (_, index) => first + index);
-  }))].sort((one, other) => one - other);
-  for (const field of unused) field.place = 8 * bytes.indexOf(Math.floor(field.low / 8)) + (field.low % 8);
+  const unusedBytes = [...new Set(unusedFields.flatMap(({ low, bits: width }) => {
+    const firstByte = Math.floor(low / 8);
+    return Array.from({ length: Math.floor((low + width - 1) / 8) - firstByte + 1 }, (_, index) => firstByte + index);
+  }))].sort((first, second) => first - second);
+  for (const field of unusedFields) field.place = 8 * unusedBytes.indexOf(Math.floor(field.low / 8)) + (field.low % 8);
 }
 
-function lineJoins(sent) {
-  const join = (name, parts) => {
+/** Build the numbers that are joined from several fields: split numbers, and the position from its two parts. */
+function buildJoins(sentFields) {
+  const buildJoin = (name, partFields) => {
     let shift = 0;
-    return { name, fields: parts.map((field) => {
-      const row = [field.name, shift];
+    return { name, fields: partFields.map((field) => {
+      const nameAndShift = [field.name, shift];
       shift += field.bits;
-      return row;
+      return nameAndShift;
     }) };
   };
-  const parts = (name) => sent.filter((field) => field.of === name || (field.kind === "number" && field.name === name));
-  const split = [...new Set(sent.map((field) => field.of).filter(Boolean))];
-  const joins = split.map((name) => join(name, parts(name)));
-  const [turns, inTurn] = [parts("multiturn"), parts("singleturn")];
-  return turns.length && inTurn.length ? [...joins, join("position", [...inTurn, ...turns])] : joins;
+  const partsNamed = (name) => sentFields.filter(
+    (field) => field.of === name || (field.kind === "number" && field.name === name));
+  const splitNames = [...new Set(sentFields.map((field) => field.of).filter(Boolean))];
+  const joins = splitNames.map((name) => buildJoin(name, partsNamed(name)));
+  const [multiturnParts, singleturnParts] = [partsNamed("multiturn"), partsNamed("singleturn")];
+  return multiturnParts.length && singleturnParts.length
+    ? [...joins, buildJoin("position", [...singleturnParts, ...multiturnParts])] : joins;
 }
 
+/** Return whether a field has the same bits in every frame. */
 const isConstant = (field) => field.kind === "zero" || field.kind === "constant";
+/** Count the ones in a number. */
 const onesIn = (number) => number.toString(2).replaceAll("0", "").length;
 
-/** The other fields of a parity bit that change, and whether their number of ones must be odd with it. */
-function parityOfLine(field, sent) {
-  const others = sent.filter((one) => !["parity", "crc"].includes(one.kind));
-  const constants = others.filter((one) => one.kind === "constant").reduce((sum, one) => sum + onesIn(one.value), 0);
-  return { covered: others.filter((one) => !isConstant(one)), isOdd: (Number(field.isOdd) + constants) % 2 };
+/** Return the other fields of a parity bit that change, and whether their number of ones must be odd with it. */
+function findParityCoverage(field, sentFields) {
+  const otherFields = sentFields.filter((other) => !["parity", "crc"].includes(other.kind));
+  const constantOnes = otherFields.filter((other) => other.kind === "constant")
+    .reduce((sum, constant) => sum + onesIn(constant.value), 0);
+  return {
+    covered: otherFields.filter((other) => !isConstant(other)), isOdd: (Number(field.isOdd) + constantOnes) % 2,
+  };
 }
 
+/** Colour of a field in the drawing of a frame, by kind. Other fields have the colour of data. */
 const LINE_COLOURS = { flag: "flag", zero: "fixed", constant: "fixed", crc: "check", parity: "check" };
 
-function lineFieldData(field, sent, hasPosition) {
+/** Build the record of a field, as in the table. */
+function buildFieldRecord(field, sentFields, hasPosition) {
   const { name, bits: width, low } = field;
   const colour = field.kind === "unused" && hasPosition ? "fixed" : LINE_COLOURS[field.kind] ?? "data";
-  const data = { name, ...notEmpty({ low }), width, colour };
+  const record = { name, ...omitEmpty({ low }), width, colour };
   switch (field.kind) {
     case "flag":
-      return { ...data, kind: field.level === "low" ? "not_flag" : "flag", on: LINE_MEANINGS[field.verdict] };
-    case "zero": return { ...data, fixed: 0 };
-    case "constant": return { ...data, fixed: inTable(field.value) };
-    case "unused": return hasPosition ? { ...data, unused: 0, place: field.place } : data;
-    case "crc": return { ...data, crc: 1 };
+      return { ...record, kind: field.level === "low" ? "not_flag" : "flag", on: LINE_VERDICT_MEANINGS[field.verdict] };
+    case "zero": return { ...record, fixed: 0 };
+    case "constant": return { ...record, fixed: toTableNumber(field.value) };
+    case "unused": return hasPosition ? { ...record, unused: 0, place: field.place } : record;
+    case "crc": return { ...record, crc: 1 };
     case "parity": {
-      const { covered, isOdd } = parityOfLine(field, sent);
-      return { ...data, parity: covered.map((one) => one.name), odd: isOdd };
+      const { covered, isOdd } = findParityCoverage(field, sentFields);
+      return { ...record, parity: covered.map((coveredField) => coveredField.name), odd: isOdd };
     }
     default: {
-      const [unit, meaning] = LINE_NUMBERS[name] ?? [];
-      return { ...data, ...notEmpty({ kind: field.isSigned ? "signed" : "", meaning, unit }) };
+      const [unit, meaning] = LINE_NUMBER_UNITS[name] ?? [];
+      return { ...record, ...omitEmpty({ kind: field.isSigned ? "signed" : "", meaning, unit }) };
     }
   }
 }
 
-/** The checks of constants and parity bits, and then that of the highest position. */
-function lineChecks(sent, { counts = 0n, turns = ONE }) {
-  const placeOf = (field) => ({ ...notEmpty({ low: field.low }), width: field.bits });
-  const checks = sent.flatMap((field) => {
-    const place = { ...placeOf(field), fault: "constant" };
+/** Build the checks of constants and parity bits, and then that of the highest position. */
+function buildCheckRecords(sentFields, { counts = 0n, turns = ONE }) {
+  const lowAndWidth = (field) => ({ ...omitEmpty({ low: field.low }), width: field.bits });
+  const checks = sentFields.flatMap((field) => {
+    const placeAndFault = { ...lowAndWidth(field), fault: "constant" };
     if (isConstant(field)) {
-      return [{ ...place, values: [inTable(field.value ?? 0n)], field: field.name, says: "constant", always: 1 }];
+      return [{
+        ...placeAndFault, values: [toTableNumber(field.value ?? 0n)], field: field.name, says: "constant", always: 1,
+      }];
     }
     if (field.kind !== "parity") return [];
-    const { covered, isOdd } = parityOfLine(field, sent);
-    return [{ ...place, parity_of: covered.map((one) => [one.low, one.bits]), ...notEmpty({ odd: isOdd }), field: field.name,
-      says: "parity", always: 1, of_name: covered.map((one) => one.name).join(", ") }];
+    const { covered, isOdd } = findParityCoverage(field, sentFields);
+    return [{ ...placeAndFault, parity_of: covered.map((coveredField) => [coveredField.low, coveredField.bits]),
+      ...omitEmpty({ odd: isOdd }), field: field.name,
+      says: "parity", always: 1, of_name: covered.map((coveredField) => coveredField.name).join(", ") }];
   });
-  const limited = sent.filter((field) => field.kind === "number" && field.name === "position" && counts
+  const limitedFields = sentFields.filter((field) => field.kind === "number" && field.name === "position" && counts
     && counts * turns <= ones(field.bits));
-  return [...checks, ...limited.map((field) => ({
-    ...placeOf(field), fault: "range", limit: inTable(counts * turns - ONE), field: field.name, says: "too_high",
+  return [...checks, ...limitedFields.map((field) => ({
+    ...lowAndWidth(field), fault: "range", limit: toTableNumber(counts * turns - ONE), field: field.name,
+    says: "too_high",
   }))];
 }
 
-function lineMeasure({ fields, options }, joins) {
-  const width = (name) => fields.find((field) => field.kind === "number" && field.name === name)?.bits;
-  const [inTurn, turns] = [width("singleturn"), width("multiturn")];
-  if (inTurn === undefined && !options.counts) return {};
-  const of = turns !== undefined || inTurn === undefined ? "position" : "singleturn";
-  const counts = inTurn === undefined ? options.counts : ONE << BigInt(inTurn);
-  const revolutions = inTurn === undefined ? options.turns ?? ONE : ONE << BigInt(turns ?? 0);
-  const part = joins.find((join) => join.name === of)?.fields[0][0];
-  return notEmpty({ of, part, counts_per_turn: inTable(counts), turns: inTable(revolutions) });
-}
-
-/** Parameters of a CRC, and those of similar CRCs that may be used by mistake. */
-function lineCrcData({ bits: width, poly, init, isInverted }, isOverBytes) {
-  const parameters = (changes) => notEmpty(Object.fromEntries(Object.entries({
-    width: BigInt(width), poly, init, refin: 0n, refout: 0n, xorout: isInverted ? ones(width) : 0n, ...changes,
-  }).map(([name, number]) => [name, inTable(number)])));
-  const own = parameters({});
-  const xorout = isInverted ? 0n : ones(width);
-  const isXor = isOverBytes && width === 8 && poly === ONE;
-  const change = `the CRC is ${isInverted ? "not " : ""}inverted`;
-  const same = isXor ? `, or its start value is ${hexText(ones(width) ^ init)} (the same here)` : "";
-  const starts = isXor ? [] : otherStarts(width, poly, init);
-  const others = [["crc_not_inverted", change + same, parameters({ xorout })],
-    ...starts.map((start) => ["start_value", `the start value of the CRC is ${hexText(start)}`, parameters({ init: start })]),
-    ...(isOverBytes ? otherBytePolynomials(parameters) : [reversedPolynomial(width, poly, parameters)])];
-  const powers = Array.from({ length: width }, (_, index) => width - 1 - index).filter((power) => bits(poly, power, 1));
-  const text = [width, ...powers].map((power) => ["1", "x"][power] ?? `x^${power}`).join(" + ");
-  const isDifferent = ([, , crc]) => JSON.stringify(crc) !== JSON.stringify(own);
-  return { ...own, text, ...notEmpty({ [isOverBytes ? "byte_others" : "others"]: others.filter(isDifferent) }) };
-}
-
-/** All zeros, all ones, and the start values of known CRCs with the polynomial, except that of the CRC itself. */
-function otherStarts(width, poly, init) {
-  const isSame = ([known]) => big(known) === (poly | (ONE << BigInt(width)));
-  const starts = new Set([0n, ones(width), ...TABLE.known_crcs.filter(isSame).map(([, known]) => BigInt(known))]);
-  return [...starts].filter((start) => start !== init).sort((one, other) => (one < other ? -1 : 1));
-}
-
-function reversedPolynomial(width, poly, parameters) {
-  const top = poly | (ONE << BigInt(width));
-  const backwards = BigInt(`0b${[...top.toString(2)].reverse().join("")}`);
-  return ["polynomial_reversed", `the polynomial is ${hexText(backwards)}, written in reverse`,
-    parameters({ poly: backwards & ones(width) })];
-}
-
-function otherBytePolynomials(parameters) {
-  return TABLE.byte_polynomials.flatMap((polynomial) => {
-    const poly = big(polynomial) & 0xFFn;
-    const text = `the polynomial is ${hexText(big(polynomial))}`;
-    return [["other_polynomial", `${text}, most significant bit first`, parameters({ poly })],
-      ["other_polynomial", `${text}, least significant bit first`, parameters({ poly, refin: ONE, refout: ONE })]];
+/** Build the description of the measured position: its field, and its counts and revolutions. */
+function buildMeasure({ fields, options }, joins) {
+  const widthOf = (name) => fields.find((field) => field.kind === "number" && field.name === name)?.bits;
+  const [singleturnBits, multiturnBits] = [widthOf("singleturn"), widthOf("multiturn")];
+  if (singleturnBits === undefined && !options.counts) return {};
+  const measuredName = multiturnBits !== undefined || singleturnBits === undefined ? "position" : "singleturn";
+  const counts = singleturnBits === undefined ? options.counts : ONE << BigInt(singleturnBits);
+  const revolutions = singleturnBits === undefined ? options.turns ?? ONE : ONE << BigInt(multiturnBits ?? 0);
+  const lowestPart = joins.find((join) => join.name === measuredName)?.fields[0][0];
+  return omitEmpty({
+    of: measuredName, part: lowestPart, counts_per_turn: toTableNumber(counts), turns: toTableNumber(revolutions),
   });
 }
 
-/** The request of a line over RS-485, or one byte of any value. */
-function lineRequestFrame(options) {
-  const request = options.request && BigInt(`0x${options.request}`);
-  const width = options.request ? 4 * options.request.length : 8;
-  const content = options.request ? { colour: "fixed", fixed: inTable(request) } : { meaning: "Request", colour: "data" };
-  const check = { width, fault: "constant", values: [inTable(request || 0n)], field: "request", says: "constant", always: 1 };
+/** Build the parameters of a CRC, and those of similar CRCs that may be used by mistake. */
+function buildCrcRecord({ bits: width, poly, init, isInverted }, isOverBytes) {
+  const parametersWith = (changes) => omitEmpty(Object.fromEntries(Object.entries({
+    width: BigInt(width), poly, init, refin: 0n, refout: 0n, xorout: isInverted ? ones(width) : 0n, ...changes,
+  }).map(([name, number]) => [name, toTableNumber(number)])));
+  const ownParameters = parametersWith({});
+  const otherXorout = isInverted ? 0n : ones(width);
+  const isXorOfBytes = isOverBytes && width === 8 && poly === ONE;
+  const inversionText = `the CRC is ${isInverted ? "not " : ""}inverted`;
+  const sameEffectText = isXorOfBytes ? `, or its start value is ${formatHex(ones(width) ^ init)} (the same here)` : "";
+  const startValues = isXorOfBytes ? [] : listOtherStartValues(width, poly, init);
+  const similarCrcs = [["crc_not_inverted", inversionText + sameEffectText, parametersWith({ xorout: otherXorout })],
+    ...startValues.map((startValue) => [
+      "start_value", `the start value of the CRC is ${formatHex(startValue)}`, parametersWith({ init: startValue })]),
+    ...(isOverBytes ? buildOtherBytePolynomials(parametersWith)
+      : [buildReversedPolynomial(width, poly, parametersWith)])];
+  const powers = Array.from({ length: width }, (_, index) => width - 1 - index).filter((power) => bits(poly, power, 1));
+  const polynomialText = [width, ...powers].map((power) => ["1", "x"][power] ?? `x^${power}`).join(" + ");
+  const isDifferent = ([, , crc]) => JSON.stringify(crc) !== JSON.stringify(ownParameters);
   return {
-    name: "position_request", bits: width, order: "big", fields: [{ name: "request", width, ...content }],
-    ...notEmpty({ checks: options.request ? [check] : [] }), title: "Position request",
+    ...ownParameters, text: polynomialText,
+    ...omitEmpty({ [isOverBytes ? "byte_others" : "others"]: similarCrcs.filter(isDifferent) }),
+  };
+}
+
+/** List all zeros, all ones, and the start values of known CRCs with the polynomial, except that of the CRC itself. */
+function listOtherStartValues(width, poly, init) {
+  const hasPolynomial = ([knownPolynomial]) => big(knownPolynomial) === (poly | (ONE << BigInt(width)));
+  const startValues = new Set([
+    0n, ones(width), ...TABLE.known_crcs.filter(hasPolynomial).map(([, knownInit]) => BigInt(knownInit))]);
+  return [...startValues].filter((startValue) => startValue !== init)
+    .sort((first, second) => (first < second ? -1 : 1));
+}
+
+/** Build the similar CRC whose polynomial is written in reverse: [kind, text, parameters]. */
+function buildReversedPolynomial(width, poly, parametersWith) {
+  const withTopBit = poly | (ONE << BigInt(width));
+  const reversed = BigInt(`0b${[...withTopBit.toString(2)].reverse().join("")}`);
+  return ["polynomial_reversed", `the polynomial is ${formatHex(reversed)}, written in reverse`,
+    parametersWith({ poly: reversed & ones(width) })];
+}
+
+/** Build the similar CRCs over bytes with the usual polynomials, in both bit orders. */
+function buildOtherBytePolynomials(parametersWith) {
+  return TABLE.byte_polynomials.flatMap((polynomial) => {
+    const poly = big(polynomial) & 0xFFn;
+    const text = `the polynomial is ${formatHex(big(polynomial))}`;
+    return [["other_polynomial", `${text}, most significant bit first`, parametersWith({ poly })],
+      ["other_polynomial", `${text}, least significant bit first`, parametersWith({ poly, refin: ONE, refout: ONE })]];
+  });
+}
+
+/** Build the request of a line over RS-485, or one byte of any value. */
+function buildRequestFrame(options) {
+  const requestNumber = options.request && BigInt(`0x${options.request}`);
+  const width = options.request ? 4 * options.request.length : 8;
+  const fieldContent = options.request ? { colour: "fixed", fixed: toTableNumber(requestNumber) }
+    : { meaning: "Request", colour: "data" };
+  const check = {
+    width, fault: "constant", values: [toTableNumber(requestNumber || 0n)], field: "request", says: "constant",
+    always: 1,
+  };
+  return {
+    name: "position_request", bits: width, order: "big", fields: [{ name: "request", width, ...fieldContent }],
+    ...omitEmpty({ checks: options.request ? [check] : [] }), title: "Position request",
     source: options.request ? "line: fields" : "TODO not stated", sender: "master",
   };
 }
 
-function lineFrame(line) {
+/** Build the frame from the encoder. Its fields, checks and reports are records, which ``lineFamily`` numbers. */
+function buildEncoderFrame(line) {
   const { interface: interface_, options, fields } = line;
-  const sent = sentFields(line);
-  placeUnused(sent, interface_);
+  const sentFields = listSentFields(line);
+  placeUnusedBits(sentFields, interface_);
   const hasPosition = fields.some(isPosition);
-  const flags = sent.filter((field) => field.kind === "flag");
-  const speaking = hasPosition ? ["not_usable", "usable_with_warning"].flatMap(
+  const flags = sentFields.filter((field) => field.kind === "flag");
+  const decidingFlags = hasPosition ? ["not_usable", "usable_with_warning"].flatMap(
     (verdict) => flags.filter((flag) => flag.verdict === verdict)) : [];
-  const told = flags.filter((flag) => !hasPosition || flag.verdict !== "usable");
-  const joins = lineJoins(sent);
-  const coded = sent.filter((field) => LINE_NUMBERS[field.name] || LINE_NUMBERS[field.of]);
-  const lowest = Math.min(...coded.map((field) => field.low));
-  const [name, title] = LINE_LAYOUTS[interface_];
+  const reportedFlags = flags.filter((flag) => !hasPosition || flag.verdict !== "usable");
+  const joins = buildJoins(sentFields);
+  const grayFields = sentFields.filter((field) => LINE_NUMBER_UNITS[field.name] || LINE_NUMBER_UNITS[field.of]);
+  const lowestGrayBit = Math.min(...grayFields.map((field) => field.low));
+  const [name, title] = LINE_LAYOUT_NAMES[interface_];
   return {
-    name, bits: lineLength(fields),
-    ...notEmpty({
+    name, bits: sumFieldBits(fields),
+    ...omitEmpty({
       order: interface_ === "rs485" ? options.order ?? "big" : "",
       joins,
-      speaks: speaking.map((flag) => ({ verdict: flag.verdict, flag: flag.name })),
-      gray: options.isGray ? { ...notEmpty({ low: lowest }), width: lineLength(coded) } : {},
+      speaks: decidingFlags.map((flag) => ({ verdict: flag.verdict, flag: flag.name })),
+      gray: options.isGray ? { ...omitEmpty({ low: lowestGrayBit }), width: sumFieldBits(grayFields) } : {},
     }),
-    ...(hasPosition ? { otherwise: speaking.length ? "usable" : "unknown" } : {}),
-    fields: sent.map((field) => lineFieldData(field, sent, hasPosition)),
-    ...notEmpty({ checks: lineChecks(sent, options), crc: fields.at(-1).kind === "crc" ? "line_crc" : "" }),
+    ...(hasPosition ? { otherwise: decidingFlags.length ? "usable" : "unknown" } : {}),
+    fields: sentFields.map((field) => buildFieldRecord(field, sentFields, hasPosition)),
+    ...omitEmpty({
+      checks: buildCheckRecords(sentFields, options), crc: fields.at(-1).kind === "crc" ? "line_crc" : "",
+    }),
     title, source: "line: fields", sender: "encoder",
-    ...notEmpty({ tells: told.map((flag) => ({ report: flag.name, flag: flag.name, meaning: LINE_MEANINGS[flag.verdict] })) }),
+    ...omitEmpty({ tells: reportedFlags.map((flag) => (
+      { report: flag.name, flag: flag.name, meaning: LINE_VERDICT_MEANINGS[flag.verdict] })) }),
   };
 }
 
-/** The record of the family that a line describes, like those of the table. */
+/** Return the record of the family that a line describes, like those of the table. */
 function lineFamily(line) {
   const { interface: interface_, options, fields } = line;
   const shared = [];
   const indexes = new Map();
-  const index = (item) => {
-    const key = JSON.stringify(item);
-    if (!indexes.has(key)) indexes.set(key, shared.push(item) - 1);
+  const indexOfRecord = (record) => {
+    const key = JSON.stringify(record);
+    if (!indexes.has(key)) indexes.set(key, shared.push(record) - 1);
     return indexes.get(key);
   };
-  const frame = lineFrame(line);
-  const joins = frame.joins ?? [];
-  const frames = [...(interface_ === "rs485" ? [lineRequestFrame(options)] : []), frame];
-  const indexed = frames.map((item) => ({ ...item, ...Object.fromEntries(["fields", "checks", "tells"]
-    .filter((name) => item[name]).map((name) => [name, item[name].map(index)])) }));
-  const crc = fields.find((field) => field.kind === "crc");
+  const encoderFrame = buildEncoderFrame(line);
+  const joins = encoderFrame.joins ?? [];
+  const frames = [...(interface_ === "rs485" ? [buildRequestFrame(options)] : []), encoderFrame];
+  const indexedFrames = frames.map((layout) => ({ ...layout, ...Object.fromEntries(["fields", "checks", "tells"]
+    .filter((name) => layout[name]).map((name) => [name, layout[name].map(indexOfRecord)])) }));
+  const lineCrcField = fields.find((field) => field.kind === "crc");
   const lineName = interface_ === "ssi" ? `ssi_${options.alignment ?? "msb_left"}` : interface_;
   return {
     name: "one_line", title: "Encoder described in one line", mark: TABLE.line.mark, evidence: TABLE.line.evidence,
-    ...notEmpty({ crcs: crc ? { line_crc: lineCrcData(crc, interface_ === "rs485") } : {} }),
+    ...omitEmpty({ crcs: lineCrcField ? { line_crc: buildCrcRecord(lineCrcField, interface_ === "rs485") } : {} }),
     interfaces: [{
       name: interface_, title: LINE_TITLES[interface_],
-      ...notEmpty({ line: interface_ === "rs485" ? "" : lineName, measure: lineMeasure(line, joins) }), frames: indexed,
+      ...omitEmpty({ line: interface_ === "rs485" ? "" : lineName, measure: buildMeasure(line, joins) }),
+      frames: indexedFrames,
     }],
     shared,
     codes: [[line.text, 0]],
   };
 }
 
-/** The encoder of a line. Throws ``UnknownCode`` with all problems of the line. */
-function readLine(text) {
-  const line = parsedLine(text);
+/** Return the order code of a line. Throws ``UnknownCode`` with all problems of the line. */
+function readLine(lineText) {
+  const line = parsedLine(lineText);
   if (line.problems.length) {
     throw new UnknownCode(line.problems.map(([column, message]) => `column ${column}: ${message}`).join(". "), true);
   }
   const family = lineFamily(line);
-  return { ...ofRow(family, family.codes[0]), unlisted: [], tail: "", isSpecial: false, writtenAsIn: "", label: text };
+  return {
+    ...orderCodeOfRow(family, family.codes[0]), unlisted: [], tail: "", isSpecial: false, writtenAsIn: "",
+    label: lineText,
+  };
 }

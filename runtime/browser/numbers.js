@@ -3,73 +3,89 @@
 
 const ONE = 1n;
 
-/** Values by names of a spec, which can also be names that every JavaScript object has. */
+/** Merge values into one object by names of a spec, which can also be names that every JavaScript object has. */
 const named = (...pairs) => Object.assign(Object.create(null), ...pairs);
 
-/** A limit or count of the table: a number, or text if it is too large for a number. */
-const big = (limit) => BigInt(limit ?? 0);
+/** Return a limit or count of the table as BigInt: there it is a number, or text if it is too large for a number. */
+const big = (tableNumber) => BigInt(tableNumber ?? 0);
+/** Return the number with ``width`` bits that are all 1. */
 const ones = (width) => (ONE << BigInt(width)) - ONE;
+/** Return ``width`` bits of a number, from bit ``low`` on. */
 const bits = (number, low, width) => (number >> BigInt(low)) & ones(width);
+/** Return a number in hex, with 0x and leading zeros up to ``digits``. */
 const hex = (number, digits = 1) => "0x" + number.toString(16).padStart(digits, "0");
+/** Return a count with its noun in the singular or plural. */
 const counted = (count, noun) => `${count} ${noun}${count === 1 ? "" : "s"}`;
-const filled = (text, ...values) => text.replace(/\{(\d)\}/g, (_, place) => values[place]);
+/** Fill the values into a template, at {0}, {1} and so on. */
+const filled = (template, ...values) => template.replace(/\{(\d)\}/g, (_, valueIndex) => values[valueIndex]);
+/** Return the message with this name of the table, filled with values. */
 const said = (name, ...values) => filled(TABLE.said[name], ...values);
+/** Count the bits of a number from its highest 1 on. */
 const bitLength = (number) => (number ? number.toString(2).length : 0);
 
-/** A fraction with all its decimals, or with six of them after ≈ if they never end. */
+/** Return a fraction with all its decimals, or with six of them after ≈ if they are endless. */
 function decimal(numerator, denominator) {
-  const [magnitude, places] = [numerator < 0n ? -numerator : numerator, denominator.toString(2).length];
+  const [magnitude, denominatorBits] = [numerator < 0n ? -numerator : numerator, denominator.toString(2).length];
   let exactPlaces = 0;
-  while (exactPlaces <= places && (magnitude * 10n ** BigInt(exactPlaces)) % denominator) exactPlaces += 1;
-  const digits = exactPlaces > places ? 6 : exactPlaces;
-  const power = 10n ** BigInt(digits);
-  const scaled = (2n * magnitude * power + denominator) / (2n * denominator);
-  const decimals = digits ? `.${(scaled % power).toString().padStart(digits, "0")}` : "";
-  const text = `${numerator < 0n ? "-" : ""}${(scaled / power).toLocaleString("en")}${decimals}`;
-  return exactPlaces > places ? `≈ ${text}` : text;
+  while (exactPlaces <= denominatorBits && (magnitude * 10n ** BigInt(exactPlaces)) % denominator) exactPlaces += 1;
+  const shownDecimals = exactPlaces > denominatorBits ? 6 : exactPlaces;
+  const power = 10n ** BigInt(shownDecimals);
+  const roundedNumber = (2n * magnitude * power + denominator) / (2n * denominator);
+  const decimals = shownDecimals ? `.${(roundedNumber % power).toString().padStart(shownDecimals, "0")}` : "";
+  const decimalText = `${numerator < 0n ? "-" : ""}${(roundedNumber / power).toLocaleString("en")}${decimals}`;
+  return exactPlaces > denominatorBits ? `≈ ${decimalText}` : decimalText;
 }
 
-/** The quantity that a number stands for, with a fixed number of decimals, and whether these are exact. */
-function scaled([numerator, denominator, offset, , places = 0], number) {
-  const [found, divisor] = [number * big(numerator) + big(offset), big(denominator)];
-  const power = 10n ** BigInt(places);
-  const size = (2n * (found < 0n ? -found : found) * power + divisor) / (2n * divisor);
-  const part = places ? `.${(size % power).toString().padStart(places, "0")}` : "";
-  return { decimal: `${found < 0n && size ? "-" : ""}${size / power}${part}`, exact: !((found * power) % divisor) };
+/**
+ * Return the quantity that a number stands for, with a fixed number of decimals, and whether these are exact.
+ * The scale is [numerator, denominator, offset, unit, decimals].
+ */
+function scaled([numerator, denominator, offset, , decimalCount = 0], number) {
+  const [scaledNumerator, divisor] = [number * big(numerator) + big(offset), big(denominator)];
+  const power = 10n ** BigInt(decimalCount);
+  const roundedMagnitude = (2n * (scaledNumerator < 0n ? -scaledNumerator : scaledNumerator) * power + divisor)
+    / (2n * divisor);
+  const decimals = decimalCount ? `.${(roundedMagnitude % power).toString().padStart(decimalCount, "0")}` : "";
+  return {
+    decimal: `${scaledNumerator < 0n && roundedMagnitude ? "-" : ""}${roundedMagnitude / power}${decimals}`,
+    exact: !((scaledNumerator * power) % divisor),
+  };
 }
 
-/** A quantity with its unit. It begins with ≈ if its decimals are rounded. */
+/** Return a quantity with its unit. It begins with ≈ if its decimals are rounded. */
 function quantityOf(scale, number) {
-  const { decimal: digits, exact } = scaled(scale, number);
-  return `${exact ? "" : "≈ "}${digits} ${scale[3]}`;
+  const { decimal: decimalText, exact } = scaled(scale, number);
+  return `${exact ? "" : "≈ "}${decimalText} ${scale[3]}`;
 }
 
-/** The value of an expression, which is a number and terms of a multiple and factors. */
+/** Evaluate an expression, which is a number, or a list of a number and terms. Each term is a multiple and factors. */
 function value(expression, parameters) {
   if (!Array.isArray(expression)) return big(expression);
   return expression.slice(1).reduce((sum, [multiple, ...factors]) => sum + factors.reduce(
-    (product, name) => product * factor(name, parameters), big(multiple)), big(expression[0]));
+    (product, name) => product * evaluateFactor(name, parameters), big(multiple)), big(expression[0]));
 }
 
-function factor(name, parameters) {
+/** Return the parameter of a factor, or 2 to the power of the parameter if the factor begins with ^. */
+function evaluateFactor(name, parameters) {
   if (!name.startsWith("^")) return parameters[name];
   const exponent = parameters[name.slice(1)];
   if (exponent < 0n || exponent > 128n) throw new RangeError(`2${name} is out of range`);
   return ONE << exponent;
 }
 
-/** The parameters of an order code and those derived from them. */
-function resolved(family, given) {
+/** Return the parameters of an order code and those derived from them. */
+function resolveParameters(family, given) {
   const parameters = named(given);
   let unsettled = family.derived ?? [];
   for (let countBefore = -1; unsettled.length !== countBefore;) {
     countBefore = unsettled.length;
-    unsettled = unsettled.filter(([name, expression]) => !settle(parameters, name, expression));
+    unsettled = unsettled.filter(([name, expression]) => !settleParameter(parameters, name, expression));
   }
   return parameters;
 }
 
-function settle(parameters, name, expression) {
+/** Add a derived parameter if the parameters in its expression are there, and return whether they are. */
+function settleParameter(parameters, name, expression) {
   const names = Array.isArray(expression) ? expression.slice(1).flatMap((term) => term.slice(1)) : [];
   if (!names.every((nameOrPower) => nameOrPower.replace("^", "") in parameters)) return false;
   try {
@@ -80,41 +96,44 @@ function settle(parameters, name, expression) {
   return true;
 }
 
+/** Return the lowest ``width`` bits of a number in reverse order. */
 function reflected(number, width) {
   let reversed = 0n;
-  for (let place = 0; place < width; place += 1) reversed = (reversed << ONE) | bits(number, place, 1);
+  for (let bitIndex = 0; bitIndex < width; bitIndex += 1) reversed = (reversed << ONE) | bits(number, bitIndex, 1);
   return reversed;
 }
 
-/** A CRC over the given bits of a number, most significant first. */
-function crcOfBits(crc, number, count) {
+/** Compute a CRC over the lowest ``bitCount`` bits of a number, most significant first. */
+function crcOfBits(crc, number, bitCount) {
   const [mask, poly, top] = [ones(crc.width), big(crc.poly), BigInt(crc.width - 1)];
   let register = big(crc.init);
-  for (let place = BigInt(count) - ONE; place >= 0n; place -= ONE) {
-    const feedback = ((register >> top) ^ (number >> place)) & ONE;
+  for (let bitIndex = BigInt(bitCount) - ONE; bitIndex >= 0n; bitIndex -= ONE) {
+    const feedback = ((register >> top) ^ (number >> bitIndex)) & ONE;
     register = (register << ONE) & mask;
     if (feedback) register ^= poly;
   }
   return (crc.refout ? reflected(register, crc.width) : register) ^ big(crc.xorout);
 }
 
+/** Compute a CRC over bytes, each reflected if the CRC is. */
 function crcOfBytes(crc, bytes) {
   const bytesInOrder = bytes.map((byte) => (crc.refin ? reflected(BigInt(byte), 8) : byte));
   return crcOfBits(crc, numberOf("big", bytesInOrder), 8 * bytes.length);
 }
 
-/** The number that bytes form: ``order`` is "little" for low byte first, "big" for high byte first. */
+/** Return the number that bytes form: ``order`` is "little" for low byte first, "big" for high byte first. */
 function numberOf(order, bytes) {
   const highFirst = order === "little" ? [...bytes].reverse() : bytes;
   return highFirst.reduce((sum, byte) => (sum << 8n) | BigInt(byte), 0n);
 }
 
-function bytesOf(order, number, count) {
-  const lowFirst = Array.from({ length: count }, (_, place) => Number(bits(number, 8 * place, 8)));
+/** Return the ``byteCount`` bytes of a number, in this order. */
+function bytesOf(order, number, byteCount) {
+  const lowFirst = Array.from({ length: byteCount }, (_, byteIndex) => Number(bits(number, 8 * byteIndex, 8)));
   return order === "little" ? lowFirst : lowFirst.reverse();
 }
 
-/** The parity of the bits of a number at these places, or of those bits at each place that are in the mask. */
+/** Return the parity of the bits of a number at these places, or of those bits at each place that are in the mask. */
 function parityOf(number, places, { odd, mask }) {
   const countedBits = mask ? big(mask) : -1n;
   const digits = places.map(({ low, width }) => (bits(number, low, width) & countedBits).toString(2)).join("");

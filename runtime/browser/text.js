@@ -1,15 +1,18 @@
 // Licence 0BSD: use, modify and distribute this file without any condition.
 // Parsing of frames and labels, and inference of order codes from a frame.
 
+/** Error about a text that is unreadable as a frame, with how to write it. */
 class FrameText extends Error {}
 
 /** Most bits of a frame over BiSS, SSI and SPI. */
-const MOST_BITS = 128;
+const MOST_FRAME_BITS = 128;
 const LONGEST_QUOTE = TABLE.limits.quote;
-const quoted = (text) => (text.length <= LONGEST_QUOTE ? `'${text}'` : `'${text.slice(0, LONGEST_QUOTE - 3)}...'`);
+/** Return a text in quotes, with ... after its first characters if it is long. */
+const quoteText = (text) =>
+  (text.length <= LONGEST_QUOTE ? `'${text}'` : `'${text.slice(0, LONGEST_QUOTE - 3)}...'`);
 
 /** Spellings of programs and logs, and their replacement. The command line has the same list. */
-const PASTED = [
+const PASTED_SPELLINGS = [
   [/\bb(?=['"])/g, ""],
   [/\\x([0-9A-Fa-f]{2})/g, " 0x$1 "],
   [/[[\](){}<>"',;:]/g, " "],
@@ -18,160 +21,189 @@ const PASTED = [
   [/(?<![0-9A-Za-z])(0[xXbB][0-9A-Fa-f_]+)[uUlL]+(?![0-9A-Za-z])/g, "$1"],
 ];
 /** A time in front of a frame: with a decimal point, a unit, or hours, minutes and seconds. */
-const TIME = new RegExp("^\\[?((?:[0-9]{4}-[0-9]{2}-[0-9]{2}[T ])?[0-9]{1,2}:[0-9]{2}:[0-9]{2}(?:[.,][0-9]+)?Z?"
+const LEADING_TIME = new RegExp("^\\[?((?:[0-9]{4}-[0-9]{2}-[0-9]{2}[T ])?[0-9]{1,2}:[0-9]{2}:[0-9]{2}(?:[.,][0-9]+)?Z?"
   + "|[0-9]+[.][0-9]+(?: ?(?:s|ms|us|µs))?|[0-9]+ ?(?:s|ms|us|µs))\\]?[ \\t,;]+(?=[^ \\t])");
 
-/** The frames in a text, one per line. Comments after # and empty lines are skipped. */
+/** Return the frames in a text, one per line, as {number, time, text}. Comments after # and empty lines are skipped. */
 function linesOf(input) {
-  return input.split(/\r\n|\r|\n/).flatMap((line, place) => {
-    const kept = line.split("#")[0].trim();
-    const time = TIME.exec(kept);
-    const text = time ? kept.slice(time[0].length) : kept;
-    return text ? [{ number: place + 1, time: time ? time[1] : "", text }] : [];
+  return input.split(/\r\n|\r|\n/).flatMap((line, lineIndex) => {
+    const lineText = line.split("#")[0].trim();
+    const timeMatch = LEADING_TIME.exec(lineText);
+    const frameText = timeMatch ? lineText.slice(timeMatch[0].length) : lineText;
+    return frameText ? [{ number: lineIndex + 1, time: timeMatch ? timeMatch[1] : "", text: frameText }] : [];
   });
 }
 
-/** The text of a frame without brackets, quotes and other marks of the program that it was copied from. */
+/** Return the text of a frame, cleared of brackets, quotes and other marks of the program that it was copied from. */
 function checked(text) {
   if (text.length > TABLE.limits.text) throw new FrameText(said("frame_too_long"));
-  const plain = PASTED.reduce((made, [pattern, other]) => made.replace(pattern, other), text).trim();
-  if (!plain) throw new FrameText(said("frame_empty"));
-  return plain;
+  const plainText = PASTED_SPELLINGS.reduce(
+    (cleaned, [pattern, replacement]) => cleaned.replace(pattern, replacement), text).trim();
+  if (!plainText) throw new FrameText(said("frame_empty"));
+  return plainText;
 }
 
-/** Hex bytes, in pieces of whole bytes. */
+/** Return the numbers of hex bytes, which are written in pieces of whole bytes. */
 function bytesIn(text) {
   return text.split(/\s+/).flatMap((piece) => {
     const digits = piece.replace(/^0x/i, "");
-    if (!/^[0-9a-f]+$/i.test(digits)) throw new FrameText(said("not_hex", quoted(piece)));
-    const whole = digits !== piece && digits.length === 1 ? `0${digits}` : digits;
-    if (whole.length === 1) throw new FrameText(said("one_digit", quoted(piece), digits));
-    if (whole.length % 2) throw new FrameText(said("odd", quoted(piece)));
-    return whole.match(/../g).map((byte) => parseInt(byte, 16));
+    if (!/^[0-9a-f]+$/i.test(digits)) throw new FrameText(said("not_hex", quoteText(piece)));
+    const evenDigits = digits !== piece && digits.length === 1 ? `0${digits}` : digits;
+    if (evenDigits.length === 1) throw new FrameText(said("one_digit", quoteText(piece), digits));
+    if (evenDigits.length % 2) throw new FrameText(said("odd", quoteText(piece)));
+    return evenDigits.match(/../g).map((byte) => parseInt(byte, 16));
   });
 }
 
 /**
- * One number of ``size`` bits: 0b with all leading zeros, or 0x or hex bytes, which imply them. If ``exact``, bytes do not.
+ * Read one number of ``bitCount`` bits: 0b with all leading zeros, or 0x or hex bytes, which imply them.
+ * If ``areBytesExact``, bytes of another length have exactly the bits that are written.
  */
-function numberIn(text, size, exact) {
-  let compact = text.replace(/[\s_]/g, "");
-  if (/^0b[01]+$/i.test(compact)) return numberWith(compact, compact.length - 2, true);
+function numberIn(text, bitCount, areBytesExact) {
+  let compactText = text.replace(/[\s_]/g, "");
+  if (/^0b[01]+$/i.test(compactText)) return makeTypedFrame(compactText, compactText.length - 2, true);
   const pieces = text.split(/\s+/);
   if (pieces.length > 1 && pieces.every((piece) => /^(0x)?[0-9a-f]{2}$/i.test(piece))) {
-    if (/^[01]+$/.test(pieces.join(""))) throw new FrameText(said("bits_or_bytes", quoted(text)));
-    compact = "0x" + pieces.map((piece) => piece.slice(-2)).join("");
-    const bits = 8 * pieces.length;
-    if (exact && (bits < size || bits >= size + 8)) return numberWith(compact, bits, true);
+    if (/^[01]+$/.test(pieces.join(""))) throw new FrameText(said("bits_or_bytes", quoteText(text)));
+    compactText = "0x" + pieces.map((piece) => piece.slice(-2)).join("");
+    const writtenBits = 8 * pieces.length;
+    if (areBytesExact && (writtenBits < bitCount || writtenBits >= bitCount + 8)) return makeTypedFrame(
+      compactText, writtenBits, true);
   }
-  if (/^0x[0-9a-f]+$/i.test(compact)) {
-    return { ...numberWith(compact, bitLength(BigInt(compact)), false), written: 4 * (compact.length - 2) };
+  if (/^0x[0-9a-f]+$/i.test(compactText)) {
+    return {
+      ...makeTypedFrame(compactText, bitLength(BigInt(compactText)), false), written: 4 * (compactText.length - 2),
+    };
   }
-  const meanings = pieces.length === 1 ? readings(compact, size) : [];
+  const meanings = pieces.length === 1 ? listMeanings(compactText, bitCount) : [];
   // As a decimal or hexadecimal number, this many digits would not fit.
-  if (meanings.length === 1 && compact.length === size && /^[01]+$/.test(compact)) {
-    return numberWith(`0b${compact}`, size, true);
+  if (meanings.length === 1 && compactText.length === bitCount && /^[01]+$/.test(compactText)) {
+    return makeTypedFrame(`0b${compactText}`, bitCount, true);
   }
-  const remedy = meanings.length ? said("write_one_of", meanings.join(", ")) : said("write_number", size);
-  throw new FrameText(said("no_bits", quoted(text), size, remedy));
+  const remedy = meanings.length ? said("write_one_of", meanings.join(", ")) : said("write_number", bitCount);
+  throw new FrameText(said("no_bits", quoteText(text), bitCount, remedy));
 }
 
-/** A number with its bits. If not ``exact``, it may have more. ``written`` counts the bits of all digits. */
-const numberWith = (text, bits, exact) => ({ number: BigInt(text), bits, exact, written: bits });
+/**
+ * Return a typed frame: its number with its bits. Unless ``exact``, it may have more. ``written`` counts the bits of
+ * all digits.
+ */
+const makeTypedFrame = (text, bitCount, isExact) => ({
+  number: BigInt(text), bits: bitCount, exact: isExact, written: bitCount,
+});
 
-/** The possible meanings of digits without a prefix, as numbers of at most ``size`` bits. The command line does the same. */
-function readings(digits, size) {
-  const fits = (number) => number >> BigInt(size) === 0n;
-  const decimal = /^(0|[1-9][0-9]{0,39})$/.test(digits) && fits(BigInt(digits));
-  const hexadecimal = /^[0-9a-f]{1,40}$/i.test(digits) && fits(BigInt(`0x${digits}`));
+/**
+ * List the possible meanings of digits that have lost their 0x or 0b, as numbers of at most ``bitCount`` bits.
+ * The command line does the same.
+ */
+function listMeanings(digits, bitCount) {
+  const fits = (number) => number >> BigInt(bitCount) === 0n;
+  const isDecimal = /^(0|[1-9][0-9]{0,39})$/.test(digits) && fits(BigInt(digits));
+  const isHexadecimal = /^[0-9a-f]{1,40}$/i.test(digits) && fits(BigInt(`0x${digits}`));
   return [
-    ...(decimal ? [said("if_decimal", `0x${BigInt(digits).toString(16).toUpperCase()}`)] : []),
-    ...(hexadecimal ? [said("if_hex", digits)] : []),
+    ...(isDecimal ? [said("if_decimal", `0x${BigInt(digits).toString(16).toUpperCase()}`)] : []),
+    ...(isHexadecimal ? [said("if_hex", digits)] : []),
     ...(/^[01]{1,96}$/.test(digits) ? [said("if_bits", digits)] : []),
   ];
 }
 
 /** The message about a text that is not a valid frame of any order code: how to write it, if that is the reason. */
 function notOfAnyCode(text) {
-  let plain;
+  let plainText;
   try {
-    plain = checked(text);
+    plainText = checked(text);
   } catch (error) {
     if (error instanceof FrameText) return error.message;
     throw error;
   }
-  const isRead = (read) => {
+  const isReadable = (parse) => {
     try {
-      read(plain, MOST_BITS);
+      parse(plainText, MOST_FRAME_BITS);
       return true;
     } catch (error) {
       if (error instanceof FrameText) return false;
       throw error;
     }
   };
-  const meanings = /^[0-9a-f]+$/i.test(plain) ? readings(plain, MOST_BITS).join(", ") : "";
+  const meanings = /^[0-9a-f]+$/i.test(plainText) ? listMeanings(plainText, MOST_FRAME_BITS).join(", ") : "";
   const remedy = meanings ? said("write_one_of", meanings) : said("write_any");
-  if (!isRead(numberIn) && !isRead(bytesIn)) return said("no_order_code", quoted(plain), remedy);
+  if (!isReadable(numberIn) && !isReadable(bytesIn)) return said("no_order_code", quoteText(plainText), remedy);
   return `this frame is not valid for any order code${meanings ? `. ${remedy}` : ""}`;
 }
 
-/** The bytes of a frame that is sent as bits, from 0b and every bit. */
-function bytesOfBits(at, text) {
+/** Return the bytes of a frame that is sent as bits, from 0b and every bit. */
+function bytesFromBits(placedLayout, text) {
   const digits = text.slice(2).replaceAll("_", "");
-  const size = at.bits - (at.layout.fill ?? 0);
-  if (digits.length !== size) {
-    throw new FrameText(said("no_bits", quoted(text), size, said("write_bits", size, at.bits / 8)));
+  const sentBits = placedLayout.bits - (placedLayout.layout.fill ?? 0);
+  if (digits.length !== sentBits) {
+    throw new FrameText(
+      said("no_bits", quoteText(text), sentBits, said("write_bits", sentBits, placedLayout.bits / 8)));
   }
-  return digits.padStart(at.bits, "0").match(/.{8}/g).map((byte) => parseInt(byte, 2));
+  return digits.padStart(placedLayout.bits, "0").match(/.{8}/g).map((byte) => parseInt(byte, 2));
 }
 
-/** The parameters of a code with the register contents ``held`` and the answers of the user. */
-function parametersOf(found, held = {}, answers = {}) {
-  const given = named(found.given, held);
-  for (const item of found.family.alternatives ?? []) {
-    const taken = item.answers.find(([name]) => name === answers[item.name]);
-    for (const [name, one] of Object.entries(taken?.[2] ?? {})) given[name] = big(one);
+/** Return the parameters of an order code by name, from the contents of registers and the answers of the user. */
+function computeParameters(orderCode, registerContents = {}, answers = {}) {
+  const parameters = named(orderCode.given, registerContents);
+  for (const alternative of orderCode.family.alternatives ?? []) {
+    const answer = alternative.answers.find(([parameterName]) => parameterName === answers[alternative.name]);
+    for (const [parameterName, number] of Object.entries(answer?.[2] ?? {})) parameters[parameterName] = big(number);
   }
-  return resolved(found.family, given);
+  return resolveParameters(orderCode.family, parameters);
 }
 
-function placedFor(found, layout, held, answers) {
-  return { ...placed(found.family, layout, parametersOf(found, held, answers)), code: found.code };
+/** Place the fields of a layout for an order code, with the contents of registers and the answers of the user. */
+function placedFor(orderCode, layout, registerContents, answers) {
+  return {
+    ...placed(orderCode.family, layout, computeParameters(orderCode, registerContents, answers)), code: orderCode.code,
+  };
 }
 
-/** The frame in a text for an order code; ``what`` is its sender, with the name of the frame where that is needed. */
-function decodeFrame(found, what, text, held, answers) {
-  const [sender, name] = what.split(":");
-  const layouts = found.interface.frames.filter((item) => item.sender === sender && (!name || item.name === name));
+/**
+ * Decode the frame in a text. ``orderCode`` is {code, family, interface, given}. ``senderAndName`` is "encoder" or
+ * "master", with a colon and the name of the frame where that is needed.
+ */
+function decodeFrame(orderCode, senderAndName, text, registerContents, answers) {
+  const [sender, layoutName] = senderAndName.split(":");
+  const layouts = orderCode.interface.frames.filter(
+    (layout) => layout.sender === sender && (!layoutName || layout.name === layoutName));
   if (!layouts.length) {
-    throw new FrameText(`the spec does not describe a frame from the ${sender} over ${found.interface.title}`);
+    throw new FrameText(`the spec does not describe a frame from the ${sender} over ${orderCode.interface.title}`);
   }
-  const [over, trimmed] = [found.interface, checked(text)];
-  const whole = sender === "encoder" && !name ? decodeChannels(found, trimmed, held, answers) : null;
-  if (whole) return { ...whole, over };
+  const [interface_, plainText] = [orderCode.interface, checked(text)];
+  const wholeFrame = sender === "encoder" && !layoutName
+    ? decodeChannels(orderCode, plainText, registerContents, answers) : null;
+  if (wholeFrame) return { ...wholeFrame, over: interface_ };
   if (!layouts[0].order) {
-    const at = placedFor(found, layouts[0], held, answers);
-    return { ...decodeBits(at, numberIn(trimmed, at.bits, found.interface.exact?.includes(sender))), over };
+    const placedLayout = placedFor(orderCode, layouts[0], registerContents, answers);
+    return {
+      ...decodeBits(placedLayout, numberIn(plainText, placedLayout.bits, orderCode.interface.exact?.includes(sender))),
+      over: interface_,
+    };
   }
-  const isOfBits = over.name !== "rs485" && /^0b[01_]+$/i.test(trimmed);
-  const bytes = isOfBits ? bytesOfBits(placedFor(found, layouts[0], held, answers), trimmed) : bytesIn(trimmed);
-  const told = name ? { layout: layouts[0] } : toldApart(found.interface, sender, bytes);
-  const made = told.layout ? decodeBytes(placedFor(found, told.layout, held, answers), bytes) : told;
-  return { ...made, data: bytes, over, label: found, sender };
+  const isWrittenInBits = interface_.name !== "rs485" && /^0b[01_]+$/i.test(plainText);
+  const bytes = isWrittenInBits
+    ? bytesFromBits(placedFor(orderCode, layouts[0], registerContents, answers), plainText) : bytesIn(plainText);
+  const layoutOrFailure = layoutName ? { layout: layouts[0] } : identifyLayout(orderCode.interface, sender, bytes);
+  const decoded = layoutOrFailure.layout
+    ? decodeBytes(placedFor(orderCode, layoutOrFailure.layout, registerContents, answers), bytes) : layoutOrFailure;
+  return { ...decoded, data: bytes, over: interface_, label: orderCode, sender };
 }
 
-/** The placed layouts of the other frames that a text can be, if nothing in a frame identifies it. */
-function otherFrames(found, sender, text, decoded, held, answers) {
-  const { frames, told = [] } = found.interface;
-  const isTold = told.some((item) => item.sender === sender);
-  if (!decoded.at || isTold) return [];
-  const hasOtherLength = decoded.problems.some((item) => item.fault === "length");
-  return frames.filter((item) => item.sender === sender && item !== decoded.at.layout
-    && !item.order === !decoded.at.layout.order && !item.asks?.some((name) => !(name in answers))).flatMap((item) => {
+/** Return the placed layouts of the other frames that a text can be, if the frame lacks a selector. */
+function otherFrames(orderCode, sender, text, decoded, registerContents, answers) {
+  const { frames, told: selectors = [] } = orderCode.interface;
+  const hasSelector = selectors.some((selector) => selector.sender === sender);
+  if (!decoded.at || hasSelector) return [];
+  const hasOtherLength = decoded.problems.some((problem) => problem.fault === "length");
+  return frames.filter((layout) => layout.sender === sender && layout !== decoded.at.layout
+    && !layout.order === !decoded.at.layout.order
+    && !layout.asks?.some((question) => !(question in answers))).flatMap((layout) => {
     try {
-      const { at, problems } = decodeFrame(found, `${sender}:${item.name}`, text, held, answers);
+      const { at: placedLayout, problems } = decodeFrame(
+        orderCode, `${sender}:${layout.name}`, text, registerContents, answers);
       // Hex digits imply leading zeros, so without this, a short frame would be valid as a long one.
-      return !problems.length && (hasOtherLength || at.bits === decoded.at.bits) ? [at] : [];
+      return !problems.length && (hasOtherLength || placedLayout.bits === decoded.at.bits) ? [placedLayout] : [];
     } catch (error) {
       if (error instanceof FrameText) return [];
       throw error;
@@ -179,66 +211,79 @@ function otherFrames(found, sender, text, decoded, held, answers) {
   });
 }
 
-/** A frame of bits; ``given`` is its text as a number. */
-function decodeBits(at, given) {
-  const hasOthers = given.exact && given.bits !== at.bits;
-  return { ...(hasOthers ? otherLength(at, `${at.bits} bits`, given.bits) : decode(at, given.number)), given };
+/** Decode a frame of bits. ``typedFrame`` is {number, bits, exact, written}, as ``numberIn`` returns it. */
+function decodeBits(placedLayout, typedFrame) {
+  const hasOtherBitCount = typedFrame.exact && typedFrame.bits !== placedLayout.bits;
+  return {
+    ...(hasOtherBitCount ? otherLength(placedLayout, `${placedLayout.bits} bits`, typedFrame.bits)
+      : decode(placedLayout, typedFrame.number)),
+    given: typedFrame,
+  };
 }
 
-/** The frame of a sender that the selector in these bytes identifies, or the error if there is none. */
-function toldApart(interface_, sender, bytes) {
-  const told = (interface_.told ?? []).find((item) => item.sender === sender);
-  if (!told) return { layout: interface_.frames.find((item) => item.sender === sender) };
-  const fallback = interface_.frames[told.fallback];
-  if (bytes.length < told.needs) {
+/** Return {layout} of the frame that the selector in these bytes identifies, or else a result with the problem. */
+function identifyLayout(interface_, sender, bytes) {
+  const selector = (interface_.told ?? []).find((candidate) => candidate.sender === sender);
+  if (!selector) return { layout: interface_.frames.find((layout) => layout.sender === sender) };
+  const fallbackLayout = interface_.frames[selector.fallback];
+  if (bytes.length < selector.needs) {
     const message = said("too_few_bytes", counted(bytes.length, "byte"));
-    return fallback ? { layout: fallback } : fault("length", "", message);
+    return fallbackLayout ? { layout: fallbackLayout } : makeFailedFrame("length", "", message);
   }
-  const found = told.pieces.reduce(
-    (sum, [byte, right, mask, left]) => sum | (((bytes[byte] >> right) & mask) << left), 0);
-  const place = told.frames.find(([, ...values]) => values.includes(found));
-  if (place || fallback) return { layout: place ? interface_.frames[place[0]] : fallback };
-  const upper = (number) => number.toString(16).toUpperCase();
-  const choices = told.frames.flatMap(([, ...values]) => values).sort((one, other) => one - other).map(upper);
-  return fault("range", told.selector, said("no_frame", told.selector, upper(found), choices.join(", ")));
+  const selectorValue = selector.pieces.reduce(
+    (bitsSoFar, [byteIndex, rightShift, mask, leftShift]) =>
+      bitsSoFar | (((bytes[byteIndex] >> rightShift) & mask) << leftShift), 0);
+  const selectorRow = selector.frames.find(([, ...selectorValues]) => selectorValues.includes(selectorValue));
+  if (selectorRow || fallbackLayout) return {
+    layout: selectorRow ? interface_.frames[selectorRow[0]] : fallbackLayout,
+  };
+  const formatUpper = (number) => number.toString(16).toUpperCase();
+  const allowedValues = selector.frames.flatMap(([, ...selectorValues]) => selectorValues)
+    .sort((first, second) => first - second).map(formatUpper);
+  return makeFailedFrame("range", selector.selector,
+    said("no_frame", selector.selector, formatUpper(selectorValue), allowedValues.join(", ")));
 }
 
-const fault = (kind, field, message) => ({ ...nothing(null, 0n), problems: [{ fault: kind, field, message }] });
+/** Return the result of a frame whose layout is open, with its problem. */
+const makeFailedFrame = (faultKind, field, message) => ({
+  ...createEmptyResult(null, 0n), problems: [{ fault: faultKind, field, message }],
+});
 
-/** The bytes of a register, decoded. */
-function decodeRegister(found, register, text, held, answers) {
+/** Decode the bytes of a register. */
+function decodeRegister(orderCode, register, text, registerContents, answers) {
   const bytes = bytesIn(checked(text));
   if (bytes.length !== register.length) {
-    const [needed, given] = [counted(register.length, "byte"), counted(bytes.length, "byte")];
-    throw new FrameText(said("register_length", register.name, needed, given));
+    const [neededBytes, receivedBytes] = [counted(register.length, "byte"), counted(bytes.length, "byte")];
+    throw new FrameText(said("register_length", register.name, neededBytes, receivedBytes));
   }
-  return decodeBytes(placedFor(found, register, held, answers), bytes);
+  return decodeBytes(placedFor(orderCode, register, registerContents, answers), bytes);
 }
 
-/** All order codes for which a text is a valid frame, grouped by the places of its fields. */
+/** Return all order codes for which a text is a valid frame, grouped by the places of its fields. */
 function inferred(text) {
   const groups = new Map();
-  for (const family of TABLE.families.filter((item) => !item.base)) {
-    for (const found of family.codes.map((row) => ofRow(family, row))) {
-      for (const sender of ["encoder", "master"]) infer(groups, found, sender, text);
+  for (const family of TABLE.families.filter((candidate) => !candidate.base)) {
+    for (const orderCode of family.codes.map((row) => orderCodeOfRow(family, row))) {
+      for (const sender of ["encoder", "master"]) addIfValid(groups, orderCode, sender, text);
     }
   }
   return [...groups.values()];
 }
 
-function infer(groups, found, sender, text) {
+/** Decode a text with an order code, and add the code to the group with the same fields if the frame is valid. */
+function addIfValid(groups, orderCode, sender, text) {
   let decoded;
   try {
-    decoded = decodeFrame(found, sender, text);
+    decoded = decodeFrame(orderCode, sender, text);
   } catch (error) {
     if (error instanceof FrameText) return;
     throw error;
   }
   if (decoded.problems.length) return;
-  const { at } = decoded;
-  const places = at.fields.map((item) => [item.name, item.low, item.width]);
-  const key = JSON.stringify([found.family.name, at.name, at.gray !== null, places]);
-  const { family, interface: over } = found;
-  if (!groups.has(key)) groups.set(key, { decoded, sender, over, family, codes: [] });
-  groups.get(key).codes.push(found.code);
+  const { at: placedLayout } = decoded;
+  const fieldPlaces = placedLayout.fields.map((placedField) => [placedField.name, placedField.low, placedField.width]);
+  const groupKey = JSON.stringify([orderCode.family.name, placedLayout.name, placedLayout.gray !== null, fieldPlaces]);
+  const { family, interface: interface_ } = orderCode;
+  if (!groups.has(groupKey)) groups.set(groupKey, { decoded, sender, over: interface_, family, codes: [] });
+  groups.get(groupKey).codes.push(orderCode.code);
 }
