@@ -22,9 +22,9 @@
   /** Return a count with its noun in the singular or plural. */
   const counted = (count, noun) => `${count} ${noun}${count === 1 ? "" : "s"}`;
   /** Fill the values into a template, at {0}, {1} and so on. */
-  const filled = (template, ...values) => template.replace(/\{(\d)\}/g, (_, valueIndex) => values[valueIndex]);
+  const fillTemplate = (template, ...values) => template.replace(/\{(\d)\}/g, (_, valueIndex) => values[valueIndex]);
   /** Return the message with this name of the table, filled with values. */
-  const said = (name, ...values) => filled(TABLE.said[name], ...values);
+  const said = (name, ...values) => fillTemplate(TABLE.said[name], ...values);
   /** Count the bits of a number from its highest 1 on. */
   const bitLength = (number) => (number ? number.toString(2).length : 0);
 
@@ -149,7 +149,7 @@
    * Place the fields of a layout for an order code, except fields of 0 bits. In the result, places are numbers of bits,
    * and a placed field is {field, name, low, width} with the ``field`` of the table.
    */
-  function placed(family, layout, parameters) {
+  function placeLayout(family, layout, parameters) {
     const evaluate = (expression) => Number(value(expression, parameters));
     const withMeaning = (field) => (!field.only || parameters[field.only] ? field
       : { ...field, on: TABLE.unexplained, off: "", meaning: "" });
@@ -351,7 +351,7 @@
   function judgeFrame(decoded) {
     const { at: placedLayout, number } = decoded;
     const binary = fromGray(placedLayout, number);
-    const isActive = (placedField) => speaks(placedField, bits(binary, placedField.low, placedField.width));
+    const isActive = (placedField) => isActiveOrDiffers(placedField, bits(binary, placedField.low, placedField.width));
     const activeNames = new Set(placedLayout.fields.filter(isActive).map((placedField) => placedField.name));
     const applies = ({ flag, when }) =>
       (when ? when.every((pair) => hasFieldValue(decoded, pair)) : activeNames.has(flag));
@@ -373,7 +373,7 @@
   }
 
   /** Return whether a flag is active, or unused bits differ from the manual. */
-  function speaks({ field, width }, raw) {
+  function isActiveOrDiffers({ field, width }, raw) {
     if ("unused" in field) return raw !== (big(field.unused) & ones(width));
     return field.kind === "flag" ? raw !== 0n : field.kind === "not_flag" && raw === 0n;
   }
@@ -383,7 +383,8 @@
     const placedField = placedLayout.fields.find((candidate) => candidate.name === name);
     const raw = placedField && bits(fromGray(placedLayout, number), placedField.low, placedField.width);
     if (!placedField) return false;
-    return isFlag(placedField.field) ? speaks(placedField, raw) === (wantedNumber === 1) : raw === big(wantedNumber);
+    return isFlag(placedField.field)
+      ? isActiveOrDiffers(placedField, raw) === (wantedNumber === 1) : raw === big(wantedNumber);
   }
 
   /** Return whether a field is a flag, active high or active low. */
@@ -410,7 +411,7 @@
     return (decoded.at.layout.strange ?? []).flatMap(([run, low, high, template]) => {
       const decodedField = decoded.fields.find((candidate) => candidate.name === run);
       const isStrange = decodedField && (decodedField.raw < big(low) || decodedField.raw > big(high));
-      return isStrange ? [filled(template, decodedField.raw)] : [];
+      return isStrange ? [fillTemplate(template, decodedField.raw)] : [];
     });
   }
 
@@ -518,70 +519,79 @@
   const shownBytes = (bytes) => bytes.map((byte) => byte.toString(16).toUpperCase().padStart(2, "0")).join(" ");
 
   /** The frame in a text with all data channels, decoded, or null if the text is not longer than a single channel. */
-  function decodeChannels(found, text, held, answers) {
-    const { channels } = found.interface;
+  function decodeChannels(orderCode, text, registerContents, answers) {
+    const { channels } = orderCode.interface;
     if (!channels) return null;
-    const placedChannels = channels.order.map((place) => placedFor(found, found.interface.frames[place], held, answers));
-    const bits = placedChannels.reduce((sum, at) => sum + at.bits, 0);
-    const given = numberIn(text, bits, true);
-    const written = given.exact ? given.bits : Math.max(given.bits, given.written - 3);
-    if (written <= Math.max(...placedChannels.map((at) => at.bits))) return null;
-    const main = placedChannels[channels.position];
-    const received = given.exact ? given.bits : Math.max(bits, given.bits);
-    if (received !== bits) {
-      const names = placedChannels.map((at) => at.name).join(", ");
-      return { ...otherLength({ ...main, name: names }, `${bits} bits`, received), channels: [], bits };
+    const placedChannels = channels.order.map((layoutIndex) => (
+      placedFor(orderCode, orderCode.interface.frames[layoutIndex], registerContents, answers)));
+    const bits = placedChannels.reduce((sum, placedLayout) => sum + placedLayout.bits, 0);
+    const typedFrame = numberIn(text, bits, true);
+    const fewestBits = typedFrame.exact ? typedFrame.bits : Math.max(typedFrame.bits, typedFrame.written - 3);
+    if (fewestBits <= Math.max(...placedChannels.map((placedLayout) => placedLayout.bits))) return null;
+    const positionChannel = placedChannels[channels.position];
+    const receivedBits = typedFrame.exact ? typedFrame.bits : Math.max(bits, typedFrame.bits);
+    if (receivedBits !== bits) {
+      const names = placedChannels.map((placedLayout) => placedLayout.name).join(", ");
+      return { ...otherLength({ ...positionChannel, name: names }, `${bits} bits`, receivedBits), channels: [], bits };
     }
-    return { ...judgedChannels(channels, channelsIn(placedChannels, given.number, bits)), bits };
+    return { ...mergeChannels(channels, decodeEachChannel(placedChannels, typedFrame.number, bits)), bits };
   }
 
-  /** The channels of a frame, each decoded. The first one has the highest bits. */
-  function channelsIn(placedChannels, number, bits) {
+  /** Decode the channels in the ``bits`` bits of a frame, each by its placed layout. The first has the highest bits. */
+  function decodeEachChannel(placedChannels, number, bits) {
     let low = bits;
-    return placedChannels.map((at) => {
-      low -= at.bits;
-      const own = (number >> BigInt(low)) & ones(at.bits);
-      return decodeBits(at, { number: own, bits: at.bits, exact: true, written: at.bits });
+    return placedChannels.map((placedLayout) => {
+      low -= placedLayout.bits;
+      const channelNumber = (number >> BigInt(low)) & ones(placedLayout.bits);
+      return decodeBits(placedLayout,
+        { number: channelNumber, bits: placedLayout.bits, exact: true, written: placedLayout.bits });
     });
   }
 
-  const FROM_WORST = ["not_usable", "unknown", "usable_with_warning", "usable"];
+  const VERDICTS_FROM_WORST = ["not_usable", "unknown", "usable_with_warning", "usable"];
 
-  /** The whole frame: the errors, reports and fields of all channels, and their worst verdict. */
-  function judgedChannels(channels, decoded) {
-    const main = decoded[channels.position];
-    const named = ({ at }, name) => (at === main.at ? name : `${at.name}.${name}`);
-    const problems = decoded.flatMap((one) => one.problems.map((item) => ({ ...item, message: `${one.at.name}: ${item.message}` })));
-    const compared = problems.length ? null : comparedIn(channels, decoded);
-    const verdicts = decoded.filter((one) => one === main || one.verdict !== "unknown").map((one) => one.verdict);
-    if (compared && !compared.agree) verdicts.push("not_usable");
-    const worst = FROM_WORST.find((one) => verdicts.includes(one)) ?? null;
+  /** Merge the decoded channels into a whole frame: the errors, reports and fields of all, and their worst verdict. */
+  function mergeChannels(channels, decodedChannels) {
+    const positionChannel = decodedChannels[channels.position];
+    const nameInFrame = ({ at: placedLayout }, fieldName) => (
+      placedLayout === positionChannel.at ? fieldName : `${placedLayout.name}.${fieldName}`);
+    const problems = decodedChannels.flatMap((channel) => (
+      channel.problems.map((problem) => ({ ...problem, message: `${channel.at.name}: ${problem.message}` }))));
+    const comparison = problems.length ? null : compareChannels(channels, decodedChannels);
+    const verdicts = decodedChannels.filter((channel) => channel === positionChannel || channel.verdict !== "unknown")
+      .map((channel) => channel.verdict);
+    if (comparison && !comparison.agree) verdicts.push("not_usable");
+    const worstVerdict = VERDICTS_FROM_WORST.find((verdict) => verdicts.includes(verdict)) ?? null;
     return {
-      ...main,
+      ...positionChannel,
       problems,
-      verdict: problems.length ? null : worst,
-      reports: decoded.flatMap((one) => one.reports),
-      differences: decoded.flatMap((one) => one.differences),
-      fields: decoded.flatMap((one) => one.fields.map((item) => ({ ...item, name: named(one, item.name) }))),
-      channels: decoded,
-      compared,
+      verdict: problems.length ? null : worstVerdict,
+      reports: decodedChannels.flatMap((channel) => channel.reports),
+      differences: decodedChannels.flatMap((channel) => channel.differences),
+      fields: decodedChannels.flatMap((channel) => (
+        channel.fields.map((field) => ({ ...field, name: nameInFrame(channel, field.name) })))),
+      channels: decodedChannels,
+      compared: comparison,
     };
   }
 
   /** Whether the compared fields agree, and the sentence about them. Null if nothing is compared. */
-  function comparedIn(channels, decoded) {
+  function compareChannels(channels, decodedChannels) {
     if (!channels.compared) return null;
-    const bits = Number(value(channels.compared_bits, decoded[channels.position].at.parameters));
-    const numbers = channels.compared.map(([place, name]) => {
-      const { at, fields } = decoded[place];
-      const item = fields.find((one) => one.name === name);
-      return { name: `${name} of ${at.name}`, number: item.value >> BigInt(item.high - item.low + 1 - bits) };
+    const bitCount = Number(value(channels.compared_bits, decodedChannels[channels.position].at.parameters));
+    const namedNumbers = channels.compared.map(([channelIndex, fieldName]) => {
+      const { at: placedLayout, fields } = decodedChannels[channelIndex];
+      const field = fields.find((decodedField) => decodedField.name === fieldName);
+      return {
+        name: `${fieldName} of ${placedLayout.name}`,
+        number: field.value >> BigInt(field.high - field.low + 1 - bitCount),
+      };
     });
-    const differs = (one, other) => BigInt.asUintN(bits, one - other) > big(channels.tolerance)
-      && BigInt.asUintN(bits, other - one) > big(channels.tolerance);
-    const agree = !numbers.some(({ number }) => differs(number, numbers[0].number));
-    const words = numbers.map(({ name, number }) => `${name} ${hex(number)}`).join(" and ");
-    return { agree, words: said(agree ? "compared" : "compared_not", bits, words) };
+    const differs = (number, otherNumber) => BigInt.asUintN(bitCount, number - otherNumber) > big(channels.tolerance)
+      && BigInt.asUintN(bitCount, otherNumber - number) > big(channels.tolerance);
+    const agree = !namedNumbers.some(({ number }) => differs(number, namedNumbers[0].number));
+    const numbersText = namedNumbers.map(({ name, number }) => `${name} ${hex(number)}`).join(" and ");
+    return { agree, words: said(agree ? "compared" : "compared_not", bitCount, numbersText) };
   }
 
   /** A text that is not an order code; the message names the wrong part. ``isClose`` is as in the Python code. */
@@ -1998,7 +2008,8 @@
   /** Place the fields of a layout for an order code, with the contents of registers and the answers of the user. */
   function placedFor(orderCode, layout, registerContents, answers) {
     return {
-      ...placed(orderCode.family, layout, computeParameters(orderCode, registerContents, answers)), code: orderCode.code,
+      ...placeLayout(orderCode.family, layout, computeParameters(orderCode, registerContents, answers)),
+      code: orderCode.code,
     };
   }
 
@@ -2131,692 +2142,865 @@
     groups.get(groupKey).codes.push(orderCode.code);
   }
 
+  // A hypothesis that fewer bits can contradict matches too many random frames.
   const LEAST_BITS = 3;
   // Frames with fewer bits may be all zeros or all ones by coincidence.
-  const LEAST_STUCK = 12;
+  const LEAST_EQUAL_BITS = 12;
   // An explanation that matches fewer random frames than one in this many is as good as certain.
-  const CERTAIN = 65536n;
+  const CERTAIN_ONE_IN = 65536n;
 
   /** Return the text about a dead line, or "" if the line changes. */
-  function deadLine({ at, given, number, data, problems, over }) {
-    if (at?.layout.length !== undefined) return "";
-    const exact = given?.exact ? given.bits : Math.max(at?.bits ?? 0, given?.bits ?? 0);
-    const size = data ? 8 * data.length : exact;
-    const found = data ? data.reduce((sum, byte) => (sum << 8n) | BigInt(byte), 0n) : given?.number ?? number;
-    if (size < LEAST_STUCK || (found !== 0n && found !== ones(size))) return "";
-    const level = found ? 1 : 0;
-    const doubt = at?.crc ? "and the CRC is correct too" : "and there is no CRC to distinguish it";
+  function deadLine({ at: placedLayout, given: typedFrame, number, data, problems, over: interface_ }) {
+    if (placedLayout?.layout.length !== undefined) return "";
+    const wordBits = typedFrame?.exact ? typedFrame.bits : Math.max(placedLayout?.bits ?? 0, typedFrame?.bits ?? 0);
+    const bitCount = data ? 8 * data.length : wordBits;
+    const receivedNumber = data ? data.reduce((sum, byte) => (sum << 8n) | BigInt(byte), 0n)
+      : typedFrame?.number ?? number;
+    if (bitCount < LEAST_EQUAL_BITS || (receivedNumber !== 0n && receivedNumber !== ones(bitCount))) return "";
+    const level = receivedNumber ? 1 : 0;
+    const doubt = placedLayout?.crc ? "and the CRC is correct too" : "and there is no CRC to distinguish it";
     // Without a CRC, the length alone proves nothing.
-    const isPossible = at && (at.crc ? !problems.length : hasFixed(at, found ? ones(at.bits) : 0n));
-    return isPossible ? `Every bit is ${level}. A dead line looks the same, ${doubt}.`
+    const mayBeFrame = placedLayout && (
+      placedLayout.crc ? !problems.length
+        : hasRightConstants(placedLayout, receivedNumber ? ones(placedLayout.bits) : 0n));
+    return mayBeFrame ? `Every bit is ${level}. A dead line looks the same, ${doubt}.`
       : `Every bit is ${level}: the line never changes. Check for ${level ? "a broken wire" : "a short circuit"}, `
-        + `the supply and ${over?.name === "rs485" ? "wires A and B" : "the clock"}.`;
+        + `the supply and ${interface_?.name === "rs485" ? "wires A and B" : "the clock"}.`;
   }
 
   /** Return the bits that make the frame valid if one of them is inverted: the usual cause if only some frames fail. */
-  function disturbedBits({ at, number, problems }) {
-    if (!at?.crc || problems[0]?.fault === "length" || !problems.some((item) => item.fault === "crc")) return [];
-    const { low, width } = crcField(at);
-    const crc = at.family.crcs[at.crc];
-    const fits = (one) => computedBy(crc, at, one) === bits(one, low, width) && hasFixed(at, one);
-    return [...Array(at.bits).keys()].filter((bit) => fits(number ^ (ONE << BigInt(bit))));
+  function findDisturbedBits({ at: placedLayout, number, problems }) {
+    if (!placedLayout?.crc || problems[0]?.fault === "length"
+      || !problems.some((problem) => problem.fault === "crc")) return [];
+    const { low, width } = crcField(placedLayout);
+    const crc = placedLayout.family.crcs[placedLayout.crc];
+    const isValid = (candidate) => computedBy(crc, placedLayout, candidate) === bits(candidate, low, width)
+      && hasRightConstants(placedLayout, candidate);
+    return [...Array(placedLayout.bits).keys()].filter((bit) => isValid(number ^ (ONE << BigInt(bit))));
   }
 
   /** Return the mistakes that explain the frame, most likely first, each with its random frames per match. */
-  const explained = (frame) => explanationsOf(frame).merged;
+  const explained = (decoded) => findExplanations(decoded).merged;
 
   /**
    * Return the explanations of a frame twice: ``merged`` has one of those that lead to the same frame, ``all`` has every
    * one. ``isWithPairs`` also tries two mistakes if a single one matches.
    */
-  function explanationsOf(frame, isWithPairs = false) {
-    const { at, given, data, problems } = frame;
-    const hasFault = (...kinds) => problems.some((item) => kinds.includes(item.fault));
-    const none = { merged: [], all: [] };
-    if (!problems.length || deadLine(frame)) return none;
+  function findExplanations(decoded, isWithPairs = false) {
+    const { at: placedLayout, given: typedFrame, data, problems } = decoded;
+    const hasFault = (...faults) => problems.some((problem) => faults.includes(problem.fault));
+    const noExplanations = { merged: [], all: [] };
+    if (!problems.length || deadLine(decoded)) return noExplanations;
     if (data) {
-      if (at && !hasFault("crc", "length", "constant")) return none;
-      const tries = triesWithBytes(frame);
-      return hasCrcInBytes(frame) ? chosen(tries, [], isWithPairs) : readingsOf(tries);
+      if (placedLayout && !hasFault("crc", "length", "constant")) return noExplanations;
+      const hypotheses = tryMistakesInBytes(decoded);
+      return hasCrcInBytes(decoded) ? explainWithCrc(hypotheses, [], isWithPairs) : explainWithoutCrc(hypotheses);
     }
-    if (!at || !given || !hasFault("crc", "length", "constant")) return none;
-    const crc = at.crc && at.family.crcs[at.crc];
-    if (!crc) return readingsOf([...movedFrames(at, null, given), ...rearranged(at, null, given)]);
-    const failed = given.bits > at.bits || (given.exact && given.bits !== at.bits) ? [] : [asSent(at, crc, given.number)];
-    if (hasFault("crc", "length")) return chosen(triesWithBits(at, crc, given), failed, isWithPairs);
-    const moved = [...rearranged(at, crc, given), ...movedFrames(at, crc, given)].filter(fits);
-    const fitting = significant(moved, failed);
-    return fitting.length ? chosen(fitting, [], isWithPairs) : none;
+    if (!placedLayout || !typedFrame || !hasFault("crc", "length", "constant")) return noExplanations;
+    const crc = placedLayout.crc && placedLayout.family.crcs[placedLayout.crc];
+    if (!crc) return explainWithoutCrc([
+      ...tryMovedFrames(placedLayout, null, typedFrame), ...tryRearrangedFrames(placedLayout, null, typedFrame)]);
+    const refuted = typedFrame.bits > placedLayout.bits || (typedFrame.exact && typedFrame.bits !== placedLayout.bits)
+      ? [] : [createHypothesisAsSent(placedLayout, crc, typedFrame.number)];
+    if (hasFault("crc", "length")) return explainWithCrc(
+      tryMistakesInBits(placedLayout, crc, typedFrame), refuted, isWithPairs);
+    const fittingFrames = [
+      ...tryRearrangedFrames(placedLayout, crc, typedFrame), ...tryMovedFrames(placedLayout, crc, typedFrame),
+    ].filter(fitsFrame);
+    const significant = selectSignificant(fittingFrames, refuted);
+    return significant.length ? explainWithCrc(significant, [], isWithPairs) : noExplanations;
   }
 
-  /** Whether any frame in bytes from the sender has a CRC. */
-  const hasCrcInBytes = ({ label, over, sender }) => !label
-    || over.frames.some((item) => item.order && item.sender === sender && item.crc);
+  /** Return whether any frame in bytes from the sender has a CRC. */
+  const hasCrcInBytes = ({ label: orderCode, over: interface_, sender }) => !orderCode
+    || interface_.frames.some((layout) => layout.order && layout.sender === sender && layout.crc);
 
   /** Return the part that a recording without a complete frame lacks, or "". */
-  function missingPart(frame) {
-    const { at, given, problems } = frame;
-    if (!given || !problems.some((item) => item.fault === "length") || deadLine(frame) || mayHave(given, at.bits)) return "";
-    const crc = at.crc && at.family.crcs[at.crc];
-    const isFound = (one) => one.kind !== TABLE.inside[0] && fits(one) && (!crc || one.known + one.demanded >= LEAST_BITS);
-    if (movedFrames(at, crc, given).some(isFound)) return "";
-    for (const [text, pattern] of lineOf(at)?.incomplete ?? []) {
-      const match = matched(pattern, at, receivedBits(at, given));
-      const count = match?.groups?.frame?.length ?? 0;
-      if (match && count < at.bits) return filled(text, count, at.bits, at.bits - count);
+  function missingPart(decoded) {
+    const { at: placedLayout, given: typedFrame, problems } = decoded;
+    if (!typedFrame || !problems.some((problem) => problem.fault === "length")
+      || deadLine(decoded) || mayHaveBits(typedFrame, placedLayout.bits)) return "";
+    const crc = placedLayout.crc && placedLayout.family.crcs[placedLayout.crc];
+    const isFoundByRule = (hypothesis) => hypothesis.kind !== TABLE.inside[0] && fitsFrame(hypothesis)
+      && (!crc || hypothesis.known + hypothesis.demanded >= LEAST_BITS);
+    if (tryMovedFrames(placedLayout, crc, typedFrame).some(isFoundByRule)) return "";
+    for (const [text, pattern] of lineRulesOf(placedLayout)?.incomplete ?? []) {
+      const match = matchRecording(pattern, placedLayout, writeReceivedBits(placedLayout, typedFrame));
+      const bitCount = match?.groups?.frame?.length ?? 0;
+      if (match && bitCount < placedLayout.bits) return fillTemplate(
+        text, bitCount, placedLayout.bits, placedLayout.bits - bitCount);
     }
     return "";
   }
 
-  /** Whether other frames with the same mistake would decide between these explanations. */
-  const anotherHelps = (found) => found.every((one) => one.kind !== "echo")
-    && (found.length > 1 || (found.length === 1 && found[0].oneIn < CERTAIN));
+  /** Return whether other frames with the same mistake would decide between these explanations. */
+  const anotherHelps = (explanations) => explanations.every((explanation) => explanation.kind !== "echo")
+    && (explanations.length > 1 || (explanations.length === 1 && explanations[0].oneIn < CERTAIN_ONE_IN));
 
   /** Return the mistakes that explain the most of several wrong frames, most likely first: single ones, or else two. */
-  function judgedTogether(frames) {
-    const isBroken = ({ problems }) => problems.some((item) => item.fault === "crc" || item.fault === "length");
-    const found = frames.slice(-TABLE.likely.frames).map((frame) => ({ frame, all: explanationsOf(frame).all }))
-      .filter(({ frame, all }) => all.length || isBroken(frame));
-    const single = common(found.map(({ all }) => all));
-    if (single.length && single[0].frames === found.length) return single;
-    return common(found.map(({ frame }) => explanationsOf(frame, true).all));
+  function judgedTogether(decodedFrames) {
+    const hasCrcOrLengthError = ({ problems }) => problems.some(
+      (problem) => problem.fault === "crc" || problem.fault === "length");
+    const explainedFrames = decodedFrames.slice(-TABLE.likely.frames)
+      .map((decoded) => ({ frame: decoded, all: findExplanations(decoded).all }))
+      .filter(({ frame, all }) => all.length || hasCrcOrLengthError(frame));
+    const singleMistakes = findCommonMistakes(explainedFrames.map(({ all }) => all));
+    if (singleMistakes.length && singleMistakes[0].frames === explainedFrames.length) return singleMistakes;
+    return findCommonMistakes(explainedFrames.map(({ frame }) => findExplanations(frame, true).all));
   }
 
   /** The logarithm of the likelihood. A mistake is made once, so its frequency counts once. */
-  function commonScore(group) {
-    const frequency = Math.log2(TABLE.likely.kinds[group[0].kind]);
-    return group.reduce((sum, one) => sum + (Math.log2(one.score) - frequency), 0) + frequency;
+  function computeCommonScore(explanations) {
+    const frequency = Math.log2(TABLE.likely.kinds[explanations[0].kind]);
+    return explanations.reduce((sum, explanation) => sum + (Math.log2(explanation.score) - frequency), 0) + frequency;
   }
 
-  function common(lists) {
-    const groups = new Map();
-    for (const found of lists) {
-      const own = new Map([...found].reverse().map((one) => [`${one.kind} ${one.template} ${one.isTwice}`, one]));
-      for (const [key, one] of own) groups.set(key, [...groups.get(key) ?? [], one]);
+  /**
+   * Return the mistakes that explain the most frames, most likely first, from a list of explanations for each frame.
+   * Explanations of frames with the same kind and template are one mistake.
+   */
+  function findCommonMistakes(explanationLists) {
+    const explanationsByKey = new Map();
+    for (const explanations of explanationLists) {
+      const likeliestByKey = new Map([...explanations].reverse().map(
+        (explanation) => [`${explanation.kind} ${explanation.template} ${explanation.isTwice}`, explanation]));
+      for (const [key, explanation] of likeliestByKey) explanationsByKey.set(
+        key, [...explanationsByKey.get(key) ?? [], explanation]);
     }
-    const most = Math.max(0, ...[...groups.values()].map((group) => group.length));
-    return [...groups.values()].filter((group) => group.length === most).map((group) => ({
-      text: new Set(group.map((one) => one.text)).size === 1 ? group[0].text
-        : filled(group[0].template.replace("({0}) ", ""), "some"),
-      frames: most,
-      oneIn: group.reduce((product, one) => product * one.oneIn, ONE),
-      score: commonScore(group),
-    })).sort((one, other) => other.score - one.score);
+    const mostFrames = Math.max(0, ...[...explanationsByKey.values()].map((explanations) => explanations.length));
+    return [...explanationsByKey.values()].filter((explanations) => explanations.length === mostFrames)
+      .map((explanations) => ({
+        text: new Set(explanations.map((explanation) => explanation.text)).size === 1 ? explanations[0].text
+          : fillTemplate(explanations[0].template.replace("({0}) ", ""), "some"),
+        frames: mostFrames,
+        oneIn: explanations.reduce((product, explanation) => product * explanation.oneIn, ONE),
+        score: computeCommonScore(explanations),
+      })).sort((mistake, otherMistake) => otherMistake.score - mistake.score);
   }
 
-  const interfaceOf = (at) => at.family.interfaces.find((one) => one.frames?.includes(at.layout));
-  const lineOf = (at) => TABLE.lines[interfaceOf(at)?.line];
-  const matched = (pattern, at, received) => new RegExp(pattern.replace("#", at.bits)).exec(received);
+  /** Return the interface that carries the frame. */
+  const interfaceOf = (placedLayout) => (
+    placedLayout.family.interfaces.find((candidate) => candidate.frames?.includes(placedLayout.layout)));
+  /** Return the mistakes with the bits around a frame on its line, or undefined if the line carries bytes. */
+  const lineRulesOf = (placedLayout) => TABLE.lines[interfaceOf(placedLayout)?.line];
+  /** Match a pattern, in which ``#`` is the number of bits of the frame, with bits written in the order received. */
+  const matchRecording = (pattern, placedLayout, receivedText) => (
+    new RegExp(pattern.replace("#", placedLayout.bits)).exec(receivedText));
 
-  // -- tries
+  // -- hypotheses
 
-  /** A mistake, tried, with the members that its kind needs. Those are the members of the same name on the command line. */
-  const tryOf = (members) => ({
+  /**
+   * Create the hypothesis that a mistake was made, from the members that its kind needs. The CRC covers the ``size`` bits
+   * of ``data``, and ``received`` are the first ``known`` bits of the received CRC. The mistake determines ``demanded``
+   * other bits, and ``holds`` is true if they are right. ``fixed`` counts the right constant bits, ``lost`` the last bits
+   * that were cut off, and ``places`` the places at which the frame was searched.
+   */
+  const createHypothesis = (members) => ({
     template: members.text, data: 0n, size: 0, received: 0n, known: 0, demanded: 0, holds: true, fixed: 0, likelihood: 1,
     lost: 0, parts: [], places: 1, ...members,
   });
 
-  /** Whether a frame with the mistake has these bits: the ones that it determines, and the CRC. */
-  function fits({ crc, holds, isOfBytes, data, size, known, received }) {
-    if (!holds || !crc) return holds;
-    const computed = isOfBytes ? crcOfBytes(crc, bytesOf("big", data, size / 8)) : crcOfBits(crc, data, size);
-    return computed >> BigInt(crc.width - known) === received;
+  /** Return whether a frame with the mistake has these bits: the ones that it determines, and the CRC. */
+  function fitsFrame({
+    crc, holds: isConsistent, isOfBytes, data: coveredData, size: coveredBits, known: crcBitsReceived,
+    received: receivedCrc,
+  }) {
+    if (!isConsistent || !crc) return isConsistent;
+    const computedCrc = isOfBytes ? crcOfBytes(crc, bytesOf("big", coveredData, coveredBits / 8))
+      : crcOfBits(crc, coveredData, coveredBits);
+    return computedCrc >> BigInt(crc.width - crcBitsReceived) === receivedCrc;
   }
 
-  const oneInOf = ({ known, demanded, places }) => {
-    const all = ONE << BigInt(known + demanded);
-    return all > BigInt(places) ? all / BigInt(places) : ONE;
+  /** Return the number of random frames of which one matches the hypothesis by chance, at least 1. */
+  const countFramesPerMatch = ({ known: crcBitsReceived, demanded: otherBitsRequired, places: placeCount }) => {
+    const framesPerMatch = ONE << BigInt(crcBitsReceived + otherBitsRequired);
+    return framesPerMatch > BigInt(placeCount) ? framesPerMatch / BigInt(placeCount) : ONE;
   };
-  const scoreOf = ({ kind, known, demanded, fixed, likelihood: likely, places }) => (
-    TABLE.likely.kinds[kind] * likely * 2 ** (known + Math.max(demanded, fixed))) / places;
+  /** Return the likelihood of a mistake that matches: its frequency times the improbability of the match by chance. */
+  const computeScore = ({
+    kind, known: crcBitsReceived, demanded: otherBitsRequired, fixed: rightConstantBits, likelihood, places: placeCount,
+  }) => (TABLE.likely.kinds[kind] * likelihood
+    * 2 ** (crcBitsReceived + Math.max(otherBitsRequired, rightConstantBits))) / placeCount;
 
-  /** The key of a try. Tries with the same key match the same frames. */
-  function questionOf({ crc, data, size, received, known }) {
-    const own = crc && ["width", "poly", "init", "refin", "refout", "xorout"].map((name) => `${big(crc[name])}`).join(" ");
-    return `${own} ${data} ${crc && big(crc.init) ? size : 0} ${received} ${known}`;
+  /** Return the key of a hypothesis. Hypotheses with the same key match the same frames. */
+  function matchKeyOf({
+    crc, data: coveredData, size: coveredBits, received: receivedCrc, known: crcBitsReceived,
+  }) {
+    const crcKey = crc && ["width", "poly", "init", "refin", "refout", "xorout"]
+      .map((name) => `${big(crc[name])}`).join(" ");
+    return `${crcKey} ${coveredData} ${crc && big(crc.init) ? coveredBits : 0} ${receivedCrc} ${crcBitsReceived}`;
   }
 
   /** The tries that do not match too many random frames, without those known to fail. */
-  function significant(tries, failed) {
-    const questions = new Set(failed.map(questionOf));
-    return tries.filter((one) => one.known + one.demanded >= LEAST_BITS && !questions.has(questionOf(one)));
+  function selectSignificant(hypotheses, refuted) {
+    const refutedKeys = new Set(refuted.map(matchKeyOf));
+    return hypotheses.filter((hypothesis) => hypothesis.known + hypothesis.demanded >= LEAST_BITS
+      && !refutedKeys.has(matchKeyOf(hypothesis)));
   }
 
-  /** One of the tries that lead to the same frame. */
-  function distinct(tries) {
-    const kept = new Map();
-    for (const one of tries) {
-      const places = one.at && [one.at.bits, ...one.at.fields.map((item) => `${item.name} ${item.low}`)].join(" ");
-      const key = `${questionOf(one)} ${one.at ? `${one.number} ${places}` : one.text}`;
-      const earlier = kept.get(key);
-      const isBetter = !earlier || (one.holds === earlier.holds ? scoreOf(one) > scoreOf(earlier) : one.holds);
-      if (isBetter) kept.set(key, one);
+  /** Select the likeliest of the hypotheses that lead to the same frame. */
+  function selectDistinct(hypotheses) {
+    const likeliestByKey = new Map();
+    for (const hypothesis of hypotheses) {
+      const fieldPlaces = hypothesis.at && [
+        hypothesis.at.bits,
+        ...hypothesis.at.fields.map((placedField) => `${placedField.name} ${placedField.low}`),
+      ].join(" ");
+      const resultKey = (
+        `${matchKeyOf(hypothesis)} ${hypothesis.at ? `${hypothesis.number} ${fieldPlaces}` : hypothesis.text}`);
+      const likeliest = likeliestByKey.get(resultKey);
+      const isLikelier = !likeliest || (hypothesis.holds === likeliest.holds
+        ? computeScore(hypothesis) > computeScore(likeliest) : hypothesis.holds);
+      if (isLikelier) likeliestByKey.set(resultKey, hypothesis);
     }
-    return [...kept.values()];
+    return [...likeliestByKey.values()];
   }
 
-  const explanationOf = (one, isTwice = false) => ({ ...one, isTwice, oneIn: oneInOf(one), score: scoreOf(one) });
-  const byScore = (found) => found.sort((one, other) => other.score - one.score);
+  /** Return a hypothesis that fits as an explanation, with its chance and score. ``isTwice`` marks two mistakes. */
+  const toExplanation = (hypothesis, isTwice = false) => (
+    { ...hypothesis, isTwice, oneIn: countFramesPerMatch(hypothesis), score: computeScore(hypothesis) });
+  /** Sort the explanations in place, most likely first. */
+  const sortByScore = (explanations) => (
+    explanations.sort((explanation, otherExplanation) => otherExplanation.score - explanation.score));
 
   /** The explanations among tries with a CRC. Pairs are tried if no single mistake matches. */
-  function chosen(tries, failed, isWithPairs) {
-    const significantTries = significant(tries, failed);
-    const usable = significantTries.filter((one) => !one.isRepeated);
-    const single = distinct(usable);
-    const merged = single.filter(fits).map((one) => explanationOf(one));
-    const all = significantTries.filter(fits).map((one) => explanationOf(one));
-    if (isWithPairs || merged.every((one) => one.kind === TABLE.inside[0])) {
-      const pairs = significant(usable.filter((one) => one.crc && !["crc_not_inverted", TABLE.inside[0]].includes(one.kind))
-        .map(notInverted), failed);
-      const twice = (found) => found.filter(fits).map((one) => explanationOf(one, true));
-      merged.push(...twice(distinct([...single, ...pairs]).slice(single.length)));
-      all.push(...twice(pairs));
+  function explainWithCrc(hypotheses, refuted, isWithPairs) {
+    const significant = selectSignificant(hypotheses, refuted);
+    const unrepeated = significant.filter((hypothesis) => !hypothesis.isRepeated);
+    const distinct = selectDistinct(unrepeated);
+    const merged = distinct.filter(fitsFrame).map((hypothesis) => toExplanation(hypothesis));
+    const all = significant.filter(fitsFrame).map((hypothesis) => toExplanation(hypothesis));
+    if (isWithPairs || merged.every((explanation) => explanation.kind === TABLE.inside[0])) {
+      const pairs = selectSignificant(unrepeated.filter((hypothesis) => (
+        hypothesis.crc && !["crc_not_inverted", TABLE.inside[0]].includes(hypothesis.kind)))
+        .map(pairWithInversion), refuted);
+      const explainPairs = (pairHypotheses) => (
+        pairHypotheses.filter(fitsFrame).map((hypothesis) => toExplanation(hypothesis, true)));
+      merged.push(...explainPairs(selectDistinct([...distinct, ...pairs]).slice(distinct.length)));
+      all.push(...explainPairs(pairs));
     }
-    return { merged: byScore(merged), all: byScore(all) };
+    return { merged: sortByScore(merged), all: sortByScore(all) };
   }
 
-  function notInverted(one) {
-    const change = big(one.crc.xorout) ? "not_inverted_too" : "inverted_too";
-    const template = filled(TABLE.texts[change], one.template);
-    const crc = { ...one.crc, xorout: big(one.crc.xorout) ^ ones(one.crc.width) };
-    return { ...one, crc, template, text: filled(TABLE.texts[change], one.text) };
+  /** Pair the mistake with the most common one, a CRC that is inverted or that should be. */
+  function pairWithInversion(hypothesis) {
+    const textName = big(hypothesis.crc.xorout) ? "not_inverted_too" : "inverted_too";
+    const template = fillTemplate(TABLE.texts[textName], hypothesis.template);
+    const crc = { ...hypothesis.crc, xorout: big(hypothesis.crc.xorout) ^ ones(hypothesis.crc.width) };
+    return { ...hypothesis, crc, template, text: fillTemplate(TABLE.texts[textName], hypothesis.text) };
   }
 
   /** The readings of a frame without a CRC. Nothing proves one of them. */
-  function readingsOf(tries) {
-    const all = byScore(tries.filter(fits).map((one) => explanationOf(one)));
-    const numbers = all.map((one) => one.number);
-    return { all, merged: all.filter((one, place) => numbers.indexOf(one.number) === place) };
+  function explainWithoutCrc(hypotheses) {
+    const all = sortByScore(hypotheses.filter(fitsFrame).map((hypothesis) => toExplanation(hypothesis)));
+    const numbers = all.map((explanation) => explanation.number);
+    return { all, merged: all.filter((explanation, index) => numbers.indexOf(explanation.number) === index) };
   }
 
-  /** The bits that the CRC covers, and how many they are. */
-  function coveredBy(at, number) {
-    const { width } = crcField(at);
-    const [low, count] = at.layout.crc_of ?? [width, at.bits - width];
-    return { data: bits(number, low, count), size: count };
+  /** Return the bits that the CRC covers, shifted to bit 0, and how many they are. */
+  function coveredBitsOf(placedLayout, number) {
+    const { width } = crcField(placedLayout);
+    const [low, bitCount] = placedLayout.layout.crc_of ?? [width, placedLayout.bits - width];
+    return { data: bits(number, low, bitCount), size: bitCount };
   }
 
-  /** The frame as sent, to which the caller adds the mistake. */
-  function asSent(at, crc, number) {
-    return tryOf({
-      crc, ...coveredBy(at, number), received: bits(number, 0, crc.width), known: crc.width,
-      fixed: hasFixed(at, number) ? fixedBits(at) : 0, likelihood: likelihood(at, number), text: "",
+  /** Create the hypothesis that the frame is as sent, to which the caller adds the mistake. */
+  function createHypothesisAsSent(placedLayout, crc, number) {
+    return createHypothesis({
+      crc, ...coveredBitsOf(placedLayout, number), received: bits(number, 0, crc.width), known: crc.width,
+      fixed: hasRightConstants(placedLayout, number) ? countConstantBits(placedLayout) : 0,
+      likelihood: computeLikelihood(placedLayout, number), text: "",
     });
   }
 
-  /** The frame was this number, whose last bits were not received. */
-  function readAs(at, crc, kind, text, frame, { lost = 0, demanded = 0, holds = true, ...others } = {}) {
+  /**
+   * The frame was this number, whose last bits were not received.
+   * These ``lost`` bits belong to the CRC, of which the others are compared. In a frame that lacks a CRC, the first lost
+   * bits with which constants and parity are right are assumed.
+   */
+  function createFrameHypothesis(
+    placedLayout, crc, kind, text, frameNumber,
+    { lost: missingLowBits = 0, demanded: otherBitsRequired = 0, holds: isConsistent = true, ...otherMembers } = {},
+  ) {
     if (!crc) {
-      const completed = [...Array(1 << lost).keys()].map((last) => frame | BigInt(last));
-      const number = completed.find((one) => hasFixed(at, one)) ?? frame;
-      return tryOf({
-        kind, text, at, number, lost, data: number, size: at.bits, likelihood: likelihood(at, number),
-        demanded: demanded + Math.max(fixedBits(at) - lost, 0), holds: holds && hasFixed(at, number), ...others,
+      const completedFrames = [...Array(1 << missingLowBits).keys()].map((lastBits) => frameNumber | BigInt(lastBits));
+      const number = completedFrames.find((candidate) => hasRightConstants(placedLayout, candidate)) ?? frameNumber;
+      return createHypothesis({
+        kind, text, at: placedLayout, number, lost: missingLowBits, data: number, size: placedLayout.bits,
+        likelihood: computeLikelihood(placedLayout, number),
+        demanded: otherBitsRequired + Math.max(countConstantBits(placedLayout) - missingLowBits, 0),
+        holds: isConsistent && hasRightConstants(placedLayout, number), ...otherMembers,
       });
     }
-    return tryOf({
-      kind, text, crc, at, number: frame, lost, ...coveredBy(at, frame), likelihood: likelihood(at, frame),
-      received: bits(frame, 0, crc.width) >> BigInt(lost), known: crc.width - lost,
-      demanded: demanded + fixedBits(at), holds: holds && hasFixed(at, frame), ...others,
+    return createHypothesis({
+      kind, text, crc, at: placedLayout, number: frameNumber, lost: missingLowBits,
+      ...coveredBitsOf(placedLayout, frameNumber), likelihood: computeLikelihood(placedLayout, frameNumber),
+      received: bits(frameNumber, 0, crc.width) >> BigInt(missingLowBits), known: crc.width - missingLowBits,
+      demanded: otherBitsRequired + countConstantBits(placedLayout),
+      holds: isConsistent && hasRightConstants(placedLayout, frameNumber), ...otherMembers,
     });
   }
+
+  // Each function whose name begins with "try" returns the hypotheses of a mistake, or [] if it is impossible here.
 
   // -- frames of bits
 
-  const lengthsOf = (at, given) => (given.exact || given.bits > at.bits ? [given.bits] : [at.bits, at.bits - 1])
-    .filter((length) => length >= given.bits);
-  const mayHave = (given, count) => (given.exact ? given.bits === count : given.bits <= count);
-  const isStatus = ({ field, width }) => isFlag(field) || ("unused" in field && Boolean(big(field.unused)) && width === 1);
+  /** Return the lengths in bits that a typed frame may have, longest first: as typed, or that of the frame and 1 less. */
+  const possibleLengthsOf = (placedLayout, typedFrame) => (typedFrame.exact || typedFrame.bits > placedLayout.bits
+    ? [typedFrame.bits] : [placedLayout.bits, placedLayout.bits - 1])
+    .filter((length) => length >= typedFrame.bits);
+  /** Return whether a typed frame may have this number of bits: exactly those typed, or also more leading zeros. */
+  const mayHaveBits = (typedFrame, bitCount) => (
+    typedFrame.exact ? typedFrame.bits === bitCount : typedFrame.bits <= bitCount);
+  /** Return whether a placed field is error or warning: a flag, or an unused bit that is 1. */
+  const isStatusField = ({ field, width }) => (
+    isFlag(field) || ("unused" in field && Boolean(big(field.unused)) && width === 1));
 
-  /** Every single mistake that could have turned a valid frame into this one. */
-  function triesWithBits(at, crc, given) {
-    const others = lengthsOf(at, given).includes(at.bits) ? otherCrcs(at, crc, given.number) : [];
-    const moved = [...others, ...rearranged(at, crc, given), ...movedFrames(at, crc, given)];
-    if (at.layout.crc_of) return moved;
-    return [...moved, ...withoutStatus(at, crc, given), ...otherPolynomials(at, crc, given)];
+  /** Try every single mistake that could have turned a valid frame into this one. */
+  function tryMistakesInBits(placedLayout, crc, typedFrame) {
+    const otherCrcs = possibleLengthsOf(placedLayout, typedFrame).includes(placedLayout.bits)
+      ? tryOtherCrcs(placedLayout, crc, typedFrame.number) : [];
+    const hypotheses = [
+      ...otherCrcs, ...tryRearrangedFrames(placedLayout, crc, typedFrame),
+      ...tryMovedFrames(placedLayout, crc, typedFrame)];
+    if (placedLayout.layout.crc_of) return hypotheses;
+    return [
+      ...hypotheses, ...tryRemovedStatus(placedLayout, crc, typedFrame),
+      ...tryOtherPolynomials(placedLayout, crc, typedFrame)];
   }
 
-  /** The frame as sent with another CRC. */
-  function otherCrcs(at, crc, number) {
-    const sent = asSent(at, crc, number);
-    const other = (kind, text, members) => ({ ...sent, kind, text, template: text, ...members });
-    const found = (crc.others ?? []).map(([kind, text, parameters]) => other(kind, text, { crc: parameters }));
-    found.push(other("crc_reversed", TABLE.texts.crc_reversed, { received: reflected(sent.received, crc.width) }));
-    if (at.layout.crc_of) return found;
-    const starts = interfaceOf(at)?.name === "biss" ? TABLE.start_bits : [];
-    return [...found, ...statusOtherwise(at, sent, number, other), ...positionOtherwise(at, sent, number, other),
-      ...starts.map(([front, text]) => other("start_bits_in_crc", text, {
-        data: (BigInt(`0b${front}`) << BigInt(sent.size)) | sent.data, size: sent.size + front.length }))];
+  /** Try the frame as sent with another CRC. */
+  function tryOtherCrcs(placedLayout, crc, number) {
+    const asSent = createHypothesisAsSent(placedLayout, crc, number);
+    const withMistake = (kind, text, members) => ({ ...asSent, kind, text, template: text, ...members });
+    const hypotheses = (crc.others ?? []).map(
+      ([kind, text, parameters]) => withMistake(kind, text, { crc: parameters }));
+    hypotheses.push(withMistake(
+      "crc_reversed", TABLE.texts.crc_reversed, { received: reflected(asSent.received, crc.width) }));
+    if (placedLayout.layout.crc_of) return hypotheses;
+    const startBitRules = interfaceOf(placedLayout)?.name === "biss" ? TABLE.start_bits : [];
+    return [
+      ...hypotheses, ...tryOtherStatus(placedLayout, asSent, number, withMistake),
+      ...tryOtherPositionCode(placedLayout, asSent, number, withMistake),
+      ...startBitRules.map(([startBits, text]) => withMistake("start_bits_in_crc", text, {
+        data: (BigInt(`0b${startBits}`) << BigInt(asSent.size)) | asSent.data, size: asSent.size + startBits.length }))];
   }
 
-  const statusMask = (at) => at.fields.filter(isStatus).reduce((mask, { low, width }) => mask | (ones(width) << BigInt(low)), 0n);
+  /** Return the bits of error and warning in a frame, set to 1. */
+  const statusMaskOf = (placedLayout) => placedLayout.fields.filter(isStatusField)
+    .reduce((mask, { low, width }) => mask | (ones(width) << BigInt(low)), 0n);
 
   /** The CRC does not cover error and warning, or they were inverted. */
-  function statusOtherwise(at, sent, number, other) {
-    const mask = statusMask(at);
-    if (!mask) return [];
-    const width = BigInt(sent.known);
-    const kept = [...Array(sent.size).keys()].reverse().filter((bit) => !bits(mask >> width, bit, 1));
-    const left = kept.reduce((made, bit) => (made << ONE) | bits(sent.data, bit, 1), 0n);
+  function tryOtherStatus(placedLayout, asSent, number, withMistake) {
+    const statusMask = statusMaskOf(placedLayout);
+    if (!statusMask) return [];
+    const crcWidth = BigInt(asSent.known);
+    const remainingBits = [...Array(asSent.size).keys()].reverse()
+      .filter((bit) => !bits(statusMask >> crcWidth, bit, 1));
+    const remainingData = remainingBits.reduce((sum, bit) => (sum << ONE) | bits(asSent.data, bit, 1), 0n);
     return [
-      other("status_left_out", TABLE.texts.status_left_out, { data: left, size: kept.length }),
-      other("status_turned", TABLE.texts.status_turned, {
-        data: (number ^ mask) >> width, likelihood: likelihood(at, number ^ mask) }),
+      withMistake("status_left_out", TABLE.texts.status_left_out, {
+        data: remainingData, size: remainingBits.length }),
+      withMistake("status_turned", TABLE.texts.status_turned, {
+        data: (number ^ statusMask) >> crcWidth, likelihood: computeLikelihood(placedLayout, number ^ statusMask) }),
     ];
   }
 
-  /** The place of the number that a master would convert from Gray code. */
-  function convertedPlace({ layout, fields, joins, family, parameters }) {
+  /** Find the bits of the number that a master would convert from Gray code: their low bit and width. */
+  function findConvertedBits({ layout, fields, joins, family, parameters }) {
     if (layout.gray) {
-      return { low: Number(value(layout.gray.low ?? 0, parameters)), width: Number(value(layout.gray.width, parameters)) };
+      return {
+        low: Number(value(layout.gray.low ?? 0, parameters)), width: Number(value(layout.gray.width, parameters)) };
     }
-    const parts = joins[0]?.parts.map(({ item }) => item).filter(Boolean);
-    if (parts) {
-      const width = parts.reduce((sum, item) => sum + item.width, 0);
-      return { low: parts[0]?.low ?? 0, width };
+    const joinedFields = joins[0]?.parts.map(({ item }) => item).filter(Boolean);
+    if (joinedFields) {
+      const width = joinedFields.reduce((sum, placedField) => sum + placedField.width, 0);
+      return { low: joinedFields[0]?.low ?? 0, width };
     }
     const isNumber = ({ field }) => isGiven({ field }) && (field.kind === undefined || field.kind === "signed");
-    return fields.filter(isNumber).reduce((widest, item) => (item.width > widest.width ? item : widest), { low: 0, width: 0 });
+    return fields.filter(isNumber).reduce(
+      (widest, placedField) => (placedField.width > widest.width ? placedField : widest), { low: 0, width: 0 });
   }
 
-  /** The position is in Gray code but the CRC covers binary, or vice versa. */
-  function positionOtherwise(at, sent, number, other) {
-    const { low, width } = convertedPlace(at);
+  /** Try a position in Gray code under a CRC that covers binary, or vice versa. */
+  function tryOtherPositionCode(placedLayout, asSent, number, withMistake) {
+    const { low, width } = findConvertedBits(placedLayout);
     if (!width) return [];
     const position = bits(number, low, width);
-    const without = number ^ (position << BigInt(low));
-    const covers = (converted, text) => other("other_code", text, {
-      data: (without | (converted << BigInt(low))) >> BigInt(sent.known) });
-    return [covers(plainOf(position), TABLE.texts.covers_binary),
-      covers(position ^ (position >> ONE), TABLE.texts.covers_gray)];
+    const otherBits = number ^ (position << BigInt(low));
+    const coverConverted = (converted, text) => withMistake("other_code", text, {
+      data: (otherBits | (converted << BigInt(low))) >> BigInt(asSent.known) });
+    return [coverConverted(plainOf(position), TABLE.texts.covers_binary),
+      coverConverted(position ^ (position >> ONE), TABLE.texts.covers_gray)];
   }
 
-  /** All bits are inverted, or the bits or bytes are in another order. */
-  function rearranged(at, crc, given) {
-    const read = (kind, frame, members) => readAs(at, crc, kind, TABLE.texts[kind], frame, members);
-    const found = [];
-    if (lengthsOf(at, given).includes(at.bits)) {
-      found.push(read("all_inverted", given.number ^ ones(at.bits)), read("bits_reversed", reflected(given.number, at.bits)));
-      if (at.bits % 8 === 0) {
-        const bytes = bytesOf("big", given.number, at.bits / 8);
-        found.push(read("bits_reversed_in_bytes", numberOf("big", bytes.map((byte) => reflected(BigInt(byte), 8)))));
+  /** Try frames whose bits are all inverted, or whose bits or bytes are in another order. */
+  function tryRearrangedFrames(placedLayout, crc, typedFrame) {
+    const assumeFrame = (kind, frameNumber, members) => (
+      createFrameHypothesis(placedLayout, crc, kind, TABLE.texts[kind], frameNumber, members));
+    const hypotheses = [];
+    if (possibleLengthsOf(placedLayout, typedFrame).includes(placedLayout.bits)) {
+      hypotheses.push(assumeFrame("all_inverted", typedFrame.number ^ ones(placedLayout.bits)),
+        assumeFrame("bits_reversed", reflected(typedFrame.number, placedLayout.bits)));
+      if (placedLayout.bits % 8 === 0) {
+        const bytes = bytesOf("big", typedFrame.number, placedLayout.bits / 8);
+        hypotheses.push(assumeFrame(
+          "bits_reversed_in_bytes", numberOf("big", bytes.map((byte) => reflected(BigInt(byte), 8)))));
       }
     }
-    const moved = (kind, unit, move) => {
-      const filledBits = Math.ceil(at.bits / unit) * unit;
-      const isWhole = given.bits % 8 === 0 && (given.bits === at.bits || given.bits === filledBits);
-      if (given.number >> BigInt(filledBits) || (given.exact && !isWhole)) return;
-      const swapped = numberOf("big", move(bytesOf("big", given.number, filledBits / 8)));
-      const frame = bits(swapped, 0, at.bits);
-      found.push(read(kind, frame, { demanded: filledBits - at.bits, holds: frame === swapped }));
+    const tryByteOrder = (kind, unitBits, reorder) => {
+      const filledBits = Math.ceil(placedLayout.bits / unitBits) * unitBits;
+      const isWholeBytes = typedFrame.bits % 8 === 0
+        && (typedFrame.bits === placedLayout.bits || typedFrame.bits === filledBits);
+      if (typedFrame.number >> BigInt(filledBits) || (typedFrame.exact && !isWholeBytes)) return;
+      const filledFrame = numberOf("big", reorder(bytesOf("big", typedFrame.number, filledBits / 8)));
+      const frameNumber = bits(filledFrame, 0, placedLayout.bits);
+      hypotheses.push(assumeFrame(kind, frameNumber, {
+        demanded: filledBits - placedLayout.bits, holds: frameNumber === filledFrame }));
     };
-    moved("bytes_reversed", 8, (bytes) => bytes.reverse());
-    if (at.bits > 16) moved("words_swapped", 16, (bytes) => bytes.map((_, place) => bytes[place ^ 1]));
-    return found;
+    tryByteOrder("bytes_reversed", 8, (bytes) => bytes.reverse());
+    if (placedLayout.bits > 16) tryByteOrder(
+      "words_swapped", 16, (bytes) => bytes.map((_, byteIndex) => bytes[byteIndex ^ 1]));
+    return hypotheses;
   }
 
   /** Error and warning are missing: removed after the CRC was computed, or before. */
-  function withoutStatus(at, crc, given) {
-    const mask = statusMask(at);
-    const count = onesIn(mask);
-    const short = at.bits - count;
-    if (!mask || mask >> BigInt(crc.width) !== ones(count) || !mayHave(given, short)) return [];
-    const idle = at.fields.filter((item) => isStatus(item) && (item.field.kind === "not_flag" || "unused" in item.field))
-      .reduce((set, { low, width }) => set | (ones(width) << BigInt(low)), 0n);
-    const data = given.number >> BigInt(crc.width);
-    const received = bits(given.number, 0, crc.width);
-    const frame = (data << BigInt(crc.width + count)) | idle | received;
-    const asIdle = readAs(at, crc, "status_not_sent", TABLE.texts.removed_and_idle, frame);
-    if (!given.exact) return [asIdle];
-    return [asIdle, tryOf({ kind: "status_not_sent", text: TABLE.texts.removed, crc, data, size: short - crc.width,
-      received, known: crc.width, likelihood: likelihood(at, frame), number: frame, at })];
+  function tryRemovedStatus(placedLayout, crc, typedFrame) {
+    const statusMask = statusMaskOf(placedLayout);
+    const statusBits = onesIn(statusMask);
+    const shortBits = placedLayout.bits - statusBits;
+    if (!statusMask || statusMask >> BigInt(crc.width) !== ones(statusBits)
+      || !mayHaveBits(typedFrame, shortBits)) return [];
+    const idleStatus = placedLayout.fields.filter((placedField) => isStatusField(placedField)
+      && (placedField.field.kind === "not_flag" || "unused" in placedField.field))
+      .reduce((mask, { low, width }) => mask | (ones(width) << BigInt(low)), 0n);
+    const data = typedFrame.number >> BigInt(crc.width);
+    const receivedCrc = bits(typedFrame.number, 0, crc.width);
+    const frameNumber = (data << BigInt(crc.width + statusBits)) | idleStatus | receivedCrc;
+    const asIdle = createFrameHypothesis(
+      placedLayout, crc, "status_not_sent", TABLE.texts.removed_and_idle, frameNumber);
+    if (!typedFrame.exact) return [asIdle];
+    return [asIdle, createHypothesis({
+      kind: "status_not_sent", text: TABLE.texts.removed, crc, data, size: shortBits - crc.width,
+      received: receivedCrc, known: crc.width, likelihood: computeLikelihood(placedLayout, frameNumber),
+      number: frameNumber, at: placedLayout })];
   }
 
-  /** Data of the right length before a CRC of another length: complete, truncated, or followed by zeros. */
-  function otherPolynomials(at, crc, given) {
-    const size = at.bits - crc.width;
+  /** Try data of the right length before a CRC of another length: complete, truncated, or followed by zeros. */
+  function tryOtherPolynomials(placedLayout, crc, typedFrame) {
+    const dataBits = placedLayout.bits - crc.width;
     return TABLE.polynomials.flatMap((polynomial) => {
-      const whole = big(polynomial);
-      const width = bitLength(whole) - 1;
-      if (whole === (big(crc.poly) | (ONE << BigInt(crc.width)))) return [];
-      const all = (number) => (big(number) ? ones(width) : 0n);
-      const other = { ...crc, width, poly: whole & ones(width), init: all(crc.init), xorout: all(crc.xorout) };
-      const lengths = [...new Set([size + width, at.bits])];
-      return lengths.filter((length) => length === given.bits || (!given.exact && length > given.bits))
-        .map((length) => ofLength(at, crc, other, given.number, length, size));
+      const withTopBit = big(polynomial);
+      const width = bitLength(withTopBit) - 1;
+      if (withTopBit === (big(crc.poly) | (ONE << BigInt(crc.width)))) return [];
+      const onesIfSet = (number) => (big(number) ? ones(width) : 0n);
+      const otherCrc = {
+        ...crc, width, poly: withTopBit & ones(width), init: onesIfSet(crc.init), xorout: onesIfSet(crc.xorout) };
+      const lengths = [...new Set([dataBits + width, placedLayout.bits])];
+      return lengths
+        .filter((length) => length === typedFrame.bits || (!typedFrame.exact && length > typedFrame.bits))
+        .map((length) => tryPolynomialWithLength(placedLayout, crc, otherCrc, typedFrame.number, length, dataBits));
     });
   }
 
-  function ofLength(at, crc, other, number, length, size) {
-    const after = length - size;
-    const [data, tail] = [number >> BigInt(after), bits(number, 0, after)];
-    const known = Math.min(other.width, after);
-    const zeros = Math.max(after - other.width, 0);
-    const frame = data << BigInt(crc.width);
-    const isRight = hasFixed(at, frame);
-    const polynomial = filled(TABLE.texts.polynomial, hex(other.poly | (ONE << BigInt(other.width))), other.width);
-    const text = known < other.width ? filled(TABLE.texts.bits_arrived, polynomial, known)
-      : zeros ? filled(TABLE.texts.then_zeros, polynomial) : polynomial;
-    const isAsLong = length === at.bits;
-    return tryOf({
-      kind: "other_polynomial", text, crc: other, data, size, received: tail >> BigInt(zeros), known,
-      demanded: zeros + (isAsLong ? 0 : fixedBits(at)), holds: !bits(tail, 0, zeros) && (isAsLong || isRight),
-      fixed: zeros + (isRight ? fixedBits(at) : 0), likelihood: likelihood(at, frame),
+  /** Try another CRC behind the first ``dataBits`` of the ``length`` bits of ``number``. */
+  function tryPolynomialWithLength(placedLayout, crc, otherCrc, number, length, dataBits) {
+    const tailBits = length - dataBits;
+    const [data, tail] = [number >> BigInt(tailBits), bits(number, 0, tailBits)];
+    const crcBitsReceived = Math.min(otherCrc.width, tailBits);
+    const zeroCount = Math.max(tailBits - otherCrc.width, 0);
+    const frameNumber = data << BigInt(crc.width);
+    const areConstantsRight = hasRightConstants(placedLayout, frameNumber);
+    const polynomialText = fillTemplate(
+      TABLE.texts.polynomial, hex(otherCrc.poly | (ONE << BigInt(otherCrc.width))), otherCrc.width);
+    const text = crcBitsReceived < otherCrc.width
+      ? fillTemplate(TABLE.texts.bits_arrived, polynomialText, crcBitsReceived)
+      : zeroCount ? fillTemplate(TABLE.texts.then_zeros, polynomialText) : polynomialText;
+    const hasFrameLength = length === placedLayout.bits;
+    return createHypothesis({
+      kind: "other_polynomial", text, crc: otherCrc, data, size: dataBits, received: tail >> BigInt(zeroCount),
+      known: crcBitsReceived, demanded: zeroCount + (hasFrameLength ? 0 : countConstantBits(placedLayout)),
+      holds: !bits(tail, 0, zeroCount) && (hasFrameLength || areConstantsRight),
+      fixed: zeroCount + (areConstantsRight ? countConstantBits(placedLayout) : 0),
+      likelihood: computeLikelihood(placedLayout, frameNumber),
     });
   }
 
-  /** The likelihood of the flags and reserved bits, relative to random bits. */
-  function likelihood(at, number) {
+  /** Compute the likelihood of the flags and reserved bits, relative to random bits. */
+  function computeLikelihood(placedLayout, number) {
     const { idle, active } = TABLE.likely;
-    return at.fields.reduce((product, item) => {
-      const isActive = speaks(item, bits(number, item.low, item.width));
-      if (isFlag(item.field)) return product * (isActive ? active : idle);
-      if ("unused" in item.field) return product * (isActive ? active : idle ** item.width);
+    return placedLayout.fields.reduce((product, placedField) => {
+      const isActive = isActiveOrDiffers(placedField, bits(number, placedField.low, placedField.width));
+      if (isFlag(placedField.field)) return product * (isActive ? active : idle);
+      if ("unused" in placedField.field) return product * (isActive ? active : idle ** placedField.width);
       return product;
     }, 1);
   }
 
   /** The bits as received, with those leading zeros that were typed, unless they may only pad the frame. */
-  function receivedBits(at, given) {
-    const isPadded = given.exact || given.number >> BigInt(at.bits) === 0n;
-    const size = isPadded ? given.bits : Math.max(given.written ?? 0, given.bits);
-    return given.number.toString(2).padStart(size, "0");
+  function writeReceivedBits(placedLayout, typedFrame) {
+    const isPadded = typedFrame.exact || typedFrame.number >> BigInt(placedLayout.bits) === 0n;
+    const bitCount = isPadded ? typedFrame.bits : Math.max(typedFrame.written ?? 0, typedFrame.bits);
+    return typedFrame.number.toString(2).padStart(bitCount, "0");
   }
 
   /** The frames with bits around them. A frame is searched at every bit only if no rule of the line finds it. */
-  function movedFrames(at, crc, given) {
-    const line = lineOf(at);
-    if (!line) return [];
-    const received = receivedBits(at, given);
-    const echo = [...(mayHave(given, at.bits) ? echoes(at, given.number) : []), ...withCommand(at, crc, given)];
-    const byRule = [
-      ...lengthsOf(at, given).flatMap((length) => line.slips.flatMap((slip) => slipped(at, crc, given, length, slip))),
-      ...line.recordings.flatMap((recording) => recorded(at, crc, received, recording)),
+  function tryMovedFrames(placedLayout, crc, typedFrame) {
+    const lineRules = lineRulesOf(placedLayout);
+    if (!lineRules) return [];
+    const receivedText = writeReceivedBits(placedLayout, typedFrame);
+    const commandHypotheses = [
+      ...(mayHaveBits(typedFrame, placedLayout.bits) ? tryEcho(placedLayout, typedFrame.number) : []),
+      ...tryLeftOutCommand(placedLayout, crc, typedFrame)];
+    const hypothesesByRule = [
+      ...possibleLengthsOf(placedLayout, typedFrame).flatMap((length) => (
+        lineRules.slips.flatMap((offset) => tryOffset(placedLayout, crc, typedFrame, length, offset)))),
+      ...lineRules.recordings.flatMap((recording) => tryRecording(placedLayout, crc, receivedText, recording)),
     ];
-    if (!crc || byRule.some(fits)) return [...echo, ...byRule];
-    const places = Math.max(received.length - at.bits + 1, 0);
+    if (!crc || hypothesesByRule.some(fitsFrame)) return [...commandHypotheses, ...hypothesesByRule];
+    const placeCount = Math.max(receivedText.length - placedLayout.bits + 1, 0);
     const [kind, template] = TABLE.inside;
-    return [...echo, ...byRule, ...[...Array(places).keys()].map((place) => {
-      const frame = received.slice(place, place + at.bits);
-      const parts = [["before", received.slice(0, place)], ["frame", frame], ["behind", received.slice(place + at.bits)]];
-      const around = { template, parts: parts.filter(([, some]) => some), places };
-      return readAs(at, crc, kind, filled(template, place), BigInt(`0b${frame}`), around);
+    return [...commandHypotheses, ...hypothesesByRule, ...[...Array(placeCount).keys()].map((bitsBefore) => {
+      const frameText = receivedText.slice(bitsBefore, bitsBefore + placedLayout.bits);
+      const parts = [
+        ["before", receivedText.slice(0, bitsBefore)], ["frame", frameText],
+        ["behind", receivedText.slice(bitsBefore + placedLayout.bits)]];
+      const members = { template, parts: parts.filter(([, partText]) => partText), places: placeCount };
+      return createFrameHypothesis(
+        placedLayout, crc, kind, fillTemplate(template, bitsBefore), BigInt(`0b${frameText}`), members);
     })];
   }
 
   /** The bits during the command are missing, and the command is the one that the layout expects. */
-  function withCommand(at, crc, given) {
-    if (interfaceOf(at)?.name !== "spi") return [];
-    const [low, count] = crc ? at.layout.crc_of ?? [crc.width, at.bits - crc.width] : [0, at.bits];
-    const isDuring = (item) => "fixed" in item.field || item.low >= low + count;
-    const fields = [...at.fields].sort((one, other) => other.low - one.low);
-    const end = fields.findIndex((item) => !isDuring(item));
-    const first = fields.slice(0, end < 0 ? fields.length : end);
-    const rest = first.at(-1)?.low ?? at.bits;
-    if (rest === at.bits || (at.bits - rest) % 8 || !mayHave(given, rest) || given.written !== rest) return [];
-    const constants = first.filter(({ field }) => "fixed" in field);
-    const number = constants.reduce((sum, item) => sum | (big(item.field.fixed) << BigInt(item.low)), given.number);
-    const text = filled(TABLE.texts.command_left_out, at.bits - rest);
-    const assumed = constants.reduce((sum, { width }) => sum + width, 0);
-    return [{ ...readAs(at, crc, "command_left_out", text, number), demanded: fixedBits(at) - assumed }];
+  function tryLeftOutCommand(placedLayout, crc, typedFrame) {
+    if (interfaceOf(placedLayout)?.name !== "spi") return [];
+    const [coveredLow, coveredBits] = crc
+      ? placedLayout.layout.crc_of ?? [crc.width, placedLayout.bits - crc.width] : [0, placedLayout.bits];
+    const isDuringCommand = (placedField) => "fixed" in placedField.field || placedField.low >= coveredLow + coveredBits;
+    const fields = [...placedLayout.fields].sort((placedField, otherField) => otherField.low - placedField.low);
+    const dataIndex = fields.findIndex((placedField) => !isDuringCommand(placedField));
+    const commandFields = fields.slice(0, dataIndex < 0 ? fields.length : dataIndex);
+    const remainingBits = commandFields.at(-1)?.low ?? placedLayout.bits;
+    if (remainingBits === placedLayout.bits || (placedLayout.bits - remainingBits) % 8
+      || !mayHaveBits(typedFrame, remainingBits) || typedFrame.written !== remainingBits) return [];
+    const constants = commandFields.filter(({ field }) => "fixed" in field);
+    const frameNumber = constants.reduce(
+      (sum, placedField) => sum | (big(placedField.field.fixed) << BigInt(placedField.low)), typedFrame.number);
+    const text = fillTemplate(TABLE.texts.command_left_out, placedLayout.bits - remainingBits);
+    const assumedBits = constants.reduce((sum, { width }) => sum + width, 0);
+    return [{
+      ...createFrameHypothesis(placedLayout, crc, "command_left_out", text, frameNumber),
+      demanded: countConstantBits(placedLayout) - assumedBits }];
   }
 
-  /** A text that does not begin and end with the frame: extra bits before or after it, or missing bits. */
-  function slipped(at, crc, given, length, [kind, template, front, missing, lost, behind]) {
-    if (length !== at.bits + front.length - missing.length - lost + behind) return [];
-    const there = length - front.length - behind;
-    const body = given.number >> BigInt(behind);
-    const last = there + front.length - 1;
-    const starts = [...front].flatMap((mark, place) => (mark === "1" ? [last - place] : []));
-    const holds = starts.every((place) => bits(body, place, 1));
-    const number = ((BigInt(`0b0${missing}`) << BigInt(there)) | bits(body, 0, there)) << BigInt(lost);
-    const members = { template, lost, demanded: starts.length, holds };
-    const one = readAs(at, crc, kind, filled(template, missing), number, members);
+  /**
+   * A text that does not begin and end with the frame: extra bits before or after it, or missing bits.
+   * ``front`` has a mark for each extra bit before the frame: 1 for a start bit, ~ for mostly 0, and ? for any bit.
+   */
+  function tryOffset(
+    placedLayout, crc, typedFrame, length, [kind, template, front, missingFirstBits, missingLowBits, extraLowBits],
+  ) {
+    if (length !== placedLayout.bits + front.length - missingFirstBits.length - missingLowBits + extraLowBits) return [];
+    const framePartBits = length - front.length - extraLowBits;
+    const frontAndFramePart = typedFrame.number >> BigInt(extraLowBits);
+    const highestBit = framePartBits + front.length - 1;
+    const startBits = [...front].flatMap((mark, index) => (mark === "1" ? [highestBit - index] : []));
+    const isConsistent = startBits.every((bit) => bits(frontAndFramePart, bit, 1));
+    const frameNumber = ((BigInt(`0b0${missingFirstBits}`) << BigInt(framePartBits))
+      | bits(frontAndFramePart, 0, framePartBits)) << BigInt(missingLowBits);
+    const members = { template, lost: missingLowBits, demanded: startBits.length, holds: isConsistent };
+    const hypothesis = createFrameHypothesis(
+      placedLayout, crc, kind, fillTemplate(template, missingFirstBits), frameNumber, members);
     const { idle, active } = TABLE.likely;
-    const mostlyZero = [...front].flatMap((mark, place) => (mark === "~" ? [bits(body, last - place, 1)] : []));
-    const frontLikelihood = mostlyZero.reduce((product, bit) => product * (bit ? active : idle), 1);
-    return [{ ...one, likelihood: one.likelihood * frontLikelihood }];
+    const mostlyZeroBits = [...front].flatMap(
+      (mark, index) => (mark === "~" ? [bits(frontAndFramePart, highestBit - index, 1)] : []));
+    const frontLikelihood = mostlyZeroBits.reduce((product, bit) => product * (bit ? active : idle), 1);
+    return [{ ...hypothesis, likelihood: hypothesis.likelihood * frontLikelihood }];
   }
 
-  /** The frame in a recording with these parts. */
-  function recorded(at, crc, received, [kind, text, pattern, proof]) {
-    const groups = matched(pattern, at, received)?.groups;
+  /** Try the frame in a recording with these parts. The bits of the parts in ``proofParts`` have one possible value. */
+  function tryRecording(placedLayout, crc, receivedText, [kind, text, pattern, proofParts]) {
+    const groups = matchRecording(pattern, placedLayout, receivedText)?.groups;
     if (!groups) return [];
-    const { frame, again = "" } = groups;
-    const demanded = proof.reduce((sum, name) => sum + (groups[name] ?? "").length, 0);
-    const parts = Object.entries(groups).filter(([, some]) => some);
-    return [readAs(at, crc, kind, text, BigInt(`0b${frame}`), { demanded, parts, holds: frame.startsWith(again) })];
+    const { frame: frameText, again: repeatedText = "" } = groups;
+    const otherBitsRequired = proofParts.reduce((sum, name) => sum + (groups[name] ?? "").length, 0);
+    const parts = Object.entries(groups).filter(([, partText]) => partText);
+    return [createFrameHypothesis(placedLayout, crc, kind, text, BigInt(`0b${frameText}`), {
+      demanded: otherBitsRequired, parts, holds: frameText.startsWith(repeatedText) })];
   }
 
   // -- frames of bytes
 
   /** The most extra bytes that come from an echoed request. */
-  const MOST_ECHOED = 4;
+  const MOST_ECHOED_BYTES = 4;
 
-  /** Every single mistake that could have turned a valid frame into these bytes. */
-  function triesWithBytes(frame) {
-    const { at: expected, data, label, over, sender } = frame;
-    const whole = wholeFrames(frame);
-    const layouts = label ? over.frames : [];
+  /** Try every single mistake that could have turned a valid frame into these bytes. */
+  function tryMistakesInBytes(decoded) {
+    const { at: expectedLayout, data, label: orderCode, over: interface_, sender } = decoded;
+    const wholeFrames = tryWholeFrames(decoded);
+    const layouts = orderCode ? interface_.frames : [];
     // Where the manual is ambiguous, the first answer decides, as on the command line.
-    const answers = Object.fromEntries((label?.family.alternatives ?? []).map((item) => [item.name, item.answers[0][0]]));
-    const moved = layouts.filter((layout) => layout.order && layout.sender === sender).flatMap((layout) => {
-      const at = placedFor(label, layout, {}, answers);
-      const crc = at.crc ? at.family.crcs[at.crc] : null;
+    const firstAnswers = Object.fromEntries(
+      (orderCode?.family.alternatives ?? []).map((alternative) => [alternative.name, alternative.answers[0][0]]));
+    const hypotheses = layouts.filter((layout) => layout.order && layout.sender === sender).flatMap((layout) => {
+      const placedLayout = placedFor(orderCode, layout, {}, firstAnswers);
+      const crc = placedLayout.crc ? placedLayout.family.crcs[placedLayout.crc] : null;
       if (crc && crc.width !== 8) return [];
-      const isExpected = expected?.layout === layout && 8 * data.length === at.bits;
-      return [...(crc && isExpected ? otherByteCrcs(at, crc, data) : []), ...movedBytes(at, crc, data)];
+      const isExpected = expectedLayout?.layout === layout && 8 * data.length === placedLayout.bits;
+      return [...(crc && isExpected ? tryOtherByteCrcs(placedLayout, crc, data) : []),
+        ...tryMovedBytes(placedLayout, crc, data)];
     });
     // Whole frames already explain extra bytes around the same frame.
-    const isRepeated = (one) => ["bytes_in_front", "bytes_behind"].includes(one.kind)
-      && whole.some(({ at, number }) => number === one.number && at.layout === one.at.layout);
-    return [...whole, ...moved.map((one) => ({ ...one, isRepeated: isRepeated(one) }))];
+    const isRepeated = (hypothesis) => ["bytes_in_front", "bytes_behind"].includes(hypothesis.kind)
+      && wholeFrames.some(
+        ({ at: placedLayout, number }) => number === hypothesis.number && placedLayout.layout === hypothesis.at.layout);
+    return [...wholeFrames, ...hypotheses.map(
+      (hypothesis) => ({ ...hypothesis, isRepeated: isRepeated(hypothesis) }))];
   }
 
-  const asBytes = (data) => numberOf("big", data);
-  const overBytes = (one, data) => ({ ...one, data: asBytes(data.slice(0, -1)), received: BigInt(data.at(-1)), isOfBytes: true });
+  /** Join bytes to a number, the first byte highest. */
+  const joinBytes = (bytes) => numberOf("big", bytes);
+  /** Return the hypothesis with the last byte as the CRC over the bytes before it. */
+  const withCrcOverBytes = (hypothesis, bytes) => (
+    { ...hypothesis, data: joinBytes(bytes.slice(0, -1)), received: BigInt(bytes.at(-1)), isOfBytes: true });
 
-  /** The frame as sent with another CRC. */
-  function otherByteCrcs(at, crc, data) {
-    const sent = overBytes(asSent(at, crc, numberOf(at.layout.order, data)), data);
+  /** Try the frame as sent with another CRC. */
+  function tryOtherByteCrcs(placedLayout, crc, data) {
+    const asSent = withCrcOverBytes(
+      createHypothesisAsSent(placedLayout, crc, numberOf(placedLayout.layout.order, data)), data);
     const text = TABLE.texts.first_byte_left_out;
     return [
-      ...(crc.byte_others ?? []).map(([kind, words, other]) => ({ ...sent, kind, text: words, template: words, crc: other })),
-      { ...sent, kind: "first_byte_left_out", text, template: text, data: asBytes(data.slice(1, -1)), size: sent.size - 8 },
+      ...(crc.byte_others ?? []).map(([kind, crcText, otherCrc]) => (
+        { ...asSent, kind, text: crcText, template: crcText, crc: otherCrc })),
+      {
+        ...asSent, kind: "first_byte_left_out", text, template: text,
+        data: joinBytes(data.slice(1, -1)), size: asSent.size - 8 },
     ];
   }
 
   /** The bytes do not begin and end with the frame, or are inverted. */
-  function movedBytes(at, crc, data) {
+  function tryMovedBytes(placedLayout, crc, data) {
     const { texts } = TABLE;
-    const size = at.bits / 8;
-    const read = (kind, text, frame, template = text) => {
-      const one = readAs(at, crc, kind, text, numberOf(at.layout.order, frame), { template });
-      return crc ? overBytes(one, frame) : one;
+    const byteCount = placedLayout.bits / 8;
+    const assumeFrame = (kind, text, bytes, template = text) => {
+      const hypothesis = createFrameHypothesis(
+        placedLayout, crc, kind, text, numberOf(placedLayout.layout.order, bytes), { template });
+      return crc ? withCrcOverBytes(hypothesis, bytes) : hypothesis;
     };
-    const extra = data.length - size;
-    const found = [];
-    if (extra > 0 && extra <= MOST_ECHOED) {
-      const bytes = extra > 1 ? filled(texts.extra_bytes, extra) : texts.extra_byte;
-      found.push(read("bytes_in_front", filled(texts.before, bytes), data.slice(extra)),
-        read("bytes_behind", filled(texts.after, bytes), data.slice(0, size)));
+    const extraBytes = data.length - byteCount;
+    const hypotheses = [];
+    if (extraBytes > 0 && extraBytes <= MOST_ECHOED_BYTES) {
+      const extraText = extraBytes > 1 ? fillTemplate(texts.extra_bytes, extraBytes) : texts.extra_byte;
+      hypotheses.push(assumeFrame("bytes_in_front", fillTemplate(texts.before, extraText), data.slice(extraBytes)),
+        assumeFrame("bytes_behind", fillTemplate(texts.after, extraText), data.slice(0, byteCount)));
     }
-    if (extra === 0 || extra === -1) {
-      for (const byte of firstBytes(at)) {
+    if (extraBytes === 0 || extraBytes === -1) {
+      for (const byte of findPossibleFirstBytes(placedLayout)) {
         const [text, template] = [byte.toString(16).toUpperCase().padStart(2, "0"), "{0}"]
-          .map((name) => filled(texts.byte_missing, name)).map((words) => (extra ? words : filled(texts.and_follows, words)));
-        found.push(read("first_byte_lost", text, [byte, ...data.slice(0, size - 1)], template));
+          .map((byteText) => fillTemplate(texts.byte_missing, byteText))
+          .map((missingText) => (extraBytes ? missingText : fillTemplate(texts.and_follows, missingText)));
+        hypotheses.push(assumeFrame("first_byte_lost", text, [byte, ...data.slice(0, byteCount - 1)], template));
       }
     }
-    if (extra === 0) found.push(read("all_inverted", texts.bytes_inverted, data.map((byte) => byte ^ 0xFF)));
-    return found;
+    if (extraBytes === 0) hypotheses.push(
+      assumeFrame("all_inverted", texts.bytes_inverted, data.map((byte) => byte ^ 0xFF)));
+    return hypotheses;
   }
 
   /** The possible first bytes of a frame, if that byte only has the selector, constants, parity and usual values. */
-  function firstBytes(at) {
-    const { order, selector, selects = [], usual = [] } = at.layout;
-    const mask = numberOf(order, [0xFF, ...Array(at.bits / 8 - 1).fill(0)]);
-    const first = at.fields.filter(({ low, width }) => bits(mask >> BigInt(low), 0, width));
-    const usualOf = ({ name }) => usual.find((one) => one[0] === name && one.length === 2)?.[1];
-    const others = first.filter((item) => item.name !== selector && !("parity" in item.field));
-    if (!others.every((item) => "fixed" in item.field || usualOf(item) !== undefined)) return [];
-    const put = (number, { low }, content) => number | (big(content) << BigInt(low));
-    const start = others.reduce((number, item) => put(number, item, item.field.fixed ?? usualOf(item)), 0n);
-    const chosen_ = first.filter((item) => item.name === selector);
-    return (chosen_.length ? selects : [0]).map((selected) => {
-      let number = chosen_.reduce((sum, item) => put(sum, item, selected), start);
-      for (const item of first.filter(({ field }) => "parity" in field)) {
-        const { of, check } = at.checks.find((one) => one.of && one.check.field === item.name);
-        number = put(number, item, parityOf(number, of, check));
+  function findPossibleFirstBytes(placedLayout) {
+    const { order, selector, selects = [], usual = [] } = placedLayout.layout;
+    const firstByteMask = numberOf(order, [0xFF, ...Array(placedLayout.bits / 8 - 1).fill(0)]);
+    const fieldsInFirstByte = placedLayout.fields.filter(
+      ({ low, width }) => bits(firstByteMask >> BigInt(low), 0, width));
+    const usualValueOf = ({ name }) => usual.find((values) => values[0] === name && values.length === 2)?.[1];
+    const otherFields = fieldsInFirstByte.filter(
+      (placedField) => placedField.name !== selector && !("parity" in placedField.field));
+    if (!otherFields.every((placedField) => (
+      "fixed" in placedField.field || usualValueOf(placedField) !== undefined))) return [];
+    const withField = (number, { low }, content) => number | (big(content) << BigInt(low));
+    const withoutSelector = otherFields.reduce((number, placedField) => (
+      withField(number, placedField, placedField.field.fixed ?? usualValueOf(placedField))), 0n);
+    const selectorFields = fieldsInFirstByte.filter((placedField) => placedField.name === selector);
+    return (selectorFields.length ? selects : [0]).map((selectorValue) => {
+      let number = selectorFields.reduce(
+        (sum, placedField) => withField(sum, placedField, selectorValue), withoutSelector);
+      for (const parityField of fieldsInFirstByte.filter(({ field }) => "parity" in field)) {
+        const { of: coveredPlaces, check } = placedLayout.checks.find(
+          (placedCheck) => placedCheck.of && placedCheck.check.field === parityField.name);
+        number = withField(number, parityField, parityOf(number, coveredPlaces, check));
       }
-      return bytesOf(order, number, at.bits / 8)[0];
+      return bytesOf(order, number, placedLayout.bits / 8)[0];
     });
   }
 
-  /** The bytes as whole frames of RS-485: an echo of the request, a reply after it, or several replies. */
-  function wholeFrames({ data, label, over, sender }) {
-    const { most, least, echo, frames: list } = TABLE.exchanges;
-    if (!label || data.length > most || over.name !== "rs485") return [];
+  /** Try the bytes as whole frames of RS-485: an echo of the request, a reply after it, or several replies. */
+  function tryWholeFrames({ data, label: orderCode, over: interface_, sender }) {
+    const { most: mostBytes, least: leastEvidence, echo: echoText, frames: framesText } = TABLE.exchanges;
+    if (!orderCode || data.length > mostBytes || interface_.name !== "rs485") return [];
     if (sender !== "encoder") return [];
-    const candidates = over.frames.filter((item) => item.order).map((item) => placedFor(label, item))
-      .map((one) => ({ one, size: one.bits / 8 }));
-    const fewest = new Map([[data.length, []]]);
-    const isRequest = ({ one }) => one.layout.sender === "master";
-    for (let start = data.length - 1; start >= 0; start -= 1) {
+    const candidates = interface_.frames.filter((layout) => layout.order).map((layout) => placedFor(orderCode, layout))
+      .map((placedLayout) => ({ one: placedLayout, size: placedLayout.bits / 8 }));
+    const fewestFramesFrom = new Map([[data.length, []]]);
+    const isRequest = ({ one: placedLayout }) => placedLayout.layout.sender === "master";
+    for (let firstByte = data.length - 1; firstByte >= 0; firstByte -= 1) {
       // A request is in front of its reply, even if both have the same form.
-      const likely = candidates.filter((item) => isRequest(item) === (start === 0));
-      for (const { one, size } of [...likely, ...candidates.filter((item) => !likely.includes(item))]) {
-        const rest = fewest.get(start + size);
-        if (!rest || fewest.get(start)?.length <= rest.length + 1) continue;
-        const bytes = data.slice(start, start + size);
-        const evidence = expectedBits(one, numberOf(one.layout.order, bytes));
-        if (evidence && !decodeBytes(one, bytes).problems.length) fewest.set(start, [{ one, bytes, evidence }, ...rest]);
+      const likely = candidates.filter((candidate) => isRequest(candidate) === (firstByte === 0));
+      for (const { one: placedLayout, size: byteCount } of [
+        ...likely, ...candidates.filter((candidate) => !likely.includes(candidate))]) {
+        const followingFrames = fewestFramesFrom.get(firstByte + byteCount);
+        if (!followingFrames || fewestFramesFrom.get(firstByte)?.length <= followingFrames.length + 1) continue;
+        const bytes = data.slice(firstByte, firstByte + byteCount);
+        const evidence = countExpectedBits(placedLayout, numberOf(placedLayout.layout.order, bytes));
+        if (evidence && !decodeBytes(placedLayout, bytes).problems.length) fewestFramesFrom.set(
+          firstByte, [{ one: placedLayout, bytes, evidence }, ...followingFrames]);
       }
     }
-    const found = fewest.get(0) ?? [];
-    const replies = found.filter((item) => !isRequest(item)).length;
-    if (!found.length || (found.length === 1 && replies)) return [];
-    const asked = found.reduce((sum, item) => sum + item.evidence, 0);
-    if (asked < least) return [];
-    const one = isRequest(found[0]) ? "bytes_in_front" : "bytes_behind";
-    const kind = ["echo", one][replies] ?? "several_frames";
-    const titled = found.map((item) => [`${isRequest(item) ? "request" : "reply"} ${item.one.name}`, shownBytes(item.bytes)]);
-    const roles = titled.map(([title]) => title.split(" ")[0]);
-    const [text, template] = kind === "echo" ? [` ${found[0].one.name}`, ""].map((name) => filled(echo, name))
-      : [titled.map(([title]) => title), roles].map((names) => filled(list, names.join(", then ")));
-    const last = found[found.length - 1];
-    const isRead = !isRequest(last) && !last.one.layout.asks?.length;
-    return [tryOf({
-      kind, text, template, at: last.one, parts: titled, demanded: asked, data: asBytes(data), size: 8 * data.length,
-      number: isRead ? numberOf(last.one.layout.order, last.bytes) : undefined,
+    const frames = fewestFramesFrom.get(0) ?? [];
+    const replyCount = frames.filter((frame) => !isRequest(frame)).length;
+    if (!frames.length || (frames.length === 1 && replyCount)) return [];
+    const totalEvidence = frames.reduce((sum, frame) => sum + frame.evidence, 0);
+    if (totalEvidence < leastEvidence) return [];
+    const kindWithOneReply = isRequest(frames[0]) ? "bytes_in_front" : "bytes_behind";
+    const kind = ["echo", kindWithOneReply][replyCount] ?? "several_frames";
+    const parts = frames.map((frame) => [
+      `${isRequest(frame) ? "request" : "reply"} ${frame.one.name}`, shownBytes(frame.bytes)]);
+    const roles = parts.map(([title]) => title.split(" ")[0]);
+    const [text, template] = kind === "echo"
+      ? [` ${frames[0].one.name}`, ""].map((requestName) => fillTemplate(echoText, requestName))
+      : [parts.map(([title]) => title), roles].map((names) => fillTemplate(framesText, names.join(", then ")));
+    const lastFrame = frames[frames.length - 1];
+    const isCertainReply = !isRequest(lastFrame) && !lastFrame.one.layout.asks?.length;
+    return [createHypothesis({
+      kind, text, template, at: lastFrame.one, parts, demanded: totalEvidence,
+      data: joinBytes(data), size: 8 * data.length,
+      number: isCertainReply ? numberOf(lastFrame.one.layout.order, lastFrame.bytes) : undefined,
     })];
   }
 
-  /** The number of bits in a valid frame that have the value to expect: CRC, constants, and fields with a usual value. */
-  function expectedBits(at, number) {
-    const usual = (at.layout.usual ?? []).reduce((sum, [name, ...values]) => {
-      const item = at.fields.find((one) => one.name === name);
-      const isUsual = item && values.some((one) => big(one) === bits(number, item.low, item.width));
-      return sum + (isUsual ? item.width - bitLength(BigInt(values.length - 1)) : 0);
+  /** Count the bits in a valid frame that have the value to expect: CRC, constants, and fields with a usual value. */
+  function countExpectedBits(placedLayout, number) {
+    const usualBits = (placedLayout.layout.usual ?? []).reduce((sum, [name, ...usualValues]) => {
+      const placedField = placedLayout.fields.find((candidate) => candidate.name === name);
+      const isUsual = placedField && usualValues.some(
+        (usualValue) => big(usualValue) === bits(number, placedField.low, placedField.width));
+      return sum + (isUsual ? placedField.width - bitLength(BigInt(usualValues.length - 1)) : 0);
     }, 0);
-    return fixedBits(at) + usual + (at.crc ? at.family.crcs[at.crc].width : 0);
+    return countConstantBits(placedLayout) + usualBits
+      + (placedLayout.crc ? placedLayout.family.crcs[placedLayout.crc].width : 0);
   }
 
-  /** The request of SPI that a word from the encoder equals, with the most expected bits, or undefined. */
-  function echoedRequest(at, number) {
-    const over = interfaceOf(at);
-    if (over?.name !== "spi" || at.layout.sender !== "encoder" || number >> BigInt(at.bits)) return undefined;
+  /** Find the request of SPI that a word from the encoder equals, with the most expected bits, or undefined. */
+  function findEchoedRequest(placedLayout, number) {
+    const interface_ = interfaceOf(placedLayout);
+    if (interface_?.name !== "spi" || placedLayout.layout.sender !== "encoder"
+      || number >> BigInt(placedLayout.bits)) return undefined;
     // Bits that a reply has too are not evidence of an echo, such as the command on a shared line.
     const isRepeated = ({ field }) => "fixed" in field || "unused" in field;
-    const repeated = at.fields.filter(isRepeated).reduce((sum, { width }) => sum + width, 0);
-    const hasDocumented = (one) => one.fields.every((item) => !("unused" in item.field)
-      || bits(number, item.low, item.width) === (big(item.field.unused) & ones(item.width)));
-    const requests = over.frames.filter((item) => item.sender === "master" && !item.order)
-      .map((item) => placed(at.family, item, at.parameters))
-      .filter((one) => one.bits === at.bits && !decode(one, number).problems.length && hasDocumented(one))
-      .map((one) => ({ name: one.name, size: one.bits, evidence: expectedBits(one, number) - repeated }))
+    const repeatedBits = placedLayout.fields.filter(isRepeated).reduce((sum, { width }) => sum + width, 0);
+    const hasDocumentedBits = (request) => request.fields.every((placedField) => !("unused" in placedField.field)
+      || bits(number, placedField.low, placedField.width)
+        === (big(placedField.field.unused) & ones(placedField.width)));
+    const requests = interface_.frames.filter((layout) => layout.sender === "master" && !layout.order)
+      .map((layout) => placeLayout(placedLayout.family, layout, placedLayout.parameters))
+      .filter((request) => request.bits === placedLayout.bits && !decode(request, number).problems.length
+        && hasDocumentedBits(request))
+      .map((request) => ({
+        name: request.name, size: request.bits, evidence: countExpectedBits(request, number) - repeatedBits }))
       .filter(({ evidence }) => evidence >= TABLE.exchanges.least_in_word);
-    return requests.sort((one, other) => other.evidence - one.evidence)[0];
+    return requests.sort((request, otherRequest) => otherRequest.evidence - request.evidence)[0];
   }
 
-  /** A word of SPI that is the request that the master sent. */
-  function echoes(at, number) {
-    const request = echoedRequest(at, number);
+  /** Try a word of SPI as the request that the master sent. */
+  function tryEcho(placedLayout, number) {
+    const request = findEchoedRequest(placedLayout, number);
     if (!request) return [];
-    const text = filled(TABLE.exchanges.word_echo, ` ${request.name}`);
-    const template = filled(TABLE.exchanges.word_echo, "");
-    return [tryOf({ kind: "echo", text, template, data: number, size: request.size, demanded: request.evidence })];
+    const text = fillTemplate(TABLE.exchanges.word_echo, ` ${request.name}`);
+    const template = fillTemplate(TABLE.exchanges.word_echo, "");
+    return [createHypothesis({
+      kind: "echo", text, template, data: number, size: request.size, demanded: request.evidence })];
   }
 
-  /** The name of the request that a valid word also is, or "". */
-  function ownRequest({ at, number, problems }) {
-    if (!at || at.layout.order || at.layout.sender !== "encoder" || problems.length) return "";
-    return echoedRequest(at, number)?.name ?? "";
+  /** Return the name of the request that a valid word also is, or "". */
+  function ownRequest({ at: placedLayout, number, problems }) {
+    if (!placedLayout || placedLayout.layout.order || placedLayout.layout.sender !== "encoder"
+      || problems.length) return "";
+    return findEchoedRequest(placedLayout, number)?.name ?? "";
   }
 
-  /** The numbers in a frame, by name. */
-  function numbersRead(at, number) {
+  /** Return the numbers in a frame, each with its name in front. */
+  function numbersRead(placedLayout, number) {
     // Bytes can be a frame of any layout, and no choice is made where the manual leaves their reading open.
-    const open = at.layout.order ? (at.family.alternatives ?? []).flatMap((item) => Object.keys(item.answers[0][2])) : [];
-    const isOpen = ({ low }) => Array.isArray(low) && low.slice(1).some((term) => term.slice(1)
-      .some((name) => open.includes(name.replace("^", ""))));
-    const isNumber = ({ field }) => isGiven({ field }) && !isOpen(field)
+    const openParameters = placedLayout.layout.order ? (placedLayout.family.alternatives ?? []).flatMap(
+      (alternative) => Object.keys(alternative.answers[0][2])) : [];
+    const dependsOnAnswer = ({ low }) => Array.isArray(low) && low.slice(1).some((term) => term.slice(1)
+      .some((parameter) => openParameters.includes(parameter.replace("^", ""))));
+    const isNumber = ({ field }) => isGiven({ field }) && !dependsOnAnswer(field)
       && (field.kind === undefined || field.kind === "signed");
-    const names = at.fields.filter(isNumber).map((item) => item.name);
-    return decode(at, number).fields.filter((item) => names.includes(item.name)).map((item) => [item.name, item.value]);
+    const names = placedLayout.fields.filter(isNumber).map((placedField) => placedField.name);
+    return decode(placedLayout, number).fields.filter((field) => names.includes(field.name))
+      .map((field) => [field.name, field.value]);
   }
 
   /** The name of the position, which an encoder in one line has even if it does not state its counts. */
-  const positionName = (measure) => measure?.of ?? "position";
+  const positionNameOf = (measure) => measure?.of ?? "position";
 
-  /** The frames in a word of SSI with more typed bits than the frame, if its leading zeros were received. */
-  function recordedFrames(at, given) {
-    const interface_ = interfaceOf(at);
-    if (interface_?.name !== "ssi" || !given || given.exact || given.written <= at.bits) return [];
-    const received = given.number.toString(2).padStart(given.written, "0");
-    const found = TABLE.lines[interface_.line].recordings.flatMap((recording) => recorded(at, null, received, recording))
-      .filter(fits);
-    const numbers = [given.number, ...found.map((one) => one.number)];
-    return found.filter((one, place) => numbers.indexOf(one.number) === place + 1)
-      .map((one) => [`if ${one.text}`, one.number]);
+  /** Find the frames in a word of SSI with more typed bits than the frame, if its leading zeros were received. */
+  function findRecordedFrames(placedLayout, typedFrame) {
+    const interface_ = interfaceOf(placedLayout);
+    if (interface_?.name !== "ssi" || !typedFrame || typedFrame.exact
+      || typedFrame.written <= placedLayout.bits) return [];
+    const receivedText = typedFrame.number.toString(2).padStart(typedFrame.written, "0");
+    const hypotheses = TABLE.lines[interface_.line].recordings
+      .flatMap((recording) => tryRecording(placedLayout, null, receivedText, recording))
+      .filter(fitsFrame);
+    const numbers = [typedFrame.number, ...hypotheses.map((hypothesis) => hypothesis.number)];
+    return hypotheses.filter((hypothesis, index) => numbers.indexOf(hypothesis.number) === index + 1)
+      .map((hypothesis) => [`if ${hypothesis.text}`, hypothesis.number]);
   }
 
   /** Other readings of a position that nothing in the frame can contradict. They do not explain an error. */
-  function otherPositions({ at, number, problems, crc, fields, given }, measure) {
-    const isOfBits = at && !at.layout.order && at.layout.sender === "encoder";
-    const name = positionName(measure);
-    const position = fields.find((item) => item.name === name);
-    if (!isOfBits || problems.length || crc || typeof position?.value !== "bigint") return [];
-    const parts = position.high < 0 ? at.joins.find((one) => one.name === name).parts.map(({ item }) => item)
+  function otherPositions({ at: placedLayout, number, problems, crc, fields, given: typedFrame }, measure) {
+    const isWordOfEncoder = placedLayout && !placedLayout.layout.order && placedLayout.layout.sender === "encoder";
+    const name = positionNameOf(measure);
+    const position = fields.find((field) => field.name === name);
+    if (!isWordOfEncoder || problems.length || crc || typeof position?.value !== "bigint") return [];
+    const parts = position.high < 0 ? placedLayout.joins.find((join) => join.name === name).parts.map(({ item }) => item)
       .filter(Boolean) : [position];
-    const low = Math.min(...parts.map((item) => item.low));
-    const width = parts.reduce((sum, item) => sum + (item.width ?? item.high - item.low + 1), 0);
-    const sent = bits(number, low, width);
-    const others = number ^ (sent << BigInt(low));
-    const early = (number << ONE) & ones(at.bits);
-    const frames = [
-      [early, early | ONE].find((one) => hasFixed(at, one)) ?? early,
+    const low = Math.min(...parts.map((partField) => partField.low));
+    const width = parts.reduce((sum, partField) => sum + (partField.width ?? partField.high - partField.low + 1), 0);
+    const sentPosition = bits(number, low, width);
+    const otherBits = number ^ (sentPosition << BigInt(low));
+    const withLastBit0 = (number << ONE) & ones(placedLayout.bits);
+    const frameNumbers = [
+      [withLastBit0, withLastBit0 | ONE].find((candidate) => hasRightConstants(placedLayout, candidate)) ?? withLastBit0,
       number >> ONE,
-      at.gray ? null : others | (plainOf(sent) << BigInt(low)),
-      at.gray ? toGray(at, number) : null,
-      at.bits % 8 ? null : numberOf("big", bytesOf("little", number, at.bits / 8)),
+      placedLayout.gray ? null : otherBits | (plainOf(sentPosition) << BigInt(low)),
+      placedLayout.gray ? toGray(placedLayout, number) : null,
+      placedLayout.bits % 8 ? null : numberOf("big", bytesOf("little", number, placedLayout.bits / 8)),
     ];
-    const readings = [...frames.map((frame, place) => [TABLE.doubts[place], frame]), ...recordedFrames(at, given)];
-    return readings.flatMap(([text, frame]) => {
-      const read = frame === null ? position : decode(at, frame).fields.find((item) => item.name === name);
-      return read.value === position.value ? [] : [[text, read.value]];
+    const readings = [
+      ...frameNumbers.map((frameNumber, index) => [TABLE.doubts[index], frameNumber]),
+      ...findRecordedFrames(placedLayout, typedFrame)];
+    return readings.flatMap(([text, frameNumber]) => {
+      const otherPosition = frameNumber === null ? position
+        : decode(placedLayout, frameNumber).fields.find((field) => field.name === name);
+      return otherPosition.value === position.value ? [] : [[text, otherPosition.value]];
     });
   }
 
-  const always = (at) => at.checks.filter((item) => item.check.always);
+  /** Return the placed checks of bits that must have one of few values in every frame, such as constants and parity. */
+  const constantChecksOf = (placedLayout) => placedLayout.checks.filter((placedCheck) => placedCheck.check.always);
 
   /** Return the number of bits in a frame that can have only one value. */
-  function fixedBits(at) {
-    const open = (check) => bitLength(BigInt((check.values?.length ?? 1) - 1));
-    return always(at).reduce((sum, { check, width }) => sum + width - open(check), 0);
+  function countConstantBits(placedLayout) {
+    const freeBitsOf = (check) => bitLength(BigInt((check.values?.length ?? 1) - 1));
+    return constantChecksOf(placedLayout).reduce((sum, { check, width }) => sum + width - freeBitsOf(check), 0);
   }
 
-  const hasFixed = (at, number) => always(at).every((item) => !problemOf(item, number, number).length);
+  /** Return whether the constants, the parity and the selector of a frame are right. */
+  const hasRightConstants = (placedLayout, number) => (
+    constantChecksOf(placedLayout).every((placedCheck) => !problemOf(placedCheck, number, number).length));
 
   globalThis.codewheelDecode = {
     table: TABLE, FrameText, Refusal, bytesFor, bytesIn, bytesOfNumber, checked, decodeBits, decodeBytes, decodeFrame,
@@ -2830,424 +3014,474 @@
 
   /** An element with attributes and children, without empty ones. */
   function element(tag, attributes = {}, ...children) {
-    const made = document.createElement(tag);
-    for (const [name, item] of Object.entries(attributes)) {
-      if (item !== undefined && item !== false) made.setAttribute(name, item === true ? "" : item);
+    const newElement = document.createElement(tag);
+    for (const [name, setting] of Object.entries(attributes)) {
+      if (setting !== undefined && setting !== false) newElement.setAttribute(name, setting === true ? "" : setting);
     }
-    made.append(...children.flat().filter((child) => child !== "" && child !== null && child !== undefined));
-    return made;
+    newElement.append(...children.flat().filter((child) => child !== "" && child !== null && child !== undefined));
+    return newElement;
   }
 
+  /** Create an element of the class ``codewheel-decode-NAME``. */
   const part = (tag, name, ...children) => element(tag, { class: `${CLASS}-${name}` }, ...children);
-  const list = (items) => element("ul", {}, items.map((item) => element("li", {}, item)));
-  const capital = (text) => text[0].toUpperCase() + text.slice(1);
+  /** Create a list with an entry for each content: a text, an element, or an array of both. */
+  const list = (contents) => element("ul", {}, contents.map((content) => element("li", {}, content)));
+  /** Return the text with a capital first letter. */
+  const capitalize = (text) => text[0].toUpperCase() + text.slice(1);
+  /** Return the text with a full stop, unless it ends in a mark already. */
   const sentence = (text) => (/[.!?:]$/.test(text) ? text : `${text}.`);
 
-  /** The place of a field in readable form: bits of a word, or bytes of a frame from 0. */
-  function placeOf(at, { high, low }) {
+  /** Return the place of a field in readable form: bits of a word, or bytes of a frame from 0. */
+  function placeOf(placedLayout, { high, low }) {
     if (high < 0) return "";
-    const range = (from, to) => (from === to ? `${from}` : `${from}:${to}`);
-    if (!at.layout.order) return range(high, low);
-    const bits = [low, high].sort((one, other) => byteOf(at, one) - byteOf(at, other));
-    const ends = bits.map((bit) => byteOf(at, bit));
-    const isWhole = low % 8 === 0 && high % 8 === 7;
-    if (ends[0] === ends[1]) return `byte ${ends[0]}${isWhole ? "" : `.${range(high % 8, low % 8)}`}`;
-    return isWhole ? `bytes ${ends[0]}-${ends[1]}` : `bytes ${ends[0]}.${bits[0] % 8}-${ends[1]}.${bits[1] % 8}`;
+    const rangeText = (from, to) => (from === to ? `${from}` : `${from}:${to}`);
+    if (!placedLayout.layout.order) return rangeText(high, low);
+    const ends = [low, high].sort(
+      (bit, otherBit) => byteIndexOf(placedLayout, bit) - byteIndexOf(placedLayout, otherBit));
+    const bytes = ends.map((bit) => byteIndexOf(placedLayout, bit));
+    const isWholeBytes = low % 8 === 0 && high % 8 === 7;
+    if (bytes[0] === bytes[1]) return `byte ${bytes[0]}${isWholeBytes ? "" : `.${rangeText(high % 8, low % 8)}`}`;
+    return isWholeBytes ? `bytes ${bytes[0]}-${bytes[1]}` : `bytes ${bytes[0]}.${ends[0] % 8}-${bytes[1]}.${ends[1] % 8}`;
   }
 
-  const shownValue = (item) => (item === true ? "yes" : item === false ? "no" : `${item}`);
+  /** Return the value of a field as text, and that of a flag in words. */
+  const formatValue = (fieldValue) => (fieldValue === true ? "yes" : fieldValue === false ? "no" : `${fieldValue}`);
 
-  /** The meaning of a field, and for a number in Gray code also how it was sent. */
+  /** Return the meaning of a field, and for a number in Gray code also how it was sent. */
   function meaningOf({ gray, joins }, { name, high, low, raw, value, meaning }) {
-    const isInside = (from, to) => gray && from >= gray.low && to < gray.low + gray.width;
-    const parts = joins.find((one) => one.name === name)?.parts.map(({ item }) => item).filter(Boolean) ?? [];
-    const isGray = high < 0 ? parts.length > 0 && parts.every((item) => isInside(item.low, item.low + item.width - 1))
-      : isInside(low, high);
+    const isInGray = (lowest, highest) => gray && lowest >= gray.low && highest < gray.low + gray.width;
+    const joinedFields = joins.find((join) => join.name === name)?.parts.map(({ item }) => item).filter(Boolean) ?? [];
+    const isGray = high < 0
+      ? joinedFields.length > 0 && joinedFields.every((field) => isInGray(field.low, field.low + field.width - 1))
+      : isInGray(low, high);
     if (!isGray || typeof value !== "bigint") return meaning;
-    const words = said("gray", hex(raw), hex(value));
-    return meaning ? `${sentence(meaning)} ${capital(words)}` : words;
+    const grayText = said("gray", hex(raw), hex(value));
+    return meaning ? `${sentence(meaning)} ${capitalize(grayText)}` : grayText;
   }
 
-  /** A value with its unit, or a number with the quantity that it stands for. */
-  function inUnits(item) {
-    const shown = shownValue(item.value);
-    if (typeof item.value === "boolean" || !(item.scale || item.unit)) return shown;
-    return item.scale ? `${shown} (${quantityOf(item.scale, item.value)})` : `${shown} ${item.unit}`;
+  /** Return a value with its unit, or a number with the quantity that it stands for. */
+  function formatWithUnit(field) {
+    const valueText = formatValue(field.value);
+    if (typeof field.value === "boolean" || !(field.scale || field.unit)) return valueText;
+    return field.scale ? `${valueText} (${quantityOf(field.scale, field.value)})` : `${valueText} ${field.unit}`;
   }
 
-  /** A name that may wrap after each of its words. */
-  const breakable = (name) => name.split("_").flatMap((word, place) => (place ? ["_", element("wbr"), word] : [word]));
+  /** Return a name that may wrap after each of its words, as texts and elements. */
+  const breakableName = (name) => (
+    name.split("_").flatMap((word, index) => (index ? ["_", element("wbr"), word] : [word])));
 
-  function fieldTable(found) {
-    const rows = found.fields.map((item) => {
-      const isOneBit = item.high >= 0 && item.high === item.low;
-      const raw = part("span", "raw", isOneBit ? `${item.raw}` : hex(item.raw));
+  /** Create the table of the decoded fields: the place, the name with its meaning, and the value with the raw number. */
+  function createFieldTable(decoded) {
+    const rows = decoded.fields.map((field) => {
+      const isOneBit = field.high >= 0 && field.high === field.low;
+      const rawText = part("span", "raw", isOneBit ? `${field.raw}` : hex(field.raw));
       return element("tr", {},
-        element("td", {}, placeOf(found.at, item)),
-        element("th", { scope: "row" }, breakable(item.name), part("span", "meaning", meaningOf(found.at, item))),
-        element("td", {}, inUnits(item), raw));
+        element("td", {}, placeOf(decoded.at, field)),
+        element("th", { scope: "row" }, breakableName(field.name), part("span", "meaning", meaningOf(decoded.at, field))),
+        element("td", {}, formatWithUnit(field), rawText));
     });
     const heads = ["Place", "Field", "Value, raw"].map((text) => element("th", { scope: "col" }, text));
-    const size = found.at.layout.order ? counted(found.at.bits / 8, "byte") : counted(found.at.bits, "bit");
+    const lengthText = decoded.at.layout.order ? counted(decoded.at.bits / 8, "byte") : counted(decoded.at.bits, "bit");
     return element("table", {},
-      element("caption", {}, `${found.at.layout.title}, ${size}`, found.at.layout.source
-        ? part("span", "source", `, manual ${found.at.layout.source}`) : ""),
+      element("caption", {}, `${decoded.at.layout.title}, ${lengthText}`, decoded.at.layout.source
+        ? part("span", "source", `, manual ${decoded.at.layout.source}`) : ""),
       element("thead", {}, element("tr", {}, heads)), element("tbody", {}, rows));
   }
 
   /** The position in degrees or micrometres if it is usable, or the angle of a frame with only an angle. */
-  function measured(found, measure) {
-    if (!measure || !found.verdict || found.verdict === "not_usable") return "";
-    const number = (name) => found.fields.find((item) => item.name === name && typeof item.value === "bigint");
-    const entry = number(measure.of) ?? number(measure.part);
-    if (!entry) return "";
-    const of = (item) => (item === undefined ? 0n : value(item, found.at.parameters));
-    const [step, fine, turn] = [of(measure.step_um), of(measure.step_nm), of(measure.counts_per_turn)];
-    if (step) return `${entry.name}: ${decimal(entry.value * step, ONE)} µm`;
-    if (fine) return `${entry.name}: ${decimal(entry.value * fine, 1000n * (of(measure.per_counts) || ONE))} µm`;
-    if (turn < ONE) return "";
-    const angle = ((entry.value % turn) + turn) % turn; // A negative remainder would be an angle before revolution 0.
-    const degrees = (Number(angle * 360n) / Number(turn)).toFixed((turn / 360n).toString().length);
-    const hasTurns = of(measure.turns) > ONE && entry.name === measure.of;
-    return `${entry.name}: ${degrees}°${hasTurns ? ` of revolution ${(entry.value - angle) / turn}` : ""}`;
+  function measured(decoded, measure) {
+    if (!measure || !decoded.verdict || decoded.verdict === "not_usable") return "";
+    const findNumber = (name) => decoded.fields.find((field) => field.name === name && typeof field.value === "bigint");
+    const position = findNumber(measure.of) ?? findNumber(measure.part);
+    if (!position) return "";
+    const evaluate = (expression) => (expression === undefined ? 0n : value(expression, decoded.at.parameters));
+    const [stepUm, stepNm, countsPerTurn] = [
+      evaluate(measure.step_um), evaluate(measure.step_nm), evaluate(measure.counts_per_turn)];
+    if (stepUm) return `${position.name}: ${decimal(position.value * stepUm, ONE)} µm`;
+    if (stepNm) return (
+      `${position.name}: ${decimal(position.value * stepNm, 1000n * (evaluate(measure.per_counts) || ONE))} µm`);
+    if (countsPerTurn < ONE) return "";
+    // A negative remainder would be an angle before revolution 0.
+    const angle = ((position.value % countsPerTurn) + countsPerTurn) % countsPerTurn;
+    const degrees = (Number(angle * 360n) / Number(countsPerTurn)).toFixed((countsPerTurn / 360n).toString().length);
+    const hasTurns = evaluate(measure.turns) > ONE && position.name === measure.of;
+    return (
+      `${position.name}: ${degrees}°${hasTurns ? ` of revolution ${(position.value - angle) / countsPerTurn}` : ""}`);
   }
 
-  function crcLine({ crc, received, computed }) {
-    const judged = received === computed ? "correct" : `WRONG, expected ${hex(computed, 2)}`;
-    const start = crc.init ? `, start value ${hex(big(crc.init))}` : "";
-    const inverted = big(crc.xorout) === ones(crc.width) ? ", sent inverted" : "";
-    return element("p", {}, `CRC ${hex(received, 2)}: ${judged} (${crc.text}${start}${inverted})`);
+  /** Create the line about the CRC of a frame: received, and correct or with the expected one, with its parameters. */
+  function createCrcLine({ crc, received, computed }) {
+    const judgement = received === computed ? "correct" : `WRONG, expected ${hex(computed, 2)}`;
+    const startText = crc.init ? `, start value ${hex(big(crc.init))}` : "";
+    const invertedText = big(crc.xorout) === ones(crc.width) ? ", sent inverted" : "";
+    return element("p", {}, `CRC ${hex(received, 2)}: ${judgement} (${crc.text}${startText}${invertedText})`);
   }
 
-  function reportsOf(found) {
-    if (!found.reports.length) return [];
-    const items = found.reports.map((item) => [
-      element("strong", {}, item.flag), `: ${sentence(item.meaning)}`,
-      item.remedy ? ` ${sentence(item.remedy)}` : "", item.source ? part("span", "source", ` [${item.source}]`) : "",
+  /** List the reports of the encoder, each with its meaning, remedy and source. */
+  function listReports(decoded) {
+    if (!decoded.reports.length) return [];
+    const entries = decoded.reports.map((report) => [
+      element("strong", {}, report.flag), `: ${sentence(report.meaning)}`,
+      report.remedy ? ` ${sentence(report.remedy)}` : "",
+      report.source ? part("span", "source", ` [${report.source}]`) : "",
     ]);
-    return [element("p", {}, "The encoder reports:"), list(items)];
+    return [element("p", {}, "The encoder reports:"), list(entries)];
   }
 
-  /** The first line: the verdict or the errors. */
-  function headline(found) {
-    if (found.problems.length) {
-      const items = found.problems.map((item) => `${item.fault} error: ${item.message}`);
-      return part("div", "bad", items.map((text) => element("p", {}, text)));
+  /** Create the first line: the verdict or the errors. */
+  function headline(decoded) {
+    if (decoded.problems.length) {
+      const problemTexts = decoded.problems.map((problem) => `${problem.fault} error: ${problem.message}`);
+      return part("div", "bad", problemTexts.map((text) => element("p", {}, text)));
     }
-    const isRegister = found.at.layout.length !== undefined;
-    const start = isRegister || found.crc ? "No error" : "No error, but this frame does not have a CRC";
-    const words = [...(found.reports.length ? [] : [start]), ...(found.verdict ? [TABLE.worth[found.verdict]] : [])];
-    const verdict = found.verdict ? [element("code", {}, found.verdict), ": "] : [];
-    const names = { not_usable: "bad", usable_with_warning: "warning", usable: "good" };
-    const [first, ...more] = words.map(sentence);
-    const line = words.length ? [element("p", {}, verdict, [first, ...more.map(capital)].join(" "))] : [];
-    return part("div", names[found.verdict] ?? "plain", line);
+    const isRegister = decoded.at.layout.length !== undefined;
+    const errorText = isRegister || decoded.crc ? "No error" : "No error, but this frame does not have a CRC";
+    const phrases = [
+      ...(decoded.reports.length ? [] : [errorText]), ...(decoded.verdict ? [TABLE.worth[decoded.verdict]] : [])];
+    const verdict = decoded.verdict ? [element("code", {}, decoded.verdict), ": "] : [];
+    const classes = { not_usable: "bad", usable_with_warning: "warning", usable: "good" };
+    const [firstSentence, ...moreSentences] = phrases.map(sentence);
+    const line = phrases.length
+      ? [element("p", {}, verdict, [firstSentence, ...moreSentences.map(capitalize)].join(" "))] : [];
+    return part("div", classes[decoded.verdict] ?? "plain", line);
   }
 
   /** Whether a wrong frame is a valid one of another kind, whose check bits match, so it has no mistake. */
-  function isAnother(found, others) {
-    const [other] = others;
-    return found.problems.length > 0 && others.length === 1
-      && Boolean(other.crc || other.checks.some((item) => item.check.fault === "constant"));
+  function isAnotherFrame(decoded, otherLayouts) {
+    const [otherLayout] = otherLayouts;
+    return decoded.problems.length > 0 && otherLayouts.length === 1
+      && Boolean(otherLayout.crc || otherLayout.checks.some((placedCheck) => placedCheck.check.fault === "constant"));
   }
 
-  /** The names of the other frames that it can be, in a sentence. */
-  function othersOf(found, others) {
-    if (!others.length) return [];
-    const names = others.map((at) => at.name.replaceAll("_", " ")).join(", ");
-    const kind = isAnother(found, others) ? "valid_other" : found.problems.length ? "instead" : "also";
-    const words = said(kind, names);
-    return [element("p", {}, `${words[0].toUpperCase()}${words.slice(1)}. Choose it above.`)];
+  /** Name the other frames that it can be, in a sentence. */
+  function nameOtherFrames(decoded, otherLayouts) {
+    if (!otherLayouts.length) return [];
+    const names = otherLayouts.map((placedLayout) => placedLayout.name.replaceAll("_", " ")).join(", ");
+    const textName = isAnotherFrame(decoded, otherLayouts) ? "valid_other" : decoded.problems.length ? "instead" : "also";
+    const otherText = said(textName, names);
+    return [element("p", {}, `${otherText[0].toUpperCase()}${otherText.slice(1)}. Choose it above.`)];
   }
 
   /** Other readings of a position that nothing in the frame can contradict, folded, and the request that it also is. */
-  function doubtsOf(found, measure) {
-    const readings = otherPositions(found, measure).map(([text, one]) => `${one} ${text}`).join(", ");
-    const request = ownRequest(found);
+  function createDoubts(decoded, measure) {
+    const readings = otherPositions(decoded, measure).map(([text, position]) => `${position} ${text}`).join(", ");
+    const requestName = ownRequest(decoded);
     return [
-      ...(readings ? [foldedDoubt(measure, readings)] : []),
-      ...(request ? [element("p", {}, sentence(capital(said("own_request", request))))] : []),
+      ...(readings ? [foldDoubt(measure, readings)] : []),
+      ...(requestName ? [element("p", {}, sentence(capitalize(said("own_request", requestName))))] : []),
     ];
   }
 
-  function foldedDoubt(measure, readings) {
-    const [question, ...rest] = said("looks_wrong", positionName(measure), readings).split("? ");
-    return element("details", {}, element("summary", {}, `${question}?`), element("p", {}, sentence(rest.join("? "))));
+  /** Create a question about the position that unfolds to its other ``readings``, a text. */
+  function foldDoubt(measure, readings) {
+    const [question, ...answerParts] = said("looks_wrong", positionNameOf(measure), readings).split("? ");
+    return element("details", {},
+      element("summary", {}, `${question}?`), element("p", {}, sentence(answerParts.join("? "))));
   }
 
-  /** The mistakes that could explain a wrong frame. */
-  function whyOf(found) {
-    const dead = deadLine(found);
-    if (dead) return [element("p", {}, dead)];
-    if (!found.problems.length) return [];
-    const flips = disturbedBits(found);
-    const which = flips.length === 1 ? bitName(found.at, flips[0]) : `one of ${flips.length} bits`;
-    const noise = flips.length ? [element("p", {},
-      `If only some frames fail, one bit may have been disturbed on the line: the CRC matches with ${which} inverted. `
+  /** Create the lines about the mistakes that could explain a wrong frame. */
+  function createExplanations(decoded) {
+    const deadLineText = deadLine(decoded);
+    if (deadLineText) return [element("p", {}, deadLineText)];
+    if (!decoded.problems.length) return [];
+    const disturbedBits = findDisturbedBits(decoded);
+    const bitText = disturbedBits.length === 1
+      ? nameBit(decoded.at, disturbedBits[0]) : `one of ${disturbedBits.length} bits`;
+    const noiseLines = disturbedBits.length ? [element("p", {},
+      `If only some frames fail, one bit may have been disturbed on the line: the CRC matches with ${bitText} inverted. `
       + "In that case, no change is needed.")] : [];
-    const reasons = explained(found);
-    const match = "these changes make the CRC match:";
-    const withCrc = noise.length ? `If all frames fail, ${match}` : `T${match.slice(1)}`;
-    const start = found.at?.crc ? withCrc : `${said("uncertain")}:`;
-    const told = reasons.length ? [element("p", {}, start), list(reasons.map((one) => reasonOf(one.at ?? found.at, one)))] : [];
-    const missing = missingPart(found);
-    const help = anotherHelps(reasons) ? [element("p", {}, said("another_frame"))] : [];
-    return [...noise, ...told, ...missing ? [element("p", {}, sentence(capital(missing)))] : [], ...help];
+    const explanations = explained(decoded);
+    const matchText = "these changes make the CRC match:";
+    const withCrc = noiseLines.length ? `If all frames fail, ${matchText}` : `T${matchText.slice(1)}`;
+    const introduction = decoded.at?.crc ? withCrc : `${said("uncertain")}:`;
+    const explanationLines = explanations.length ? [element("p", {}, introduction), list(explanations.map(
+      (explanation) => describeExplanation(explanation.at ?? decoded.at, explanation)))] : [];
+    const missingText = missingPart(decoded);
+    const helpLines = anotherHelps(explanations) ? [element("p", {}, said("another_frame"))] : [];
+    return [...noiseLines, ...explanationLines,
+      ...missingText ? [element("p", {}, sentence(capitalize(missingText)))] : [], ...helpLines];
   }
 
-  /** One explanation: its text and chance, the numbers that the frame then contains, and the parts of a recording. */
-  function reasonOf(at, { text, oneIn, number, parts = [] }) {
-    const chance = oneIn > ONE ? ` (matches by chance in 1 of ${oneIn} frames)` : "";
-    const numbers = number === undefined ? [] : numbersRead(at, number).map(([name, one]) => `${name} ${one}`);
-    const reads = numbers.length ? `: ${numbers.join(", ")}` : "";
-    return [`${text}${chance}${reads}`, parts.length ? drawnParts(parts) : ""];
+  /** Describe one explanation: its text and chance, the numbers that the frame then contains, and the recording. */
+  function describeExplanation(placedLayout, { text, oneIn, number, parts = [] }) {
+    const chanceText = oneIn > ONE ? ` (matches by chance in 1 of ${oneIn} frames)` : "";
+    const numberTexts = number === undefined ? []
+      : numbersRead(placedLayout, number).map(([name, fieldNumber]) => `${name} ${fieldNumber}`);
+    const readsText = numberTexts.length ? `: ${numberTexts.join(", ")}` : "";
+    return [`${text}${chanceText}${readsText}`, parts.length ? drawParts(parts) : ""];
   }
 
-  /** The parts of a recording, drawn like the bits of a frame. */
-  const drawnParts = (parts) => part("div", "drawing", parts.map(([name, some]) =>
+  /** Draw the parts of a recording, each a name and its bits, like the bits of a frame. */
+  const drawParts = (parts) => part("div", "drawing", parts.map(([name, partBits]) =>
     part("span", `cell ${CLASS}-cell-${name === "frame" ? "data" : "flag"}`,
-      part("span", "bits", some), part("span", "name", name.replaceAll("_", "-")))));
+      part("span", "bits", partBits), part("span", "name", name.replaceAll("_", "-")))));
 
-  const byteOf = (at, bit) => (at.layout.order === "little" ? bit >> 3 : at.bits / 8 - 1 - (bit >> 3));
-  const bitName = (at, bit) => (at.layout.order ? `bit ${bit % 8} of byte ${byteOf(at, bit)}` : `bit ${bit}`);
+  /** Return the index from 0, in the order sent, of the byte that has a bit of the frame's number. */
+  const byteIndexOf = (placedLayout, bit) => (
+    placedLayout.layout.order === "little" ? bit >> 3 : placedLayout.bits / 8 - 1 - (bit >> 3));
+  /** Name a bit of a frame: by its byte if the frame is in bytes, and otherwise by its place in the word. */
+  const nameBit = (placedLayout, bit) => (
+    placedLayout.layout.order ? `bit ${bit % 8} of byte ${byteIndexOf(placedLayout, bit)}` : `bit ${bit}`);
 
-  /** All output about a frame or register. */
-  function resultOf(found, measure, others) {
-    const angle = measured(found, measure);
-    const table = found.fields.length ? fieldTable(found) : null;
+  /** Create all output about a frame or register. ``otherLayouts`` are the other frames that it can be. */
+  function resultOf(decoded, measure, otherLayouts) {
+    const angleText = measured(decoded, measure);
+    const table = decoded.fields.length ? createFieldTable(decoded) : null;
     return [
-      headline(found),
-      ...(found.differences.length ? [list(found.differences.map((text) => `differs from the manual: ${text}`))] : []),
-      ...reportsOf(found),
-      ...(table && angle ? [part("p", "angle", angle)] : []),
-      ...(table ? [bitsOf(found, table), table] : []),
-      ...(found.crc ? [crcLine(found.crc)] : []),
-      ...othersOf(found, others),
-      ...doubtsOf(found, measure),
-      ...(isAnother(found, others) ? [] : whyOf(found)),
+      headline(decoded),
+      ...(decoded.differences.length
+        ? [list(decoded.differences.map((difference) => `differs from the manual: ${difference}`))] : []),
+      ...listReports(decoded),
+      ...(table && angleText ? [part("p", "angle", angleText)] : []),
+      ...(table ? [drawFrameBits(decoded, table), table] : []),
+      ...(decoded.crc ? [createCrcLine(decoded.crc)] : []),
+      ...nameOtherFrames(decoded, otherLayouts),
+      ...createDoubts(decoded, measure),
+      ...(isAnotherFrame(decoded, otherLayouts) ? [] : createExplanations(decoded)),
     ];
   }
 
-  /** All output about a frame with several data channels: its verdict, and then each channel. */
-  function wholeResultOf(found, measure) {
-    const compared = found.compared ? [element("p", {}, sentence(capital(found.compared.words)))] : [];
-    const channels = found.channels.flatMap((one) => [
-      element("h3", {}, capital(one.at.layout.title)), ...resultOf({ ...one, verdict: one.verdict && found.verdict }, measure, []),
+  /** Create all output about a frame with several data channels: its verdict, and then each channel. */
+  function wholeResultOf(decoded, measure) {
+    const comparisonLines = decoded.compared ? [element("p", {}, sentence(capitalize(decoded.compared.words)))] : [];
+    const channelLines = decoded.channels.flatMap((channel) => [
+      element("h3", {}, capitalize(channel.at.layout.title)),
+      ...resultOf({ ...channel, verdict: channel.verdict && decoded.verdict }, measure, []),
     ]);
-    return [headline({ ...found, crc: true }), ...compared, ...channels];
+    return [headline({ ...decoded, crc: true }), ...comparisonLines, ...channelLines];
   }
 
-  /** A button for each order code, which calls ``pick`` with it. */
+  /** Create a button for each order code, which calls ``pick`` with it. */
   function codeButtons(codes, pick) {
     return part("div", "codes", codes.map((code) => {
-      const button = element("button", { type: "button" }, code);
-      button.addEventListener("click", () => pick(code));
-      return button;
+      const codeButton = element("button", { type: "button" }, code);
+      codeButton.addEventListener("click", () => pick(code));
+      return codeButton;
     }));
   }
 
-  /** The order codes that match the frame in a text; ``pick`` selects one of them. */
-  function guessesOf(text, pick) {
-    const groups = inferred(text);
-    if (!groups.length) return [part("div", "bad", element("p", {}, sentence(notOfAnyCode(text))))];
-    const withCrc = groups.filter((group) => group.decoded.crc);
-    const rows = [...withCrc, ...groups.filter((group) => !group.decoded.crc)].map((group) => {
-      const { at } = group.decoded;
-      const bits = group.decoded.bits ?? at.bits;
-      const size = at.layout.order ? counted(at.bits / 8, "byte") : counted(bits, "bit");
-      const check = group.decoded.crc ? "with a correct CRC" : "without a CRC";
+  /** List the order codes that match the frame in a text. ``pick`` selects one of them. */
+  function guessesOf(frameText, pick) {
+    const groups = inferred(frameText);
+    if (!groups.length) return [part("div", "bad", element("p", {}, sentence(notOfAnyCode(frameText))))];
+    const groupsWithCrc = groups.filter((group) => group.decoded.crc);
+    const entries = [...groupsWithCrc, ...groups.filter((group) => !group.decoded.crc)].map((group) => {
+      const { at: placedLayout } = group.decoded;
+      const bitCount = group.decoded.bits ?? placedLayout.bits;
+      const lengthText = placedLayout.layout.order ? counted(placedLayout.bits / 8, "byte") : counted(bitCount, "bit");
+      const crcText = group.decoded.crc ? "with a correct CRC" : "without a CRC";
       const mark = group.family.mark ? ` (${group.family.mark})` : "";
-      const text = `${group.over.title} from the ${group.sender}, ${at.layout.title}: ${size}, ${check}${mark}`;
+      const text = (
+        `${group.over.title} from the ${group.sender}, ${placedLayout.layout.title}: ${lengthText}, ${crcText}${mark}`);
       return [element("p", {}, text), codeButtons(group.codes, (code) => pick(code, group.sender))];
     });
-    return [element("p", {}, "Valid frame of these order codes. Select the one on the label:"), list(rows)];
+    return [element("p", {}, "Valid frame of these order codes. Select the one on the label:"), list(entries)];
   }
 
-  /** How to see the subject of the line below the drawing: the value or the meaning of a field. */
-  const howToPoint = (subject) => `Point at a field, or move to it with the Tab key, to see its ${subject} and source.`;
+  /** Say how to see the subject of the line below the drawing: the value or the meaning of a field. */
+  const describePointing = (subject) =>
+    `Point at a field, or move to it with the Tab key, to see its ${subject} and source.`;
 
-  /** The bits of a frame as a row of its fields. Pointed at or focused, a field shows its value and source below. */
-  function bitsOf(found, table) {
-    const { at, fields } = found;
-    const rows = [...table.querySelectorAll("tbody tr")];
-    const cells = fields.filter((field) => field.high >= 0 && firstAtItsPlace(field, fields) === field).map((field) => {
-      const size = field.high - field.low + 1;
-      const raw = size > 1 ? `${hex(field.raw)}` : `${field.raw}`;
-      const explanation = meaningOf(at, field);
+  /** Draw the bits of a frame as a row of its fields. Pointed at or focused, a field shows its value and source below. */
+  function drawFrameBits(decoded, table) {
+    const { at: placedLayout, fields } = decoded;
+    const tableRows = [...table.querySelectorAll("tbody tr")];
+    const cells = fields.filter(
+      (field) => field.high >= 0 && findFirstAtItsPlace(field, fields) === field).map((field) => {
+      const bitCount = field.high - field.low + 1;
+      const rawText = bitCount > 1 ? `${hex(field.raw)}` : `${field.raw}`;
+      const meaning = meaningOf(placedLayout, field);
       return {
         name: field.name, high: field.high, low: field.low,
         colour: field.value === true ? "active" : field.colour,
         isOneName: fields.filter((other) => other.high === field.high && other.low === field.low).length === 1,
-        text: field.raw.toString(2).padStart(size, "0"),
-        says: `${inUnits(field)} (${raw}).${explanation ? ` ${sentence(explanation)}` : ""}`,
-        light: () => rows.forEach((row, place) => row.classList.toggle(`${CLASS}-lit`, fields[place] === field)),
+        text: field.raw.toString(2).padStart(bitCount, "0"),
+        says: `${formatWithUnit(field)} (${rawText}).${meaning ? ` ${sentence(meaning)}` : ""}`,
+        light: () => tableRows.forEach((tableRow, index) => (
+          tableRow.classList.toggle(`${CLASS}-lit`, fields[index] === field))),
       };
     });
-    return rowOf(at, cells, "value");
+    return drawFieldRow(placedLayout, cells, "value");
   }
 
   /** The fields of a frame without its bits, as in the pictures of the pages. */
-  function emptyFrame(at) {
-    return rowOf(at, at.fields.map(({ field, name, low, width }) => {
+  function emptyFrame(placedLayout) {
+    return drawFieldRow(placedLayout, placedLayout.fields.map(({ field, name, low, width }) => {
       const high = low + width - 1;
-      const active = { flag: "1 = active.", not_flag: "0 = active." }[field.kind] ?? "";
+      const activeText = { flag: "1 = active.", not_flag: "0 = active." }[field.kind] ?? "";
       const meaning = field.meaning || field.on || "";
       return {
         name, high, low, colour: field.colour, isOneName: true,
         text: high === low ? `${low}` : `${high}:${low}`,
-        says: [active, meaning && sentence(meaning)].filter(Boolean).join(" "),
+        says: [activeText, meaning && sentence(meaning)].filter(Boolean).join(" "),
         light: () => {},
       };
     }), "meaning");
   }
 
-  const firstAtItsPlace = (field, fields) =>
-    fields.find((other) => other.high === field.high && other.low === field.low);
+  /** Return the first of the decoded fields that has the same bits as ``field``. */
+  const findFirstAtItsPlace = (field, fields) =>
+    fields.find((candidate) => candidate.high === field.high && candidate.low === field.low);
 
-  /** A row with a button for each field in the order sent, and a line with the ``subject`` of the chosen one. */
-  function rowOf(at, cells, subject) {
-    const { layout } = at;
+  /**
+   * Draw a row with a button for each cell, in the order sent, and a line with the ``subject`` of the chosen one. A cell
+   * has the bits ``high`` to ``low`` of a field, its colour, the text in it, and the text that it ``says`` in the line.
+   */
+  function drawFieldRow(placedLayout, cells, subject) {
+    const { layout } = placedLayout;
     const isLowFirst = layout.order === "little";
-    cells.sort((one, other) => (isLowFirst ? one.low - other.low : other.high - one.high));
-    const about = part("p", "about", howToPoint(subject));
-    about.setAttribute("aria-hidden", "true");
-    const source = layout.source ? ` Manual ${layout.source}` : "";
+    cells.sort((cell, otherCell) => (isLowFirst ? cell.low - otherCell.low : otherCell.high - cell.high));
+    const pointedLine = part("p", "about", describePointing(subject));
+    pointedLine.setAttribute("aria-hidden", "true");
+    const sourceText = layout.source ? ` Manual ${layout.source}` : "";
     const buttons = cells.map((cell) => {
-      const size = cell.high - cell.low + 1;
-      const place = placeOf(at, cell);
-      const where = layout.order ? place : `bit${size > 1 ? "s" : ""} ${place}`;
-      const words = `: ${where}${cell.says ? `, ${cell.says}` : "."}`;
-      const shownName = cell.isOneName ? breakable(cell.name) : cell.name;
-      const button = element("button", {
-        type: "button", class: `${CLASS}-cell ${CLASS}-cell-${cell.colour}${size > 2 ? "" : ` ${CLASS}-narrow`}`,
-        "aria-label": `${cell.name}${words}${source}`,
+      const bitCount = cell.high - cell.low + 1;
+      const place = placeOf(placedLayout, cell);
+      const placeText = layout.order ? place : `bit${bitCount > 1 ? "s" : ""} ${place}`;
+      const description = `: ${placeText}${cell.says ? `, ${cell.says}` : "."}`;
+      const shownName = cell.isOneName ? breakableName(cell.name) : cell.name;
+      const cellButton = element("button", {
+        type: "button", class: `${CLASS}-cell ${CLASS}-cell-${cell.colour}${bitCount > 2 ? "" : ` ${CLASS}-narrow`}`,
+        "aria-label": `${cell.name}${description}${sourceText}`,
       }, part("span", "bits", cell.text), part("span", "name", shownName));
-      const longestWord = size > 2 ? Math.max(...cell.name.split("_").map((word) => word.length)) : 0;
+      const longestWord = bitCount > 2 ? Math.max(...cell.name.split("_").map((word) => word.length)) : 0;
       // The policy of the page allows this, but no attribute.
-      button.style.flex = `${size} 1 ${Math.max(size, longestWord, cell.text.length) + 1}ch`;
-      const point = () => {
-        about.replaceChildren(element("b", {}, cell.name), words, source && part("span", "source", source));
+      cellButton.style.flex = `${bitCount} 1 ${Math.max(bitCount, longestWord, cell.text.length) + 1}ch`;
+      const showCell = () => {
+        pointedLine.replaceChildren(
+          element("b", {}, cell.name), description, sourceText && part("span", "source", sourceText));
         cell.light();
-        buttons.forEach((other) => other.classList.toggle(`${CLASS}-lit`, other === button));
+        buttons.forEach((otherButton) => otherButton.classList.toggle(`${CLASS}-lit`, otherButton === cellButton));
       };
-      for (const event of ["pointerenter", "focus", "click"]) button.addEventListener(event, point);
-      return button;
+      for (const event of ["pointerenter", "focus", "click"]) cellButton.addEventListener(event, showCell);
+      return cellButton;
     });
     const row = element("div", { class: `${CLASS}-drawing`, role: "group", "aria-label": "Bits of the frame" }, buttons);
-    return part("div", "frame-drawing", row, about);
+    return part("div", "frame-drawing", row, pointedLine);
   }
 
-  const VERDICTS = { usable: "good", usable_with_warning: "warning", not_usable: "bad" };
+  const VERDICT_CLASSES = { usable: "good", usable_with_warning: "warning", not_usable: "bad" };
 
-  /** The verdict in words, with the class for its colour and shape. */
-  function verdictOf({ found, error }) {
+  /** Return the verdict on a row in words, with the class for its colour and shape. */
+  function describeVerdict({ found: decoded, error }) {
     if (error) return ["not a frame", "bad"];
-    if (found.problems.length) return [`${found.problems[0].fault.replace("crc", "CRC")} error`, "bad"];
-    if (!found.verdict) return ["no verdict", "plain"];
-    return [found.verdict.replace(/_/g, " "), VERDICTS[found.verdict]];
+    if (decoded.problems.length) return [`${decoded.problems[0].fault.replace("crc", "CRC")} error`, "bad"];
+    if (!decoded.verdict) return ["no verdict", "plain"];
+    return [decoded.verdict.replace(/_/g, " "), VERDICT_CLASSES[decoded.verdict]];
   }
 
-  const badge = (text, kind) => element("span", { class: `${CLASS}-badge ${CLASS}-badge-${kind}` }, text);
+  /** Create the mark of a verdict: its text with the colour and shape of ``verdictClass``. */
+  const createBadge = (text, verdictClass) => (
+    element("span", { class: `${CLASS}-badge ${CLASS}-badge-${verdictClass}` }, text));
 
-  /** The errors or reports of a frame in one line. */
-  function remarkOf({ found, error }) {
+  /** Return the errors or reports of a frame in one line. */
+  function writeRemark({ found: decoded, error }) {
     if (error) return error;
-    const problems = found.problems.map((item) => item.message);
-    return [...problems, ...found.reports.map((item) => item.meaning || item.flag), ...found.differences].join(". ");
+    const messages = decoded.problems.map((problem) => problem.message);
+    return [
+      ...messages, ...decoded.reports.map((report) => report.meaning || report.flag), ...decoded.differences].join(". ");
   }
 
-  /** The field that the position is read from, or the first number of a frame. */
-  function mainField({ found }, measure) {
-    if (!found?.fields.length || found.problems.length) return null;
-    const number = (name) => found.fields.find((item) => item.name === name && typeof item.value === "bigint");
-    return number(measure?.of) ?? number(measure?.part) ?? found.fields.find((item) => typeof item.value === "bigint");
+  /** Return the field that the position is read from, or the first number of a frame. */
+  function findMainField({ found: decoded }, measure) {
+    if (!decoded?.fields.length || decoded.problems.length) return null;
+    const findNumber = (name) => decoded.fields.find((field) => field.name === name && typeof field.value === "bigint");
+    return findNumber(measure?.of) ?? findNumber(measure?.part)
+      ?? decoded.fields.find((field) => typeof field.value === "bigint");
   }
 
-  /** A table of decoded lines. ``pick`` shows one of them in full. */
+  /** Create a table of lines, each with its frame decoded in ``found`` or an ``error``. ``pick`` shows one in full. */
   function tableOf(rows, measure, pick) {
     const hasTimes = rows.some((row) => row.line.time);
     const heads = ["Line", ...(hasTimes ? ["Time"] : []), "Frame", "Verdict", "Value", "Remark"];
-    const body = rows.map((row) => {
-      const button = element("button", { type: "button", "aria-label": `Show line ${row.line.number} in full` },
+    const bodyRows = rows.map((row) => {
+      const showButton = element("button", { type: "button", "aria-label": `Show line ${row.line.number} in full` },
         `${row.line.number}`);
-      button.addEventListener("click", () => pick(row));
-      const field = mainField(row, measure);
-      const shown = field ? [`${field.name} ${inUnits(field)}`] : [];
-      const angle = field ? measured(row.found, measure).replace(/^\w+: /, "") : "";
+      showButton.addEventListener("click", () => pick(row));
+      const mainField = findMainField(row, measure);
+      const valueTexts = mainField ? [`${mainField.name} ${formatWithUnit(mainField)}`] : [];
+      const angleText = mainField ? measured(row.found, measure).replace(/^\w+: /, "") : "";
       return element("tr", {},
-        element("td", {}, button), ...(hasTimes ? [element("td", {}, row.line.time)] : []),
+        element("td", {}, showButton), ...(hasTimes ? [element("td", {}, row.line.time)] : []),
         element("td", { class: `${CLASS}-frame` }, element("code", {}, row.line.text)),
-        element("td", {}, badge(...verdictOf(row))),
-        element("td", { class: `${CLASS}-value` }, shown, angle && part("span", "meaning", angle)),
-        element("td", {}, remarkOf(row)));
+        element("td", {}, createBadge(...describeVerdict(row))),
+        element("td", { class: `${CLASS}-value` }, valueTexts, angleText && part("span", "meaning", angleText)),
+        element("td", {}, writeRemark(row)));
     });
-    const cells = heads.map((text) => element("th",
+    const headCells = heads.map((text) => element("th",
       { scope: "col", class: text === "Frame" && `${CLASS}-frame` }, text));
     return element("table", { class: `${CLASS}-many` },
       element("caption", {}, counted(rows.length, "frame")),
-      element("thead", {}, element("tr", {}, cells)), element("tbody", {}, body));
+      element("thead", {}, element("tr", {}, headCells)), element("tbody", {}, bodyRows));
   }
 
-  /** The cells of a field by column: its value, and the quantity that a number stands for. */
-  function cellsOf(item) {
-    const quantity = item.scale ? [[`${item.name} (${item.scale[3]})`, scaled(item.scale, item.value).decimal]] : [];
-    return [[item.name, shownValue(item.value)], ...quantity];
+  /** Return the cells of a field by column: its value, and the quantity that a number stands for. */
+  function cellsOf(field) {
+    const quantityCells = field.scale
+      ? [[`${field.name} (${field.scale[3]})`, scaled(field.scale, field.value).decimal]] : [];
+    return [[field.name, formatValue(field.value)], ...quantityCells];
   }
 
-  /** The lines as CSV, with a column for each field and each quantity. */
-  function csvOf(rows) {
-    const found = rows.map((row) => (row.found?.fields ?? []).flatMap(cellsOf));
-    const names = [...new Set(found.flatMap((cells) => cells.map(([name]) => name)))];
-    const cell = (text) => (/[",\r\n]/.test(text) ? `"${text.replace(/"/g, '""')}"` : text);
-    const lines = rows.map((row, place) => {
-      const own = named(...found[place].map(([name, text]) => ({ [name]: text })));
+  /** Write the lines as CSV, with a column for each field and each quantity. */
+  function writeCsv(rows) {
+    const cellsOfRows = rows.map((row) => (row.found?.fields ?? []).flatMap(cellsOf));
+    const columnNames = [...new Set(cellsOfRows.flatMap((cells) => cells.map(([name]) => name)))];
+    const quoteCell = (text) => (/[",\r\n]/.test(text) ? `"${text.replace(/"/g, '""')}"` : text);
+    const lines = rows.map((row, rowIndex) => {
+      const textByColumn = named(...cellsOfRows[rowIndex].map(([name, text]) => ({ [name]: text })));
       const { line } = row;
-      return [`${line.number}`, line.time, line.text, row.found?.at?.name ?? "", row.found?.verdict ?? "", remarkOf(row),
-        ...names.map((name) => own[name] ?? "")];
+      return [
+        `${line.number}`, line.time, line.text, row.found?.at?.name ?? "", row.found?.verdict ?? "", writeRemark(row),
+        ...columnNames.map((name) => textByColumn[name] ?? "")];
     });
-    const heads = ["line", "time", "frame", "layout", "verdict", "remark", ...names];
-    return [heads, ...lines].map((row) => `${row.map(cell).join(",")}\r\n`).join("");
+    const heads = ["line", "time", "frame", "layout", "verdict", "remark", ...columnNames];
+    return [heads, ...lines].map((texts) => `${texts.map(quoteCell).join(",")}\r\n`).join("");
   }
 
-  /** The mistakes that explain all or most of the wrong frames among the lines, or that another frame would help. */
+  /** List the mistakes that explain the most of the wrong frames among the lines, if they explain at least two. */
   function togetherOf(rows) {
-    const frames = rows.flatMap((row) => (row.found?.problems.length && !row.found.channels ? [row.found] : []));
-    const found = judgedTogether(frames);
-    if (!found.length || found[0].frames < 2) return [];
-    const start = said("together", `${found[0].frames}`, `${Math.min(frames.length, TABLE.likely.frames)}`);
-    const items = found.map(({ text, oneIn }) => (oneIn > ONE ? `${text} (matches by chance in 1 of ${oneIn})` : text));
-    return [element("p", {}, `${start}:`), list(items)];
+    const wrongFrames = rows.flatMap((row) => (row.found?.problems.length && !row.found.channels ? [row.found] : []));
+    const mistakes = judgedTogether(wrongFrames);
+    if (!mistakes.length || mistakes[0].frames < 2) return [];
+    const introduction = said(
+      "together", `${mistakes[0].frames}`, `${Math.min(wrongFrames.length, TABLE.likely.frames)}`);
+    const mistakeTexts = mistakes.map(
+      ({ text, oneIn }) => (oneIn > ONE ? `${text} (matches by chance in 1 of ${oneIn})` : text));
+    return [element("p", {}, `${introduction}:`), list(mistakeTexts)];
   }
 
-  /** What all lines have in common although they are valid: a dead line, own requests, and other readings, folded. */
+  /** List the doubts that all lines have in common although they are valid: a dead line, own requests, other readings. */
   function doubtsOfAll(rows, measure) {
     const frames = rows.flatMap((row) => (row.found ? [row.found] : [])).slice(-TABLE.likely.frames);
-    const dead = new Set(frames.map(deadLine));
-    const requests = new Set(frames.map(ownRequest));
-    const readings = frames.map((found) => new Map(otherPositions(found, measure)));
-    const shared = [...readings[0]?.keys() ?? []].filter((text) => readings.every((own) => own.has(text)));
-    const listed = shared.map((text) => `${readings.map((own) => own.get(text)).join(" ")} ${text}`).join(", ");
+    const deadLineTexts = new Set(frames.map(deadLine));
+    const requestNames = new Set(frames.map(ownRequest));
+    const readingsOfFrames = frames.map((decoded) => new Map(otherPositions(decoded, measure)));
+    const commonTexts = [...readingsOfFrames[0]?.keys() ?? []]
+      .filter((text) => readingsOfFrames.every((positionByText) => positionByText.has(text)));
+    const readingsText = commonTexts.map(
+      (text) => `${readingsOfFrames.map((positionByText) => positionByText.get(text)).join(" ")} ${text}`).join(", ");
     return [
-      ...(dead.size === 1 && !dead.has("") ? [element("p", {}, [...dead][0])] : []),
-      ...(requests.size && !requests.has("") ? [element("p", {}, sentence(capital(said("own_requests", [...requests].join(", ")))))] : []),
-      ...(listed ? [foldedDoubt(measure, listed)] : []),
+      ...(deadLineTexts.size === 1 && !deadLineTexts.has("") ? [element("p", {}, [...deadLineTexts][0])] : []),
+      ...(requestNames.size && !requestNames.has("")
+        ? [element("p", {}, sentence(capitalize(said("own_requests", [...requestNames].join(", ")))))] : []),
+      ...(readingsText ? [foldDoubt(measure, readingsText)] : []),
     ];
   }
 
-  /** Buttons that copy and download the lines as CSV. */
+  /** Create buttons that copy and download the lines as CSV. */
   function exportsOf(rows) {
-    const copy = element("button", { type: "button" }, "Copy as CSV");
-    copy.addEventListener("click", () => {
-      navigator.clipboard.writeText(csvOf(rows)).then(() => { copy.textContent = "Copied"; },
-        () => { copy.textContent = "The browser did not allow it"; });
+    const copyButton = element("button", { type: "button" }, "Copy as CSV");
+    copyButton.addEventListener("click", () => {
+      navigator.clipboard.writeText(writeCsv(rows)).then(() => { copyButton.textContent = "Copied"; },
+        () => { copyButton.textContent = "The browser did not allow it"; });
     });
-    const save = element("button", { type: "button" }, "Download CSV");
-    save.addEventListener("click", () => {
-      const url = URL.createObjectURL(new Blob([csvOf(rows)], { type: "text/csv" }));
+    const downloadButton = element("button", { type: "button" }, "Download CSV");
+    downloadButton.addEventListener("click", () => {
+      const url = URL.createObjectURL(new Blob([writeCsv(rows)], { type: "text/csv" }));
       element("a", { href: url, download: "frames.csv" }).click();
       setTimeout(() => URL.revokeObjectURL(url), 1000);
     });
-    return part("p", "exports", copy, save);
+    return part("p", "exports", copyButton, downloadButton);
   }
 
   /**

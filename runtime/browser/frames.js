@@ -5,7 +5,7 @@
  * Place the fields of a layout for an order code, except fields of 0 bits. In the result, places are numbers of bits,
  * and a placed field is {field, name, low, width} with the ``field`` of the table.
  */
-function placed(family, layout, parameters) {
+function placeLayout(family, layout, parameters) {
   const evaluate = (expression) => Number(value(expression, parameters));
   const withMeaning = (field) => (!field.only || parameters[field.only] ? field
     : { ...field, on: TABLE.unexplained, off: "", meaning: "" });
@@ -207,7 +207,7 @@ function problemOf(placedCheck, number, binary) {
 function judgeFrame(decoded) {
   const { at: placedLayout, number } = decoded;
   const binary = fromGray(placedLayout, number);
-  const isActive = (placedField) => speaks(placedField, bits(binary, placedField.low, placedField.width));
+  const isActive = (placedField) => isActiveOrDiffers(placedField, bits(binary, placedField.low, placedField.width));
   const activeNames = new Set(placedLayout.fields.filter(isActive).map((placedField) => placedField.name));
   const applies = ({ flag, when }) =>
     (when ? when.every((pair) => hasFieldValue(decoded, pair)) : activeNames.has(flag));
@@ -229,7 +229,7 @@ function hasJudgingBits({ layout, parameters }) {
 }
 
 /** Return whether a flag is active, or unused bits differ from the manual. */
-function speaks({ field, width }, raw) {
+function isActiveOrDiffers({ field, width }, raw) {
   if ("unused" in field) return raw !== (big(field.unused) & ones(width));
   return field.kind === "flag" ? raw !== 0n : field.kind === "not_flag" && raw === 0n;
 }
@@ -239,7 +239,8 @@ function hasFieldValue({ at: placedLayout, number }, [name, wantedNumber]) {
   const placedField = placedLayout.fields.find((candidate) => candidate.name === name);
   const raw = placedField && bits(fromGray(placedLayout, number), placedField.low, placedField.width);
   if (!placedField) return false;
-  return isFlag(placedField.field) ? speaks(placedField, raw) === (wantedNumber === 1) : raw === big(wantedNumber);
+  return isFlag(placedField.field)
+    ? isActiveOrDiffers(placedField, raw) === (wantedNumber === 1) : raw === big(wantedNumber);
 }
 
 /** Return whether a field is a flag, active high or active low. */
@@ -266,7 +267,7 @@ function findStrangeRuns(decoded) {
   return (decoded.at.layout.strange ?? []).flatMap(([run, low, high, template]) => {
     const decodedField = decoded.fields.find((candidate) => candidate.name === run);
     const isStrange = decodedField && (decodedField.raw < big(low) || decodedField.raw > big(high));
-    return isStrange ? [filled(template, decodedField.raw)] : [];
+    return isStrange ? [fillTemplate(template, decodedField.raw)] : [];
   });
 }
 

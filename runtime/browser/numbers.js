@@ -17,9 +17,9 @@ const hex = (number, digits = 1) => "0x" + number.toString(16).padStart(digits, 
 /** Return a count with its noun in the singular or plural. */
 const counted = (count, noun) => `${count} ${noun}${count === 1 ? "" : "s"}`;
 /** Fill the values into a template, at {0}, {1} and so on. */
-const filled = (template, ...values) => template.replace(/\{(\d)\}/g, (_, valueIndex) => values[valueIndex]);
+const fillTemplate = (template, ...values) => template.replace(/\{(\d)\}/g, (_, valueIndex) => values[valueIndex]);
 /** Return the message with this name of the table, filled with values. */
-const said = (name, ...values) => filled(TABLE.said[name], ...values);
+const said = (name, ...values) => fillTemplate(TABLE.said[name], ...values);
 /** Count the bits of a number from its highest 1 on. */
 const bitLength = (number) => (number ? number.toString(2).length : 0);
 

@@ -155,7 +155,8 @@ function computeParameters(orderCode, registerContents = {}, answers = {}) {
 /** Place the fields of a layout for an order code, with the contents of registers and the answers of the user. */
 function placedFor(orderCode, layout, registerContents, answers) {
   return {
-    ...placed(orderCode.family, layout, computeParameters(orderCode, registerContents, answers)), code: orderCode.code,
+    ...placeLayout(orderCode.family, layout, computeParameters(orderCode, registerContents, answers)),
+    code: orderCode.code,
   };
 }
 

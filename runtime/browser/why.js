@@ -86,7 +86,7 @@ function missingPart(decoded) {
   for (const [text, pattern] of lineRulesOf(placedLayout)?.incomplete ?? []) {
     const match = matchRecording(pattern, placedLayout, writeReceivedBits(placedLayout, typedFrame));
     const bitCount = match?.groups?.frame?.length ?? 0;
-    if (match && bitCount < placedLayout.bits) return filled(
+    if (match && bitCount < placedLayout.bits) return fillTemplate(
       text, bitCount, placedLayout.bits, placedLayout.bits - bitCount);
   }
   return "";
@@ -130,7 +130,7 @@ function findCommonMistakes(explanationLists) {
   return [...explanationsByKey.values()].filter((explanations) => explanations.length === mostFrames)
     .map((explanations) => ({
       text: new Set(explanations.map((explanation) => explanation.text)).size === 1 ? explanations[0].text
-        : filled(explanations[0].template.replace("({0}) ", ""), "some"),
+        : fillTemplate(explanations[0].template.replace("({0}) ", ""), "some"),
       frames: mostFrames,
       oneIn: explanations.reduce((product, explanation) => product * explanation.oneIn, ONE),
       score: computeCommonScore(explanations),
@@ -244,9 +244,9 @@ function explainWithCrc(hypotheses, refuted, isWithPairs) {
 /** Pair the mistake with the most common one, a CRC that is inverted or that should be. */
 function pairWithInversion(hypothesis) {
   const textName = big(hypothesis.crc.xorout) ? "not_inverted_too" : "inverted_too";
-  const template = filled(TABLE.texts[textName], hypothesis.template);
+  const template = fillTemplate(TABLE.texts[textName], hypothesis.template);
   const crc = { ...hypothesis.crc, xorout: big(hypothesis.crc.xorout) ^ ones(hypothesis.crc.width) };
-  return { ...hypothesis, crc, template, text: filled(TABLE.texts[textName], hypothesis.text) };
+  return { ...hypothesis, crc, template, text: fillTemplate(TABLE.texts[textName], hypothesis.text) };
 }
 
 /** The readings of a frame without a CRC. Nothing proves one of them. */
@@ -470,10 +470,11 @@ function tryPolynomialWithLength(placedLayout, crc, otherCrc, number, length, da
   const zeroCount = Math.max(tailBits - otherCrc.width, 0);
   const frameNumber = data << BigInt(crc.width);
   const areConstantsRight = hasRightConstants(placedLayout, frameNumber);
-  const polynomialText = filled(
+  const polynomialText = fillTemplate(
     TABLE.texts.polynomial, hex(otherCrc.poly | (ONE << BigInt(otherCrc.width))), otherCrc.width);
-  const text = crcBitsReceived < otherCrc.width ? filled(TABLE.texts.bits_arrived, polynomialText, crcBitsReceived)
-    : zeroCount ? filled(TABLE.texts.then_zeros, polynomialText) : polynomialText;
+  const text = crcBitsReceived < otherCrc.width
+    ? fillTemplate(TABLE.texts.bits_arrived, polynomialText, crcBitsReceived)
+    : zeroCount ? fillTemplate(TABLE.texts.then_zeros, polynomialText) : polynomialText;
   const hasFrameLength = length === placedLayout.bits;
   return createHypothesis({
     kind: "other_polynomial", text, crc: otherCrc, data, size: dataBits, received: tail >> BigInt(zeroCount),
@@ -488,7 +489,7 @@ function tryPolynomialWithLength(placedLayout, crc, otherCrc, number, length, da
 function computeLikelihood(placedLayout, number) {
   const { idle, active } = TABLE.likely;
   return placedLayout.fields.reduce((product, placedField) => {
-    const isActive = speaks(placedField, bits(number, placedField.low, placedField.width));
+    const isActive = isActiveOrDiffers(placedField, bits(number, placedField.low, placedField.width));
     if (isFlag(placedField.field)) return product * (isActive ? active : idle);
     if ("unused" in placedField.field) return product * (isActive ? active : idle ** placedField.width);
     return product;
@@ -525,7 +526,7 @@ function tryMovedFrames(placedLayout, crc, typedFrame) {
       ["behind", receivedText.slice(bitsBefore + placedLayout.bits)]];
     const members = { template, parts: parts.filter(([, partText]) => partText), places: placeCount };
     return createFrameHypothesis(
-      placedLayout, crc, kind, filled(template, bitsBefore), BigInt(`0b${frameText}`), members);
+      placedLayout, crc, kind, fillTemplate(template, bitsBefore), BigInt(`0b${frameText}`), members);
   })];
 }
 
@@ -544,7 +545,7 @@ function tryLeftOutCommand(placedLayout, crc, typedFrame) {
   const constants = commandFields.filter(({ field }) => "fixed" in field);
   const frameNumber = constants.reduce(
     (sum, placedField) => sum | (big(placedField.field.fixed) << BigInt(placedField.low)), typedFrame.number);
-  const text = filled(TABLE.texts.command_left_out, placedLayout.bits - remainingBits);
+  const text = fillTemplate(TABLE.texts.command_left_out, placedLayout.bits - remainingBits);
   const assumedBits = constants.reduce((sum, { width }) => sum + width, 0);
   return [{
     ...createFrameHypothesis(placedLayout, crc, "command_left_out", text, frameNumber),
@@ -568,7 +569,7 @@ function tryOffset(
     | bits(frontAndFramePart, 0, framePartBits)) << BigInt(missingLowBits);
   const members = { template, lost: missingLowBits, demanded: startBits.length, holds: isConsistent };
   const hypothesis = createFrameHypothesis(
-    placedLayout, crc, kind, filled(template, missingFirstBits), frameNumber, members);
+    placedLayout, crc, kind, fillTemplate(template, missingFirstBits), frameNumber, members);
   const { idle, active } = TABLE.likely;
   const mostlyZeroBits = [...front].flatMap(
     (mark, index) => (mark === "~" ? [bits(frontAndFramePart, highestBit - index, 1)] : []));
@@ -648,15 +649,15 @@ function tryMovedBytes(placedLayout, crc, data) {
   const extraBytes = data.length - byteCount;
   const hypotheses = [];
   if (extraBytes > 0 && extraBytes <= MOST_ECHOED_BYTES) {
-    const extraText = extraBytes > 1 ? filled(texts.extra_bytes, extraBytes) : texts.extra_byte;
-    hypotheses.push(assumeFrame("bytes_in_front", filled(texts.before, extraText), data.slice(extraBytes)),
-      assumeFrame("bytes_behind", filled(texts.after, extraText), data.slice(0, byteCount)));
+    const extraText = extraBytes > 1 ? fillTemplate(texts.extra_bytes, extraBytes) : texts.extra_byte;
+    hypotheses.push(assumeFrame("bytes_in_front", fillTemplate(texts.before, extraText), data.slice(extraBytes)),
+      assumeFrame("bytes_behind", fillTemplate(texts.after, extraText), data.slice(0, byteCount)));
   }
   if (extraBytes === 0 || extraBytes === -1) {
     for (const byte of findPossibleFirstBytes(placedLayout)) {
       const [text, template] = [byte.toString(16).toUpperCase().padStart(2, "0"), "{0}"]
-        .map((byteText) => filled(texts.byte_missing, byteText))
-        .map((missingText) => (extraBytes ? missingText : filled(texts.and_follows, missingText)));
+        .map((byteText) => fillTemplate(texts.byte_missing, byteText))
+        .map((missingText) => (extraBytes ? missingText : fillTemplate(texts.and_follows, missingText)));
       hypotheses.push(assumeFrame("first_byte_lost", text, [byte, ...data.slice(0, byteCount - 1)], template));
     }
   }
@@ -725,8 +726,8 @@ function tryWholeFrames({ data, label: orderCode, over: interface_, sender }) {
     `${isRequest(frame) ? "request" : "reply"} ${frame.one.name}`, shownBytes(frame.bytes)]);
   const roles = parts.map(([title]) => title.split(" ")[0]);
   const [text, template] = kind === "echo"
-    ? [` ${frames[0].one.name}`, ""].map((requestName) => filled(echoText, requestName))
-    : [parts.map(([title]) => title), roles].map((names) => filled(framesText, names.join(", then ")));
+    ? [` ${frames[0].one.name}`, ""].map((requestName) => fillTemplate(echoText, requestName))
+    : [parts.map(([title]) => title), roles].map((names) => fillTemplate(framesText, names.join(", then ")));
   const lastFrame = frames[frames.length - 1];
   const isCertainReply = !isRequest(lastFrame) && !lastFrame.one.layout.asks?.length;
   return [createHypothesis({
@@ -760,7 +761,7 @@ function findEchoedRequest(placedLayout, number) {
     || bits(number, placedField.low, placedField.width)
       === (big(placedField.field.unused) & ones(placedField.width)));
   const requests = interface_.frames.filter((layout) => layout.sender === "master" && !layout.order)
-    .map((layout) => placed(placedLayout.family, layout, placedLayout.parameters))
+    .map((layout) => placeLayout(placedLayout.family, layout, placedLayout.parameters))
     .filter((request) => request.bits === placedLayout.bits && !decode(request, number).problems.length
       && hasDocumentedBits(request))
     .map((request) => ({
@@ -773,8 +774,8 @@ function findEchoedRequest(placedLayout, number) {
 function tryEcho(placedLayout, number) {
   const request = findEchoedRequest(placedLayout, number);
   if (!request) return [];
-  const text = filled(TABLE.exchanges.word_echo, ` ${request.name}`);
-  const template = filled(TABLE.exchanges.word_echo, "");
+  const text = fillTemplate(TABLE.exchanges.word_echo, ` ${request.name}`);
+  const template = fillTemplate(TABLE.exchanges.word_echo, "");
   return [createHypothesis({
     kind: "echo", text, template, data: number, size: request.size, demanded: request.evidence })];
 }
