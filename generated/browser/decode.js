@@ -825,12 +825,6 @@
 
   /** Return whether a text is meant as a line, because it has = or begins with an interface. */
   const isLine = (text) => text.includes("=") || /^\s*(biss|ssi|spi|rs485)\s*[:,]/i.test(text);
-  /** Return a text in quotes, with ... after its first characters if it is long. */
-  const quotePart = (text) =>
-    (text.length > TABLE.limits.quote ? `'${text.slice(0, TABLE.limits.quote - 3)}...'` : `'${text}'`);
-  /** Return a number in hex, with 0x. */
-  const formatHex = (number) => `0x${number.toString(16)}`;
-
   /** Return the decimal, hexadecimal or binary number of at most 65 bits that a text is, otherwise null. */
   function parseLineNumber(text) {
     return /^(0[xX][0-9A-Fa-f]{1,17}|0[bB][01]{1,65}|0|[1-9][0-9]{0,19})$/.test(text) ? BigInt(text) : null;
@@ -840,7 +834,7 @@
   function parseWidth(name, text, maxWidth = 64n) {
     const width = parseLineNumber(text);
     if (width === null || width < 1n || width > maxWidth) {
-      throw new LineError(`${quotePart(text)} is not a width of '${name}'; write 1 to ${maxWidth}`, name.length + 1);
+      throw new LineError(`${quoteText(text)} is not a width of '${name}'; write 1 to ${maxWidth}`, name.length + 1);
     }
     return Number(width);
   }
@@ -853,7 +847,7 @@
     const values = equalsIndex < 0 ? [] : text.slice(equalsIndex + 1).split(":").map((value) => value.trim());
     if (!/^[A-Za-z][A-Za-z0-9_]{0,39}$/.test(writtenName)) {
       throw new LineError(
-        `${quotePart(writtenName)} is not a name; use letters, digits and underscores, such as position=32`);
+        `${quoteText(writtenName)} is not a name; use letters, digits and underscores, such as position=32`);
     }
     const name = writtenName.toLowerCase().split("_").filter(Boolean).join("_");
     if (name === "crc") return { ...parseCrc(values, interface_), column };
@@ -884,13 +878,13 @@
     const constant = parseLineNumber(values[1]);
     const valueOffset = name.length + values[0].length + 2;
     if (constant === null || values.length > 2) {
-      const wrongText = quotePart(values.slice(1).join(":"));
+      const wrongText = quoteText(values.slice(1).join(":"));
       throw new LineError(
         `${wrongText} does not fit after a width; write signed, or the value of a constant`, valueOffset);
     }
     if (constant >> BigInt(width)) {
       throw new LineError(
-        `${formatHex(constant)} does not fit into ${width} bits; write at most ${formatHex(ones(width))}`, valueOffset);
+        `${hex(constant)} does not fit into ${width} bits; write at most ${hex(ones(width))}`, valueOffset);
     }
     if (name in LINE_NUMBER_UNITS) {
       throw new LineError(`'${name}' is not a constant; give the constant bits another name`, valueOffset);
@@ -902,7 +896,7 @@
   function parseFlag(name, values) {
     const effect = values[1] ?? (name in LINE_EFFECT_VERDICTS ? name : "status");
     if (values.length > 2 || !(effect in LINE_EFFECT_VERDICTS)) {
-      const wrongText = quotePart(values.slice(1).join(":"));
+      const wrongText = quoteText(values.slice(1).join(":"));
       throw new LineError(`${wrongText} is not an effect of a flag; write error, warning or status`,
         name.length + values[0].length + 2);
     }
@@ -933,13 +927,13 @@
     }
     const poly = parseLineNumber(crcNumbers[0]);
     if (poly === null || !(poly & ONE) || poly > ones(width + 1)) {
-      const remedy = `write an odd number of at most ${formatHex(ones(width + 1))}, with or without its top bit`;
+      const remedy = `write an odd number of at most ${hex(ones(width + 1))}, with or without its top bit`;
       throw new LineError(
-        `${quotePart(crcNumbers[0])} is not a polynomial of ${width} bits; ${remedy}`, polynomialOffset);
+        `${quoteText(crcNumbers[0])} is not a polynomial of ${width} bits; ${remedy}`, polynomialOffset);
     }
     const init = crcNumbers.length > 1 ? parseLineNumber(crcNumbers[1]) : 0n;
     if (init === null || init > ones(width)) {
-      throw new LineError(`${quotePart(crcNumbers[1])} is not a start value; write at most ${formatHex(ones(width))}`,
+      throw new LineError(`${quoteText(crcNumbers[1])} is not a start value; write at most ${hex(ones(width))}`,
         polynomialOffset + crcNumbers[0].length + 1);
     }
     return { kind: "crc", name: "crc", bits: width, poly: poly & ones(width), init, isInverted };
@@ -991,7 +985,7 @@
     const [keyword, setting] = [LINE_KEYWORDS[name], LINE_SETTINGS[name]];
     if (!keyword && !setting) {
       const allNames = joinNames([...Object.keys(LINE_KEYWORDS), ...Object.keys(LINE_SETTINGS)], "or");
-      throw new LineError(`${quotePart(name)} is not an option; write ${allNames} (a field belongs after the colon)`);
+      throw new LineError(`${quoteText(name)} is not an option; write ${allNames} (a field belongs after the colon)`);
     }
     const [interfaces] = keyword ?? setting;
     if (!interfaces.includes(interface_)) {
@@ -1004,7 +998,7 @@
     const settingValue = setting[1](settingText);
     if (settingValue === null) {
       throw new LineError(
-        `${quotePart(settingText)} is not a value of '${name}'; write it like ${setting[2]}`, name.length + 1);
+        `${quoteText(settingText)} is not a value of '${name}'; write it like ${setting[2]}`, name.length + 1);
     }
     return Object.assign(options, { [name]: settingValue });
   }
@@ -1080,7 +1074,7 @@
       problems.push([1, "the line does not begin with its interface; write biss:, ssi:, spi: or rs485: in front of it"]);
       return ["biss", 0];
     }
-    problems.push([1, `${quotePart(firstWord)} is not an interface; write one of: ${LINE_INTERFACES.join(", ")}`]);
+    problems.push([1, `${quoteText(firstWord)} is not an interface; write one of: ${LINE_INTERFACES.join(", ")}`]);
     return ["biss", head.length];
   }
 
@@ -1253,7 +1247,7 @@
   const omitEmpty = (members) => Object.fromEntries(Object.entries(members).filter(
     ([, member]) => member && (typeof member !== "object" || Object.keys(member).length)));
   /** Return a number as the table has it: as text if it is too large for a JavaScript number. */
-  const toTableNumber = (number) => (number <= BigInt(Number.MAX_SAFE_INTEGER) ? Number(number) : formatHex(number));
+  const toTableNumber = (number) => (number <= BigInt(Number.MAX_SAFE_INTEGER) ? Number(number) : hex(number));
 
   /**
    * List the fields as they are sent, each with a name of its own and its lowest bit ``low``.
@@ -1415,11 +1409,11 @@
     const otherXorout = isInverted ? 0n : ones(width);
     const isXorOfBytes = isOverBytes && width === 8 && poly === ONE;
     const inversionText = `the CRC is ${isInverted ? "not " : ""}inverted`;
-    const sameEffectText = isXorOfBytes ? `, or its start value is ${formatHex(ones(width) ^ init)} (the same here)` : "";
+    const sameEffectText = isXorOfBytes ? `, or its start value is ${hex(ones(width) ^ init)} (the same here)` : "";
     const startValues = isXorOfBytes ? [] : listOtherStartValues(width, poly, init);
     const similarCrcs = [["crc_not_inverted", inversionText + sameEffectText, parametersWith({ xorout: otherXorout })],
       ...startValues.map((startValue) => [
-        "start_value", `the start value of the CRC is ${formatHex(startValue)}`, parametersWith({ init: startValue })]),
+        "start_value", `the start value of the CRC is ${hex(startValue)}`, parametersWith({ init: startValue })]),
       ...(isOverBytes ? buildOtherBytePolynomials(parametersWith)
         : [buildReversedPolynomial(width, poly, parametersWith)])];
     const powers = Array.from({ length: width }, (_, index) => width - 1 - index).filter((power) => bits(poly, power, 1));
@@ -1444,7 +1438,7 @@
   function buildReversedPolynomial(width, poly, parametersWith) {
     const withTopBit = poly | (ONE << BigInt(width));
     const reversed = BigInt(`0b${[...withTopBit.toString(2)].reverse().join("")}`);
-    return ["polynomial_reversed", `the polynomial is ${formatHex(reversed)}, written in reverse`,
+    return ["polynomial_reversed", `the polynomial is ${hex(reversed)}, written in reverse`,
       parametersWith({ poly: reversed & ones(width) })];
   }
 
@@ -1452,7 +1446,7 @@
   function buildOtherBytePolynomials(parametersWith) {
     return TABLE.byte_polynomials.flatMap((polynomial) => {
       const poly = big(polynomial) & 0xFFn;
-      const text = `the polynomial is ${formatHex(big(polynomial))}`;
+      const text = `the polynomial is ${hex(big(polynomial))}`;
       return [["other_polynomial", `${text}, most significant bit first`, parametersWith({ poly })],
         ["other_polynomial", `${text}, least significant bit first`, parametersWith({ poly, refin: ONE, refout: ONE })]];
     });
@@ -1638,10 +1632,10 @@
         effect: Object.keys(LINE_EFFECT_VERDICTS).find((name) => LINE_EFFECT_VERDICTS[name] === field.verdict),
       };
     }
-    if (kind === "constant") return { ...field, ...widthText, value: formatHex(field.value) };
+    if (kind === "constant") return { ...field, ...widthText, value: hex(field.value) };
     if (kind !== "crc") return { ...field, ...widthText };
-    const poly = formatHex(field.poly | (ONE << BigInt(field.bits)));
-    return { ...field, ...widthText, poly, init: formatHex(field.init) };
+    const poly = hex(field.poly | (ONE << BigInt(field.bits)));
+    return { ...field, ...widthText, poly, init: hex(field.init) };
   }
 
   /** Add a new field with a name that is free in the form. A CRC stays the last field. */
@@ -1725,10 +1719,10 @@
       && BigInt(init) === parseLineNumber(field.init || "0");
     const knownCrc = TABLE.known_crcs.find(isSameCrc);
     const choices = [
-      ...TABLE.known_crcs.map((row) => [row, `${formatHex(BigInt(row[0]))}: ${row[2]}`]), [undefined, "other"]];
+      ...TABLE.known_crcs.map((row) => [row, `${hex(BigInt(row[0]))}: ${row[2]}`]), [undefined, "other"]];
     const pickCrc = (row) => {
       Object.assign(field, row
-        ? { bits: `${bitLength(BigInt(row[0])) - 1}`, poly: formatHex(BigInt(row[0])), init: formatHex(BigInt(row[1])) }
+        ? { bits: `${bitLength(BigInt(row[0])) - 1}`, poly: hex(BigInt(row[0])), init: hex(BigInt(row[1])) }
         : { init: "0x0", isOther: true });
       if (row) delete field.isOther;
       redraw();

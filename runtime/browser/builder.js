@@ -88,10 +88,10 @@ function toFormField(field) {
       effect: Object.keys(LINE_EFFECT_VERDICTS).find((name) => LINE_EFFECT_VERDICTS[name] === field.verdict),
     };
   }
-  if (kind === "constant") return { ...field, ...widthText, value: formatHex(field.value) };
+  if (kind === "constant") return { ...field, ...widthText, value: hex(field.value) };
   if (kind !== "crc") return { ...field, ...widthText };
-  const poly = formatHex(field.poly | (ONE << BigInt(field.bits)));
-  return { ...field, ...widthText, poly, init: formatHex(field.init) };
+  const poly = hex(field.poly | (ONE << BigInt(field.bits)));
+  return { ...field, ...widthText, poly, init: hex(field.init) };
 }
 
 /** Add a new field with a name that is free in the form. A CRC stays the last field. */
@@ -175,10 +175,10 @@ function createCrcInputs(field, bitsInput, setterOf, redraw) {
     && BigInt(init) === parseLineNumber(field.init || "0");
   const knownCrc = TABLE.known_crcs.find(isSameCrc);
   const choices = [
-    ...TABLE.known_crcs.map((row) => [row, `${formatHex(BigInt(row[0]))}: ${row[2]}`]), [undefined, "other"]];
+    ...TABLE.known_crcs.map((row) => [row, `${hex(BigInt(row[0]))}: ${row[2]}`]), [undefined, "other"]];
   const pickCrc = (row) => {
     Object.assign(field, row
-      ? { bits: `${bitLength(BigInt(row[0])) - 1}`, poly: formatHex(BigInt(row[0])), init: formatHex(BigInt(row[1])) }
+      ? { bits: `${bitLength(BigInt(row[0])) - 1}`, poly: hex(BigInt(row[0])), init: hex(BigInt(row[1])) }
       : { init: "0x0", isOther: true });
     if (row) delete field.isOther;
     redraw();

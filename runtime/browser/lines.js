@@ -34,12 +34,6 @@ class LineError extends Error {
 
 /** Return whether a text is meant as a line, because it has = or begins with an interface. */
 const isLine = (text) => text.includes("=") || /^\s*(biss|ssi|spi|rs485)\s*[:,]/i.test(text);
-/** Return a text in quotes, with ... after its first characters if it is long. */
-const quotePart = (text) =>
-  (text.length > TABLE.limits.quote ? `'${text.slice(0, TABLE.limits.quote - 3)}...'` : `'${text}'`);
-/** Return a number in hex, with 0x. */
-const formatHex = (number) => `0x${number.toString(16)}`;
-
 /** Return the decimal, hexadecimal or binary number of at most 65 bits that a text is, otherwise null. */
 function parseLineNumber(text) {
   return /^(0[xX][0-9A-Fa-f]{1,17}|0[bB][01]{1,65}|0|[1-9][0-9]{0,19})$/.test(text) ? BigInt(text) : null;
@@ -49,7 +43,7 @@ function parseLineNumber(text) {
 function parseWidth(name, text, maxWidth = 64n) {
   const width = parseLineNumber(text);
   if (width === null || width < 1n || width > maxWidth) {
-    throw new LineError(`${quotePart(text)} is not a width of '${name}'; write 1 to ${maxWidth}`, name.length + 1);
+    throw new LineError(`${quoteText(text)} is not a width of '${name}'; write 1 to ${maxWidth}`, name.length + 1);
   }
   return Number(width);
 }
@@ -62,7 +56,7 @@ function parseLineField(text, column, interface_) {
   const values = equalsIndex < 0 ? [] : text.slice(equalsIndex + 1).split(":").map((value) => value.trim());
   if (!/^[A-Za-z][A-Za-z0-9_]{0,39}$/.test(writtenName)) {
     throw new LineError(
-      `${quotePart(writtenName)} is not a name; use letters, digits and underscores, such as position=32`);
+      `${quoteText(writtenName)} is not a name; use letters, digits and underscores, such as position=32`);
   }
   const name = writtenName.toLowerCase().split("_").filter(Boolean).join("_");
   if (name === "crc") return { ...parseCrc(values, interface_), column };
@@ -93,13 +87,13 @@ function parseNumberField(name, values) {
   const constant = parseLineNumber(values[1]);
   const valueOffset = name.length + values[0].length + 2;
   if (constant === null || values.length > 2) {
-    const wrongText = quotePart(values.slice(1).join(":"));
+    const wrongText = quoteText(values.slice(1).join(":"));
     throw new LineError(
       `${wrongText} does not fit after a width; write signed, or the value of a constant`, valueOffset);
   }
   if (constant >> BigInt(width)) {
     throw new LineError(
-      `${formatHex(constant)} does not fit into ${width} bits; write at most ${formatHex(ones(width))}`, valueOffset);
+      `${hex(constant)} does not fit into ${width} bits; write at most ${hex(ones(width))}`, valueOffset);
   }
   if (name in LINE_NUMBER_UNITS) {
     throw new LineError(`'${name}' is not a constant; give the constant bits another name`, valueOffset);
@@ -111,7 +105,7 @@ function parseNumberField(name, values) {
 function parseFlag(name, values) {
   const effect = values[1] ?? (name in LINE_EFFECT_VERDICTS ? name : "status");
   if (values.length > 2 || !(effect in LINE_EFFECT_VERDICTS)) {
-    const wrongText = quotePart(values.slice(1).join(":"));
+    const wrongText = quoteText(values.slice(1).join(":"));
     throw new LineError(`${wrongText} is not an effect of a flag; write error, warning or status`,
       name.length + values[0].length + 2);
   }
@@ -142,13 +136,13 @@ function parseCrc(values, interface_) {
   }
   const poly = parseLineNumber(crcNumbers[0]);
   if (poly === null || !(poly & ONE) || poly > ones(width + 1)) {
-    const remedy = `write an odd number of at most ${formatHex(ones(width + 1))}, with or without its top bit`;
+    const remedy = `write an odd number of at most ${hex(ones(width + 1))}, with or without its top bit`;
     throw new LineError(
-      `${quotePart(crcNumbers[0])} is not a polynomial of ${width} bits; ${remedy}`, polynomialOffset);
+      `${quoteText(crcNumbers[0])} is not a polynomial of ${width} bits; ${remedy}`, polynomialOffset);
   }
   const init = crcNumbers.length > 1 ? parseLineNumber(crcNumbers[1]) : 0n;
   if (init === null || init > ones(width)) {
-    throw new LineError(`${quotePart(crcNumbers[1])} is not a start value; write at most ${formatHex(ones(width))}`,
+    throw new LineError(`${quoteText(crcNumbers[1])} is not a start value; write at most ${hex(ones(width))}`,
       polynomialOffset + crcNumbers[0].length + 1);
   }
   return { kind: "crc", name: "crc", bits: width, poly: poly & ones(width), init, isInverted };
@@ -200,7 +194,7 @@ function setLineOption(options, text, interface_) {
   const [keyword, setting] = [LINE_KEYWORDS[name], LINE_SETTINGS[name]];
   if (!keyword && !setting) {
     const allNames = joinNames([...Object.keys(LINE_KEYWORDS), ...Object.keys(LINE_SETTINGS)], "or");
-    throw new LineError(`${quotePart(name)} is not an option; write ${allNames} (a field belongs after the colon)`);
+    throw new LineError(`${quoteText(name)} is not an option; write ${allNames} (a field belongs after the colon)`);
   }
   const [interfaces] = keyword ?? setting;
   if (!interfaces.includes(interface_)) {
@@ -213,7 +207,7 @@ function setLineOption(options, text, interface_) {
   const settingValue = setting[1](settingText);
   if (settingValue === null) {
     throw new LineError(
-      `${quotePart(settingText)} is not a value of '${name}'; write it like ${setting[2]}`, name.length + 1);
+      `${quoteText(settingText)} is not a value of '${name}'; write it like ${setting[2]}`, name.length + 1);
   }
   return Object.assign(options, { [name]: settingValue });
 }
@@ -289,7 +283,7 @@ function parseInterface(lineText, problems) {
     problems.push([1, "the line does not begin with its interface; write biss:, ssi:, spi: or rs485: in front of it"]);
     return ["biss", 0];
   }
-  problems.push([1, `${quotePart(firstWord)} is not an interface; write one of: ${LINE_INTERFACES.join(", ")}`]);
+  problems.push([1, `${quoteText(firstWord)} is not an interface; write one of: ${LINE_INTERFACES.join(", ")}`]);
   return ["biss", head.length];
 }
 
@@ -462,7 +456,7 @@ function checkByteOrder(options, fields, interface_) {
 const omitEmpty = (members) => Object.fromEntries(Object.entries(members).filter(
   ([, member]) => member && (typeof member !== "object" || Object.keys(member).length)));
 /** Return a number as the table has it: as text if it is too large for a JavaScript number. */
-const toTableNumber = (number) => (number <= BigInt(Number.MAX_SAFE_INTEGER) ? Number(number) : formatHex(number));
+const toTableNumber = (number) => (number <= BigInt(Number.MAX_SAFE_INTEGER) ? Number(number) : hex(number));
 
 /**
  * List the fields as they are sent, each with a name of its own and its lowest bit ``low``.
@@ -624,11 +618,11 @@ function buildCrcRecord({ bits: width, poly, init, isInverted }, isOverBytes) {
   const otherXorout = isInverted ? 0n : ones(width);
   const isXorOfBytes = isOverBytes && width === 8 && poly === ONE;
   const inversionText = `the CRC is ${isInverted ? "not " : ""}inverted`;
-  const sameEffectText = isXorOfBytes ? `, or its start value is ${formatHex(ones(width) ^ init)} (the same here)` : "";
+  const sameEffectText = isXorOfBytes ? `, or its start value is ${hex(ones(width) ^ init)} (the same here)` : "";
   const startValues = isXorOfBytes ? [] : listOtherStartValues(width, poly, init);
   const similarCrcs = [["crc_not_inverted", inversionText + sameEffectText, parametersWith({ xorout: otherXorout })],
     ...startValues.map((startValue) => [
-      "start_value", `the start value of the CRC is ${formatHex(startValue)}`, parametersWith({ init: startValue })]),
+      "start_value", `the start value of the CRC is ${hex(startValue)}`, parametersWith({ init: startValue })]),
     ...(isOverBytes ? buildOtherBytePolynomials(parametersWith)
       : [buildReversedPolynomial(width, poly, parametersWith)])];
   const powers = Array.from({ length: width }, (_, index) => width - 1 - index).filter((power) => bits(poly, power, 1));
@@ -653,7 +647,7 @@ function listOtherStartValues(width, poly, init) {
 function buildReversedPolynomial(width, poly, parametersWith) {
   const withTopBit = poly | (ONE << BigInt(width));
   const reversed = BigInt(`0b${[...withTopBit.toString(2)].reverse().join("")}`);
-  return ["polynomial_reversed", `the polynomial is ${formatHex(reversed)}, written in reverse`,
+  return ["polynomial_reversed", `the polynomial is ${hex(reversed)}, written in reverse`,
     parametersWith({ poly: reversed & ones(width) })];
 }
 
@@ -661,7 +655,7 @@ function buildReversedPolynomial(width, poly, parametersWith) {
 function buildOtherBytePolynomials(parametersWith) {
   return TABLE.byte_polynomials.flatMap((polynomial) => {
     const poly = big(polynomial) & 0xFFn;
-    const text = `the polynomial is ${formatHex(big(polynomial))}`;
+    const text = `the polynomial is ${hex(big(polynomial))}`;
     return [["other_polynomial", `${text}, most significant bit first`, parametersWith({ poly })],
       ["other_polynomial", `${text}, least significant bit first`, parametersWith({ poly, refin: ONE, refout: ONE })]];
   });
