@@ -185,7 +185,7 @@ def _is_device(keys: frozenset[str]) -> bool:
 
 def _has_parts_of_a_device(keys: frozenset[str]) -> bool:
     """Return True for two or more keys that only devices have. Other tools may use one, such as ``parameters``."""
-    return len(keys & keys_of("device") - keys_of("manufacturer")) >= 2
+    return len(keys & (keys_of("device") - keys_of("manufacturer"))) >= 2
 
 
 def top_keys(path: Path) -> frozenset[str] | None:

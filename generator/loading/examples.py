@@ -396,7 +396,7 @@ def _value(field: Field, width: int, layout: Layout) -> int | str | bool:
     match field.kind:
         case Number(power_of_two=True):
             # The power of two in the middle of the range.
-            return 1 << width // 2
+            return 1 << (width // 2)
         case Number(signed=is_signed, zero_means=zero_means):
             # A signed field has one bit less for positive numbers.
             number = _number(width - 1 if is_signed else width)

@@ -156,7 +156,7 @@ def held_in_registers(raw: Raw, report: DocumentReport) -> Mapping[str, int]:
             )
             defaults[name] = definition.get("max", 0)
         else:
-            number = register["default"] >> low_bit & ((1 << width) - 1)
+            number = (register["default"] >> low_bit) & ((1 << width) - 1)
             defaults[name] = _default(name, definition, number, field.get("zero_means", 0), report)
     return MappingProxyType(defaults)
 

@@ -371,7 +371,7 @@ class Device:
     def signed_range(self, field: PlacedField, placed: PlacedLayout) -> tuple[int, int]:
         """Return the lowest and the highest valid number of a signed field of a frame."""
         # A field without bits for the order code counts as one bit.
-        valid_range, half_of_numbers = self.range_in(placed.layout), 1 << max(field.width, 1) - 1
+        valid_range, half_of_numbers = self.range_in(placed.layout), 1 << (max(field.width, 1) - 1)
         if valid_range is None or valid_range.field.name != field.name:
             return -half_of_numbers, half_of_numbers - 1
         return valid_range.lowest.value(placed.parameters), valid_range.highest.value(placed.parameters)

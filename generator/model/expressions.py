@@ -121,7 +121,7 @@ class Expression:
             for factor in term.factors:
                 number *= _value(factor, parameters)
                 # Products of products, each a parameter of its own, would grow until the memory is full.
-                if abs(number) >> 2 * LARGEST_EXPONENT:
+                if abs(number) >> (2 * LARGEST_EXPONENT):
                     raise ExpressionError(f"the product is larger than 2^{2 * LARGEST_EXPONENT}")
             total += number
         return total

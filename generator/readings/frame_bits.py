@@ -125,7 +125,7 @@ def _default_and_is_implied(placed_field: PlacedField, register: Register) -> tu
     if stated_default is not None:
         return stated_default, False
     # The bits of the field, shifted to bit 0.
-    default_in_register = register_default >> placed_field.low & placed_field.mask
+    default_in_register = (register_default >> placed_field.low) & placed_field.mask
     return default_in_register, True
 
 
@@ -184,7 +184,7 @@ def _bits(placed_field: PlacedField, placed_layout: PlacedLayout, place: Path) -
     for index in range(placed_field.width):
         match kind:
             case Constant(value) | Unused(value):
-                yield Bit(owner_text, weight=None, fixed=value >> index & 1, place=place)
+                yield Bit(owner_text, weight=None, fixed=(value >> index) & 1, place=place)
             case Flag() | Parity() if weight_in_join is None:
                 yield Bit(owner_text, weight=None, fixed=None, place=place)
             case Text():

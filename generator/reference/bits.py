@@ -120,7 +120,7 @@ def gray_to_binary(gray: int) -> int:
 
 def binary_to_gray(binary: int) -> int:
     """Return the Gray code of ``binary``."""
-    return binary ^ binary >> 1
+    return binary ^ (binary >> 1)
 
 
 def from_gray(placed: PlacedLayout, number: int) -> int:

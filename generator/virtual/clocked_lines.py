@@ -104,7 +104,7 @@ class BissLine(ByLevels):
         """Return the bits of all data channels with the current values."""
         word = 0
         for layout in self._channels:
-            word = word << self.encoder.place(layout).bits | self.encoder.frame(layout)
+            word = (word << self.encoder.place(layout).bits) | self.encoder.frame(layout)
         return word
 
     def frame(self) -> int:
@@ -137,7 +137,7 @@ class BissLine(ByLevels):
         fault = faults.draw()
         cds = self._exchange_control_bit(cdm)
         word = self._word()
-        data_bits = [word >> shift & 1 for shift in reversed(range(self.bits))]
+        data_bits = [(word >> shift) & 1 for shift in reversed(range(self.bits))]
         fewest_late, most_late = _CLOCKS_LATE.get(fault, (0, 0))
         late_clocks = faults.random.randint(fewest_late, most_late)
         start_bit, stop_bit = 1, 0
@@ -214,7 +214,7 @@ class BissLine(ByLevels):
         memory = self.encoder.memory
         read_bit, head = yield from _receive_head()
         # CTS = 1 and slave ID 0 in 4 bits, 7 bits of the address, 4 bits of the CRC.
-        cts_and_id, address, received_crc = head >> 11, head >> 4 & 0x7F, head & 0xF
+        cts_and_id, address, received_crc = head >> 11, (head >> 4) & 0x7F, head & 0xF
         if cts_and_id != 0b1000 or received_crc != compute_bits(_CRC, head >> 4, 11):
             return 0
         write_bit = yield read_bit
@@ -254,9 +254,9 @@ class BissLine(ByLevels):
         cdm = yield 1
         byte_and_crc = 0
         for _ in range(11):
-            byte_and_crc = byte_and_crc << 1 | cdm
+            byte_and_crc = (byte_and_crc << 1) | cdm
             cdm = yield cdm
-        byte_and_crc = byte_and_crc << 1 | cdm
+        byte_and_crc = (byte_and_crc << 1) | cdm
         byte, received_crc = byte_and_crc >> 4, byte_and_crc & 0xF
         if received_crc != compute_bits(_CRC, byte, 8):
             return cdm, False
@@ -267,10 +267,10 @@ class BissLine(ByLevels):
     def _read_byte(self, address: int) -> Generator[int, int, int]:
         """Send the start bit, a byte and its CRC, and return the next CDM bit."""
         byte = self.encoder.memory.read(address) or 0
-        byte_and_crc = byte << 4 | compute_bits(_CRC, byte, 8)
+        byte_and_crc = (byte << 4) | compute_bits(_CRC, byte, 8)
         cdm = yield 1
         for shift in reversed(range(12)):
-            cdm = yield byte_and_crc >> shift & 1
+            cdm = yield (byte_and_crc >> shift) & 1
         return cdm
 
 
@@ -279,7 +279,7 @@ def _receive_head() -> Generator[int, int, tuple[int, int]]:
     # CTS, 3 bits of the slave ID, 7 of the address and 4 of the CRC. CDS answers the start bit with 1.
     cdm, head = (yield 1), 0
     for _ in range(15):
-        head = head << 1 | cdm
+        head = (head << 1) | cdm
         cdm = yield 0
     return cdm, head
 
@@ -334,7 +334,7 @@ class SsiLine(ByLevels):
                 self._word, self._bits_left = self.word(), self.bits
             if self._bits_left > 0:
                 self._bits_left -= 1
-            self._data_level = self._word >> self._bits_left & 1
+            self._data_level = (self._word >> self._bits_left) & 1
             # Remove the bit that is sent, so that zeros follow the last one.
             self._word &= (1 << self._bits_left) - 1
         self._clock_level = level

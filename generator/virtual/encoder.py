@@ -226,7 +226,7 @@ class VirtualEncoder:
             if placed_field.name in procedure:
                 position &= ~(placed_field.mask << low_bit)
             low_bit += placed_field.width
-        self.set_position(position & (1 << low_bit) - 1)  # as an unsigned number
+        self.set_position(position & ((1 << low_bit) - 1))  # as an unsigned number
 
     def restart(self) -> None:
         """Switch the supply off and on again. Registers that were not saved are lost."""
@@ -343,7 +343,7 @@ class VirtualEncoder:
         width = self.place(layout).field(name).width
         position_width = self.place(position_layout).field(position_name).width
         bits = self.parts_now(position_layout)[position_name]
-        return {name: bits >> position_width - width if position_width >= width else bits << width - position_width}
+        return {name: bits >> (position_width - width) if position_width >= width else bits << (width - position_width)}
 
     @property
     def _position_layout(self) -> Layout | None:
@@ -421,7 +421,7 @@ class VirtualEncoder:
 
 def _number_from_bits(placed_field: PlacedField, bits: int) -> int:
     """Return the number that the bits of a field stand for."""
-    sign_bit = bits >> placed_field.width - 1
+    sign_bit = bits >> (placed_field.width - 1)
     if placed_field.field.number.signed and sign_bit:
         return bits - (1 << placed_field.width)
     return bits

@@ -132,7 +132,7 @@ class Memory:
         register = self._writable_register_at(address)
         if register is None or not self._is_open(register):
             return False
-        bits_that_fit = value & (1 << 8 * register.length) - 1  # Python evaluates - before &.
+        bits_that_fit = value & ((1 << (8 * register.length)) - 1)
         self._bytes[register.name][:] = register.bytes_of(bits_that_fit)
         self._react_to_write(register)
         return True
@@ -390,13 +390,13 @@ class Memory:
 
 def _bits_of_field(number: int, placed_field: PlacedField) -> int:
     """Return the bits of a field in the number that a register holds."""
-    return number >> placed_field.low & placed_field.mask
+    return (number >> placed_field.low) & placed_field.mask
 
 
 def _with_bits_of_field(number: int, placed_field: PlacedField, bits: int) -> int:
     """Return the number that a register holds with other bits in a field."""
     other_bits = number & ~(placed_field.mask << placed_field.low)
-    return other_bits | bits << placed_field.low
+    return other_bits | (bits << placed_field.low)
 
 
 def _command_steps(procedure: Procedure, command_register: Register) -> list[WriteStep]:

@@ -337,9 +337,9 @@ class SpiLine:
             self._next_reply = answer, length
             # A longer word ends with zeros, and a shorter one has only the beginning of the reply.
             if length > previous_length:
-                answer = previous_answer << length - previous_length
+                answer = previous_answer << (length - previous_length)
             else:
-                answer = previous_answer >> previous_length - length
+                answer = previous_answer >> (previous_length - length)
         return word_with_fault(self.encoder, self.encoder.faults.draw(), answer, length)
 
     def receive(self, data: bytes) -> None:
@@ -446,4 +446,4 @@ class SpiLine:
 
 def _first_word(data: bytes, bits: int) -> int:
     """Return the first word in the data. If it is not whole bytes, the top bits of its first byte are unused."""
-    return int.from_bytes(data[: (bits + 7) // 8], "big") & (1 << bits) - 1
+    return int.from_bytes(data[: (bits + 7) // 8], "big") & ((1 << bits) - 1)

@@ -175,7 +175,7 @@ class Decoder:
                 mask, expected_value = constant.mask, constant.value
         for piece, number in pieces:
             mask |= piece.mask << piece.right
-            expected_value |= (number >> piece.left & piece.mask) << piece.right
+            expected_value |= ((number >> piece.left) & piece.mask) << piece.right
         whole_byte = Name(f"bytes[{byte}]")
         compared_bits = masked(whole_byte, mask) if mask != 0xFF else whole_byte
         return Operation("!=", (compared_bits, Number(expected_value, hexadecimal=True)))
@@ -341,10 +341,10 @@ def _constant_bytes(checks: Iterable[Check]) -> list[ByteIs]:
                 for piece in bits.pieces:
                     # Bit ``left`` of the number is bit ``right`` of the byte.
                     earlier = constant_bytes.get(piece.byte, ByteIs(piece.byte, mask=0, value=0, reasons=()))
-                    value_in_byte = (constant >> piece.left & piece.mask) << piece.right
+                    value_in_byte = ((constant >> piece.left) & piece.mask) << piece.right
                     constant_bytes[piece.byte] = ByteIs(
                         piece.byte,
-                        mask=earlier.mask | piece.mask << piece.right,
+                        mask=earlier.mask | (piece.mask << piece.right),
                         value=earlier.value | value_in_byte,
                         reasons=tuple(dict.fromkeys((*earlier.reasons, name))),
                     )

@@ -239,7 +239,7 @@ class Encoder:
             if isinstance(term.value, Fixed):
                 for piece in term.field.pieces:
                     # Bit ``left`` of the number is bit ``right`` of the byte.
-                    bits_of_piece = term.value.number >> piece.left & piece.mask
+                    bits_of_piece = (term.value.number >> piece.left) & piece.mask
                     constants[piece.byte] |= bits_of_piece << piece.right
         return constants
 

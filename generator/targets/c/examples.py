@@ -212,7 +212,7 @@ class ExampleCode:
         frame = frames[0]
         bits_macro, bytes_macro = self.view.lengths.macros_of(frame)
         # A 1, the word, and a 0. In the buffer, the first bit received is the highest of the first byte.
-        bits_on_line = (1 << frame.bits | self.frame.wire) << 1
+        bits_on_line = ((1 << frame.bits) | self.frame.wire) << 1
         unused_bits = 8 * frame.bytes - frame.bits - SSI_AROUND
         return ReceivedBytes(
             bits=bits_macro.name,
@@ -254,7 +254,7 @@ class ExampleCode:
         numbers: dict[str, int] = {}
         for placed_field in self.frame.layout.place(parameters).fields:
             if isinstance(meaning_of(placed_field.field), Raw):
-                numbers[placed_field.name] = self.frame.wire >> placed_field.low & placed_field.mask
+                numbers[placed_field.name] = (self.frame.wire >> placed_field.low) & placed_field.mask
         for whole in self.struct.plan.wholes:
             if all(field.name in numbers for field in whole.fields):
                 numbers[whole.join.name] = whole.joined(numbers, parameters)

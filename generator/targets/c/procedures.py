@@ -358,7 +358,7 @@ class ProcedureCode:
         # Bit ``left`` of the number is bit ``right`` of the byte.
         value = FixedNumber(write.step.value) if isinstance(write, Polls) else write.value
         if isinstance(value, FixedNumber):
-            bits_of_piece = value.number >> piece.left & piece.mask
+            bits_of_piece = (value.number >> piece.left) & piece.mask
             return Number(bits_of_piece << piece.right, hexadecimal=True)
         bits = shifted_right(Name(self._names[value.argument.name]), piece.left)
         if piece.mask != 0xFF:

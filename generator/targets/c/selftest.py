@@ -353,7 +353,7 @@ def _member_names(codec: StructCodec) -> Iterator[str]:
 
 def _word_check(crc: WordCrc, data: int, check: int) -> Iterator[Work]:
     """Yield the check that the CRC function returns 0 for a word that ends in its CRC, if a frame can be as long."""
-    word = data << crc.crc.width | check
+    word = (data << crc.crc.width) | check
     if word.bit_length() <= crc.bits:
         yield CrcCheck(crc.name, data=(), word=_hex(word, 64), crc=_hex(0))
 

@@ -267,7 +267,7 @@ class Variants:
             return lowest, highest, modulus
         width = position_range.signed_field.width
         if width.is_constant:
-            return number(-1 << width.constant - 1), highest, modulus
+            return number(-1 << (width.constant - 1)), highest, modulus
         # The lowest number in two's complement is -highest - 1.
         return Operation(number(-1), "-", highest), highest, modulus
 
@@ -284,7 +284,7 @@ class Variants:
         if stated_highest is not None:
             return self._scope.of(stated_highest)
         if field.width.is_constant:
-            return number((1 << field.widest - 1) - 1)
+            return number((1 << (field.widest - 1)) - 1)
         return Operation(self._power(field.width - Expression(1)), "-", number(1))
 
     @cached_property

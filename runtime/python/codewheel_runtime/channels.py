@@ -72,7 +72,7 @@ class ChannelFrame:
         """Return the frame as it is sent, with the CRC of each channel."""
         number = 0
         for channel, bits in zip(self.channels, self._layout.channel_bits, strict=True):
-            number = number << bits | channel.encode()
+            number = (number << bits) | channel.encode()
         return number
 
     def to_dict(self) -> dict[str, Any]:
@@ -159,7 +159,7 @@ class ChannelLayout:
         for kind, arguments, channel_bits in zip(self.kinds, self._arguments, self.channel_bits, strict=True):
             low_bit -= channel_bits
             try:
-                channels.append(kind.decode(number >> low_bit & (1 << channel_bits) - 1, *arguments))
+                channels.append(kind.decode((number >> low_bit) & ((1 << channel_bits) - 1), *arguments))
             except FrameError as error:
                 error.channel = kind.__name__
                 raise
@@ -190,7 +190,7 @@ class ChannelLayout:
         """Return whether the compared fields of the channels agree."""
         numbers = [getattr(channels[field.channel], field.field) for field in self.compared]
         highest = [
-            number >> field.width - self.compared_bits for number, field in zip(numbers, self.compared, strict=True)
+            number >> (field.width - self.compared_bits) for number, field in zip(numbers, self.compared, strict=True)
         ]
         modulus = 1 << self.compared_bits
         # The difference is taken the shorter way around, because the lowest and the highest number are adjacent.

@@ -233,7 +233,7 @@ def check_limits(field: str, value: SupportsIndex, limits: tuple[int, int]) -> i
 def check_signed(field: str, value: SupportsIndex, bits: int) -> int:
     """Return ``value`` as an int. Raises RangeError unless it fits into ``bits`` bits as two's complement."""
     number = value if type(value) is int else whole_number(field, value)
-    sign_bit = 1 << bits >> 1
+    sign_bit = (1 << bits) >> 1
     # A field without bits has only the value 0.
     highest = max(sign_bit, 1) - 1
     if not -sign_bit <= number <= highest:
@@ -276,7 +276,7 @@ def text_number(field: str, text: str, length: int) -> int:
 
 def signed(value: int, bits: int) -> int:
     """Interpret ``bits`` bits as a two's complement number."""
-    return value - (1 << bits) if value & (1 << bits >> 1) else value
+    return value - (1 << bits) if value & ((1 << bits) >> 1) else value
 
 
 def zero_for(field: str, value: SupportsIndex, zero_means: int, bits: int) -> int:
@@ -294,21 +294,21 @@ def zero_for(field: str, value: SupportsIndex, zero_means: int, bits: int) -> in
 def from_gray(number: int, low: int, width: int, excess: int = 0) -> int:
     """Convert the ``width`` bits of ``number`` that start at bit ``low`` from Gray code to binary, minus ``excess``."""
     mask = (1 << width) - 1
-    gray = number >> low & mask
+    gray = (number >> low) & mask
     # Each bit of the binary number is the XOR of all Gray bits from it up to the highest.
     binary = gray
     while gray := gray >> 1:
         binary ^= gray
     other_bits = number & ~(mask << low)
-    return other_bits | (binary - excess & mask) << low
+    return other_bits | (((binary - excess) & mask) << low)
 
 
 def to_gray(number: int, low: int, width: int, excess: int = 0) -> int:
     """Convert the ``width`` bits of ``number`` that start at bit ``low``, plus ``excess``, from binary to Gray code."""
     mask = (1 << width) - 1
-    binary = (number >> low) + excess & mask
+    binary = ((number >> low) + excess) & mask
     other_bits = number & ~(mask << low)
-    return other_bits | (binary ^ binary >> 1) << low
+    return other_bits | ((binary ^ (binary >> 1)) << low)
 
 
 def unwrap(
@@ -370,8 +370,8 @@ def crc_of_bits(
     register = init
     for bit in range(bits - 1, -1, -1):
         # The highest bit of the register that is shifted out, XORed with the next bit of the number.
-        feedback = bool(register & top) != bool(number >> bit & 1)
-        register = register << 1 & mask
+        feedback = bool(register & top) != bool((number >> bit) & 1)
+        register = (register << 1) & mask
         if feedback:
             register ^= poly
     return (_reverse_bits(register, width) if refout else register) ^ xorout
@@ -384,7 +384,7 @@ def crc_of_bytes(data: Data, *, width: int, poly: int, init: int, refin: bool, r
     """
     data, number = as_bytes(data), 0
     for byte in data:
-        number = number << 8 | (_reverse_bits(byte, 8) if refin else byte)
+        number = (number << 8) | (_reverse_bits(byte, 8) if refin else byte)
     return crc_of_bits(number, 8 * len(data), width=width, poly=poly, init=init, refout=refout, xorout=xorout)
 
 

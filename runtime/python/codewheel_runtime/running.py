@@ -146,7 +146,7 @@ class _Procedure:
             self.readings.append(Reading(step, self._read(step)))
         elif isinstance(step, Modify):
             data = self._read(step)
-            number = int.from_bytes(data, step.order) & ~step.mask | step.value
+            number = (int.from_bytes(data, step.order) & ~step.mask) | step.value
             # Of several changes, the first one has the original bytes.
             self._before.setdefault(step.address, (step.register, data))
             changed = number.to_bytes(step.length, step.order)

@@ -202,7 +202,7 @@ def _find_doubtful_frames(chunk: Chunk, shape: Shape) -> list[Any]:
     failures: list[Any] = []
     for limb, (mask, value) in zip(chunk.limbs, checks.fixed, strict=False):
         if mask:
-            failures.append(limb & np.uint64(mask) ^ np.uint64(value))
+            failures.append((limb & np.uint64(mask)) ^ np.uint64(value))
     for place, allowed_values in checks.bytes:
         byte = chunk.byte(place)
         is_allowed = reduce(np.logical_or, (byte == np.uint8(value) for value in allowed_values))
@@ -328,7 +328,7 @@ def _write_column(chunk: Chunk, column: Column, out: Mapping[str, Any]) -> None:
             chunk.take(column.low, column.width, number)
             if column.width:
                 # In two's complement, this extends the sign to 64 bits: n ^ top - top.
-                top = np.uint64(1 << column.width - 1)
+                top = np.uint64(1 << (column.width - 1))
                 number ^= top
                 number -= top
         case _:
@@ -365,7 +365,7 @@ def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
                 # For bools, this is "where and not out[name]".
                 is_active = np.greater(is_active, out[name])
         elif any_unused_differs:
-            is_active = unused & unused.dtype.type(condition.mask & (1 << 8 * unused.itemsize) - 1) != 0
+            is_active = unused & unused.dtype.type(condition.mask & ((1 << (8 * unused.itemsize)) - 1)) != 0
         else:
             continue
         active_by_verdict.setdefault(condition.verdict, []).append(is_active)

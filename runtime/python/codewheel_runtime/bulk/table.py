@@ -194,7 +194,7 @@ class Table(_TableOf[_Name, _Unit]):
             return self._find_column(condition.flag)
         unused: Any = self._find_column("unused")
         # The mask is limited to the width of the column, as NumPy requires.
-        return unused & (condition.mask & (1 << 8 * unused.itemsize) - 1) != 0
+        return unused & (condition.mask & ((1 << (8 * unused.itemsize)) - 1)) != 0
 
     @property
     def others(self) -> Mapping[str, Any]:
@@ -323,7 +323,7 @@ class Table(_TableOf[_Name, _Unit]):
         if name in self._parts and name not in self._columns:
             # The part is computed once, and kept as a column.
             whole, low, width = self._parts[name]
-            self._columns[name] = self._columns[whole] >> low & ((1 << width) - 1)
+            self._columns[name] = (self._columns[whole] >> low) & ((1 << width) - 1)
         if name not in self._columns:
             raise KeyError(self._unknown_column_error(name))
         return self._columns[name]

@@ -145,7 +145,7 @@ class Accesses:
         head = self._head if is_head_complete else self._sent >> 4
         return Access(
             time=self._time,
-            slave_id=head >> 7 & 7,
+            slave_id=(head >> 7) & 7,
             address=head & 0x7F,
             is_write=self._is_write,
             value=value,
@@ -159,9 +159,9 @@ class Accesses:
         The CDS bit of a cycle answers the CDM bit of the cycle before, so the header ends one cycle after W.
         """
         self._bit_count += 1
-        self._answers = self._answers << 1 | cds
+        self._answers = (self._answers << 1) | cds
         if self._bit_count <= HEADER_BITS:
-            self._sent = self._sent << 1 | cdm
+            self._sent = (self._sent << 1) | cdm
         if self._bit_count == ADDRESS_BITS:
             self._head = self._sent >> 4
             # Commands have no registers, and a damaged header reaches no slave.
@@ -171,7 +171,7 @@ class Accesses:
             self._is_write = self._sent & 0b11 == 0b01
         elif self._bit_count == HEADER_BITS + 1:
             # The value is not known yet. Any value makes it a write.
-            request = Request(self._head >> 7 & 7, self._head & 0x7F, 0 if self._is_write else None)
+            request = Request((self._head >> 7) & 7, self._head & 0x7F, 0 if self._is_write else None)
             outcome = request._check_echo(self._answers)
             if outcome is not Outcome.RUNNING:
                 yield self._make_access(None, outcome.value)
@@ -199,9 +199,9 @@ class Accesses:
         """
         self._bit_count += 1
         if self._bit_count < BYTE_BITS:
-            self._answers, self._sent = self._answers << 1 | cds, self._sent << 1 | cdm
+            self._answers, self._sent = (self._answers << 1) | cds, (self._sent << 1) | cdm
         elif self._bit_count == BYTE_BITS:
-            self._answers = self._answers << 1 | cds
+            self._answers = (self._answers << 1) | cds
             value = _decode_value(self._sent if self._is_write else self._answers)
             if self._is_write:
                 is_repeated = self._answers == self._sent

@@ -220,7 +220,7 @@ def _parse_crc_field(text: str, width: int, numbers: Sequence[int]) -> _Field:
     fits = poly < 2 * top_bit and init < top_bit
     if not is_narrow or not is_odd or not fits or len(numbers) > 2:
         raise UsageError(f"{short(text)} is not a CRC: expected crc=BITS:POLYNOMIAL, such as crc=6:0x43")
-    return _Field("crc", width, poly & top_bit - 1, init)
+    return _Field("crc", width, poly & (top_bit - 1), init)
 
 
 def _parse_number(text: str) -> int:

@@ -129,7 +129,7 @@ def _read_session(stack: ExitStack, file: BinaryIO, path: str, names: Names, rat
         data=_find_numbered_probe(names.data, probes, numbers, path),
     )
     # Places are those in ``channels``. The lowest bit is probe 1.
-    masks = tuple(1 << numbers[place] - 1 for place in numbered_names.places(channels, path))
+    masks = tuple(1 << (numbers[place] - 1) for place in numbered_names.places(channels, path))
     entries = _list_sample_files(archive, stem)
     if not entries:
         raise InputError(path, "", "this sigrok session has no samples")

@@ -172,4 +172,4 @@ def _read_bytes(cells: Any, length: int, pc: Any) -> Any:
     # 255 stands for a character that is not a hexadecimal digit.
     if digits.max() > 15:
         return None
-    return (digits[::2] << 4 | digits[1::2]).reshape(count, length)
+    return ((digits[::2] << 4) | digits[1::2]).reshape(count, length)

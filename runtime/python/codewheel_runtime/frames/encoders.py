@@ -105,7 +105,7 @@ def _describe_usual_bits(column: Column) -> _Bits | None:
             return _Bits("type({0}) is bool", "(not {0})") if width else _Bits("{0} is False", "0")
         case "signed" if width:
             # The double braces leave {0} in the text.
-            top = 1 << width >> 1
+            top = (1 << width) >> 1
             return _Bits(f"type({{0}}) is int and {-top} <= {{0}} < {top}", f"({{0}} & {(1 << width) - 1:#x})")
         case "number" if not column.values:
             return _Bits(f"type({{0}}) is int and not {{0}} >> {width}", "{0}")
