@@ -62,7 +62,8 @@ def _read_acceptance(document: Document, index: int, acceptance: object) -> Acce
     location = f"{document.file}:{line}"
     if not isinstance(acceptance, dict) or set(acceptance) != set(_KEYS) or not _has_texts(acceptance):
         raise NotAccepted(f"{location}: an accepted change has the keys {listed(_KEYS)}, each with text")
-    rule, until = acceptance["rule"], acceptance["until"]
+    rule = acceptance["rule"]
+    until = acceptance["until"]
     if rule not in RULES:
         raise NotAccepted(f"{location}: there is no rule {quoted(rule)}{suggestion(rule, RULES)}")
     try:

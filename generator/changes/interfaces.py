@@ -67,7 +67,8 @@ def _compare_access(family_pair: FamilyPair, subject: Subject, old: Register, ne
         rule = "access-lost"
     else:
         # The functions of a register that is still accessible as before keep their names.
-        rule, access_subject = "access-gained", access_subject.unnamed
+        rule = "access-gained"
+        access_subject = access_subject.unnamed
     yield family_pair.change(rule, access_subject, description=description, old=old.access, new=new.access)
 
 
@@ -93,7 +94,8 @@ def compare_procedure(family_pair: FamilyPair, subject: Subject, old: Procedure,
 
 def _compare_arguments(family_pair: FamilyPair, subject: Subject, old: Procedure, new: Procedure) -> Iterator[Change]:
     """Yield a change if the arguments differ in names, registers or meanings, or else in their words."""
-    old_arguments, new_arguments = _signature(map(family_pair.with_new_names, old.arguments)), _signature(new.arguments)
+    old_arguments = _signature(map(family_pair.with_new_names, old.arguments))
+    new_arguments = _signature(new.arguments)
     if old_arguments != new_arguments:
         old_texts, new_texts = _argument_names(old), _argument_names(new)
         if old_texts == new_texts:  # Then the register that takes an argument differs, or its meaning.

@@ -80,9 +80,13 @@ def _changes_in_file(family: str, path: str, old_text: str, new_text: str) -> It
     Names that are new are not listed. Other files and private modules have none.
     """
     if path.endswith(".h"):
-        kind, old_value_by_name, new_value_by_name = "C macro", _macros(old_text), _macros(new_text)
+        kind = "C macro"
+        old_value_by_name = _macros(old_text)
+        new_value_by_name = _macros(new_text)
     elif path.endswith(".py") and not _is_private_module(path):
-        kind, old_value_by_name, new_value_by_name = "Python name", _python_names(old_text), _python_names(new_text)
+        kind = "Python name"
+        old_value_by_name = _python_names(old_text)
+        new_value_by_name = _python_names(new_text)
     else:
         return
     for name, old_value in old_value_by_name.items():

@@ -113,7 +113,8 @@ def _check_device(checked: SchemaResult, document: Document, report: Report) -> 
     removed_places = set(checked.cut)
     completed_data = _with_prose(checked.data, checked.kind)
     recording_report = _RecordingReport(report, document)
-    spec, raw = WrittenSpec(completed_data), WrittenSpec(document.data)
+    spec = WrittenSpec(completed_data)
+    raw = WrittenSpec(document.data)
     for rule in RULES:
         recording_report.noted = []
         rule(spec, raw, recording_report)

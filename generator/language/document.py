@@ -210,7 +210,9 @@ class MissingPath(LookupError):
 
     def __init__(self, step: str, known_steps: list[str], existing_path: Path) -> None:
         super().__init__(step)
-        self.step, self.known_steps, self.existing_path = step, known_steps, existing_path
+        self.step = step
+        self.known_steps = known_steps
+        self.existing_path = existing_path
 
 
 def steps_of(text: str) -> tuple[str | int, ...]:
@@ -238,7 +240,8 @@ def resolve(data: Any, text: str) -> Path:
             step_text = f"[{step + 1}]" if isinstance(step, int) else step
             raise MissingPath(step_text, [str(key) for key in keys_by_step if isinstance(key, str)], path)
         key = keys_by_step[step]
-        path, data = (*path, key), data[key]
+        path = (*path, key)
+        data = data[key]
     return path
 
 

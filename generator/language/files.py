@@ -100,7 +100,8 @@ class _Search:
         self.files: list[Path] = []
         self.not_entered: list[tuple[Path, str]] = []
         self.is_complete = True
-        self._outputs, self._names_left = outputs, most_names
+        self._outputs = outputs
+        self._names_left = most_names
 
     def run(self, root: Path) -> None:
         """Search ``root``, then the folders in it, and so on, until the limit of names is reached."""

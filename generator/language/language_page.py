@@ -67,7 +67,9 @@ Only a second reading has these keys:
 
 def spec_page() -> str:
     """Return the content of ``docs/transcribe/spec-language.md``."""
-    device, manufacturer, overlay = load_schema("device"), load_schema("manufacturer"), load_schema("overlay")
+    device = load_schema("device")
+    manufacturer = load_schema("manufacturer")
+    overlay = load_schema("overlay")
     lines = [
         "<!-- Made from generator/language/*.schema.json by: make spec-page -->",
         "",
@@ -156,7 +158,8 @@ def _definition(name: str, shape: Shape, definitions: Shape) -> list[str]:
     if "properties" in shape:
         lines.append(_properties(shape, definitions))
     else:
-        kind, limits = _kind(shape), _limits(shape)
+        kind = _kind(shape)
+        limits = _limits(shape)
         capitalised_kind = kind[0].upper() + kind[1:]
         lines.append(f"{capitalised_kind}: {limits}." if limits else f"{capitalised_kind}.")
     return [*lines, ""]

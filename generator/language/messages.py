@@ -344,7 +344,8 @@ def _empty(error: Any, subject: str) -> tuple[str, str]:
 
 def _too_few(error: Any, subject: str) -> tuple[str, str]:
     """Return rule and message for a list or map with too few entries."""
-    count, min_count = len(error.instance), error.validator_value
+    count = len(error.instance)
+    min_count = error.validator_value
     if min_count > 1:
         noun = "entry" if count == 1 else "entries"
         return "too-short", f"{subject} has {count or 'no'} {noun}; it needs at least {min_count}"

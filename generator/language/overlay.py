@@ -90,8 +90,10 @@ class LayeredSpec:
     """A spec to which layers are applied one after the other."""
 
     def __init__(self, base: Document, report: Report) -> None:
-        self._base, self._report = base, report
-        self._data, self._marks = base.data, base.marks
+        self._base = base
+        self._report = report
+        self._data = base.data
+        self._marks = base.marks
         self._other_files: dict[str, tuple[str, ...]] = dict(base.other_files)
         self._set: dict[Path, tuple[Layer, int]] = {}
         self.applied: list[AppliedChange] = []
@@ -251,7 +253,8 @@ class LayeredSpec:
 
     def _remove_value(self, layer: Layer, place: Path, text: str, path: Path, *, is_known: bool) -> None:
         """Remove the value at ``path``, and record the removed place or, if it has no name any more, its parent."""
-        affected, parent_affected = as_affected(self._data, path), as_affected(self._data, path[:-1])
+        affected = as_affected(self._data, path)
+        parent_affected = as_affected(self._data, path[:-1])
         self._data, self._marks = without_value(self._data, self._marks, path)
         # Without its name, only the parent of the removed item can still be referred to.
         affects = affected if leads_somewhere(self._data, affected) else parent_affected
@@ -381,7 +384,8 @@ def _with_existing_affects(data: dict[str, Any], before: dict[str, Any]) -> dict
     errata = data.get("errata")
     if not isinstance(errata, list):
         return data
-    places, places_before = Affected(data), Affected(before)
+    places = Affected(data)
+    places_before = Affected(before)
     return {**data, "errata": [_affects_existing(erratum, places, places_before) for erratum in errata]}
 
 

@@ -78,7 +78,8 @@ def part_schema(kind: Any) -> JsonSchema:
 
 def _key_schema(described: DescribedKey) -> JsonSchema:
     """Return the JSON Schema of a key: its description, and a schema of its own or that of its type and limits."""
-    key, kind = described.key, key_type(described.notation)
+    key = described.key
+    kind = key_type(described.notation)
     description_text = f"{key.about} {key.writing}".rstrip()
     schema: JsonSchema = {"description": description_text} if description_text else {}
     if key.schema:

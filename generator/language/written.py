@@ -92,20 +92,23 @@ class _Attribute:
     """A key of a written part, which is read at its first use."""
 
     def __init__(self, described: DescribedKey, module: str) -> None:
-        self.described, self.module = described, module
+        self.described = described
+        self.module = module
 
     def __get__(self, part: WrittenPart | None, owner: type) -> Any:
         """Return the value of the key in a part, or this attribute itself if asked for by the class."""
         if part is None:
             return self
-        name, values = self.described.name, part._values
+        name = self.described.name
+        values = part._values
         if name not in values:
             values[name] = self._read(part)
         return values[name]
 
     def _read(self, part: WrittenPart) -> Any:
         """Return the value of the key. If it is missing or has a wrong type, return its default or an empty value."""
-        kind, name = key_type(self.described.notation), self.described.name
+        kind = key_type(self.described.notation)
+        name = self.described.name
         value = None
         if name in part.data:
             value = _reader(kind, self.module)(part.data[name], (*part.path, name))
@@ -234,7 +237,9 @@ def _cells(value: Any, _: Path) -> Any:
     return tuple(map(str, value)) if isinstance(value, list) else None
 
 
-_text, _number, _number_or_text = _is_of(str), _is_of(int), _is_of(int, str)
+_text = _is_of(str)
+_number = _is_of(int)
+_number_or_text = _is_of(int, str)
 #: The words for types that are not text.
 _READERS: Mapping[str, Reader] = MappingProxyType(
     {

@@ -32,7 +32,8 @@ def explain(error: yaml.MarkedYAMLError, text: str) -> tuple[int, int, str, str]
     The parser's ``problem_mark`` is where it stopped, and its ``context_mark`` where the open value begins.
     """
     lines = _LINE_BREAK.split(text)
-    problem, context = error.problem or "not understood", error.context or ""
+    problem = error.problem or "not understood"
+    context = error.context or ""
     opened: Any = error.context_mark
     stopped: Any = error.problem_mark or opened
     odd_space = _odd_space(lines, [mark.line for mark in (opened, stopped) if mark is not None])

@@ -244,7 +244,8 @@ def _write(raw: Raw, source: Sources, device: Device) -> Step:
     of the procedure, and the step has no number.
     """
     register_name, field_name = raw.get("register", ""), raw.get("field", "")
-    value_name, meaning = raw.get("value", ""), raw.get("meaning", "")
+    value_name = raw.get("value", "")
+    meaning = raw.get("meaning", "")
     candidate_fields: list[Any] = []
     for register in device.registers:
         if register.name == register_name:

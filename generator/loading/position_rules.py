@@ -246,7 +246,8 @@ def _other_unit(case: _Case, values: Mapping[str, int]) -> tuple[str, str] | Non
     position_fields = [case.layout.field(name) for name, _ in case.fields]
     if not key or len(position_fields) != 1 or position_fields[0].unit not in _NANOMETRES:
         return None
-    unit, per_counts = position_fields[0].unit, values.get("per_counts", 1)
+    unit = position_fields[0].unit
+    per_counts = values.get("per_counts", 1)
     # The step is the length of 'per_counts' counts, and the unit of the field that of one count.
     if values[key] * _NANOMETRES["um" if key == "step_um" else "nm"] == _NANOMETRES[unit] * per_counts:
         return None

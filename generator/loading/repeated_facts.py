@@ -234,7 +234,8 @@ def _check_biss_id(device: Device, report: DocumentReport) -> None:
 
 def _documented_bits(register: Register, variant: Variant) -> tuple[int, int]:
     """Return the documented values of a register as one number, and the mask of the bits that they give."""
-    number, mask = 0, 0
+    number = 0
+    mask = 0
     for placed_field in register.layout.place(variant.parameters).fields:
         documented = placed_field.field.documented(variant.parameters)
         if documented is not None and placed_field.low + placed_field.width <= 8 * register.length:

@@ -167,7 +167,8 @@ def from_data(rows: Any) -> model.Device:
     built_objects: list[Any] = []
     try:
         for index, *raw_values in rows:
-            kind, values = _CLASSES[index], [_rebuilt(part, built_objects) for part in raw_values]
+            kind = _CLASSES[index]
+            values = [_rebuilt(part, built_objects) for part in raw_values]
             if _BY_KEYWORD[index]:
                 built_objects.append(kind(**dict(zip(_NAMES[index], values, strict=True))))
             else:

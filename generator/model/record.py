@@ -82,11 +82,15 @@ def _init_of(kind: type) -> Any:
     ``_NAME`` is MISSING, and the body calls the function, ``_of_NAME``, if it receives this.
     """
     namespace: dict[str, Any] = {"_set": object.__setattr__}
-    positional_parameters, keyword_parameters, statements = ["self"], ["*"], ["pass"]
+    positional_parameters = ["self"]
+    keyword_parameters = ["*"]
+    statements = ["pass"]
     for field in fields(kind):
-        name, value = field.name, field.name
+        name = field.name
+        value = field.name
         if field.default_factory is not MISSING:
-            namespace[f"_of_{name}"], namespace[f"_{name}"] = field.default_factory, MISSING
+            namespace[f"_of_{name}"] = field.default_factory
+            namespace[f"_{name}"] = MISSING
             value = f"_of_{name}() if {name} is _{name} else {name}"
         elif field.default is not MISSING:
             namespace[f"_{name}"] = field.default

@@ -199,7 +199,8 @@ def _crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
     bits = bits_of(layout, field) if field.width.is_constant else _bits_at_end(layout, crc.width)
     if field.kind.of:
         # From the most significant field to the least significant one.
-        first_covered, last_covered = layout.field(field.kind.of[0]), layout.field(field.kind.of[-1])
+        first_covered = layout.field(field.kind.of[0])
+        last_covered = layout.field(field.kind.of[-1])
         return FrameCrc(
             crc=crc,
             field=field,
@@ -425,7 +426,8 @@ def moved_bits(codec: Codec) -> tuple[ShiftedBits, ...]:
             if earlier_bits is None:
                 bits_by_shift[byte_and_shift] = bits
             else:
-                mask, value = earlier_bits.mask | bits.mask, earlier_bits.value | bits.value
+                mask = earlier_bits.mask | bits.mask
+                value = earlier_bits.value | bits.value
                 bits_by_shift[byte_and_shift] = replace(bits, mask=mask, value=value)
     return tuple(bits_by_shift.values())
 

@@ -270,7 +270,8 @@ def _column(field: Field, is_power: bool) -> Column:
 
 def _check(check: PlannedCheck) -> Check:
     """Return a check of the plan as data: the bits, and the values, the limits or the parity that they must have."""
-    field, fault = check.field, check.fault
+    field = check.field
+    fault = check.fault
     match check:
         case AlwaysIs(value=value):
             return Check(field.low, field.width, fault, values=(value,))

@@ -80,11 +80,13 @@ class BissLine(ByLevels):
         if encoder.variant.interface != "biss":
             raise ValueError(f"{encoder.variant.code} has no BiSS")
         super().__init__()
-        self.encoder, self.acknowledge = encoder, acknowledge
+        self.encoder = encoder
+        self.acknowledge = acknowledge
         #: The answer to the control frame that the master sends, bit by bit.
         self._control_frame: Generator[int, int, int] | None = None
         self._cdm_zeros = 0
-        self._ma, self._cdm = 1, 0
+        self._ma = 1
+        self._cdm = 0
         #: Rising edges of MA in this cycle, and its bits.
         self._rising_edges = 0
         self._cycle_bits: list[int] = []
@@ -133,7 +135,8 @@ class BissLine(ByLevels):
 
         A fault is drawn, which may change them. The CDM bit of the previous cycle is taken even then.
         """
-        encoder, faults = self.encoder, self.encoder.faults
+        encoder = self.encoder
+        faults = self.encoder.faults
         fault = faults.draw()
         cds = self._exchange_control_bit(cdm)
         word = self._word()
@@ -182,7 +185,8 @@ class BissLine(ByLevels):
 
     def timeout(self) -> int:
         """Let the time-out pass. The inverse of the level of MA is the CDM bit. SLO is then high."""
-        self._cdm, self._rising_edges = 1 - self._ma, 0
+        self._cdm = 1 - self._ma
+        self._rising_edges = 0
         return 1
 
     def _exchange_control_bit(self, cdm: int) -> int:
@@ -257,7 +261,8 @@ class BissLine(ByLevels):
             byte_and_crc = (byte_and_crc << 1) | cdm
             cdm = yield cdm
         byte_and_crc = (byte_and_crc << 1) | cdm
-        byte, received_crc = byte_and_crc >> 4, byte_and_crc & 0xF
+        byte = byte_and_crc >> 4
+        received_crc = byte_and_crc & 0xF
         if received_crc != compute_bits(_CRC, byte, 8):
             return cdm, False
         self.encoder.memory.write(address, byte)
@@ -277,7 +282,8 @@ class BissLine(ByLevels):
 def _receive_head() -> Generator[int, int, tuple[int, int]]:
     """Receive the head of a control frame. Return the next CDM bit, which is the read bit, and the head."""
     # CTS, 3 bits of the slave ID, 7 of the address and 4 of the CRC. CDS answers the start bit with 1.
-    cdm, head = (yield 1), 0
+    cdm = yield 1
+    head = 0
     for _ in range(15):
         head = (head << 1) | cdm
         cdm = yield 0
@@ -331,7 +337,8 @@ class SsiLine(ByLevels):
         is_rising_edge = level and not self._clock_level
         if is_rising_edge:
             if self._bits_left < 0:
-                self._word, self._bits_left = self.word(), self.bits
+                self._word = self.word()
+                self._bits_left = self.bits
             if self._bits_left > 0:
                 self._bits_left -= 1
             self._data_level = (self._word >> self._bits_left) & 1
@@ -342,5 +349,6 @@ class SsiLine(ByLevels):
 
     def timeout(self) -> int:
         """Let the pause after a word pass. The data line is then high, unless the encoder is busy."""
-        self._bits_left, self._data_level = -1, int(not self._is_not_ready)
+        self._bits_left = -1
+        self._data_level = int(not self._is_not_ready)
         return self._data_level

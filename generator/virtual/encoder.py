@@ -314,7 +314,8 @@ class VirtualEncoder:
         position_bits = self.parts_now(layout) | self._compared_parts(layout)
         values: dict[str, int | str | bool] = {}
         for placed_field in self.place(layout).fields:
-            name, field = placed_field.name, placed_field.field
+            name = placed_field.name
+            field = placed_field.field
             if not field.carries_data:
                 continue
             documented_value = field.documented(self.variant.parameters)

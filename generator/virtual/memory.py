@@ -52,7 +52,8 @@ class Memory:
 
     def __init__(self, encoder: Host, initial_bytes: Mapping[str, bytes]) -> None:
         self._encoder = encoder
-        device, interface = encoder.device, encoder.variant.interface
+        device = encoder.device
+        interface = encoder.variant.interface
         self.registers = {register.name: register for register in device.registers_over(interface)}
         self.too_early = 0
         #: Time from which the encoder executes the next command.

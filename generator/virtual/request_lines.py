@@ -175,7 +175,8 @@ class Rs485Line:
         self, data_id: DataId | None, request: bytes, values: dict[str, int | str | bool], layout: Layout | None
     ) -> None:
         """Carry out a request, draw a fault for it, and schedule the reply with this layout as the fault leaves it."""
-        encoder, faults = self.encoder, self.encoder.faults
+        encoder = self.encoder
+        faults = self.encoder.faults
         now = encoder.clock()
         fault = faults.draw()
         if fault == "busy":

@@ -172,7 +172,8 @@ def check_constant_bits(placed_layout: PlacedLayout, frame: int) -> tuple[int, b
     These are constants, parity, and the field that identifies the layout. A field that may have one of 4 values has 2
     free bits, which do not count.
     """
-    constant_bits, are_right = 0, True
+    constant_bits = 0
+    are_right = True
     for placed_field in placed_layout.fields:
         raw_value = (frame >> placed_field.low) & placed_field.mask
         expected_value = _expected_constant(placed_layout, placed_field, frame)

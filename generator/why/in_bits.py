@@ -118,7 +118,8 @@ def _bits_during_command(placed_layout: PlacedLayout, crc: Crc | None) -> tuple[
     result is ``(0, 0)``.
     """
     low, width = placed_layout.crc_covers if crc is not None else (0, placed_layout.bits)
-    command, lowest_bit = 0, placed_layout.bits
+    command = 0
+    lowest_bit = placed_layout.bits
     for field in sorted(placed_layout.fields, key=lambda placed_field: -placed_field.low):
         is_uncovered = field.low >= low + width
         if not isinstance(field.field.kind, Constant) and not is_uncovered:
@@ -257,7 +258,8 @@ def _removed_status_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_fram
     are_last_before_crc = frame_status_mask >> crc.width == (1 << status_bits) - 1
     if not frame_status_mask or not are_last_before_crc or not typed_frame.may_have(bits_without_status):
         return
-    data, received_crc = typed_frame.number >> crc.width, typed_frame.number & crc.mask
+    data = typed_frame.number >> crc.width
+    received_crc = typed_frame.number & crc.mask
     frame = (data << (crc.width + status_bits)) | _idle_status(placed_layout, frame_status_mask) | received_crc
     yield frame_hypothesis("status_not_sent", TEXTS["removed_and_idle"], placed_layout, crc, frame)
     if typed_frame.exact:  # Otherwise this is the same as a CRC over the bits before them.

@@ -282,7 +282,8 @@ def zero_within_limits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
     """Check that the number for which zero stands is at most one more than the highest one of its register."""
     for register in spec.registers:
         for field in register.fields:
-            zero, highest = field.zero_means, register.max
+            zero = field.zero_means
+            highest = register.max
             is_limited = register.limits_of in ("", field.name)
             # 0 can stand for the number after the highest one, such as 65536 in 16 bits.
             if isinstance(zero, int) and isinstance(highest, int) and is_limited and zero > highest + 1:

@@ -73,7 +73,8 @@ def biss_taken(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> N
         fixed_name = _taken_place(register)
         if fixed_name is None or explained(report.document, "registers", name, "address"):
             continue
-        first, last = register.address, register.address + register.length - 1
+        first = register.address
+        last = register.address + register.length - 1
         address_text = f"at {first:02X}h" if first == last else f"at {first:02X}h to {last:02X}h"
         problem = f"{quoted(name)} is {address_text}, but BiSS has {quoted(fixed_name)} {_PLACES[fixed_name][2]}"
         remedy = (
@@ -88,7 +89,8 @@ def _taken_place(register: WrittenRegister) -> str | None:
 
     A part of that register may be here, and so may any register at 41h.
     """
-    first_address, end_address = register.address, register.address + register.length
+    first_address = register.address
+    end_address = register.address + register.length
     for fixed_name, (fixed_first, length, _) in _PLACES.items():
         fixed_end = fixed_first + length
         overlaps = first_address < fixed_end and fixed_first < end_address
@@ -119,7 +121,8 @@ def biss_frame(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> N
 
     A frame without either is not checked. An erratum explains what the manual prints differently.
     """
-    groups, crcs = by_name(raw.field_groups), by_part_name(raw.crcs)
+    groups = by_name(raw.field_groups)
+    crcs = by_part_name(raw.crcs)
     for frame in layouts(spec):
         layout = frame.layout
         if layout is None or frame.interface != Biss.name or not frame.is_from_encoder:
@@ -198,7 +201,8 @@ def _late_positions(sent_fields: SentFields, positions: set[str], frame_path: st
 
 def _inverts_another_width(crc: Crc) -> str:
     """Return the message about a CRC whose ``xorout`` inverts 6 or 16 bits, but not all bits of its width."""
-    inverted_bits, width = _INVERTED[crc.xorout], crc.width
+    inverted_bits = _INVERTED[crc.xorout]
+    width = crc.width
     problem = (
         f"the CRC {quoted(crc.name)} has 'width' {width}, but its 'xorout' {crc.xorout:#x} inverts {inverted_bits} bits"
     )

@@ -104,7 +104,8 @@ def alarm_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> N
     """
     for located_alarm in spec.alarms:
         alarm = located_alarm.part
-        name, flag_name = alarm.name, alarm.field or alarm.name
+        name = alarm.name
+        flag_name = alarm.field or alarm.name
         owner = owner_of_alarm(spec, located_alarm)
         flags = by_name(owner.fields) if owner is not None else {}
         if name != flag_name and name in flags and flag_name in flags:

@@ -70,7 +70,8 @@ class _Connector:
 
     def names_in_note(self, signal: str) -> bool:
         """Return True if the note names a signal, which explains that it is missing."""
-        note, words = _plain(self.part.note), re.escape(_plain(signal))
+        note = _plain(self.part.note)
+        words = re.escape(_plain(signal))
         return re.search(rf"(?<![\w/]){words}(?![\w+-])", note) is not None
 
     def shares_interface(self, other: _Connector) -> bool:

@@ -84,7 +84,8 @@ def _report_missing_frame(
 
 def purposes(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a request that reads or writes the memory, and so needs an address, has more than its data ID."""
-    rs485, groups = spec.interfaces.rs485, by_name(raw.field_groups)
+    rs485 = spec.interfaces.rs485
+    groups = by_name(raw.field_groups)
     for data_id in rs485.data_ids if rs485 is not None else ():
         request = _request_with(data_id, rs485) if rs485 is not None else None
         if request is None or data_id.part.purpose not in _OF_MEMORY:

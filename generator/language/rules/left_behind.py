@@ -71,7 +71,8 @@ def _shows_default(example: WrittenExample) -> bool:
 
 def _check_shown_default(example: WrittenExample, register: WrittenRegister, report: DocumentReport) -> None:
     """Check that the bytes of an example are the default of the register. Its byte order must be known for that."""
-    default_digits, shown_digits = _bytes_of(register), example.bytes.replace(" ", "").casefold()
+    default_digits = _bytes_of(register)
+    shown_digits = example.bytes.replace(" ", "").casefold()
     if not default_digits or shown_digits == default_digits:
         return
     message = f"the example shows the default of {quoted(example.register)}, which is {register.default:#x}"
@@ -128,7 +129,8 @@ def _bytes_of(register: WrittenRegister) -> str:
 
     The result is empty without a default, without a byte order for several bytes, or if the default does not fit.
     """
-    length, default = register.length, register.default
+    length = register.length
+    default = register.default
     if default is None or (length > 1 and not register.byte_order):
         return ""
     byte_order: Literal["little", "big"] = "little" if register.byte_order == "low_byte_first" else "big"
@@ -144,7 +146,8 @@ def order_codes_in_texts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRe
     A text may leave parts open, such as ``TV62-xxx-0050-...``, and may end after any part.
     """
     pattern = spec.order_code.pattern
-    starts, pieces = _starts(spec.order_code), _pieces(spec.order_code)
+    starts = _starts(spec.order_code)
+    pieces = _pieces(spec.order_code)
     # An older edition is derived with its own order codes and with today's texts, so the two need not agree.
     if not starts or report.document.family:
         return
@@ -248,7 +251,8 @@ def _unknown_label(text: str, pieces: Sequence[tuple[str, re.Pattern[str] | None
         rest = text.removeprefix(before)
         match = expression.match(rest) or _LEFT_OPEN.match(rest)
         if match is not None:
-            is_left_open, text = rest[0] in "x.…_*", rest[match.end() :]
+            is_left_open = rest[0] in "x.…_*"
+            text = rest[match.end() :]
         elif before or not is_left_open:
             return _first_word(rest)
     return ""

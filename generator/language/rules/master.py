@@ -54,7 +54,8 @@ def check_master(data: dict[str, object], report: DocumentReport) -> None:
     master = WrittenMaster(data)
     _check_name(master, report)
     for path, node in _nodes(data, ()):
-        cited_part, condition = _CitedPart(node, path), WrittenCondition(node, path)
+        cited_part = _CitedPart(node, path)
+        condition = WrittenCondition(node, path)
         if cited_part.source:
             _check_source(cited_part.source, cited_part.place_of("source"), master, report)
         if condition.item:  # Only a map with this key is a condition or a limit.
@@ -133,7 +134,8 @@ def _is_item(name: str, path: Path, report: DocumentReport, valid_items: tuple[s
 
 def _check_limit(condition: WrittenCondition, report: DocumentReport) -> None:
     """Check that a condition or limit gives words for a word, and bounds or numbers for a number."""
-    name, path = condition.item, condition.path
+    name = condition.item
+    path = condition.path
     if not _is_item(name, condition.place_of("item"), report):
         return
     is_word = name in WORDS
@@ -239,7 +241,8 @@ def _check_object_and_bits(place: WrittenPlace, report: DocumentReport) -> None:
     has_index, has_subindex = place.index is not None, place.subindex is not None
     if has_index != has_subindex:
         report.add("setting-shape", place.path, "use 'index' and 'subindex' together or not at all")
-    is_bits, has_bit_range = place.type == "bits", place.at is not None
+    is_bits = place.type == "bits"
+    has_bit_range = place.at is not None
     if is_bits != has_bit_range:
         report.add("setting-shape", place.path, "use the type 'bits' and the key 'at' together or not at all")
     if has_bit_range and not _BITS.fullmatch(str(place.at)):

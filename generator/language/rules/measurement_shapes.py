@@ -22,7 +22,8 @@ def measurement_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
     if not spec.has("movement"):
         return
     keys_of_movement, foreign_keys = (_ANGLE, _LENGTH) if movement == "rotary" else (_LENGTH, _ANGLE)
-    unit_key, total_key = keys_of_movement[0], keys_of_movement[-1]
+    unit_key = keys_of_movement[0]
+    total_key = keys_of_movement[-1]
     raw_measurements = {measurement.path: measurement for measurement in measurements(raw)}
     for measurement in measurements(spec):
         raw_measurement = raw_measurements[measurement.path]

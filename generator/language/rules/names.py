@@ -40,7 +40,8 @@ Named = tuple[Path, object]
 
 def device_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a family and its file have the same name, and that no output reserves it."""
-    stem, name = report.document.family or family_of(report.document.file), spec.device
+    stem = report.document.family or family_of(report.document.file)
+    name = spec.device
     if name and name != stem:
         message = f"the device is called {quoted(name)}, but the file is called {quoted(stem)}"
         report.add("device-name", ("device",), f"{message}; use the same name for both")
@@ -240,5 +241,6 @@ def _address_space(register: WrittenRegister) -> tuple[str, int | None]:
 
 
 def _address_range(register: WrittenRegister) -> str:
-    first, last = register.address, last_address(register)
+    first = register.address
+    last = last_address(register)
     return f"address {first:#04x}" if first == last else f"addresses {first:#04x} to {last:#04x}"

@@ -67,7 +67,8 @@ def counts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
 
     They are computed by the formulas of the measurement, if the value sets all their parameters.
     """
-    formulas, definitions = dict(_formulas(spec)), _definitions(spec)
+    formulas = dict(_formulas(spec))
+    definitions = _definitions(spec)
     for part in spec.order_code.parts:
         for value in part.values.values():
             if value.meaning_differs:
@@ -125,7 +126,8 @@ def widths(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     The order codes set the parameter, or those from which it is derived. Its bounds are those with all at their lowest
     and with all at their highest.
     """
-    ranges, definitions = _ranges_set(spec), _definitions(spec)
+    ranges = _ranges_set(spec)
+    definitions = _definitions(spec)
     parameters_at_bounds = []
     for bound in (0, 1):
         set_numbers = {name: bounds_of_name[bound] for name, bounds_of_name in ranges.items()}
@@ -224,5 +226,6 @@ def _figure_numbers(text: str) -> Iterator[int]:
     for listed_numbers in _FIGURES.findall(text):
         for numbers in re.split(", | and ", listed_numbers):
             first_text, _, last_text = numbers.partition(" to ")
-            first, last = int(first_text), int(last_text or first_text)
+            first = int(first_text)
+            last = int(last_text or first_text)
             yield from range(first, last + 1) if last - first < _MOST_FIGURES else (first, last)

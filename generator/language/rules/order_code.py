@@ -19,7 +19,8 @@ from .parts import by_name, origins_of
 
 def order_code_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of order code values: parameters, interfaces, other parts and their labels."""
-    resolver, parts = NameResolver(raw, report), by_name(raw.order_code.parts)
+    resolver = NameResolver(raw, report)
+    parts = by_name(raw.order_code.parts)
     for part in spec.order_code.parts:
         other_parts = [name for name in parts if name != part.name]
         _check_combinations(resolver, part.place_of("open_only_with"), part.open_only_with, parts, other_parts)

@@ -234,7 +234,8 @@ def alternative_references(spec: WrittenSpec, raw: WrittenSpec, report: Document
 
     Parameters and examples must name alternatives that exist, and examples their answers.
     """
-    resolver, alternatives = NameResolver(raw, report), by_name(raw.alternatives)
+    resolver = NameResolver(raw, report)
+    alternatives = by_name(raw.alternatives)
     for alternative in spec.alternatives:
         parameters_as_read = raw.parameters.items()
         own_parameters = [name for name, parameter in parameters_as_read if parameter.alternative == alternative.name]

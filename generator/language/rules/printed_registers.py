@@ -48,7 +48,9 @@ def default_lists(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -
     """
     registers = by_name(spec.registers)
     for row in spec.printed_defaults:
-        has_bytes, has_place, has_value = bool(row.bytes), row.at is not None, row.value is not None
+        has_bytes = bool(row.bytes)
+        has_place = row.at is not None
+        has_value = row.value is not None
         has_whole_register = has_bytes and not has_place and not has_value
         has_some_bits = not has_bytes and has_place and has_value
         if not has_whole_register and not has_some_bits:
@@ -76,7 +78,8 @@ def _check_row(row: WrittenPrintedDefault, register: WrittenRegister, report: Do
 
 def _byte_faults(row: WrittenPrintedDefault, register: WrittenRegister) -> Iterator[tuple[str, str]]:
     """Yield the error of a row with the bytes of the whole register: the key to blame and the message. At most one."""
-    name, default = quoted(register.name), register.default
+    name = quoted(register.name)
+    default = register.default
     printed_bytes = bytes.fromhex(row.bytes)
     byte_order: Literal["little", "big"] = "little" if register.byte_order == "low_byte_first" else "big"
     number = int.from_bytes(printed_bytes, byte_order)
@@ -162,7 +165,8 @@ def writes(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
 
     A procedure with a step whose write is not known is not checked.
     """
-    registers, groups = by_name(spec.registers), by_name(spec.field_groups)
+    registers = by_name(spec.registers)
+    groups = by_name(spec.field_groups)
     for procedure in spec.procedures:
         steps = [step for step in procedure.steps if step.do == "write"]
         step_writes = [_step_write(step, registers, groups) for step in steps]
@@ -217,7 +221,8 @@ def _step_write(step: WrittenStep, registers: Mapping[str, WrittenRegister], gro
     # The field that has the value. Without one, the value is an argument, whose number the caller supplies.
     fields_with_value = [field for field in possible_fields if step.value in field.values]
     number = fields_with_value[0].values[step.value].value if fields_with_value else None
-    first, last = register.address, last_address(register)
+    first = register.address
+    last = last_address(register)
     writes_whole_register = not step.field and (not fields_with_value or len(register_fields) == 1)
     if writes_whole_register:
         return _Write(first=first, last=last, bit=None, value=number)

@@ -64,7 +64,8 @@ def step_access(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
 
     To write one field of a register with other bits, a step reads the register first.
     """
-    registers, groups = by_name(raw.registers), by_name(raw.field_groups)
+    registers = by_name(raw.registers)
+    groups = by_name(raw.field_groups)
     for procedure in spec.procedures:
         for step in procedure.steps:
             register = _register_of(step, registers)
@@ -200,7 +201,8 @@ def argument_written(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
 
 def procedure_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure with the name of a value of a register writes this value if it writes named ones there."""
-    registers, groups = by_name(raw.registers), by_name(raw.field_groups)
+    registers = by_name(raw.registers)
+    groups = by_name(raw.field_groups)
     for procedure in spec.procedures:
         name = procedure.name
         writes_by_register: dict[str, list[WrittenStep]] = {}
@@ -237,7 +239,8 @@ def saved_before_written(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRe
         saves = [index for index, step in enumerate(writes) if step.register in registers and _is_save(step)]
         if not saves:
             continue
-        save, later_writes = writes[saves[-1]], writes[saves[-1] + 1 :]
+        save = writes[saves[-1]]
+        later_writes = writes[saves[-1] + 1 :]
         writes_to_other_registers = [step for step in later_writes if step.register != save.register]
         unsaved_register = _first_unsaved(writes_to_other_registers, arguments, registers)
         if unsaved_register:
@@ -283,7 +286,8 @@ def bank_named(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> N
 
 def bank_selected(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure selects the bank before it accesses a register in it. An argument may select any bank."""
-    registers, select = by_name(raw.registers), bank_select(raw)
+    registers = by_name(raw.registers)
+    select = bank_select(raw)
     if not select:
         return
     bank_numbers = _numbers(registers.get(select, _NO_REGISTER), raw)

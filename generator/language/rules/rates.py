@@ -158,7 +158,9 @@ def cable_clocks(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
 
 def _check_cable_clock(row: Located[CableLength], clock: Clock, report: DocumentReport) -> None:
     """Report a clock limit for cables that is outside the limits of a clock."""
-    below_hz, lowest_hz, highest_hz = row.part.below_hz, clock.min_hz or 0, clock.max_hz
+    below_hz = row.part.below_hz
+    lowest_hz = clock.min_hz or 0
+    highest_hz = clock.max_hz
     is_too_high = highest_hz is not None and below_hz > highest_hz
     place = "interfaces.ssi.clock.max_hz" if is_too_high else "interfaces.ssi.clock.min_hz"
     if explained(report.document, place) or not (below_hz < lowest_hz or is_too_high):
@@ -234,7 +236,8 @@ def _check_clocks_of_timeouts(timeout: Located[Timeout], clock: Clock, report: D
     """Report printed time-outs at clocks that an encoder does not support."""
     if clock.max_hz is None or explained(report.document, *_TIMEOUT):
         return
-    lowest_hz, highest_hz = clock.min_hz or 0, clock.max_hz
+    lowest_hz = clock.min_hz or 0
+    highest_hz = clock.max_hz
     for index, printed in enumerate(timeout.part.printed):
         if not lowest_hz <= printed.clock_hz <= highest_hz:
             problem = f"the clock is {lowest_hz} to {highest_hz} Hz, so there is no time-out at {printed.clock_hz} Hz"
@@ -269,7 +272,8 @@ def _check_timeout_rule(timeout: Located[Timeout], report: DocumentReport) -> No
 def _check_calculated_timeouts(timeout: Located[Timeout], half_periods: int, report: DocumentReport) -> None:
     """Check that each printed time-out is the given number of half clock periods, to the nearest nanosecond."""
     for index, printed in enumerate(timeout.part.printed):
-        clock_hz, printed_ns = printed.clock_hz, printed.timeout_ns
+        clock_hz = printed.clock_hz
+        printed_ns = printed.timeout_ns
         # Half a period of the clock is 10**9 / (2 * clock_hz) ns.
         exact_ns = Fraction(half_periods * 10**9, 2 * clock_hz)
         if abs(exact_ns - printed_ns) > Fraction(1, 2):

@@ -63,7 +63,8 @@ def _check_layout(fields: FieldList, names: Sequence[str], resolver: NameResolve
 
     ``names`` are its fields, with those of groups.
     """
-    layout, path = fields.layout, fields.owner.path
+    layout = fields.layout
+    path = fields.owner.path
     gray = layout.gray if layout is not None else None
     if gray is not None:
         number_names = [*names, *fields.joins]
@@ -169,7 +170,8 @@ def _check_measured_field(
 
     For the measurement of an interface, only its frames count.
     """
-    name, path = measurement.part.of, measurement.path
+    name = measurement.part.of
+    path = measurement.path
     is_of_device = path == ("measurement",)
     kinds_in_frames = []
     for frame in layouts(raw):
@@ -194,7 +196,8 @@ def alarm_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
     """Check the references of alarms: the flag in a field group or register, and the procedures that clear them."""
     resolver = NameResolver(raw, report)
     for located_alarm in spec.alarms:
-        alarm, path = located_alarm.part, located_alarm.path
+        alarm = located_alarm.part
+        path = located_alarm.path
         resolver.refer_if_given((*path, "group"), "field group", alarm.group)
         resolver.refer_if_given((*path, "register"), "register", alarm.register)
         if alarm.field and not alarm.group and not alarm.register:
@@ -271,7 +274,8 @@ def _check_written_value(
 
     Without a field, the step writes the whole register. Then a named value of one of several fields is an error.
     """
-    name, path = step.register, step.place_of("value")
+    name = step.register
+    path = step.place_of("value")
     possible_values = [*resolver.values(name, step.field), *arguments]
     resolver.refer_if_given(path, f"argument, or value of {quoted(name)}, called", step.value, possible_values)
     # The value of one field, written to the whole register, would change its other bits.
@@ -429,7 +433,9 @@ def evidence_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
 
     The manual is a document too, under ``manual`` and the language of each edition.
     """
-    resolver, evidence, documents = NameResolver(raw, report), spec.evidence, raw.names_in("documents")
+    resolver = NameResolver(raw, report)
+    evidence = spec.evidence
+    documents = raw.names_in("documents")
     languages = [edition.part.language for edition in raw.manual.editions]
     for key in evidence.part.documents:
         resolver.refer((*evidence.path, "documents", key), "document", key, ("manual", *languages, *documents))

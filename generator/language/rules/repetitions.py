@@ -78,7 +78,8 @@ def repeated_text(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -
 
 def _check_values(field: WrittenField, report: DocumentReport) -> None:
     """Check that the values of a field do not have the same printed name or the same meaning of several words."""
-    printed_names, meanings = [], []
+    printed_names = []
+    meanings = []
     for name, value in field.values.items():
         printed_names.append(_NamedText(value.printed_name, name, value.place_of("printed_name")))
         is_long = value.meaning.count(" ") > 1  # Several values can be "not used".

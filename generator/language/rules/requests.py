@@ -259,7 +259,8 @@ def _check_accesses(interface: WrittenSpi, raw_interface: WrittenSpi, raw: Writt
 
     Only one exchange may read registers.
     """
-    groups, layouts = by_name(raw.field_groups), by_name(raw_interface.layouts)
+    groups = by_name(raw.field_groups)
+    layouts = by_name(raw_interface.layouts)
     spi_registers = [register for register in raw.registers if interface_of(register) == Spi.name]
     for purpose, needed in _NEEDED.items():
         accesses = [exchange for exchange in interface.exchanges if exchange.purpose == purpose]
@@ -301,7 +302,8 @@ def _check_fields(
         field_names_of_frames |= field_names(_as_fields(layout), groups).keys() if layout is not None else set()
     missing_names = [field_name for field_name in needed if field_name not in field_names_of_frames]
     if missing_names:
-        frame_name, place = _frame(accesses[0], key), accesses[0].place_of(key)
+        frame_name = _frame(accesses[0], key)
+        place = accesses[0].place_of(key)
         message = f"{quoted(frame_name)} is for a register, so it needs the field {quoted(missing_names[0])}"
         report.add("spi-exchange", place, message)
     elif key == "request":
@@ -329,7 +331,8 @@ def requests_that_write(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
     # A second reading repeats printed facts, without the notes that may explain them.
     if interface is None or is_second(report.document.file):
         return
-    groups, layouts = by_name(raw.field_groups), by_name(interface.layouts)
+    groups = by_name(raw.field_groups)
+    layouts = by_name(interface.layouts)
     bits_by_layout = {name: _constant_bits(layout, groups) for name, layout in layouts.items()}
     write_requests = [exchange.request for exchange in interface.exchanges if exchange.purpose == "write"]
     distinguishable_writes = []

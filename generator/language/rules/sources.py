@@ -228,7 +228,9 @@ def _check_vectors(stated: Evidence, examples: Mapping[str, WrittenExample], rep
 
 def _missing(stated: Evidence) -> Iterator[str]:
     """Yield each reason that the evidence does not support its grade, such as what it needs, with the remedy."""
-    grade, documents_read, implementations = stated.grade, stated.documents, stated.implementations
+    grade = stated.grade
+    documents_read = stated.documents
+    implementations = stated.implementations
     has_source = bool(documents_read) or bool(implementations)
     if grade == "manual" and documents_read.get("manual") != _WHOLE:
         yield f"needs the whole manual: write 'documents: {{manual: {_WHOLE}}}', or another grade"
@@ -252,7 +254,8 @@ def _check_sources(spec: WrittenSpec, report: DocumentReport) -> None:
 
     A source without a key cites the manual. Errata and examples are not checked.
     """
-    grade, documents_read = spec.evidence.part.grade, spec.evidence.part.documents
+    grade = spec.evidence.part.grade
+    documents_read = spec.evidence.part.documents
     implementations = spec.evidence.part.implementations
     is_corroborated = grade in _CORROBORATED
     can_cite_two_implementations = is_corroborated and len(implementations) > 1
@@ -331,7 +334,8 @@ _SUPPLY = _LimitKeys(("min_mv", "max_mv"), "list the voltage in use under 'chara
 
 def limit_source(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that limits cite a document of the manufacturer if the grade does not demand it of every fact."""
-    grade, documents_read = spec.evidence.part.grade, spec.evidence.part.documents
+    grade = spec.evidence.part.grade
+    documents_read = spec.evidence.part.documents
     if not spec.evidence.is_valid("grade") or grade in _IN_THE_MANUFACTURERS_WORDS:
         return
     needed_source = "a document of the manufacturer under 'evidence'"

@@ -64,7 +64,8 @@ def erratum_quantities(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
             stated_by_kind.setdefault(kind, {})[number] = stated_text
         for match in matches:
             number_text, unit = match.group("number", "unit")
-            kind, number = _KIND_OF_UNIT[unit], _in_smallest_unit(number_text, unit)
+            kind = _KIND_OF_UNIT[unit]
+            number = _in_smallest_unit(number_text, unit)
             if kind in stated_by_kind and number not in stated_by_kind[kind]:
                 texts = listed(list(stated_by_kind[kind].values()), "or")
                 message = (

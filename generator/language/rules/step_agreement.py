@@ -53,7 +53,8 @@ def register_of_argument(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRe
 
 def polled_values(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a poll waits for a value that its field can have."""
-    registers, groups = by_name(spec.registers), by_name(raw.field_groups)
+    registers = by_name(spec.registers)
+    groups = by_name(raw.field_groups)
     for procedure in spec.procedures:
         for step in procedure.steps:
             register = registers.get(step.register)

@@ -54,7 +54,8 @@ def field_count(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
 def crc_impossible(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that polynomial, start value and final XOR of a CRC fit its width, and that the polynomial is odd."""
     for crc in spec.crcs:
-        width, poly = crc.part.width, crc.part.poly
+        width = crc.part.width
+        poly = crc.part.poly
         bits_above_width = poly >> width
         if bits_above_width:
             # The polynomial may be written with its top bit, which is implied.
@@ -102,11 +103,14 @@ def register_range(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
     for register in spec.registers:
         interface = INTERFACES[interface_of(register)]
         if register.bank is not None and interface.highest_in_bank is not None:
-            area_text, highest_address = f"a bank of {interface.short}", interface.highest_in_bank
+            area_text = f"a bank of {interface.short}"
+            highest_address = interface.highest_in_bank
         elif interface.highest_address is not None:
-            area_text, highest_address = f"the address range of {interface.short}", interface.highest_address
+            area_text = f"the address range of {interface.short}"
+            highest_address = interface.highest_address
         else:
-            area_text, highest_address = "the range of register addresses", 0xFFFF
+            area_text = "the range of register addresses"
+            highest_address = 0xFFFF
         last = last_address(register)
         if last > highest_address:
             message = f"{quoted(register.name)} extends to {last:#x}, but {area_text} ends at {highest_address:#x}"

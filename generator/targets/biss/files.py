@@ -123,7 +123,9 @@ def _of_encoders(biss_id: int, device: Device, library: Library) -> Iterator[tup
 
     There are none if a master cannot identify the family, or if it has no single cycle data.
     """
-    ids, layout, maker = device_bits(device), single_cycle_data(device), device.manufacturer
+    ids = device_bits(device)
+    layout = single_cycle_data(device)
+    maker = device.manufacturer
     if not ids or layout is None:
         return
     open_questions = device.alternatives_of(layout)

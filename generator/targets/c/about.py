@@ -118,7 +118,8 @@ def _derivation(crc: Crc) -> str:
 
     Without a middle term, the polynomial is x^width + 1.
     """
-    width, middle = crc.width, (crc.poly >> 1).bit_length()
+    width = crc.width
+    middle = (crc.poly >> 1).bit_length()
     if not middle:
         return (
             f"How it folds: the remainder of x^{width} is 1, so the bits from {width} up are XORed into those "

@@ -101,7 +101,8 @@ class Reader:
         At a place that depends on the order code, the runtime extracts them, or a shift if no bits are above them.
         """
         if bits.are_fixed:
-            low, width = bits.low.constant, bits.width.constant
+            low = bits.low.constant
+            width = bits.width.constant
             return masked(shifted_right(self.lower(low + width), low), (1 << width) - 1)
         if not bits.on_top:
             return Call("cw_field", (self.word, self.scope.of(bits.low), self.scope.of(bits.width)))
@@ -192,7 +193,8 @@ class Unused:
     """The member ``unused`` of a struct. It is false if the layout has no unused bits."""
 
     def __init__(self, reader: Reader) -> None:
-        self.reader, self.plan = reader, reader.plan
+        self.reader = reader
+        self.plan = reader.plan
         self.width = self.plan.layout.unused_width
         are_fixed = all(reserved.bits.are_fixed for reserved in self.plan.reserved)
         #: Unused fields that are extracted one by one: all of them if the place of one depends on the order code.

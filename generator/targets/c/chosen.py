@@ -84,7 +84,8 @@ class Chosen:
     """
 
     def __init__(self, device: Device, interface: Interface) -> None:
-        self.device, self.interface = device, interface
+        self.device = device
+        self.interface = interface
         self.measurement = device.measurement_of(interface.name)
         self.variant = chosen_variant(device, interface)
         examples = (example for example in device.examples if _is_over_interface(device, interface, example))

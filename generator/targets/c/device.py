@@ -78,9 +78,15 @@ class DeviceView:
     def __init__(self, device: Device, passing: Passing = BY_VALUE) -> None:
         self.device = device
         self.context = context = Context(device, passing)
-        self.parameter, self.argument, self.member = passing.parameter, passing.argument, passing.member
-        self.maker, self.prefix, self.PREFIX, self.stem = context.maker, context.prefix, context.PREFIX, context.stem
-        self.reports, self.alternatives = context.reports, context.alternatives
+        self.parameter = passing.parameter
+        self.argument = passing.argument
+        self.member = passing.member
+        self.maker = context.maker
+        self.prefix = context.prefix
+        self.PREFIX = context.PREFIX
+        self.stem = context.stem
+        self.reports = context.reports
+        self.alternatives = context.alternatives
         self.variants = VariantCode(context)
         self.interface = _with_path(
             partial(InterfaceCode, context, context.interface), "interfaces", context.interface.name
@@ -136,7 +142,9 @@ class DeviceView:
     @property
     def parts(self) -> list[Part]:
         """The other headers. Each includes the first one, and what else it needs."""
-        first_header, encoder_header, transport_header = self.header, "codewheel/encoder.h", "codewheel/transport.h"
+        first_header = self.header
+        encoder_header = "codewheel/encoder.h"
+        transport_header = "codewheel/transport.h"
         label_headers = (f"{self.maker.name}/{self.stem}_labels.h",) if self.identities else ()
         registers_header = f"{self.maker.name}/{self.stem}_registers.h" if self.registers else first_header
         parts = [self._part("labels", "find the order code that a label shows", encoder_header, first_header)]

@@ -120,7 +120,8 @@ class Encoder:
 
     def _term_in_word(self, term: Term) -> Expr:
         """Return a term shifted to its place in the word."""
-        value, low = self._value(term), term.field.low
+        value = self._value(term)
+        low = term.field.low
         is_at_bit_0 = low.is_constant and low.constant == 0
         # A member of a small type would be promoted to a signed one.
         if is_at_bit_0:

@@ -225,7 +225,10 @@ class FrameReports:
         type_: str,
         choices: Mapping[tuple[str, str], Enumeration],
     ) -> None:
-        self.family, self.reporting, self.frame, self.type = family, reporting, frame, type_
+        self.family = family
+        self.reporting = reporting
+        self.frame = frame
+        self.type = type_
         self._choices = choices
         #: Returns the condition on a parameter of the order code.
         self._holds = partial(_holds, family.scope)
@@ -335,7 +338,9 @@ class Reports:
     def __init__(
         self, device: Device, prefix: str, choices: Mapping[tuple[str, str], Enumeration], scope: Scope
     ) -> None:
-        self.all, self._choices, self.scope = reports_of(device), choices, scope
+        self.all = reports_of(device)
+        self._choices = choices
+        self.scope = scope
         if len(self.all) > 64:
             problem = f"the frames have {len(self.all)} flags, values and fields of unused bits to report"
             raise TargetError(f"{problem}; the C target supports at most 64", ("interfaces",))

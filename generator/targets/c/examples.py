@@ -126,7 +126,8 @@ class ExampleCode:
     """
 
     def __init__(self, view: DeviceView) -> None:
-        self.view, self.interface = view, view.context.interface
+        self.view = view
+        self.interface = view.context.interface
         self._chosen = chosen = Chosen(view.device, self.interface)
         self.name = view.stem
         self.row: CodeRow = view.variants.rows[view.device.variants.index(chosen.variant)]

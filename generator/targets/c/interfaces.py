@@ -91,7 +91,8 @@ class InterfaceCode:
     """The values that the templates print for an interface. ``frames`` are those selected by a field."""
 
     def __init__(self, context: Context, interface: Interface) -> None:
-        self.device, self.interface = context.device, interface
+        self.device = context.device
+        self.interface = interface
         self.prefix = context.prefix
         self.upper = self.prefix.upper()
         #: Functions for all order codes, at most one of each kind.

@@ -340,7 +340,8 @@ class Passing:
         return f"{parameter}{'->' if self.by_address else '.'}{member}"
 
 
-BY_VALUE, BY_ADDRESS = Passing(), Passing(by_address=True)
+BY_VALUE = Passing()
+BY_ADDRESS = Passing(by_address=True)
 
 
 @dataclass(frozen=True)

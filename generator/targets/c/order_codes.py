@@ -69,7 +69,8 @@ def written_out(expression: str) -> tuple[str, ...]:
     patterns: list[str] = []
     for alternative in expression.split("|"):
         # An atom is a unit with its repetitions, as the tuple of its patterns.
-        atoms, start = [], 0
+        atoms = []
+        start = 0
         while start < len(alternative):
             match = _ATOM.match(alternative, start)
             if match is None:

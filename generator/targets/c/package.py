@@ -145,8 +145,10 @@ class ReceiverCode:
 
     def __init__(self, example: ExampleCode) -> None:
         view = example.view
-        self.view, self.example = view, example
-        self.name, self.sketch = f"{view.stem}_dma", f"{view.stem}_arduino"
+        self.view = view
+        self.example = example
+        self.name = f"{view.stem}_dma"
+        self.sketch = f"{view.stem}_arduino"
         self.struct = example.struct
         self.verdict = example.reports.verdict if example.reports is not None else ""
         self.member = example.counts
@@ -290,7 +292,8 @@ def own_programs(
     view: DeviceView, later: Callable[[str, Mapping[str, object]], Callable[[], str]]
 ) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the path in the C folder of each example program of an interface, and a function for its text."""
-    maker, examples = view.maker, list(example_codes(view))
+    maker = view.maker
+    examples = list(example_codes(view))
     programs: list[ExampleCode | ReceiverCode] = [*examples, *receiver_codes(examples)]
     for program in programs:
         values = {"maker": maker, "PREFIX": maker.name.upper(), "d": view, "e": program}

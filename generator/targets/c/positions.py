@@ -176,7 +176,8 @@ def _functions_of_range(
 
 def _modulus(context: Context, position_range: PositionRange, name: str) -> Function | None:
     """Return the function for the number of counts after which a length wraps around, or None if there is no number."""
-    measurement, is_signed = position_range.measurement, position_range.signed_field is not None
+    measurement = position_range.measurement
+    is_signed = position_range.signed_field is not None
     if measurement.modulus is None:
         return None
     wraps = "wraps around" if is_signed else "wraps around to 0"

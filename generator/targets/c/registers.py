@@ -42,12 +42,15 @@ class Access:
     """
 
     def __init__(self, layout: Struct, *, has_struct: bool, outside: Sequence[OutsideLimits]) -> None:
-        context, register = layout.context, layout.register
+        context = layout.context
+        register = layout.register
         assert register is not None
-        self.register, self.outside = register, outside
+        self.register = register
+        self.outside = outside
         self.stem = layout.name.upper()
         self.struct = layout.name if has_struct else ""
-        self._layout, self._field = layout, register.layout.fields[0]
+        self._layout = layout
+        self._field = register.layout.fields[0]
         #: The named values of the byte, empty if it can have any value.
         self.values: tuple[int, ...] = ()
         for check in layout.plan.checks:

@@ -31,7 +31,8 @@ class HeldValue:
     """A parameter held by a register, and its local."""
 
     def __init__(self, context: Context, parameter_in_register: HeldParameter) -> None:
-        parameter, field = parameter_in_register.parameter, parameter_in_register.field
+        parameter = parameter_in_register.parameter
+        field = parameter_in_register.field
         if not field.pieces:
             problem = f"the place of '{parameter.read_from}' depends on the order code; the C target cannot read it"
             raise TargetError(problem)
@@ -162,7 +163,8 @@ class VariantCode:
     """The order codes of a family over one interface, and the functions for parameters that follow from others."""
 
     def __init__(self, context: Context) -> None:
-        self.context, self.device = context, context.device
+        self.context = context
+        self.device = context.device
         self.parameters = self.device.set_parameters
         #: Without those that the functions of positions return.
         measured = parameters_in_measurement(self.device)
@@ -229,7 +231,8 @@ class VariantCode:
 
         The name of the family is only left out if all order codes begin with it.
         """
-        family, order_code = self.device.name.upper(), variant.code.upper()
+        family = self.device.name.upper()
+        order_code = variant.code.upper()
         if all(other.code.upper().startswith(family) for other in self.device.variants):
             order_code = order_code.removeprefix(family) or order_code
         constant_name = re.sub("[^A-Z0-9]+", "_", order_code).strip("_")
@@ -343,7 +346,8 @@ def _register_access(device: Device, interface: Interface, frames: Sequence[Fram
     """
     if not isinstance(interface, Biss) or not frames:
         return
-    shortest_bits, clock = min(frame.bits for frame in frames), interface.clock or Clock(source=())
+    shortest_bits = min(frame.bits for frame in frames)
+    clock = interface.clock or Clock(source=())
     delay_text = f"{shortest_bits} clock periods after its CDS"
     if any(frame.depends_on_registers for frame in frames):
         delay_text += f" with {initial(device)}"

@@ -20,7 +20,8 @@ class FirstByte:
     """
 
     def __init__(self, codec: Codec, enum: Callable[[Field], str]) -> None:
-        self.codec, self.enum = codec, enum
+        self.codec = codec
+        self.enum = enum
 
     @property
     def checks(self) -> list[Check]:

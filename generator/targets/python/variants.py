@@ -51,7 +51,8 @@ class Variants:
     """Order codes of one module, as used by the template."""
 
     def __init__(self, context: Context, frame_kinds: tuple[FrameKind, ...], coders: tuple[Coder, ...]) -> None:
-        self.context, self.device = context, context.device
+        self.context = context
+        self.device = context.device
         self.frame_kinds = frame_kinds
         self.sent = [coder for coder in coders if coder.layout.sender == "encoder"]
         #: True if any frame has a verdict.
@@ -121,7 +122,8 @@ class Variants:
 
         Those that always equal a quantity of the measurement are left out, since the class has that quantity.
         """
-        derived, names_in_measurement = [], parameters_in_measurement(self.device)
+        derived = []
+        names_in_measurement = parameters_in_measurement(self.device)
         for parameter in self.device.parameters:
             if parameter.equals is not None and parameter.name not in names_in_measurement:
                 meaning = docstrings.of_parameter(self.device, parameter)
@@ -279,7 +281,8 @@ class Variants:
 
     def _highest_signed(self, position_range: PositionRange) -> Expr:
         """Return the highest signed position: that of the spec, or else the highest that fits in the field."""
-        field, stated_highest = position_range.signed_field, position_range.measurement.highest
+        field = position_range.signed_field
+        stated_highest = position_range.measurement.highest
         assert field is not None
         if stated_highest is not None:
             return self._scope.of(stated_highest)

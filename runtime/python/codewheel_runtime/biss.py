@@ -116,7 +116,8 @@ def crc(value: int, bits: int) -> int:
     Returns:
         The CRC, 4 bits.
     """
-    value, register = index(value), 0
+    value = index(value)
+    register = 0
     # The bits pass through a shift register of 4 bits, the highest bit first.
     for bit in range(bits - 1, -1, -1):
         feedback = ((register >> 3) ^ (value >> bit)) & 1
@@ -215,7 +216,9 @@ class Request:
         #      CTS  ID      ADR     CRC     R W S   DATA   CRC   P and 0
         #      `------- head ----'
         # To read, bits 13 to 0 are all 0.
-        head, received, access = word >> 21, (word >> 17) & 0xF, word & (_READS | _WRITES)
+        head = word >> 21
+        received = (word >> 17) & 0xF
+        access = word & (_READS | _WRITES)
         if received != crc(head, 11):
             raise CrcError(received, crc(head, 11))
         value = decode_byte((word >> 2) & 0xFFF) if access == _WRITES else None
@@ -394,13 +397,16 @@ class Master:
 
     def _begin_frame(self, slave_id: int, address: int, values: list[int | None], busy_limit: int) -> None:
         """Start a control frame, and forget the state of the previous one."""
-        slave_id, address = whole_number("slave_id", slave_id), whole_number("address", address)
+        slave_id = whole_number("slave_id", slave_id)
+        address = whole_number("address", address)
         head = Request(slave_id, address, values[0] if values else None).encode()
         count_limit = REGISTERS - (address & 0x3F)
         if not 0 < len(values) <= count_limit:
             raise RangeError("the number of registers", len(values), f"1 to {count_limit} from address {address:02X}h")
         self.outcome = Outcome.RUNNING
-        self.slaves, self.done, self.data = 0, 0, b""
+        self.slaves = 0
+        self.done = 0
+        self.data = b""
         self._bit_count = self._answer_bits = 0
         self._phase = _Phase.WAIT
         self._requests = tuple(Request(slave_id, address + index, value) for index, value in enumerate(values))
@@ -509,7 +515,8 @@ class AccessError(RuntimeError):
 
     def __init__(self, outcome: Outcome, address: int) -> None:
         super().__init__(outcome, address)
-        self.outcome, self.address = outcome, address
+        self.outcome = outcome
+        self.address = address
 
     def __str__(self) -> str:
         return f"access to registers from {self.address:02X}h failed: {self.outcome.value}"
@@ -529,8 +536,11 @@ class RegisterBus:
     def __init__(
         self, exchange: Callable[[int], int | tuple[int, ...]], *, slave_id: int = 0, busy_limit: int = 0
     ) -> None:
-        self.slave_id, self.busy_limit = slave_id, busy_limit
-        self._exchange, self._master, self._cdm = exchange, Master(), 0
+        self.slave_id = slave_id
+        self.busy_limit = busy_limit
+        self._exchange = exchange
+        self._master = Master()
+        self._cdm = 0
 
     def read(self, address: int, length: int, /) -> bytes:
         """Read registers.
@@ -641,7 +651,8 @@ class Slave:
         Returns:
             The CDS bit of this frame.
         """
-        cdm, upstream = int(cdm & 1), int(upstream & 1)
+        cdm = int(cdm & 1)
+        upstream = int(upstream & 1)
         # A control frame begins with a 1 after enough zeros.
         may_begin = self._zeros >= ZEROS
         self._zeros = 0 if cdm else self._zeros + 1
@@ -711,7 +722,8 @@ class Slave:
             if self._bit_count < ADDRESS_BITS:
                 return cds
             # All 15 bits are here: CTS, ID and ADR, then the CRC. Other slaves and commands are not for this slave.
-            head, received = self._received >> 4, self._received & 0xF
+            head = self._received >> 4
+            received = self._received & 0xF
             if not head >> 10 or received != crc(head, 11) or (head >> 7) & 0x7 != self.slave_id:
                 self._leave_frame()
                 return cds

@@ -125,8 +125,12 @@ class ChannelLayout:
         compared_bits: int = 0,
         tolerance: int = 0,
     ) -> None:
-        self.encoder, self.kinds, self.position = encoder, tuple(kinds), position
-        self.compared, self.compared_bits, self.tolerance = tuple(compared), compared_bits, tolerance
+        self.encoder = encoder
+        self.kinds = tuple(kinds)
+        self.position = position
+        self.compared = tuple(compared)
+        self.compared_bits = compared_bits
+        self.tolerance = tolerance
         self._arguments = [_encoder_if_needed(kind, encoder) for kind in self.kinds]
         self.channel_bits: tuple[int, ...] = tuple(
             kind.frame_bits(*arguments) for kind, arguments in zip(self.kinds, self._arguments, strict=True)

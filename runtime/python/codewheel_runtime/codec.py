@@ -148,10 +148,12 @@ def as_word(frame: Word, length: int, bits: int | None) -> int:
         if bits is not None and bits != len(text):
             raise LengthError(bits, len(text), "bits")
         # From here on, the frame is a number. A text also shows how many bits were received.
-        frame, bits = int(text or "0", 2), len(text)
+        frame = int(text or "0", 2)
+        bits = len(text)
     elif isinstance(frame, (bytes, bytearray, memoryview)):
         # As in files: as few bytes as possible, padded with zeros in front.
-        data, size = as_bytes(frame), (length + 7) // 8
+        data = as_bytes(frame)
+        size = (length + 7) // 8
         if len(data) != size:
             raise LengthError(size, len(data))
         frame = int.from_bytes(data, "big")
@@ -319,7 +321,8 @@ def unwrap(
     ``lowest`` and ``highest`` are the limits of ``position``, by default 0 and ``modulus - 1``.
     """
     limits = (lowest, modulus - 1 if highest is None else highest)
-    previous, position = whole_number("previous", previous), check_limits("position", position, limits)
+    previous = whole_number("previous", previous)
+    position = check_limits("position", position, limits)
     # The difference modulo ``modulus`` is moved to minus half to half of it, which is the nearest count.
     return previous + (position - previous + modulus // 2) % modulus - modulus // 2
 
@@ -366,7 +369,8 @@ def crc_of_bits(
     the CRC, and ``xorout`` inverts some of them.
     """
     number = check_width("number", number, bits)
-    top, mask = 1 << (width - 1), (1 << width) - 1
+    top = 1 << (width - 1)
+    mask = (1 << width) - 1
     register = init
     for bit in range(bits - 1, -1, -1):
         # The highest bit of the register that is shifted out, XORed with the next bit of the number.
@@ -382,7 +386,8 @@ def crc_of_bytes(data: Data, *, width: int, poly: int, init: int, refin: bool, r
 
     See ``crc_of_bits`` for the other arguments.
     """
-    data, number = as_bytes(data), 0
+    data = as_bytes(data)
+    number = 0
     for byte in data:
         number = (number << 8) | (_reverse_bits(byte, 8) if refin else byte)
     return crc_of_bits(number, 8 * len(data), width=width, poly=poly, init=init, refout=refout, xorout=xorout)

@@ -22,7 +22,8 @@ class Chunk:
     """
 
     def __init__(self, limbs: list[Any], bits: int) -> None:
-        self.limbs, self.bits = limbs, bits
+        self.limbs = limbs
+        self.bits = bits
         self._before_ungray: Chunk | None = None
         self._bytes: dict[int, Any] = {}
 
@@ -35,7 +36,8 @@ class Chunk:
     def byte(self, place: int) -> Any:
         """Return the eight bits of each frame that start at bit ``8 * place``."""
         if place not in self._bytes:
-            limb, shift = self.limbs[place // 8], 8 * (place % 8)
+            limb = self.limbs[place // 8]
+            shift = 8 * (place % 8)
             self._bytes[place] = (limb >> np.uint64(shift) if shift else limb).astype(np.uint8)
         return self._bytes[place]
 
@@ -80,7 +82,8 @@ class Chunk:
         mask = np.uint64(((1 << width) - 1) << low)
         gray = self.limbs[0] & mask
         # Bit n is the XOR of all Gray bits from n on, which doubling shifts collect.
-        binary, shift = gray, 1
+        binary = gray
+        shift = 1
         while shift < width:
             binary = binary ^ ((binary >> np.uint64(shift)) & mask)
             shift *= 2
@@ -141,7 +144,8 @@ def _take_from_bytes(rows: Any, kind: str, is_little: bool) -> Any:
 
 def are_within(bits: Any, check: Check, limit: int) -> Any:
     """Return whether each number is from ``lowest`` to ``limit``. Negative ones are in two's complement."""
-    kind, mask = bits.dtype.type, (1 << check.width) - 1
+    kind = bits.dtype.type
+    mask = (1 << check.width) - 1
     # Modulo 2**width, the numbers from ``lowest`` to ``limit`` become those from 0 on.
     if check.lowest:
         bits = (bits - kind(check.lowest & mask)) & kind(mask)
@@ -209,7 +213,9 @@ def _fold(number: Any, crc: CrcOf, bits: int) -> Any:
         bits = max(step.shift, bits - step.shift + step.back)
         # Operations on 32 bits take half the time.
         if word_type is np.uint64 and bits <= 32:
-            remainder, high, word_type = remainder.astype(np.uint32), high.astype(np.uint32), np.uint32
+            remainder = remainder.astype(np.uint32)
+            high = high.astype(np.uint32)
+            word_type = np.uint32
         remainder ^= high
         if step.back:
             high <<= word_type(step.back)

@@ -86,11 +86,13 @@ def _allocate_columns(count: int, wanted: Mapping[str, str]) -> dict[str, Any]:
     """
     size = {name: np.dtype(kind).itemsize for name, kind in wanted.items()}
     space = np.empty(count * sum(size.values()), np.uint8)
-    columns, start = {}, 0
+    columns = {}
+    start = 0
     # The largest types come first, to align the columns of numbers.
     for name in sorted(wanted, key=lambda name: -size[name]):
         end = start + count * size[name]
-        columns[name], start = space[start:end].view(wanted[name]), end
+        columns[name] = space[start:end].view(wanted[name])
+        start = end
     return {name: columns[name] for name in wanted}
 
 
@@ -351,7 +353,8 @@ def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
     met, unless the default is UNKNOWN. Otherwise it is the default. The computation has no branches, so the time does
     not depend on the frames.
     """
-    default, verdicts = VERDICTS.index(shape.default_verdict), out["verdict"]
+    default = VERDICTS.index(shape.default_verdict)
+    verdicts = out["verdict"]
     unused: Any = out.get("unused")
     any_unused_differs = bool(shape.unused) and unused.any()
     # For each verdict, an array for each condition that can apply: True for the frames to which it does.

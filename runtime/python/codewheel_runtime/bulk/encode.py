@@ -46,7 +46,8 @@ class FirstError:
             return
         row = int(is_wrong.argmax())
         if self.row is None or row < self.row:
-            self.row, self._error = row, (field, values[row].item(), allowed)
+            self.row = row
+            self._error = (field, values[row].item(), allowed)
 
     def raise_first(self, start: int) -> None:
         """Raise RowError if there is an error. ``start`` is the index of the first of these rows among all rows."""
@@ -58,7 +59,8 @@ def encode_many(columns: Mapping[str, Any] | Table, shape: Shape) -> Any:
     """Encode the frames in ``columns``. For the arguments, see ``encode_many`` of the frame's class."""
     other_names: Iterable[str] = ()
     if isinstance(columns, Table):
-        other_names, columns = columns.others, columns.columns
+        other_names = columns.others
+        columns = columns.columns
     arrays = _read_arrays(columns, shape, other_names)
     # All arrays have the same length.
     count = max(map(len, arrays.values()), default=0)

@@ -69,14 +69,16 @@ class Accesses:
     def __init__(self) -> None:
         self._zeros = self._bit_count = self._sent = self._answers = 0
         self._state = self._follow_idle
-        self._time, self._head = 0.0, 0
+        self._time = 0.0
+        self._head = 0
         self._is_write, self._is_free = False, True
 
     def feed(self, bits: ControlBits) -> Iterator[Access]:
         """Yield the accesses that end in the cycles of these bits."""
         times, cds, cdm = bits
         ones = np.flatnonzero(cdm)
-        cycle, count = 0, len(cdm)
+        cycle = 0
+        count = len(cdm)
         while cycle < count:
             if self._is_free:
                 # Nothing happens until a bit is 1. ``next_one`` is its index in ``ones``.
@@ -105,13 +107,15 @@ class Accesses:
 
     def _begin_access(self, time: float) -> None:
         """Start a control frame at this time."""
-        self._time, self._is_free = time, False
+        self._time = time
+        self._is_free = False
         self._bit_count = self._sent = self._answers = self._head = 0
         self._state = self._follow_header
 
     def _end_access(self) -> None:
         """End the control frame."""
-        self._is_free, self._state = True, self._follow_idle
+        self._is_free = True
+        self._state = self._follow_idle
 
     def _follow_cycle(self, cds: int, cdm: int) -> Iterator[Access]:
         """Follow one cycle within a control frame. Yield the access if it ends.
@@ -187,7 +191,9 @@ class Accesses:
         if cds:
             # This CDM bit is the first one of the byte.
             self._state = self._follow_byte
-            self._bit_count, self._sent, self._answers = 0, cdm, 0
+            self._bit_count = 0
+            self._sent = cdm
+            self._answers = 0
         elif not cdm:
             yield self._make_access(None, Outcome.BUSY.value)
             self._end_access()
@@ -199,7 +205,8 @@ class Accesses:
         """
         self._bit_count += 1
         if self._bit_count < BYTE_BITS:
-            self._answers, self._sent = (self._answers << 1) | cds, (self._sent << 1) | cdm
+            self._answers = (self._answers << 1) | cds
+            self._sent = (self._sent << 1) | cdm
         elif self._bit_count == BYTE_BITS:
             self._answers = (self._answers << 1) | cds
             value = _decode_value(self._sent if self._is_write else self._answers)

@@ -83,7 +83,8 @@ def _encode_unused_bits(differing: Any, places: tuple[Unused, ...]) -> int:
 
 def _encode_field(fields: Any, column: Column) -> int:
     """Return the bits of a field. Raises RangeError if its value does not fit."""
-    name, width = column.field or column.name, column.width
+    name = column.field or column.name
+    width = column.width
     if column.kind == "digits":
         number = 0
         for run, divisor, modulus in column.runs:

@@ -34,7 +34,8 @@ def find_class_encoder(frame: Any) -> Encode:
     needed = find_description(kind)[1]
     # The answers are frame[first:count]. frame[:first] is the encoder, which is the same in all frames that the
     # function encodes, or empty if the class needs none.
-    first, count = sum(issubclass(argument_type, Encoder) for argument_type in needed), len(needed)
+    first = sum(issubclass(argument_type, Encoder) for argument_type in needed)
+    count = len(needed)
     # Raises an error if a field is not an encoder or an answer.
     encode_first = make_encoder(kind, frame[:count])
     if count == first:
