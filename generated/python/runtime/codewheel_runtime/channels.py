@@ -72,7 +72,7 @@ class ChannelFrame:
         """Return the frame as it is sent, with the CRC of each channel."""
         number = 0
         for channel, bits in zip(self.channels, self._layout.channel_bits, strict=True):
-            number = number << bits | channel.encode()
+            number = (number << bits) | channel.encode()
         return number
 
     def to_dict(self) -> dict[str, Any]:
@@ -125,8 +125,12 @@ class ChannelLayout:
         compared_bits: int = 0,
         tolerance: int = 0,
     ) -> None:
-        self.encoder, self.kinds, self.position = encoder, tuple(kinds), position
-        self.compared, self.compared_bits, self.tolerance = tuple(compared), compared_bits, tolerance
+        self.encoder = encoder
+        self.kinds = tuple(kinds)
+        self.position = position
+        self.compared = tuple(compared)
+        self.compared_bits = compared_bits
+        self.tolerance = tolerance
         self._arguments = [_encoder_if_needed(kind, encoder) for kind in self.kinds]
         self.channel_bits: tuple[int, ...] = tuple(
             kind.frame_bits(*arguments) for kind, arguments in zip(self.kinds, self._arguments, strict=True)
@@ -159,7 +163,7 @@ class ChannelLayout:
         for kind, arguments, channel_bits in zip(self.kinds, self._arguments, self.channel_bits, strict=True):
             low_bit -= channel_bits
             try:
-                channels.append(kind.decode(number >> low_bit & (1 << channel_bits) - 1, *arguments))
+                channels.append(kind.decode((number >> low_bit) & ((1 << channel_bits) - 1), *arguments))
             except FrameError as error:
                 error.channel = kind.__name__
                 raise
@@ -190,7 +194,7 @@ class ChannelLayout:
         """Return whether the compared fields of the channels agree."""
         numbers = [getattr(channels[field.channel], field.field) for field in self.compared]
         highest = [
-            number >> field.width - self.compared_bits for number, field in zip(numbers, self.compared, strict=True)
+            number >> (field.width - self.compared_bits) for number, field in zip(numbers, self.compared, strict=True)
         ]
         modulus = 1 << self.compared_bits
         # The difference is taken the shorter way around, because the lowest and the highest number are adjacent.

@@ -50,7 +50,8 @@ def read_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, done: 
         array = array.combine_chunks()
     kind = array.type
     if kinds.is_dictionary(kind):
-        array, kind = array.dictionary_decode(), kind.value_type
+        array = array.dictionary_decode()
+        kind = kind.value_type
     if (view := str(kind)) in ("string_view", "binary_view"):
         # As polars gives text and bytes. Old versions of pyarrow have no function to test for it.
         array = array.cast(pa.large_string() if view == "string_view" else pa.large_binary())
@@ -84,7 +85,8 @@ def _read_integers(array: Any, shape: Shape) -> Any:
 
 def _read_rows(array: Any, length: int) -> Any:
     """Return byte strings as rows of an array, without copying them, or None if one has the wrong length."""
-    kind, count = array.type, len(array)
+    kind = array.type
+    count = len(array)
     if not count:
         return np.zeros((0, length), np.uint8)
     # Arrow stores the bytes of all strings in one buffer. Without a fixed size, another one has their offsets.
@@ -93,13 +95,15 @@ def _read_rows(array: Any, length: int) -> Any:
         if kind.byte_width != length:
             return None
         # The first byte of the first string, and the buffer. An array can be a slice of a longer one.
-        start, data = array.offset * length, buffers[1]
+        start = array.offset * length
+        data = buffers[1]
     else:
         wide = load("pyarrow").types.is_large_binary(kind)
         offsets = np.frombuffer(buffers[1], np.int64 if wide else np.int32)[array.offset : array.offset + count + 1]
         if (np.diff(offsets) != length).any():
             return None
-        start, data = int(offsets[0]), buffers[2]
+        start = int(offsets[0])
+        data = buffers[2]
     return np.frombuffer(data, np.uint8, count * length, start).reshape(count, length)
 
 

@@ -22,7 +22,8 @@ class Chunk:
     """
 
     def __init__(self, limbs: list[Any], bits: int) -> None:
-        self.limbs, self.bits = limbs, bits
+        self.limbs = limbs
+        self.bits = bits
         self._before_ungray: Chunk | None = None
         self._bytes: dict[int, Any] = {}
 
@@ -35,7 +36,8 @@ class Chunk:
     def byte(self, place: int) -> Any:
         """Return the eight bits of each frame that start at bit ``8 * place``."""
         if place not in self._bytes:
-            limb, shift = self.limbs[place // 8], 8 * (place % 8)
+            limb = self.limbs[place // 8]
+            shift = 8 * (place % 8)
             self._bytes[place] = (limb >> np.uint64(shift) if shift else limb).astype(np.uint8)
         return self._bytes[place]
 
@@ -43,7 +45,7 @@ class Chunk:
         """Return the bits that start at ``low``, limited to ``mask``. All of them are in one byte."""
         bits = self.byte(low // 8)
         bits = bits >> np.uint8(low % 8) if low % 8 else bits
-        return bits if mask == 0xFF >> low % 8 else bits & np.uint8(mask)
+        return bits if mask == 0xFF >> (low % 8) else bits & np.uint8(mask)
 
     def take(self, low: int, width: int, out: Any = None) -> Any:
         """Return the ``width`` bits of each frame that start at ``low``.
@@ -72,7 +74,7 @@ class Chunk:
         if not width:
             out[:] = False
             return
-        bit = self.byte(low // 8) & np.uint8(1 << low % 8)
+        bit = self.byte(low // 8) & np.uint8(1 << (low % 8))
         (np.not_equal if active else np.equal)(bit, 0, out=out)
 
     def ungray(self, low: int, width: int, excess: int) -> None:
@@ -80,12 +82,13 @@ class Chunk:
         mask = np.uint64(((1 << width) - 1) << low)
         gray = self.limbs[0] & mask
         # Bit n is the XOR of all Gray bits from n on, which doubling shifts collect.
-        binary, shift = gray, 1
+        binary = gray
+        shift = 1
         while shift < width:
-            binary = binary ^ binary >> np.uint64(shift) & mask
+            binary = binary ^ ((binary >> np.uint64(shift)) & mask)
             shift *= 2
         if excess:
-            binary = binary - np.uint64(excess << low) & mask
+            binary = (binary - np.uint64(excess << low)) & mask
         self._before_ungray = Chunk(self.limbs, self.bits)
         self.limbs = [self.limbs[0] ^ gray ^ binary]
         self._bytes.clear()
@@ -133,7 +136,7 @@ def _take_from_bytes(rows: Any, kind: str, is_little: bool) -> Any:
     limb[direct_count:] = padded.view(kind)[:, 0]
     # The bytes of the next row are the high ones in little-endian order, otherwise the low ones.
     if is_little:
-        limb &= np.uint64((1 << 8 * length) - 1)
+        limb &= np.uint64((1 << (8 * length)) - 1)
     else:
         limb >>= np.uint64(8 * (8 - length))
     return limb
@@ -141,10 +144,11 @@ def _take_from_bytes(rows: Any, kind: str, is_little: bool) -> Any:
 
 def are_within(bits: Any, check: Check, limit: int) -> Any:
     """Return whether each number is from ``lowest`` to ``limit``. Negative ones are in two's complement."""
-    kind, mask = bits.dtype.type, (1 << check.width) - 1
+    kind = bits.dtype.type
+    mask = (1 << check.width) - 1
     # Modulo 2**width, the numbers from ``lowest`` to ``limit`` become those from 0 on.
     if check.lowest:
-        bits = bits - kind(check.lowest & mask) & kind(mask)
+        bits = (bits - kind(check.lowest & mask)) & kind(mask)
     return bits <= kind(limit - check.lowest)
 
 
@@ -163,13 +167,13 @@ def compute_parity(chunk: Chunk, check: Check) -> Any:
     width = max(width for _, width in check.parity_of)
     bits_type = bits.dtype.type
     if check.mask:
-        bits = bits & bits_type(check.mask & (1 << width) - 1)
+        bits = bits & bits_type(check.mask & ((1 << width) - 1))
     # Fold the upper half of the bits onto the lower half until one bit is left.
     half = (1 << max(width - 1, 0).bit_length()) // 2
     while half:
-        bits = bits ^ bits >> bits_type(half)
+        bits = bits ^ (bits >> bits_type(half))
         half //= 2
-    return bits & bits_type(1) ^ bits_type(check.odd)
+    return (bits & bits_type(1)) ^ bits_type(check.odd)
 
 
 def compare_crc(chunk: Chunk, crc: CrcOf) -> Any:
@@ -179,7 +183,7 @@ def compare_crc(chunk: Chunk, crc: CrcOf) -> Any:
     if crc.is_xor:
         # The XOR of all bytes, with the CRC among them: 64, 32, 16, then 8 bits.
         number = reduce(np.bitwise_xor, chunk.limbs)
-        half = (number ^ number >> np.uint64(32)).astype(np.uint32)
+        half = (number ^ (number >> np.uint64(32))).astype(np.uint32)
         half ^= half >> np.uint32(16)
         half ^= half >> np.uint32(8)
         difference = half.astype(np.uint8)
@@ -209,7 +213,9 @@ def _fold(number: Any, crc: CrcOf, bits: int) -> Any:
         bits = max(step.shift, bits - step.shift + step.back)
         # Operations on 32 bits take half the time.
         if word_type is np.uint64 and bits <= 32:
-            remainder, high, word_type = remainder.astype(np.uint32), high.astype(np.uint32), np.uint32
+            remainder = remainder.astype(np.uint32)
+            high = high.astype(np.uint32)
+            word_type = np.uint32
         remainder ^= high
         if step.back:
             high <<= word_type(step.back)

@@ -86,11 +86,13 @@ def _allocate_columns(count: int, wanted: Mapping[str, str]) -> dict[str, Any]:
     """
     size = {name: np.dtype(kind).itemsize for name, kind in wanted.items()}
     space = np.empty(count * sum(size.values()), np.uint8)
-    columns, start = {}, 0
+    columns = {}
+    start = 0
     # The largest types come first, to align the columns of numbers.
     for name in sorted(wanted, key=lambda name: -size[name]):
         end = start + count * size[name]
-        columns[name], start = space[start:end].view(wanted[name]), end
+        columns[name] = space[start:end].view(wanted[name])
+        start = end
     return {name: columns[name] for name in wanted}
 
 
@@ -202,7 +204,7 @@ def _find_doubtful_frames(chunk: Chunk, shape: Shape) -> list[Any]:
     failures: list[Any] = []
     for limb, (mask, value) in zip(chunk.limbs, checks.fixed, strict=False):
         if mask:
-            failures.append(limb & np.uint64(mask) ^ np.uint64(value))
+            failures.append((limb & np.uint64(mask)) ^ np.uint64(value))
     for place, allowed_values in checks.bytes:
         byte = chunk.byte(place)
         is_allowed = reduce(np.logical_or, (byte == np.uint8(value) for value in allowed_values))
@@ -328,7 +330,7 @@ def _write_column(chunk: Chunk, column: Column, out: Mapping[str, Any]) -> None:
             chunk.take(column.low, column.width, number)
             if column.width:
                 # In two's complement, this extends the sign to 64 bits: n ^ top - top.
-                top = np.uint64(1 << column.width - 1)
+                top = np.uint64(1 << (column.width - 1))
                 number ^= top
                 number -= top
         case _:
@@ -351,7 +353,8 @@ def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
     met, unless the default is UNKNOWN. Otherwise it is the default. The computation has no branches, so the time does
     not depend on the frames.
     """
-    default, verdicts = VERDICTS.index(shape.default_verdict), out["verdict"]
+    default = VERDICTS.index(shape.default_verdict)
+    verdicts = out["verdict"]
     unused: Any = out.get("unused")
     any_unused_differs = bool(shape.unused) and unused.any()
     # For each verdict, an array for each condition that can apply: True for the frames to which it does.
@@ -365,7 +368,7 @@ def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
                 # For bools, this is "where and not out[name]".
                 is_active = np.greater(is_active, out[name])
         elif any_unused_differs:
-            is_active = unused & unused.dtype.type(condition.mask & (1 << 8 * unused.itemsize) - 1) != 0
+            is_active = unused & unused.dtype.type(condition.mask & ((1 << (8 * unused.itemsize)) - 1)) != 0
         else:
             continue
         active_by_verdict.setdefault(condition.verdict, []).append(is_active)

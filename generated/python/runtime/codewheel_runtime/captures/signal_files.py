@@ -129,7 +129,7 @@ def _read_session(stack: ExitStack, file: BinaryIO, path: str, names: Names, rat
         data=_find_numbered_probe(names.data, probes, numbers, path),
     )
     # Places are those in ``channels``. The lowest bit is probe 1.
-    masks = tuple(1 << numbers[place] - 1 for place in numbered_names.places(channels, path))
+    masks = tuple(1 << (numbers[place] - 1) for place in numbered_names.places(channels, path))
     entries = _list_sample_files(archive, stem)
     if not entries:
         raise InputError(path, "", "this sigrok session has no samples")
@@ -177,7 +177,8 @@ def _unpack_samples(
 
     A sample has ``size`` bytes, and can begin in one file and end in the next.
     """
-    done, remainder = 0, b""
+    done = 0
+    remainder = b""
     try:
         for info in entries:
             with archive.open(info) as file:
@@ -276,7 +277,8 @@ def _read_array_archive(archive: zipfile.ZipFile, path: str, names: Names, rate:
         raise InputError(path, "", f"the samples have {total / 1e9:.1f} GB unpacked: save a shorter capture")
     arrays: dict[str, Any] = {}
     for file_name in archive.namelist():
-        name, array = file_name.removesuffix(".npy"), _read_array_in(archive, file_name, path)
+        name = file_name.removesuffix(".npy")
+        array = _read_array_in(archive, file_name, path)
         # An array without dimensions is a single number.
         if array.ndim:
             arrays[name] = array
@@ -321,7 +323,8 @@ class _Saleae:
     """
 
     def __init__(self, file: BinaryIO, path: str) -> None:
-        self._file, self._path = file, path
+        self._file = file
+        self._path = path
         # Eight bytes of identification, then two numbers. Kind 0 is a digital channel.
         version, kind = struct.unpack("<8xii", self._read_exactly(16))
         if kind != 0:
@@ -331,7 +334,8 @@ class _Saleae:
         self._has_rate = version == 1
         self.chunks = struct.unpack("<Q", self._read_exactly(8))[0] if version == 1 else 1
         # The latest end of a chunk so far, in seconds. The first level and the number of edges of the first chunk.
-        self.end, self._ready = 0.0, (0, 0)
+        self.end = 0.0
+        self._ready = (0, 0)
         if self.chunks:
             self._ready = self._read_chunk()
 
@@ -349,7 +353,8 @@ class _Saleae:
         level, *_, begin, end, count = header.unpack(self._read_exactly(header.size))
         if not (np.isfinite(begin) and np.isfinite(end)) or level > 1:
             raise InputError(self._path, "", "this Saleae file is damaged")
-        self._start, self.end = begin, max(self.end, end)
+        self._start = begin
+        self.end = max(self.end, end)
         return int(level), int(count)
 
     def edges(self) -> Generator[tuple[int, Any, int], None, None]:
@@ -357,13 +362,15 @@ class _Saleae:
 
         The first one has no edges, but shows the level at the beginning.
         """
-        last_time, level = -np.inf, self._ready[0]
+        last_time = -np.inf
+        level = self._ready[0]
         yield level, np.zeros(0), self._file.tell()
         for chunk_index in range(self.chunks):
             first_level, count = self._ready if not chunk_index else self._read_chunk()
             if first_level != level:
                 # The signal changed in the gap before this chunk.
-                level, last_time = first_level, self._start
+                level = first_level
+                last_time = self._start
                 # One edge at the beginning of the chunk, with the other level before it.
                 yield level ^ 1, np.array([self._start]), self._file.tell()
             while count:
@@ -375,7 +382,9 @@ class _Saleae:
                     raise InputError(self._path, "", "the times of this Saleae file are not in ascending order")
                 yield level, edge_times, self._file.tell()
                 # An odd number of edges inverts the level.
-                count, last_time, level = count - len(edge_times), float(edge_times[-1]), level ^ (len(edge_times) & 1)
+                count -= len(edge_times)
+                last_time = float(edge_times[-1])
+                level = level ^ (len(edge_times) & 1)
 
 
 def _read_saleae(files: Sequence[BinaryIO], paths: Sequence[str]) -> Signals:

@@ -96,7 +96,10 @@ class _Screen:
     """Last readings, and the lines that show them."""
 
     def __init__(self, encoder: Encoder, place: str, out: TextIO, recorder: Recorder | None, is_shown: bool) -> None:
-        self._encoder, self._place, self._out, self._recorder = encoder, place, out, recorder
+        self._encoder = encoder
+        self._place = place
+        self._out = out
+        self._recorder = recorder
         self._is_live = is_shown and out.isatty()
         self._frame: Any = None
         #: Last unwrapped position, and the range with which it was unwrapped.
@@ -123,7 +126,8 @@ class _Screen:
     def add(self, frame: Any) -> None:
         """Add a frame, record it, and show it."""
         self.frames += 1
-        self._frame, now = frame, monotonic()
+        self._frame = frame
+        now = monotonic()
         position = frame.usable_position
         if position is not None:
             self._count = self._unwrap(frame.__class__, position)
@@ -138,7 +142,8 @@ class _Screen:
     def fail(self, error: RuntimeError) -> None:
         """Add a failure, record it, and show it."""
         self.failures += 1
-        kind, now = _name_error(error), monotonic()
+        kind = _name_error(error)
+        now = monotonic()
         self._errors[kind] += 1
         self._last_error = str(error)
         if self._recorder is not None:

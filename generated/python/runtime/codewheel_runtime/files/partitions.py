@@ -40,7 +40,8 @@ class PartitionDecoder(NamedTuple):
 
     def decode(self, partition: Any) -> Any:
         """Return the partition with the fields in place of the column of frames. Raises TypeError for other objects."""
-        library, kind = type(partition).__module__.partition(".")[0], type(partition).__name__
+        library = type(partition).__module__.partition(".")[0]
+        kind = type(partition).__name__
         if library == "pyarrow" and kind in ("Table", "RecordBatch"):
             return self._decode_arrow(partition)
         if library == "pandas" and kind == "DataFrame":

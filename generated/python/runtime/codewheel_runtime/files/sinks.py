@@ -136,7 +136,10 @@ class ArrowSink:
 
     def __init__(self, file: Any, plan: Plan, parquet: bool) -> None:
         self._pa: Any = load("pyarrow")
-        self._file, self._plan, self._parquet, self._writer = file, plan, parquet, cast(Any, None)
+        self._file = file
+        self._plan = plan
+        self._parquet = parquet
+        self._writer = cast(Any, None)
         self._texts = {name: Texts() for name, column in plan.source_columns.items() if isinstance(column, list)}
 
     def __enter__(self) -> ArrowSink:
@@ -195,7 +198,8 @@ class CsvSink:
 
     def __init__(self, file: Any, plan: Plan) -> None:
         # CSV keeps every cell as text, so none is ever lost.
-        self._plan, self.lost = plan, 0
+        self._plan = plan
+        self.lost = 0
         # Without a file, the rows go to standard output.
         self._own_file = io.TextIOWrapper(file, "utf-8", newline="") if file is not None else None
         self._out = self._own_file or sys.stdout
@@ -315,7 +319,8 @@ class _ArrowFormatter:
 
         Integers, bools and texts of Arrow stay as they are. Others become texts, as without pyarrow.
         """
-        kinds, kind = self._pa.types, getattr(column, "type", None)
+        kinds = self._pa.types
+        kind = getattr(column, "type", None)
         if kind is not None and (kinds.is_integer(kind) or kinds.is_boolean(kind) or kinds.is_string(kind)):
             return column
         return self._format_texts(_convert_to_plain(column))
