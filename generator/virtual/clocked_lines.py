@@ -102,7 +102,7 @@ class BissLine(ByLevels):
         frame = channel_frame(self.encoder.device.interface("biss"))
         return frame.layouts if frame is not None else self.encoder.layouts("encoder")[:1]
 
-    def _word(self) -> int:
+    def _compose_word(self) -> int:
         """Return the bits of all data channels with the current values."""
         word = 0
         for layout in self._channels:
@@ -139,7 +139,7 @@ class BissLine(ByLevels):
         faults = self.encoder.faults
         fault = faults.draw()
         cds = self._exchange_control_bit(cdm)
-        word = self._word()
+        word = self._compose_word()
         data_bits = [(word >> shift) & 1 for shift in reversed(range(self.bits))]
         fewest_late, most_late = _CLOCKS_LATE.get(fault, (0, 0))
         late_clocks = faults.random.randint(fewest_late, most_late)
