@@ -29,10 +29,10 @@ class NameChange:
     def text(self) -> str:
         if self.new is None:
             return f"{self.kind} {self.name} is gone"
-        return f"{self.kind} {self.name}: {_shorten(self.old)} → {_shorten(self.new)}"
+        return f"{self.kind} {self.name}: {_shorten_value(self.old)} → {_shorten_value(self.new)}"
 
 
-def _shorten(value: str) -> str:
+def _shorten_value(value: str) -> str:
     if len(value) <= _LONGEST_VALUE:
         return value
     return f"{value[: _LONGEST_VALUE - 1]}…"
@@ -81,8 +81,8 @@ def _changes_in_file(family: str, path: str, old_text: str, new_text: str) -> It
     """
     if path.endswith(".h"):
         kind = "C macro"
-        old_value_by_name = _macros(old_text)
-        new_value_by_name = _macros(new_text)
+        old_value_by_name = _parse_macros(old_text)
+        new_value_by_name = _parse_macros(new_text)
     elif path.endswith(".py") and not _is_private_module(path):
         kind = "Python name"
         old_value_by_name = _python_names(old_text)
@@ -96,7 +96,7 @@ def _changes_in_file(family: str, path: str, old_text: str, new_text: str) -> It
             yield NameChange(family=family, kind=kind, name=full_name, old=old_value, new=new_value)
 
 
-def _macros(header: str) -> dict[str, str]:
+def _parse_macros(header: str) -> dict[str, str]:
     """Return the macros of a header with their definitions on one line: ``{"X24_BITS": "24", "X24_MASK": "(n) …"}``.
 
     Include guards and version macros are left out.
