@@ -43,10 +43,10 @@ class StructCodec:
             self.reports = struct.context.reports.of(struct.layout, self.name, self.type)
 
     def declared(self) -> Iterator[Declared]:
-        for name in self._names():
+        for name in self._yield_names():
             yield name, self.struct.path
 
-    def _names(self) -> Iterator[str]:
+    def _yield_names(self) -> Iterator[str]:
         """Yield the names of the type, its functions and its macros."""
         yield self.type
         yield f"{self.name}_decode"

@@ -133,8 +133,8 @@ class ExampleCode:
         self.row: CodeRow = view.variants.rows[view.device.variants.index(chosen.variant)]
         self.frame: Frame = chosen.frame
         self.run = self._shown_run()
-        self.reads = [self._read(register) for register, _ in chosen.registers.values()]
-        self.memory = list(self._memory())
+        self.reads = [self._show_register(register) for register, _ in chosen.registers.values()]
+        self.memory = list(self._yield_memory())
 
     # -- the frame
 
@@ -371,7 +371,7 @@ class ExampleCode:
             values=tuple(argument_values.values()),
         )
 
-    def _read(self, register: Register) -> ShownRegister:
+    def _show_register(self, register: Register) -> ShownRegister:
         """Return a register that the program reads, with the source of its worked example."""
         _, example = self._chosen.registers[register.name]
         candidates = (code for code in self.view.registers if code.register is register)
@@ -384,7 +384,7 @@ class ExampleCode:
             struct=code.struct,
         )
 
-    def _memory(self) -> Iterator[Memory]:
+    def _yield_memory(self) -> Iterator[Memory]:
         """Yield the registers that are shown, by address, with the bytes of their worked examples.
 
         Those that the procedure writes have their factory default instead, or 0 if the manual gives none.

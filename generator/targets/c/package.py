@@ -52,9 +52,9 @@ def assumptions_files(
         interfaces = [interface for device in devices for interface in device.interfaces]
         values: Assumptions = {
             "maker": maker,
-            "frames": list(_frames(devices)),
+            "frames": list(_yield_frames(devices)),
             "silent": list(_without_verdict(devices)),
-            "unprotected": list(_unprotected(devices)),
+            "unprotected": list(_yield_unprotected(devices)),
             "interfaces": frozenset(interface.name for interface in interfaces),
             "later": any(isinstance(interface, Spi) and interface.reply == "next_word" for interface in interfaces),
             "parity": list(_with_parity(devices)),
@@ -63,7 +63,7 @@ def assumptions_files(
         yield f"ASSUMPTIONS-{maker.name}.md", render(TEMPLATE, values)
 
 
-def _frames(devices: tuple[Device, ...]) -> Iterator[Frames]:
+def _yield_frames(devices: tuple[Device, ...]) -> Iterator[Frames]:
     """Yield the frames with the same CRC and the same length, with the errors that this CRC does not detect."""
     crcs_by_width_poly_and_bits: dict[tuple[int, int, int], dict[str, Crc]] = {}
     for device in devices:
@@ -103,7 +103,7 @@ def _without_verdict(devices: tuple[Device, ...]) -> Iterator[str]:
                 yield _frame_name(device, reporting.interface.title, reporting.codec.layout)
 
 
-def _unprotected(devices: tuple[Device, ...]) -> Iterator[str]:
+def _yield_unprotected(devices: tuple[Device, ...]) -> Iterator[str]:
     """Yield the frames over SSI with a position that have no CRC, at least with some order codes."""
     for device in devices:
         for interface, layout in device.layouts():
