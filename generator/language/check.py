@@ -9,7 +9,7 @@ from .problems import MAX_FOUND, TOO_MANY, DocumentReport, Path, Report
 from .rules import FOUNDATIONS, RULES, SHAPES
 from .rules.master import check_master
 from .rules.order_code import is_whole
-from .rules.values import number_base
+from .rules.values import check_number_base
 from .schema_check import FileKind, SchemaResult, check_schema, place_to_remove, shape_of, without_places
 from .schema_files import family_of, with_stand_ins
 from .written_parts import WrittenSpec
@@ -42,7 +42,7 @@ def check_document(document: Document, report: Report) -> dict[str, Any] | None:
     problems_before = len(report)
     if checked.kind is FileKind.MASTER:
         check_master(checked.data, report.for_document(document))
-    number_base(WrittenSpec(checked.data), WrittenSpec(document.data), report.for_document(document))
+    check_number_base(WrittenSpec(checked.data), WrittenSpec(document.data), report.for_document(document))
     return checked.data if checked.complete and len(report) == problems_before else None
 
 

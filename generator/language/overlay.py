@@ -30,7 +30,7 @@ from .document import (
     without_value,
 )
 from .problems import Report, quoted, suggestion
-from .rules.values import bad_source
+from .rules.values import check_source_format
 from .written_parts import WrittenSpec
 
 #: Suffix of overlays found next to their spec: ``FAMILY.overlay.yaml``, ``FAMILY.x.overlay.yaml``.
@@ -178,7 +178,7 @@ class LayeredSpec:
             path = ("documents", key)
             mark = from_file(mark_at(overlay.marks, path), overlay.file)
             self._data, self._marks = with_value(self._data, self._marks, path, cited_document, mark)
-        bad_source(WrittenSpec(overlay.data), WrittenSpec(self._data), self._report.for_document(overlay))
+        check_source_format(WrittenSpec(overlay.data), WrittenSpec(self._data), self._report.for_document(overlay))
 
     def _apply_change(self, layer: Layer, number: int, kind: str, change: Mapping[str, Any]) -> None:
         """Apply a change of a kind to each place that it lists. ``also`` only records a text.

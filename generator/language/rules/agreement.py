@@ -51,7 +51,7 @@ class _Printed(Protocol):
     def names(self) -> Mapping[str, str]: ...
 
 
-def misspelt_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_misspelt_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no printed name differs by one letter from an entry of the contents, or an alarm's from its flag's."""
     _compare_with_contents(spec, raw, report)
     for alarm in spec.alarms:
@@ -118,7 +118,7 @@ def _printed_names(part: _Printed) -> Iterator[tuple[Path, str]]:
         yield ("names", language), name
 
 
-def printed_number(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_printed_number(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a value whose printed name is a number, such as ``0Ah``, has that number."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -144,7 +144,7 @@ def _printed_number(printed_name: str, width: int | None) -> int | None:
     return int(with_suffix[1], 16) if with_suffix is not None else None
 
 
-def number_in_meaning(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_number_in_meaning(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a field with a fixed number does not have another hexadecimal number as the only one in its meaning.
 
     A meaning that speaks of a register or an address is not checked, because its number may be that of a place.
@@ -170,7 +170,7 @@ def _fixed_numbers(field: WrittenField) -> list[tuple[str, int]]:
     return [(key, value) for key, value in numbers_by_key if isinstance(value, int)]
 
 
-def polynomial_in_note(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_polynomial_in_note(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the polynomial of a CRC is among those in its note, if there are any.
 
     A note gives a polynomial with its top bit, which ``poly`` omits.
@@ -208,7 +208,7 @@ def _printed_polynomials(note: str, width: int) -> dict[str, int]:
     return polynomials
 
 
-def unused_bits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_unused_bits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a register has no field at bits that its note calls unused, unless its number is fixed."""
     for field_list in field_lists(spec):
         unused_in_note = set(_unused_bits_in(field_list.owner.note))
@@ -241,7 +241,7 @@ def _unused_bits_in(text: str) -> Iterator[int]:
             yield from range(int(low or high), int(high) + 1)
 
 
-def access_repeated(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_access(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a register with fixed contents is not writable, and that registers have the access that errata state.
 
     A note or an erratum explains a writable register with fixed contents.
@@ -278,7 +278,7 @@ def _check_access_in_erratum(spec: WrittenSpec, erratum: WrittenErratum, report:
             report.add("access-mismatch", erratum.place_of("used"), message)
 
 
-def zero_within_limits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_zero_within_limits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the number for which zero stands is at most one more than the highest one of its register."""
     for register in spec.registers:
         for field in register.fields:
@@ -291,7 +291,7 @@ def zero_within_limits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
                 report.add("limit-does-not-fit", register.place_of("max"), message)
 
 
-def requests_repeated(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_requests(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a text of a procedure with one step has the number of requests that the step sends."""
     for procedure in spec.procedures:
         times = procedure.steps[0].times if len(procedure.steps) == 1 else None
@@ -313,7 +313,7 @@ def _number_of(text: str) -> int:
     return int(text) if text.isdigit() else _NUMBERS.index(text.casefold()) + 2
 
 
-def table_repeated(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_tables(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Report two tables with common columns whose numbers agree in all cells but one.
 
     Rows belong together if a column whose cells are all different in each table has the same cell in both.

@@ -30,7 +30,7 @@ _ERROR = re.compile(r"(?<![A-Za-z])(?:nE|n?Err|(?i:errors?|faults?|failures?))(?
 _NO_ERROR = re.compile(r"(?i:\b(?:no|not|without|free)\b)")
 
 
-def makes_position_missing(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_missing_verdicts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a flag in a frame with a position gives the verdict on the position while it is active.
 
     The flags that an interface itself defines have a known verdict.
@@ -52,7 +52,7 @@ def makes_position_missing(spec: WrittenSpec, raw: WrittenSpec, report: Document
                 report.add("makes-position-missing", field.path, f"{problem} {remedy}")
 
 
-def error_usable(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_usable_errors(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a flag or value called an error does not leave the position usable, unless a note explains it."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -83,7 +83,7 @@ def names_error(name: str, printed_name: str) -> bool:
     return any(_ERROR.search(text) and not _NO_ERROR.search(text) for text in texts)
 
 
-def flag_sums(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_flag_sums(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the flags combined by another one exist in some list of fields."""
     flags: list[str] = []
     for field_list in field_lists(raw):
@@ -97,7 +97,7 @@ def flag_sums(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> No
                     report.add("undefined-reference", (*field.place_of("sums_up"), index), problem, cause=name)
 
 
-def alarm_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_alarm_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that an alarm with the name of a flag in its group or register is about that flag.
 
     ``field`` is the flag of an alarm. Without it, it is the flag of the same name.
@@ -133,7 +133,7 @@ _PARITY = re.compile(r"(?:(?:even|odd)_)?(?:par|parity)(?:_bit)?")
 _PLAIN = frozenset(("name", "printed_name", "names", "bits", "at", "meaning", "source"))
 
 
-def plain_bits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_plain_bits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a bit of an encoder's frame that is called error or parity is described as one.
 
     A plain number has no effect on the verdict, and no decoder checks it. A note explains a bit that is neither.
@@ -177,7 +177,7 @@ _BINARY = re.compile(r"\bbinary\b", re.IGNORECASE)
 _UNKNOWN_POSITION = "POSITION"
 
 
-def output_code(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_output_code(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that ``output_code`` of SSI is the code in which its layouts send the position, up to the first error."""
     for kind, interface in interfaces(spec):
         if not isinstance(interface, WrittenSsi) or not interface.output_code:
@@ -222,7 +222,7 @@ def _contradiction(code: str, fields: FieldList, spec: WrittenSpec, raw: Written
     return ""
 
 
-def gray_named(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_named_gray_code(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that an interface whose order codes name Gray code has a layout in Gray code.
 
     A value of an order code belongs to the interface that it selects, or to the only one.

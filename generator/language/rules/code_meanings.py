@@ -31,7 +31,7 @@ _TWO_VOLTAGES = re.compile(rf"{_VOLT} ?(?:to|-|–|…|\.\.\.|(?=\+)) ?{_VOLT}")
 MEANING_DIFFERS = "; if the manual prints it so, give the reason in 'meaning_differs'"
 
 
-def value_words(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_value_words(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the meaning of an order code value agrees with its settings: Gray or binary code, length and supply.
 
     A value with ``meaning_differs`` explains a difference.
@@ -141,7 +141,7 @@ def _millivolts(volts: str, per_cent: Fraction | int) -> int:
     return int(Fraction(volts) * per_cent * 10)  # 1000 mV per V, and 1 / 100 for the percentage.
 
 
-def interface_named(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_named_interface(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that an order code value does not select another interface than the only one that its meaning names.
 
     RS-485 also names the signals, so it is not compared, but next to SSI or BiSS it makes the meaning unclear.
@@ -159,7 +159,7 @@ def interface_named(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
                 report.add("interface-mismatch", value.place_of("interface"), problem)
 
 
-def labels(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_labels(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a label that is a number has the number of the expression in ``label_is`` of its part.
 
     Only labels whose value sets all parameters of the expression are checked.

@@ -13,7 +13,7 @@ _ANGLE = ("counts_per_turn", "turns")
 _LENGTH = ("step_um", "step_nm", "per_counts", "modulus")
 
 
-def measurement_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_measurement_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a measurement matches the movement: of an angle if it is rotary, of a length if it is linear.
 
     Each needs the size of a count. ``highest`` needs ``turns`` or ``modulus``.
@@ -44,7 +44,7 @@ def measurement_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
             report.add("measurement-shape", (*measurement.path, "highest"), problem, at_key=True)
 
 
-def position_range_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_position_range_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the range of one layout has a position to refer to, and matches the movement.
 
     The layout must carry the position that the measurement of its interface, or else of the device, names.

@@ -23,7 +23,7 @@ _OPPOSITES = {
 _SHORTEST, _MOST = 6, 300
 
 
-def names_and_meanings(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_names_and_meanings(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no meaning begins with the opposite of a word in the name, as "Write a byte" for ``read``."""
     for name, path, text in _named_texts(spec):
         first_word = text.partition(" ")[0]
@@ -36,7 +36,7 @@ def names_and_meanings(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
             report.add("words-contradict", path, f"{message}; correct one of the two")
 
 
-def numbers_of_leds(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_numbers_of_leds(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the numbers in the name of an LED, such as ``led_1``, are those in its title, if it has any."""
     for led in spec.leds:
         numbers_of_name, numbers_of_title = (re.findall(r"\d+", text) for text in (led.part.name, led.part.title))
@@ -62,7 +62,7 @@ def _named_texts(spec: WrittenSpec) -> Iterator[tuple[str, Path, str]]:
                 yield name, value.place_of("meaning"), value.meaning
 
 
-def misspelt_fields(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_misspelt_fields(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no field has the name of another one with a typo, such as ``posiion`` for ``position``.
 
     The rarer of the two names is reported, at its first field.

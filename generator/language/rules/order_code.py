@@ -17,7 +17,7 @@ from .name_resolver import NameResolver
 from .parts import by_name, origins_of
 
 
-def order_code_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_order_code_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of order code values: parameters, interfaces, other parts and their labels."""
     resolver = NameResolver(raw, report)
     parts = by_name(raw.order_code.parts)
@@ -83,7 +83,7 @@ class _Code:
         return names
 
 
-def parameter_cycle(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_parameter_cycle(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no parameter is defined by itself, directly or through others."""
     definitions: dict[str, tuple[str, ...]] = {}
     for name, parameter in spec.parameters.items():
@@ -121,7 +121,7 @@ def _find_cycle(start: str, definitions: Mapping[str, tuple[str, ...]], settled:
     return []
 
 
-def order_code_pattern(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_order_code_pattern(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that pattern and parts agree, and then that codes set each parameter once and select one interface."""
     if not is_whole(spec.data, raw.data):
         return
@@ -141,7 +141,7 @@ def order_code_pattern(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
         _check_codes(spec, codes, report)
 
 
-def order_code_ambiguous(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_ambiguous_order_codes(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no text on a label can be read in two ways: as two codes, or as one code split in two ways."""
     if not is_whole(spec.data, raw.data):
         return
@@ -190,7 +190,7 @@ def _reading_text(names: Sequence[str], reading: Sequence[str]) -> str:
     return ", ".join(f"{name} {text}" for name, text in zip(names, reading, strict=True))
 
 
-def also_written(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_also_written(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that an alternative spelling has every part exactly once, and that its texts represent listed labels."""
     if not is_whole(spec.data, raw.data):
         return

@@ -55,7 +55,7 @@ def kind_of_unit(unit: str) -> str:
     return _KIND_OF.get(unit, unit)
 
 
-def parameter_interface(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_parameter_interface(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that an expression of one interface uses no parameter of another, directly or through other parameters."""
     for path, interface, text in uses(spec, raw):
         for name in dict.fromkeys(all_parameters(text, raw.parameters)):
@@ -184,7 +184,7 @@ def _factors(text: object) -> list[Factor]:
     return [factor for term in terms for factor in term.factors]
 
 
-def long_sums(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_long_sums(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no parameter becomes a long sum when the definitions of its parameters are inserted.
 
     Definitions that use others twice each would fill the memory: 30 of them are a sum of 2^30 terms.
@@ -208,7 +208,7 @@ def _count_of_terms(name: str, parameters: Mapping[str, WrittenParameter], count
     return counts[name]
 
 
-def parameter_origin(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_parameter_origin(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the value of a parameter has at most one origin, and that ``by_code`` is next to ``read_from`` alone.
 
     ``by_code`` lists the value for each code in the register, so it excludes limits.
@@ -229,7 +229,7 @@ def parameter_origin(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
             report.add("parameter-origin", parameter.place_of(limit_keys[0]), problem, at_key=True)
 
 
-def alternative_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_alternative_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the answers of an alternative set the same parameters, and that these name the alternative.
 
     Parameters and examples must name alternatives that exist, and examples their answers.
@@ -285,7 +285,7 @@ def _check_answers(alternative: WrittenAlternative, own_parameters: Sequence[str
                 resolver.report_problem(sets_path, problem)
 
 
-def alternative_use(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_alternative_use(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that alternatives affect only the places of fields, because generated code can use them only there.
 
     Those with a default affect only verdicts, which do not need a choice. So their parameters are in no expression.
@@ -311,7 +311,7 @@ def alternative_use(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
             report.add("alternative-use", path, f"{problem}, whose default applies without a choice; {remedy}")
 
 
-def units(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_units(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check the units of fields that equal a parameter, and of the parameters in expressions.
 
     A field and its parameter have units of the same quantity, and an unknown unit is a quantity of its own. Exponents

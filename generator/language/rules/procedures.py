@@ -39,7 +39,7 @@ _STEPS: dict[str, KeysOfKind] = {
 _ALL_STEPS = frozenset(("do", "meaning", "source"))
 
 
-def step_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_step_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that each step has the keys of its kind, and conditions for several requests only if it sends several."""
     for procedure in spec.procedures:
         for step in procedure.steps:
@@ -59,7 +59,7 @@ def _check_repeated(step: WrittenStep, report: DocumentReport) -> None:
         report.add("step-shape", step.place_of(conditions[0]), problem, at_key=True)
 
 
-def step_access(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_step_access(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers that are written are writable, and that those that are read are readable.
 
     To write one field of a register with other bits, a step reads the register first.
@@ -119,7 +119,7 @@ def _check_read_registers(spec: WrittenSpec, write_only: Collection[str], report
             report.add("access-mismatch", (*alarm.path, "register"), message)
 
 
-def step_waits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_step_waits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure waits long enough after a write that takes time, until its next write or its end."""
     registers = by_name(spec.registers)
     for procedure in spec.procedures:
@@ -151,7 +151,7 @@ def _find_short_wait(write: WrittenStep, later_steps: Sequence[WrittenStep], nee
     return waits[0].place_of("at_least_ms"), f"the wait here is {sum(waits_ms)} ms"
 
 
-def step_opens(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_opening_steps(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure writes the value that opens a register before it writes the register.
 
     Only the last of its writes to the opener before counts. If there is none, another procedure may open the register.
@@ -183,7 +183,7 @@ def _writes(step: WrittenStep, opener: WrittenOpenedBy) -> bool:
     return is_opening_register and is_opening_field
 
 
-def argument_written(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_written_arguments(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that some step of a procedure writes each of its arguments."""
     procedures = by_name(raw.procedures)
     for procedure in spec.procedures:
@@ -199,7 +199,7 @@ def argument_written(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
                 report.add("argument-not-written", argument.place_of("name"), message)
 
 
-def procedure_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_procedure_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure with the name of a value of a register writes this value if it writes named ones there."""
     registers = by_name(raw.registers)
     groups = by_name(raw.field_groups)
@@ -223,7 +223,7 @@ _SAVE = re.compile(r"(?:save|store|burn)(?:_.*)?")
 _ANY_BANK = "any"
 
 
-def saved_before_written(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_saves_before_writes(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure writes its arguments before it saves, unless a note of the procedure explains it.
 
     The last write of a value called save, store or burn counts. Arguments in volatile registers need no saving.
@@ -263,7 +263,7 @@ def _first_unsaved(later_steps: Iterable[WrittenStep], arguments: set[str], regi
     return ""
 
 
-def bank_named(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_named_bank(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the interface of a register in a bank has banks and names the register that selects them."""
     biss = raw.interfaces.biss
     is_select_named = biss is not None and biss.has("bank_select")
@@ -284,7 +284,7 @@ def bank_named(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> N
             report.add("bank-not-selected", register.place_of("bank"), message)
 
 
-def bank_selected(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_selected_bank(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure selects the bank before it accesses a register in it. An argument may select any bank."""
     registers = by_name(raw.registers)
     select = bank_select(raw)

@@ -85,7 +85,7 @@ _RULE = "rs485-exchange"
 _OF_DATA_IDS = ("data_ids", "memory_access")
 
 
-def requests(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_requests(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that an RS-485 interface describes its requests: by data IDs, or by exchanges of a request and its reply.
 
     A character of a frame has 8 data bits.
@@ -134,7 +134,7 @@ def _check_frames_of_rs485(interface: WrittenRs485, report: DocumentReport) -> N
 _NEEDED = {"read": (("address",), ("data",)), "write": (("address", "data"), ())}
 
 
-def exchanges(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_spi_exchanges(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that each frame over SPI is a request or its reply, and that accesses to registers have their fields."""
     interface, raw_interface = spec.interfaces.spi, raw.interfaces.spi
     if interface is None or raw_interface is None or not interface.data:
@@ -320,7 +320,7 @@ def _as_fields(layout: WrittenLayout) -> FieldList:
     return FieldList(Has.LAYOUT, layout, Spi.name)
 
 
-def requests_that_write(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_requests_that_write(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that constants distinguish each request from those that write, unless a note of its layout explains it.
 
     Two words can be equal if they have the same length and no constant bit differs. Only a write with constants and an

@@ -60,7 +60,7 @@ _EXAMPLES: dict[str, KeysOfKind] = {
 _ALL_EXAMPLES = frozenset(("name", "kind", "source", "erratum", "note"))
 
 
-def layout_keys(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_layout_keys(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that fields and layouts have valid combinations of keys. A field with ``use`` only includes a group."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -301,7 +301,7 @@ def _top_bit(field: WrittenField) -> int:
     return int(top_bit) if top_bit.isdecimal() else 0
 
 
-def byte_order_missing(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_missing_byte_orders(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers of several bytes with addresses have a byte order, because no default is safe."""
     for register in spec.registers:
         interface = INTERFACES.get(interface_of(register))
@@ -315,7 +315,7 @@ def byte_order_missing(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
             report.add("byte-order-missing", register.path, message)
 
 
-def example_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_example_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that each example has the keys of its kind, and that a frame is complete."""
     for example in spec.examples:
         subject = f"a {example.kind} example"
@@ -349,7 +349,7 @@ def _check_frame(example: WrittenExample, report: DocumentReport) -> None:
         report.add("example-shape", example.path, "a refused example needs 'erratum' or 'note' to explain it")
 
 
-def example_arguments(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_example_arguments(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that an example of a procedure has a value for each argument of the procedure."""
     procedures = by_name(raw.procedures)
     for example in spec.examples:

@@ -39,7 +39,7 @@ class _LaterPage:
 _Spans = Mapping[str, Mapping[str, tuple[int, int]]]
 
 
-def cited_place(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_cited_place(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that every cited section of the manual is in its contents, and every cited page in its section.
 
     In a spec whose sources cite the pages on which sections and entries begin, a source with only later pages is
@@ -190,7 +190,7 @@ _WHOLE = "all pages"
 _SOURCE = re.compile(r"\s*(?:([a-z][a-z0-9_]*):\s)?(.*?)\s*", re.DOTALL)
 
 
-def evidence(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_evidence(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the evidence supports the grade and lists each source once, and that each fact cites enough of them.
 
     Only the grades ``quoted`` and ``corroborated`` make demands on the source of each fact.
@@ -332,7 +332,7 @@ _CABLE = _LimitKeys(("below_hz",), "leave the table out")
 _SUPPLY = _LimitKeys(("min_mv", "max_mv"), "list the voltage in use under 'characteristics'")
 
 
-def limit_source(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_limit_sources(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that limits cite a document of the manufacturer if the grade does not demand it of every fact."""
     grade = spec.evidence.part.grade
     documents_read = spec.evidence.part.documents
@@ -382,7 +382,7 @@ def _source(part: Located[object]) -> str:
     return str(part.source or "")
 
 
-def revision_in_history(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_revision_in_history(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the history of a manual lists its own revision, unless an erratum explains it."""
     # A revision that is not text is reported by the schema, and can still be the right one.
     revisions = [str(history_row.data.get("revision")) for history_row in raw.manual.history]
@@ -397,7 +397,7 @@ def revision_in_history(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
     report.add("revision-not-in-history", ("manual", "revision"), f"{problem}; {remedy}")
 
 
-def open_quotation(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_open_quotation(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that double quotation marks in the printed text of an erratum come in pairs."""
     for erratum in spec.errata:
         if erratum.printed.count('"') % 2:
