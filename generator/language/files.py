@@ -108,7 +108,7 @@ class _Search:
         folders = deque([root])
         while folders:
             folder = folders.popleft()
-            entries = self._entries(folder)
+            entries = self._list_entries(folder)
             names = {folder_entry.name for folder_entry in entries}
             if folder != root and self._is_left_out(folder, names):
                 continue
@@ -120,7 +120,7 @@ class _Search:
                 if not folder_entry.name.startswith("."):
                     self._look_at(folder_entry, folder / folder_entry.name, folders)
 
-    def _entries(self, folder: Path) -> list[os.DirEntry[str]]:
+    def _list_entries(self, folder: Path) -> list[os.DirEntry[str]]:
         """Return the entries of a folder. An unreadable one has none and is noted."""
         try:
             with os.scandir(folder) as listing:

@@ -198,13 +198,13 @@ class Rs485Line:
             delay = faults.random.uniform(0.005, 0.04) if fault == "late" else 0.0
             # The line keeps the order of replies, but extra ones can come before or after the next reply.
             self._last_due = max(now + delay, self._last_due)
-            self._put(self._last_due, reply_bytes)
+            self._put_bytes(self._last_due, reply_bytes)
             if fault in ("repeated", "second"):
-                self._put(self._last_due + faults.gap_s(), reply if fault == "repeated" else other_reply)
+                self._put_bytes(self._last_due + faults.gap_s(), reply if fault == "repeated" else other_reply)
         if fault == "brownout":
             encoder.restart()
 
-    def _put(self, due: float, data: bytes) -> None:
+    def _put_bytes(self, due: float, data: bytes) -> None:
         """Add bytes that reach the master at the given time. If it does not read, the first ones are lost."""
         insort(self._arrivals, (due, data), key=itemgetter(0))  # by time
         del self._arrivals[:-_MOST_REPLIES]

@@ -328,8 +328,8 @@ def check_repeated_tables(spec: WrittenSpec, raw: WrittenSpec, report: DocumentR
                     f"{quoted(pair.column)} is {pair.cell} here, but {pair.earlier_cell} in the table "
                     f"{quoted(earlier_table.name)}; one of the two is wrong"
                 )
-                place = (*located_table.path, "rows", pair.row, table.columns.index(pair.column))
-                report.add("quantity-repeated", place, message)
+                path = (*located_table.path, "rows", pair.row, table.columns.index(pair.column))
+                report.add("quantity-repeated", path, message)
 
 
 @dataclass(frozen=True, slots=True)
@@ -377,12 +377,12 @@ def _number_pairs(table: Table, earlier_table: Table, key_column: str, column: s
     """Return the pairs of cells in a column that are numbers, from the rows with the same cell in the key column."""
     earlier_cells: dict[str, str] = {}
     for row in earlier_table.rows:
-        earlier_cells[_cell(earlier_table, row, key_column)] = _cell(earlier_table, row, column)
+        earlier_cells[_text_of_cell(earlier_table, row, key_column)] = _text_of_cell(earlier_table, row, column)
     cell_pairs = []
     for row_number, row in enumerate(table.rows):
-        key_cell = _cell(table, row, key_column)
+        key_cell = _text_of_cell(table, row, key_column)
         if key_cell in earlier_cells:
-            cell_pairs.append(_CellPair(row_number, column, _cell(table, row, column), earlier_cells[key_cell]))
+            cell_pairs.append(_CellPair(row_number, column, _text_of_cell(table, row, column), earlier_cells[key_cell]))
     return [pair for pair in cell_pairs if pair.is_numeric]
 
 
@@ -390,7 +390,7 @@ def _differing_cells(pairs: list[_CellPair]) -> list[_CellPair]:
     return [pair for pair in pairs if pair.cell != pair.earlier_cell]
 
 
-def _cell(table: Table, row: Sequence[str], column: str) -> str:
+def _text_of_cell(table: Table, row: Sequence[str], column: str) -> str:
     """Return the text in a column of a row, or an empty string if the row is too short."""
     index = table.columns.index(column)
     return row[index] if index < len(row) else ""
@@ -398,5 +398,5 @@ def _cell(table: Table, row: Sequence[str], column: str) -> str:
 
 def _is_key(table: Table, column: str) -> bool:
     """Return True if all cells of a column are different, so that each identifies its row."""
-    cells = [_cell(table, row, column) for row in table.rows]
+    cells = [_text_of_cell(table, row, column) for row in table.rows]
     return len(cells) == len(set(cells))

@@ -145,7 +145,7 @@ def check_plain_bits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
             continue
         for field in field_list.fields:
             name = field.name
-            is_plain_bit = _bits(field) == 1 and _PLAIN.issuperset(field.data)
+            is_plain_bit = _width_of_field(field) == 1 and _PLAIN.issuperset(field.data)
             if not is_plain_bit or _is_fixed(field_list, name):
                 continue
             problem = f"{quoted(name)} is a plain number, so decoders ignore it"
@@ -164,7 +164,7 @@ def _is_fixed(fields: FieldList, name: str) -> bool:
     return fields.interface in INTERFACES and name in INTERFACES[fields.interface].flags
 
 
-def _bits(field: WrittenField) -> int | str | None:
+def _width_of_field(field: WrittenField) -> int | str | None:
     """Return the number of bits of a field, given by its width or as the place of one bit."""
     return 1 if isinstance(field.at, int) else field.bits
 
@@ -185,7 +185,7 @@ def check_output_code(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
         position_layouts = _with_position(spec, raw, kind)
         has_gray = any(_gray_of(frame) is not None for frame in position_layouts)
         for frame in position_layouts:
-            contradiction = _contradiction(interface.output_code, frame, spec, raw, has_gray=has_gray)
+            contradiction = _find_contradiction(interface.output_code, frame, spec, raw, has_gray=has_gray)
             if contradiction:
                 message = f"'output_code' is {interface.output_code}, but {quoted(frame.name)} {contradiction}"
                 report.add("output-code", interface.place_of("output_code"), message)
@@ -197,7 +197,7 @@ def _gray_of(fields: FieldList) -> WrittenGray | None:
     return fields.layout.gray if fields.layout is not None else None
 
 
-def _contradiction(code: str, fields: FieldList, spec: WrittenSpec, raw: WrittenSpec, *, has_gray: bool) -> str:
+def _find_contradiction(code: str, fields: FieldList, spec: WrittenSpec, raw: WrittenSpec, *, has_gray: bool) -> str:
     """Return how a layout contradicts ``output_code``, such as ``has no 'gray', …``, or an empty string.
 
     ``gray`` of a layout means that it is in Gray code, always or if the parameter in ``when`` is not 0. ``has_gray``
@@ -206,10 +206,10 @@ def _contradiction(code: str, fields: FieldList, spec: WrittenSpec, raw: Written
     gray = _gray_of(fields)
     if gray is None:
         if code == "gray":
-            example = f"'gray: {{of: {_position(fields, spec, raw)}}}'"
+            example = f"'gray: {{of: {_find_position(fields, spec, raw)}}}'"
             return f"has no 'gray', so decoders take the position as binary; add {example} to it"
         if code == "by_order_code" and not has_gray:
-            example = f"'gray: {{of: {_position(fields, spec, raw)}, when: PARAMETER}}'"
+            example = f"'gray: {{of: {_find_position(fields, spec, raw)}, when: PARAMETER}}'"
             return f"has no 'gray', so decoders take the position as binary; add {example} to it"
         return ""
     if code == "binary":
@@ -255,11 +255,11 @@ def _names_gray(value: WrittenCodeValue) -> bool:
 def _with_position(spec: WrittenSpec, raw: WrittenSpec, kind: str) -> list[FieldList]:
     """Return the layouts of the encoder that contain the position, or all of its layouts if none is known to do so."""
     sent_layouts = [frame for frame in layouts(spec) if frame.interface == kind and frame.is_from_encoder]
-    with_position = [frame for frame in sent_layouts if _position(frame, spec, raw) != _UNKNOWN_POSITION]
+    with_position = [frame for frame in sent_layouts if _find_position(frame, spec, raw) != _UNKNOWN_POSITION]
     return with_position or sent_layouts
 
 
-def _position(fields: FieldList, spec: WrittenSpec, raw: WrittenSpec) -> str:
+def _find_position(fields: FieldList, spec: WrittenSpec, raw: WrittenSpec) -> str:
     """Return the name of the joined number or field for the position in a layout, or ``POSITION`` if there is none."""
     known_names = position_names(spec, fields.interface)
     for name in (*fields.joins, *field_names(fields, by_name(raw.field_groups))):

@@ -63,7 +63,7 @@ def check_repeated_flags(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRe
         # Another rule checks those of BiSS.
         for flag in (field for field in _sent_fields(field_list) if field.active and field_list.interface != Biss.name):
             first_flag = first_flags.setdefault((field_list.interface, flag.name), flag)
-            for key, value, first_value in _differences(flag, first_flag):
+            for key, value, first_value in _yield_differences(flag, first_flag):
                 line, _ = report.document.position(first_flag.path)
                 message = (
                     f"{quoted(flag.name)} has {quoted(key)} {value} here, but {first_value} on line {line}; correct one"
@@ -77,7 +77,7 @@ def _sent_fields(fields: FieldList) -> Sequence[WrittenField]:
     return fields.fields if fields.kind in (Has.GROUP, Has.LAYOUT) else ()
 
 
-def _differences(flag: WrittenField, first_flag: WrittenField) -> Iterator[tuple[str, str, str]]:
+def _yield_differences(flag: WrittenField, first_flag: WrittenField) -> Iterator[tuple[str, str, str]]:
     """Yield each key in which two flags differ, with both values: ``("active", "low", "high")``."""
     if flag.active != first_flag.active:
         yield "active", flag.active, first_flag.active
@@ -162,7 +162,7 @@ def _report_unsummed(
     """
     flags = [field for field in group.fields if field.active]
     unsummed = [flag for flag in flags if flag.name not in summed_by]
-    if len(unsummed) == 1 and len(flags) >= _FLAGS_OF_GROUP and not _mentions(unsummed[0].meaning, "combine"):
+    if len(unsummed) == 1 and len(flags) >= _FLAGS_OF_GROUP and not _mentions_word(unsummed[0].meaning, "combine"):
         message = (
             f"no flag of {quoted(fields.name)} combines {quoted(unsummed[0].name)}, unlike the other flags of"
             f" {quoted(group.name)}; add it to 'sums_up' of one, or say in its 'meaning' that none combines it"
@@ -170,7 +170,7 @@ def _report_unsummed(
         report.add("not-summed", unsummed[0].place_of("name"), message)
 
 
-def _mentions(text: str, word: str) -> bool:
+def _mentions_word(text: str, word: str) -> bool:
     return word in text.casefold()
 
 
@@ -227,7 +227,7 @@ def check_read_only_registers(spec: WrittenSpec, raw: WrittenSpec, report: Docum
         is_reported = is_reported and all(map(_is_flag_or_fixed, register.fields))
         content_text = "flags of alarms" if is_reported else "the position"
         has_position = register.name in position_names(spec, interface_of(register))
-        is_explained = any(_mentions(text, "writ") for text in (register.meaning, register.note))
+        is_explained = any(_mentions_word(text, "writ") for text in (register.meaning, register.note))
         if register.access == "read_write" and (is_reported or has_position) and not (is_used or is_explained):
             message = (
                 f"{quoted(register.name)} has {content_text}, and nothing says what to write there; write 'access:"

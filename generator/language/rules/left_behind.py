@@ -43,7 +43,7 @@ def check_start_values(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
     # Reversed, so that the first of several CRCs with one name counts.
     start_values = {crc.part.name: crc.part.init for crc in reversed(spec.crcs)}
     for erratum in spec.errata:
-        affected = _affected(erratum, "crcs", start_values, "init")
+        affected = _collect_affected(erratum, "crcs", start_values, "init")
         _check_words(erratum.place_of("used"), erratum.used, _START_VALUE, "init", affected, report)
 
 
@@ -52,7 +52,7 @@ def check_defaults(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
     registers = by_name(spec.registers)
     defaults = {name: register.default for name, register in registers.items()}
     for erratum in spec.errata:
-        affected = _affected(erratum, "registers", defaults, "default")
+        affected = _collect_affected(erratum, "registers", defaults, "default")
         _check_words(erratum.place_of("used"), erratum.used, _DEFAULT, "default", affected, report)
     for example in spec.examples:
         register = registers.get(example.register)
@@ -83,7 +83,7 @@ def _check_shown_default(example: WrittenExample, register: WrittenRegister, rep
     report.add("left-behind", example.place_of("bytes"), message)
 
 
-def _affected(erratum: WrittenErratum, section: str, numbers: _Numbers, key: str) -> _Numbers:
+def _collect_affected(erratum: WrittenErratum, section: str, numbers: _Numbers, key: str) -> _Numbers:
     """Return the numbers of the parts of a section that an erratum affects as a whole or by the key.
 
     For the section ``crcs`` and the key ``init``, these are the paths ``crcs.word`` and ``crcs.word.init``.
@@ -108,7 +108,7 @@ def _check_words(
     if match is None:
         return
     for name, number in numbers.items():
-        if number is not None and number != _number(match["number"]):
+        if number is not None and number != _parse_number(match["number"]):
             message = (
                 f"the text says {quoted(match[0])}, but {quoted(key)} of {quoted(name)} is {number:#x}; "
                 "correct one of the two"
@@ -117,7 +117,7 @@ def _check_words(
             return
 
 
-def _number(text: str) -> int:
+def _parse_number(text: str) -> int:
     """Return the number written as ``10h`` or ``0x10``, both hexadecimal, or as decimal ``16``."""
     if text.endswith("h"):
         return int(text[:-1], 16)
@@ -146,8 +146,8 @@ def check_order_codes_in_texts(spec: WrittenSpec, raw: WrittenSpec, report: Docu
     A text may leave parts open, such as ``TV62-xxx-0050-...``, and may end after any part.
     """
     pattern = spec.order_code.pattern
-    starts = _starts(spec.order_code)
-    pieces = _pieces(spec.order_code)
+    starts = _list_starts(spec.order_code)
+    pieces = _split_pattern(spec.order_code)
     # An older edition is derived with its own order codes and with today's texts, so the two need not agree.
     if not starts or report.document.family:
         return
@@ -166,7 +166,7 @@ def check_order_codes_in_texts(spec: WrittenSpec, raw: WrittenSpec, report: Docu
                 break
 
 
-def _starts(order_code: WrittenOrderCode) -> list[str]:
+def _list_starts(order_code: WrittenOrderCode) -> list[str]:
     """Return expressions for the start of an order code: the text of the pattern, or the labels of its first part.
 
     If all labels begin and end with the same letters, an x may replace what is between: ENx10 for EN10 and ENB10. The
@@ -209,7 +209,7 @@ def _is_text(path: Path) -> bool:
     return path[0] not in _ELSEWHERE and (is_value or path[-1] in _TEXTS)
 
 
-def _pieces(order_code: WrittenOrderCode) -> list[tuple[str, re.Pattern[str] | None]]:
+def _split_pattern(order_code: WrittenOrderCode) -> list[tuple[str, re.Pattern[str] | None]]:
     """Return the literal text before each part of the pattern, and the expression that matches a label of the part.
 
     For ``X-{bits}-{output}`` these are ``("", <bits>)`` and ``("-", <output>)``: the text before the first part is

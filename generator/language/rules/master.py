@@ -53,7 +53,7 @@ def check_master(data: dict[str, object], report: DocumentReport) -> None:
     """
     master = WrittenMaster(data)
     _check_name(master, report)
-    for path, node in _nodes(data, ()):
+    for path, node in _yield_maps(data, ()):
         cited_part = _CitedPart(node, path)
         condition = WrittenCondition(node, path)
         if cited_part.source:
@@ -99,15 +99,15 @@ def _check_name(master: WrittenMaster, report: DocumentReport) -> None:
         report.add("device-name", ("master",), message)
 
 
-def _nodes(node: object, path: Path) -> Iterator[tuple[Path, dict[str, object]]]:
+def _yield_maps(node: object, path: Path) -> Iterator[tuple[Path, dict[str, object]]]:
     """Yield every map in a value, and the value itself if it is a map, each with its path."""
     if isinstance(node, dict):
         yield path, node
         for key, value in node.items():
-            yield from _nodes(value, (*path, key))
+            yield from _yield_maps(value, (*path, key))
     elif isinstance(node, list):
         for index, value in enumerate(node):
-            yield from _nodes(value, (*path, index))
+            yield from _yield_maps(value, (*path, index))
 
 
 def _check_source(text: str, path: Path, master: WrittenMaster, report: DocumentReport) -> None:

@@ -67,17 +67,17 @@ def check_misspelt_fields(spec: WrittenSpec, raw: WrittenSpec, report: DocumentR
 
     The rarer of the two names is reported, at its first field.
     """
-    places: dict[str, Path] = {}
+    path_by_name: dict[str, Path] = {}
     counts: Counter[str] = Counter()
     for field_list in field_lists(spec):
         for field in field_list.fields:
-            places.setdefault(field.name, field.place_of("name"))
+            path_by_name.setdefault(field.name, field.place_of("name"))
             counts[field.name] += 1
     for pair in combinations(list(counts)[:_MOST], 2):
         rarer, common = sorted(pair, key=lambda name: counts[name])
         if _lacks_a_letter(rarer.split("_"), common.split("_")):
             message = f"another field is {quoted(common)}; correct one of the two, or give them names that differ more"
-            report.add("misspelt-name", places[rarer], message)
+            report.add("misspelt-name", path_by_name[rarer], message)
 
 
 def _lacks_a_letter(words: Sequence[str], other_words: Sequence[str]) -> bool:

@@ -52,20 +52,20 @@ def check_device_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
 def check_duplicate_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that names are unique among items of one kind, within the spec or within the item that contains them."""
     for word, parts in _named_parts(spec).items():
-        _check_unique(_labels(parts, "name"), word, report)
+        _check_unique(_yield_labels(parts, "name"), word, report)
     for word, facts in (("a timing", spec.timings), ("a characteristic", spec.characteristics)):
         _check_unique(_names_for_all_codes(facts), word, report)
     for _, interface in interfaces(spec):
         _check_unique(_names_for_all_codes(interface.timings), "a timing", report)
         data_ids = interface.data_ids if isinstance(interface, WrittenRs485) else ()
         for label, word in _DATA_ID_LABELS:
-            _check_unique(_labels(data_ids, label), word, report)
-    _check_unique(_labels(spec.manual.editions, "language"), "a language", report)
-    _check_unique(_labels(spec.manual.history, "revision"), "a revision", report)
+            _check_unique(_yield_labels(data_ids, label), word, report)
+    _check_unique(_yield_labels(spec.manual.editions, "language"), "a language", report)
+    _check_unique(_yield_labels(spec.manual.history, "revision"), "a revision", report)
     for register in spec.registers:
-        _check_unique(_labels(register.meanings, "name"), "a meaning", report)
+        _check_unique(_yield_labels(register.meanings, "name"), "a meaning", report)
     for procedure in spec.procedures:
-        _check_unique(_labels(procedure.arguments, "name"), "an argument", report)
+        _check_unique(_yield_labels(procedure.arguments, "name"), "an argument", report)
     for connector in spec.connectors:
         contacts = [contact.contact for contact in connector.part.contacts]
         _check_unique(_labels_in(connector.path, "contacts", "contact", contacts), "a contact", report)
@@ -202,7 +202,7 @@ def check_value_clash(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
                     report.add("value-clash", value.place_of("value"), message)
 
 
-def _labels(parts: Sequence[PlacedPart], label: str) -> Iterator[Named]:
+def _yield_labels(parts: Sequence[PlacedPart], label: str) -> Iterator[Named]:
     """Yield the value under the key ``label`` of each part, with its path."""
     for part in parts:
         yield (*part.path, label), part.data[label]
@@ -210,7 +210,7 @@ def _labels(parts: Sequence[PlacedPart], label: str) -> Iterator[Named]:
 
 def _names_for_all_codes(parts: Sequence[PlacedPart]) -> Iterator[Named]:
     """Yield the names of the parts that apply to all order codes. Facts for others are compared by order code."""
-    return _labels([part for part in parts if "only" not in part.data], "name")
+    return _yield_labels([part for part in parts if "only" not in part.data], "name")
 
 
 def _labels_in(path: Path, key: str, label: str, values: Iterable[str]) -> Iterator[Named]:

@@ -67,8 +67,8 @@ def check_counts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
 
     They are computed by the formulas of the measurement, if the value sets all their parameters.
     """
-    formulas = dict(_formulas(spec))
-    definitions = _definitions(spec)
+    formulas = dict(_yield_formulas(spec))
+    definitions = _collect_definitions(spec)
     for part in spec.order_code.parts:
         for value in part.values.values():
             if value.meaning_differs:
@@ -76,7 +76,7 @@ def check_counts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
             parameters = resolve_parameters(value.sets, definitions)
             for number_text, words in _COUNTS.findall(value.meaning):
                 formula = formulas.get("counts" if words.startswith("counts") else "turns")
-                number = _value(formula, parameters) if formula is not None else None
+                number = _evaluate_formula(formula, parameters) if formula is not None else None
                 if number is not None and number_text not in (str(number), f"{number:,}"):
                     message = (
                         f"the meaning says {number_text} {words}, but the value sets {number}; one of the two is wrong."
@@ -85,22 +85,22 @@ def check_counts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
                     report.add("meaning-mismatch", value.place_of("meaning"), message)
 
 
-def _formulas(spec: WrittenSpec) -> Iterator[tuple[str, Expression]]:
+def _yield_formulas(spec: WrittenSpec) -> Iterator[tuple[str, Expression]]:
     """Yield the formulas of measurements, as ``("counts", 2^bits)`` per turn and ``("turns", 4096)``."""
     for measurement in measurements(spec):
         for kind, key in (("counts", "counts_per_turn"), ("turns", "turns")):
-            formula = _parsed(measurement.data[key]) if measurement.has(key) else None
+            formula = _parse_formula(measurement.data[key]) if measurement.has(key) else None
             if formula is not None:
                 yield kind, formula
 
 
-def _definitions(spec: WrittenSpec) -> dict[str, Expression]:
+def _collect_definitions(spec: WrittenSpec) -> dict[str, Expression]:
     """Return the formulas of the parameters that are calculated, by name."""
-    formulas = {name: _parsed(parameter.equals) for name, parameter in spec.parameters.items()}
+    formulas = {name: _parse_formula(parameter.equals) for name, parameter in spec.parameters.items()}
     return {name: formula for name, formula in formulas.items() if formula is not None}
 
 
-def _parsed(formula: object) -> Expression | None:
+def _parse_formula(formula: object) -> Expression | None:
     """Return a number or formula as an expression, or None for anything else. Another rule reports a wrong one."""
     if not isinstance(formula, (int, str)) or formula == "":
         return None
@@ -110,7 +110,7 @@ def _parsed(formula: object) -> Expression | None:
         return None
 
 
-def _value(formula: Expression, parameters: Mapping[str, int]) -> int | None:
+def _evaluate_formula(formula: Expression, parameters: Mapping[str, int]) -> int | None:
     """Return the number of a formula, or None if a parameter is missing or the number is out of range."""
     if not parameters.keys() >= set(formula.parameters):
         return None
@@ -127,7 +127,7 @@ def check_widths(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
     and with all at their highest.
     """
     ranges = _ranges_set(spec)
-    definitions = _definitions(spec)
+    definitions = _collect_definitions(spec)
     parameters_at_bounds = []
     for bound in (0, 1):
         set_numbers = {name: bounds_of_name[bound] for name, bounds_of_name in ranges.items()}

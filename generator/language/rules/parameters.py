@@ -162,7 +162,7 @@ _MOST_TERMS = 256
 
 def all_parameters(text: object, parameters: Mapping[str, WrittenParameter]) -> Iterator[str]:
     """Yield the parameters in an expression, and those in the expressions that define them, each once."""
-    factors_to_visit = _factors(text)
+    factors_to_visit = _list_factors(text)
     visited_names: set[str] = set()
     # The list grows during the loop: parameters named directly come before those that define them.
     for factor in factors_to_visit:
@@ -170,10 +170,10 @@ def all_parameters(text: object, parameters: Mapping[str, WrittenParameter]) -> 
         if name not in visited_names and name in parameters:
             visited_names.add(name)
             yield name
-            factors_to_visit += _factors(parameters[name].equals)
+            factors_to_visit += _list_factors(parameters[name].equals)
 
 
-def _factors(text: object) -> list[Factor]:
+def _list_factors(text: object) -> list[Factor]:
     """Return the factors of all terms of an expression, or none if it is not valid."""
     if not isinstance(text, (int, str)):
         return []
@@ -192,7 +192,9 @@ def check_long_sums(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
     counts: dict[str, int] = {}
     for name, parameter in spec.parameters.items():
         count = _count_of_terms(name, spec.parameters, counts)
-        has_long_parameter = any(counts.get(factor.parameter, 0) > _MOST_TERMS for factor in _factors(parameter.equals))
+        has_long_parameter = any(
+            counts.get(factor.parameter, 0) > _MOST_TERMS for factor in _list_factors(parameter.equals)
+        )
         if count > _MOST_TERMS and not has_long_parameter:
             problem = f"{quoted(name)} is a sum of {count} terms with the definitions of its parameters"
             report.add("bad-expression", parameter.place_of("equals"), f"{problem}; the limit is {_MOST_TERMS}")
@@ -202,7 +204,7 @@ def _count_of_terms(name: str, parameters: Mapping[str, WrittenParameter], count
     """Return the number of terms of a parameter with all definitions inserted, which ``counts`` keeps by name."""
     if name not in counts:
         counts[name] = 1  # This ends a cycle, which another rule reports.
-        factors = _factors(parameters[name].equals) if name in parameters else []
+        factors = _list_factors(parameters[name].equals) if name in parameters else []
         if factors:
             counts[name] = sum(_count_of_terms(factor.parameter, parameters, counts) for factor in factors)
     return counts[name]
@@ -295,7 +297,7 @@ def check_alternative_use(spec: WrittenSpec, raw: WrittenSpec, report: DocumentR
     used_texts = list(expressions(spec))
     used_texts += [(path, text) for path, _, text in uses(spec, raw) if path[-1] == "when"]
     for path, text in used_texts:
-        names = [factor.parameter for factor in _factors(text) if factor.parameter in set_by_alternative]
+        names = [factor.parameter for factor in _list_factors(text) if factor.parameter in set_by_alternative]
         if not names:
             continue
         alternative_name = set_by_alternative[names[0]].alternative
@@ -325,7 +327,7 @@ def check_units(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
                 problem = f"{quoted(field.name)} is in {field.unit}, but it equals {quoted(field.equals)}"
                 report.add("unit-mismatch", field.place_of("unit"), f"{problem}, which is in {equal_unit}")
     for path, text in expressions(spec):
-        for factor in _factors(text):
+        for factor in _list_factors(text):
             if factor.parameter in raw.parameters:
                 _check_unit_of_factor(path, factor, raw.parameters[factor.parameter].unit, report)
 
@@ -341,7 +343,7 @@ def _check_unit_of_factor(path: Path, factor: Factor, unit: str, report: Documen
     kind = _KIND_OF.get(unit)
     if needed_kind is None or kind is None or kind == needed_kind:
         return
-    place = f"the exponent in 2^{factor.parameter}" if is_exponent else quoted(key)
+    quoted_place = f"the exponent in 2^{factor.parameter}" if is_exponent else quoted(key)
     needed_unit = "µm" if needed_kind == "micrometres" else needed_kind
-    message = f"{quoted(factor.parameter)} is in {unit}, but {place} must be in {needed_unit}"
+    message = f"{quoted(factor.parameter)} is in {unit}, but {quoted_place} must be in {needed_unit}"
     report.add("unit-mismatch", path, message)

@@ -94,7 +94,7 @@ def _byte_faults(row: WrittenPrintedDefault, register: WrittenRegister) -> Itera
 def _bit_faults(row: WrittenPrintedDefault, register: WrittenRegister) -> Iterator[tuple[str, str]]:
     """Yield the errors of a row about some of the bits, each as the key to blame and the message."""
     name = quoted(register.name)
-    bounds = _bounds(row.at)
+    bounds = _parse_bit_range(row.at)
     if bounds is None:
         yield "at", f"{quoted(row.at)} is not a position; write a bit number, or a range such as 7:6"
         return
@@ -120,7 +120,7 @@ def _field_faults(
     field = by_name(register.fields).get(row.field)
     if field is None:  # Reported by the rule on references, or the field is in a group.
         return
-    if field.at is not None and _bounds(field.at) != bounds:
+    if field.at is not None and _parse_bit_range(field.at) != bounds:
         yield "at", f"{quoted(row.field)} is at {field.at}, but {row.at} is printed"
     names = [name for name, value in field.values.items() if value.value == row.value]
     if row.is_ and row.is_ not in names:
@@ -128,7 +128,7 @@ def _field_faults(
         yield "is", f"{row.value} {actual} in {quoted(row.field)}, but {quoted(row.is_)} is printed"
 
 
-def _bounds(at: int | str | None) -> tuple[int, int] | None:
+def _parse_bit_range(at: int | str | None) -> tuple[int, int] | None:
     """Return the highest and the lowest bit of a place such as ``7:6`` or 5, or None if it is not one."""
     if isinstance(at, int):
         return (at, at) if 0 <= at < 1024 else None
@@ -227,7 +227,7 @@ def _step_write(step: WrittenStep, registers: Mapping[str, WrittenRegister], gro
     if writes_whole_register:
         return _Write(first=first, last=last, bit=None, value=number)
     written_fields = fields_with_value or possible_fields
-    bounds = _bounds(written_fields[0].at) if written_fields else None
+    bounds = _parse_bit_range(written_fields[0].at) if written_fields else None
     if bounds is None:
         return None
     _, low_bit = bounds

@@ -163,7 +163,9 @@ def check_opening_steps(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
             opener = _register_of(step, registers).opened_by
             if step.do != "write" or opener is None:
                 continue
-            values_before = [earlier.value for earlier in procedure.steps[:index] if _writes(earlier, opener)]
+            values_before = [
+                earlier.value for earlier in procedure.steps[:index] if _writes_opening_value(earlier, opener)
+            ]
             # An argument may be the value that opens the register.
             if values_before and values_before[-1] != opener.value and values_before[-1] not in arguments:
                 message = (
@@ -173,7 +175,7 @@ def check_opening_steps(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
                 report.add("not-opened", step.place_of("register"), message)
 
 
-def _writes(step: WrittenStep, opener: WrittenOpenedBy) -> bool:
+def _writes_opening_value(step: WrittenStep, opener: WrittenOpenedBy) -> bool:
     """Return True if a step writes a value to the register, or the field of it, that opens another register."""
     if step.do != "write" or not step.value or not opener.value:
         return False
@@ -290,7 +292,7 @@ def check_selected_bank(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
     select = bank_select(raw)
     if not select:
         return
-    bank_numbers = _numbers(registers.get(select, _NO_REGISTER), raw)
+    bank_numbers = _number_by_name(registers.get(select, _NO_REGISTER), raw)
     for procedure in spec.procedures:
         selected_bank: object = None
         for step in procedure.steps:
@@ -305,7 +307,7 @@ def check_selected_bank(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
                 report.add("bank-not-selected", step.place_of("register"), message)
 
 
-def _numbers(register: WrittenRegister, raw: WrittenSpec) -> dict[str, int | None]:
+def _number_by_name(register: WrittenRegister, raw: WrittenSpec) -> dict[str, int | None]:
     """Return the numbers of all named values of a register by their names. Invalid ones are None."""
     numbers_by_name: dict[str, int | None] = {}
     for field in fields_of(register, by_name(raw.field_groups)):

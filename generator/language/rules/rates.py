@@ -41,7 +41,7 @@ def check_round_rates(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
     if is_second(report.document.file):  # It has no notes.
         return
     for _, interface in interfaces(spec):
-        for path, rate, unit in _rates(interface):
+        for path, rate, unit in _yield_rates(interface):
             digits = len(str(rate).rstrip("0"))
             is_standard = unit == "baud" and rate % _STANDARD_BAUD == 0
             is_high = rate >= _LOWEST_HZ
@@ -58,7 +58,7 @@ def _gives_rate(note: str, rate: int) -> bool:
     return str(rate) in note.replace(",", "")
 
 
-def _rates(interface: WrittenInterface) -> Iterator[tuple[Path, int, str]]:
+def _yield_rates(interface: WrittenInterface) -> Iterator[tuple[Path, int, str]]:
     """Yield the limits of the clock and for cables, or the baud rate, of an interface, with their places and units."""
     if isinstance(interface, WrittenRs485):
         if interface.port.is_valid("baud"):
@@ -85,7 +85,7 @@ def check_rates_of_lines(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRe
         if isinstance(interface, WrittenSpi):
             continue
         has_such_lines = isinstance(interface, WrittenRs485) or _LINES.search(interface.signals) is not None
-        for path, rate, unit in _rates(interface) if has_such_lines else ():
+        for path, rate, unit in _yield_rates(interface) if has_such_lines else ():
             is_limit = path[-1] != "below_hz"
             if is_limit and rate > _HIGHEST_HZ and not _gives_rate(interface.note, rate):
                 message = (
@@ -110,11 +110,11 @@ def check_monoflop(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
 
 def _check_monoflop(timing: Located[Timing], ssi: WrittenSsi, report: DocumentReport) -> None:
     """Check a monoflop time against the clocks and pauses of the same order codes."""
-    time_us, key = _shortest(timing)
-    place = ".".join(map(str, (*timing.path[:-1], _MONOFLOP, key)))
-    if explained(report.document, place) or not time_us:
+    time_us, key = _find_shortest(timing)
+    affected_path = ".".join(map(str, (*timing.path[:-1], _MONOFLOP, key)))
+    if explained(report.document, affected_path) or not time_us:
         return
-    remedy = f"If this is what the manual says, add an erratum that affects {place}"
+    remedy = f"If this is what the manual says, add an erratum that affects {affected_path}"
     for clock in ssi.clock:
         lowest_hz = clock.part.min_hz
         if not lowest_hz or not share_codes(clock.part, timing.part):
@@ -136,7 +136,7 @@ def _check_monoflop(timing: Located[Timing], ssi: WrittenSsi, report: DocumentRe
             report.add("monoflop", (*pause.path, "at_least_us"), f"{message}. {remedy}")
 
 
-def _shortest(timing: Located[Timing]) -> tuple[int | None, str]:
+def _find_shortest(timing: Located[Timing]) -> tuple[int | None, str]:
     """Return the shortest guaranteed or else the typical time of a timing, with its key, or ``(None, "")``."""
     part = timing.part
     for key, time_us in (("at_least_us", part.at_least_us), ("typical_us", part.typical_us)):

@@ -137,7 +137,7 @@ def check_address_tables(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRe
         if len(address_columns) != 2:
             continue
         for row_index, row in enumerate(table.part.rows):
-            cells = [row[place] for place in address_columns if place < len(row)]
+            cells = [row[column_index] for column_index in address_columns if column_index < len(row)]
             hex_digits = [match[1] for match in map(_HEX_CELL.fullmatch, cells) if match is not None]
             if len(hex_digits) != 2:
                 continue

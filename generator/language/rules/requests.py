@@ -56,7 +56,7 @@ def check_exchanges(
             report.add(rule, exchange.place_of("purpose"), message)
 
 
-def _frame(exchange: WrittenRs485Exchange | WrittenSpiExchange, key: str) -> str:
+def _frame_name(exchange: WrittenRs485Exchange | WrittenSpiExchange, key: str) -> str:
     """Return the name of the frame under a key of an exchange: its request or its reply."""
     return exchange.request if key == "request" else exchange.reply
 
@@ -66,7 +66,7 @@ def _check_layouts(exchanges: Exchanges, layouts: Layouts, report: DocumentRepor
     for sender, key in KEYS.items():
         names = [name for name, layout in layouts.items() if layout.from_ == sender]
         for exchange in exchanges:
-            name = _frame(exchange, key)
+            name = _frame_name(exchange, key)
             if name and name not in names:
                 message = f"there is no layout {quoted(name)} from the {sender}"
                 report.add("undefined-reference", exchange.place_of(key), message + suggestion(name, names))
@@ -75,7 +75,7 @@ def _check_layouts(exchanges: Exchanges, layouts: Layouts, report: DocumentRepor
 def report_unused(layout: WrittenLayout, exchanges: Exchanges, rule: str, report: DocumentReport) -> None:
     """Report a frame that no exchange contains: one of the master as request, one of the encoder as reply."""
     key = KEYS.get(layout.from_, "")
-    if key and layout.name not in [_frame(exchange, key) for exchange in exchanges]:
+    if key and layout.name not in [_frame_name(exchange, key) for exchange in exchanges]:
         message = f"no exchange has {quoted(layout.name)} as its {key}; add one under 'exchanges'"
         report.add(rule, layout.path, message)
 
@@ -298,11 +298,11 @@ def _check_fields(
         return
     field_names_of_frames: set[str] = set()
     for exchange in accesses:
-        layout = layouts.get(_frame(exchange, key))
+        layout = layouts.get(_frame_name(exchange, key))
         field_names_of_frames |= field_names(_as_fields(layout), groups).keys() if layout is not None else set()
     missing_names = [field_name for field_name in needed if field_name not in field_names_of_frames]
     if missing_names:
-        frame_name = _frame(accesses[0], key)
+        frame_name = _frame_name(accesses[0], key)
         place = accesses[0].place_of(key)
         message = f"{quoted(frame_name)} is for a register, so it needs the field {quoted(missing_names[0])}"
         report.add("spi-exchange", place, message)

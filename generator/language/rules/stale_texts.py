@@ -135,14 +135,14 @@ def check_quoted_names(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
     if report.document.family or report.document.other_files:
         return
     names_in_spec = _printed_names(spec, report)
-    folded_names = {_folded(name) for name in names_in_spec}
+    folded_names = {_fold_name(name) for name in names_in_spec}
     for path, text in leaves_of(spec.data, report):
         if not isinstance(text, str) or path[0] in _ELSEWHERE or path[-1] not in _TEXTS:
             continue
         for match in _QUOTED_NAME.finditer(text):
             before, after = match.group("before", "after")
             name = before or after
-            if _folded(name) not in folded_names:
+            if _fold_name(name) not in folded_names:
                 message = f"nothing here is called {quoted(name)}{suggestion(name, names_in_spec)}; correct the text"
                 report.add("left-behind", path, message, cause=name)
 
@@ -158,7 +158,7 @@ def _printed_names(spec: WrittenSpec, report: DocumentReport) -> list[str]:
     return list(names)
 
 
-def _folded(name: str) -> str:
+def _fold_name(name: str) -> str:
     """Return a name in lower case, with one space for all other characters between letters and digits."""
     return re.sub(r"[\W_]+", " ", name).strip().casefold()
 
@@ -178,9 +178,9 @@ def check_labels_in_errata(spec: WrittenSpec, raw: WrittenSpec, report: Document
         if not any(affected.split(".")[0] == "order_code" for affected in erratum.affects):
             continue
         words_in_capitals = _LABEL.findall(erratum.used)
-        shapes_of_labels = {_shape(word) for word in words_in_capitals if word in known_labels}
+        shapes_of_labels = {_shape_of_label(word) for word in words_in_capitals if word in known_labels}
         unknown_labels = [
-            word for word in words_in_capitals if word not in known_labels and _shape(word) in shapes_of_labels
+            word for word in words_in_capitals if word not in known_labels and _shape_of_label(word) in shapes_of_labels
         ]
         if unknown_labels:
             message = f"{quoted(unknown_labels[0])} is not in the order code; correct the text"
@@ -198,7 +198,7 @@ def _known_labels(spec: WrittenSpec) -> set[str]:
     return known_labels
 
 
-def _shape(label: str) -> str:
+def _shape_of_label(label: str) -> str:
     """Return a label with each letter as A and each digit as 0."""
     return re.sub("[0-9]", "0", re.sub("[A-Z]", "A", label))
 

@@ -31,18 +31,18 @@ def check_edges_and_periods(spec: WrittenSpec, raw: WrittenSpec, report: Documen
             continue
         numbers_of_errata = _numbers_of_errata(spec, f"tables.{table.part.name}")
         for index, row in enumerate(table.part.rows):
-            period_frequency, edge_frequency = _number(row, periods), _number(row, edges)
+            period_frequency, edge_frequency = _number_in_cell(row, periods), _number_in_cell(row, edges)
             if period_frequency is None or edge_frequency is None or edge_frequency == _EDGES * period_frequency:
                 continue
             if not {row[periods], row[edges]} <= numbers_of_errata:
                 message = f"{row[edges]} edges are not {_EDGES} times {row[periods]} periods"
-                place = (*table.path, "rows", index, edges)
-                report.add("table-arithmetic", place, f"{message}; correct one of the two")
+                path = (*table.path, "rows", index, edges)
+                report.add("table-arithmetic", path, f"{message}; correct one of the two")
 
 
-def _numbers_of_errata(spec: WrittenSpec, place: str) -> set[str]:
+def _numbers_of_errata(spec: WrittenSpec, affected_path: str) -> set[str]:
     """Return the numbers in the texts of the errata that affect a place."""
-    texts = [f"{erratum.printed} {erratum.used}" for erratum in spec.errata if place in erratum.affects]
+    texts = [f"{erratum.printed} {erratum.used}" for erratum in spec.errata if affected_path in erratum.affects]
     return set(_NUMBER.findall(" ".join(texts)))
 
 
@@ -57,7 +57,7 @@ def _frequency_column(table: Table, word: str) -> int | None:
     return columns[0] if len(columns) == 1 and len(frequency_units) == 1 else None
 
 
-def _number(row: tuple[str, ...], column: int) -> Decimal | None:
+def _number_in_cell(row: tuple[str, ...], column: int) -> Decimal | None:
     cell = row[column] if column < len(row) else ""
     return Decimal(cell) if _NUMBER.fullmatch(cell) else None
 
@@ -84,9 +84,9 @@ def _compare_rows(table: Located[Table], column: int, meanings: dict[str, str], 
     """Report each row whose quantity is not the meaning of the only label of ``meanings`` in its other cells."""
     unit = table.part.units[column]
     for index, row in enumerate(table.part.rows):
-        other_cells = " ".join(cell for place, cell in enumerate(row) if place != column)
+        other_cells = " ".join(cell for cell_index, cell in enumerate(row) if cell_index != column)
         labels = {word for word in re.split(r"[^A-Za-z0-9]+", other_cells) if word in meanings}
-        if len(labels) != 1 or _number(row, column) is None:
+        if len(labels) != 1 or _number_in_cell(row, column) is None:
             continue
         label = labels.pop()
         quantity = re.fullmatch(rf"({_NUMBER.pattern}) {re.escape(unit)}", meanings[label]) if unit else None
@@ -154,7 +154,7 @@ def check_lengths_of_errata(spec: WrittenSpec, raw: WrittenSpec, report: Documen
     tables = {f"tables.{table.part.name}": table.part for table in spec.tables}
     for erratum in spec.errata:
         lengths = {
-            length for affected in erratum.affects if affected in tables for length in _lengths(tables[affected])
+            length for affected in erratum.affects if affected in tables for length in _yield_lengths(tables[affected])
         }
         for number, unit in re.findall(r"(\d[\d,]*(?:\.\d+)?) (nm|µm|mm)\b", erratum.used) if lengths else ():
             if Decimal(number.replace(",", "")) * _NANOMETRES[unit] not in lengths:
@@ -163,10 +163,10 @@ def check_lengths_of_errata(spec: WrittenSpec, raw: WrittenSpec, report: Documen
                 break
 
 
-def _lengths(table: Table) -> Iterator[Decimal]:
+def _yield_lengths(table: Table) -> Iterator[Decimal]:
     """Yield the numbers in the columns of lengths of a table, in nanometres."""
     for row in table.rows:
         for column, unit in enumerate(table.units):
-            number = _number(row, column)
+            number = _number_in_cell(row, column)
             if unit in _NANOMETRES and number is not None:
                 yield number * _NANOMETRES[unit]

@@ -192,7 +192,9 @@ def check_cable_order(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
                 _check_cable_order(shorter.part, longer, f"interfaces.{name}.cable_lengths", report)
 
 
-def _check_cable_order(shorter: CableLength, row: Located[CableLength], place: str, report: DocumentReport) -> None:
+def _check_cable_order(
+    shorter: CableLength, row: Located[CableLength], affected_path: str, report: DocumentReport
+) -> None:
     """Report the row of a longer cable whose clock is not slower than that of a shorter one."""
     longer = row.part
     is_slower = longer.below_hz < shorter.below_hz
@@ -200,7 +202,7 @@ def _check_cable_order(shorter: CableLength, row: Located[CableLength], place: s
         problem = (
             f"the clock must be below {longer.below_hz} Hz for cables shorter than {longer.shorter_than_m} m, but below"
             f" {shorter.below_hz} Hz for cables shorter than {shorter.shorter_than_m} m; a longer cable needs a slower"
-            f" clock. If this is what the manual says, add an erratum that affects {place}"
+            f" clock. If this is what the manual says, add an erratum that affects {affected_path}"
         )
         report.add("cable-order", (*row.path, "below_hz"), problem)
 
@@ -214,9 +216,9 @@ def check_dates(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
     for path, date in dated_parts:
         # A date may be empty or only a year.
         is_only_a_year = len(date) <= len("2024")
-        if not is_only_a_year and _date(date) is None:
+        if not is_only_a_year and _parse_date(date) is None:
             report.add("date", (*path, "date"), f"{quoted(date)} is not a valid date")
-    dated_history = [revision for revision in manual.history if _date(revision.part.date)]
+    dated_history = [revision for revision in manual.history if _parse_date(revision.part.date)]
     for earlier, later in pairwise(dated_history):
         if later.part.date < earlier.part.date:
             problem = f"revision {later.part.revision} is dated {later.part.date}"
@@ -225,12 +227,12 @@ def check_dates(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
     dates_of_transcribed = [
         revision.part.date for revision in dated_history if revision.part.revision == manual.revision
     ]
-    if dates_of_transcribed and _date(manual.date) and dates_of_transcribed[-1] != manual.date:
+    if dates_of_transcribed and _parse_date(manual.date) and dates_of_transcribed[-1] != manual.date:
         problem = f"revision {manual.revision} is dated {manual.date}, but {dates_of_transcribed[-1]} in 'history'"
         report.add("date", manual.place_of("date"), problem)
 
 
-def _date(text: str) -> datetime.date | None:
+def _parse_date(text: str) -> datetime.date | None:
     """Return the date that a text gives as 2024-05-31, or None."""
     try:
         return datetime.date.fromisoformat(text)

@@ -90,12 +90,12 @@ def check_name_and_meaning(spec: WrittenSpec, raw: WrittenSpec, report: Document
     for field_list in field_lists(spec):
         for field in field_list.fields:
             for name, value in field.values.items():
-                for word, opposite in _contradictions(name, value.meaning):
+                for word, opposite in _yield_contradictions(name, value.meaning):
                     message = f"{quoted(name)} has a meaning with {quoted(opposite)} and without {quoted(word)}"
                     report.add("words-contradict", value.place_of("meaning"), f"{message}; correct one of the two")
 
 
-def _contradictions(name: str, meaning: str) -> Iterator[tuple[str, str]]:
+def _yield_contradictions(name: str, meaning: str) -> Iterator[tuple[str, str]]:
     """Yield each word of a name with its opposite, if only the opposite is in the meaning: ``("binary", "gray")``."""
     plain_name = name.replace("counter_clockwise", "counterclockwise")
     plain_meaning = re.sub(r"counter-?clockwise", "counterclockwise", meaning.casefold())
