@@ -250,15 +250,13 @@ class _Parser:
         if tag in ("!", f"{_CORE}str") or (tag is None and is_quoted):
             return text
         if tag is not None and tag not in _TAGGED_TYPES:
-            return self._unusable(
-                event, path, "tag", f"the tag {quoted(_shorten_tag(tag))} is not supported; remove it"
-            )
+            return self._unusable(event, path, "tag", f"the tag {quoted(_short(tag))} is not supported; remove it")
         if len(text) > MAX_DIGITS and _INTEGER.fullmatch(text):
             message = f"a number of {len(text)} digits is too long; put it in quotes if it is text"
             return self._unusable(event, path, "number-too-long", message)
         value = _resolve_scalar(text)
         if tag is not None and not isinstance(value, _TAGGED_TYPES[tag]):
-            return self._unusable(event, path, "tag", f"{quoted(text)} is not of type {_shorten_tag(tag)}")
+            return self._unusable(event, path, "tag", f"{quoted(text)} is not of type {_short(tag)}")
         return value
 
     def _unusable(self, event: Any, path: Path, rule: str, message: str) -> None:
@@ -268,7 +266,7 @@ class _Parser:
     def _check_container_tag(self, event: Any) -> None:
         container_tag = "map" if isinstance(event, yaml.MappingStartEvent) else "seq"
         if event.tag not in (None, "!", f"{_CORE}{container_tag}"):
-            self._refuse(event, "tag", f"the tag {quoted(_shorten_tag(event.tag))} is not supported; remove it")
+            self._refuse(event, "tag", f"the tag {quoted(_short(event.tag))} is not supported; remove it")
 
 
 def _resolve_scalar(text: str) -> str | int | float | bool | None:
@@ -292,7 +290,7 @@ def _is_text(scalar: str) -> bool:
     return isinstance(_resolve_scalar(scalar), str)
 
 
-def _shorten_tag(tag: str) -> str:
+def _short(tag: str) -> str:
     return tag.replace(_CORE, "!!")
 
 
