@@ -131,9 +131,10 @@ class ChannelLayout:
         self.compared = tuple(compared)
         self.compared_bits = compared_bits
         self.tolerance = tolerance
-        self._arguments = [_encoder_if_needed(kind, encoder) for kind in self.kinds]
+        self._arguments = [_encoder_if_needed(frame_class, encoder) for frame_class in self.kinds]
         self.channel_bits: tuple[int, ...] = tuple(
-            kind.frame_bits(*arguments) for kind, arguments in zip(self.kinds, self._arguments, strict=True)
+            frame_class.frame_bits(*arguments)
+            for frame_class, arguments in zip(self.kinds, self._arguments, strict=True)
         )
 
     @property
@@ -160,12 +161,12 @@ class ChannelLayout:
             raise too_long_error(number, self.bits)
         channels = []
         low_bit = self.bits
-        for kind, arguments, channel_bits in zip(self.kinds, self._arguments, self.channel_bits, strict=True):
+        for frame_class, arguments, channel_bits in zip(self.kinds, self._arguments, self.channel_bits, strict=True):
             low_bit -= channel_bits
             try:
-                channels.append(kind.decode((number >> low_bit) & ((1 << channel_bits) - 1), *arguments))
+                channels.append(frame_class.decode((number >> low_bit) & ((1 << channel_bits) - 1), *arguments))
             except FrameError as error:
-                error.channel = kind.__name__
+                error.channel = frame_class.__name__
                 raise
         return ChannelFrame(self, tuple(channels))
 
@@ -202,8 +203,8 @@ class ChannelLayout:
         return all(min(difference, modulus - difference) <= self.tolerance for difference in differences)
 
 
-def _encoder_if_needed(kind: Any, encoder: Encoder) -> tuple[Encoder, ...]:
+def _encoder_if_needed(frame_class: Any, encoder: Encoder) -> tuple[Encoder, ...]:
     """Return the arguments of the methods of a class of frames: the encoder if its bits depend on it, or none."""
     from .frames.base import Fixed
 
-    return () if issubclass(kind, Fixed) else (encoder,)
+    return () if issubclass(frame_class, Fixed) else (encoder,)

@@ -412,9 +412,9 @@ def make_crc_tables(
     """
     zero_crc = crc(0, covered)
     # The change of the XOR by each bit of the word, lowest first: bits of the CRC, of the gap, and those covered.
-    changes = [1 << place for place in range(width)]
+    changes = [1 << bit for bit in range(width)]
     changes += [0] * gap
-    changes += [crc(1 << place, covered) ^ zero_crc for place in range(covered)]
+    changes += [crc(1 << bit, covered) ^ zero_crc for bit in range(covered)]
     changes += [0] * (16 * count - len(changes))
     tables: list[Sequence[int]] = []
     for low in range(0, 16 * count, 16):

@@ -33,13 +33,13 @@ class Chunk:
         # A chunk that stored itself would stay in memory until the next run of the garbage collector.
         return self._before_ungray or self
 
-    def byte(self, place: int) -> Any:
+    def byte(self, index: int) -> Any:
         """Return the eight bits of each frame that start at bit ``8 * place``."""
-        if place not in self._bytes:
-            limb = self.limbs[place // 8]
-            shift = 8 * (place % 8)
-            self._bytes[place] = (limb >> np.uint64(shift) if shift else limb).astype(np.uint8)
-        return self._bytes[place]
+        if index not in self._bytes:
+            limb = self.limbs[index // 8]
+            shift = 8 * (index % 8)
+            self._bytes[index] = (limb >> np.uint64(shift) if shift else limb).astype(np.uint8)
+        return self._bytes[index]
 
     def small(self, low: int, mask: int) -> Any:
         """Return the bits that start at ``low``, limited to ``mask``. All of them are in one byte."""
@@ -102,9 +102,9 @@ def limbs_of(rows: Any, shape: Shape) -> list[Any]:
     rows = np.ascontiguousarray(rows)
     count, length = rows.shape
     is_little = shape.order == "little"
-    kind = "<u8" if is_little else ">u8"
+    dtype = "<u8" if is_little else ">u8"
     if length < 8:
-        return [_take_from_bytes(rows, kind, is_little)]
+        return [_take_from_bytes(rows, dtype, is_little)]
     limbs: list[Any] = []
     for low in range(0, length, 8):
         # Number of bytes of the highest limb that belong to the limb below.
@@ -113,14 +113,14 @@ def limbs_of(rows: Any, shape: Shape) -> list[Any]:
         # In the other byte order, the lowest byte is the last one of the row.
         offset = first_byte if is_little else length - 8 - first_byte
         # A view: one number of eight bytes in each row, from this offset on.
-        limb = np.ndarray((count,), kind, rows, offset, (length,)).astype(np.uint64)
+        limb = np.ndarray((count,), dtype, rows, offset, (length,)).astype(np.uint64)
         if overlap:
             limb >>= np.uint64(8 * overlap)
         limbs.append(limb)
     return limbs
 
 
-def _take_from_bytes(rows: Any, kind: str, is_little: bool) -> Any:
+def _take_from_bytes(rows: Any, dtype: str, is_little: bool) -> Any:
     """Return rows of fewer than eight bytes as numbers.
 
     Eight bytes are read for each row. Those of the last rows would be outside the array, so these rows are copied.
@@ -130,10 +130,10 @@ def _take_from_bytes(rows: Any, kind: str, is_little: bool) -> Any:
     direct_count = max(count - 8, 0)
     limb = np.empty(count, np.uint64)
     if direct_count:
-        limb[:direct_count] = np.ndarray((direct_count,), kind, rows, 0, (length,))
+        limb[:direct_count] = np.ndarray((direct_count,), dtype, rows, 0, (length,))
     padded = np.zeros((count - direct_count, 8), np.uint8)
     padded[:, :length] = rows[direct_count:]
-    limb[direct_count:] = padded.view(kind)[:, 0]
+    limb[direct_count:] = padded.view(dtype)[:, 0]
     # The bytes of the next row are the high ones in little-endian order, otherwise the low ones.
     if is_little:
         limb &= np.uint64((1 << (8 * length)) - 1)
@@ -144,12 +144,12 @@ def _take_from_bytes(rows: Any, kind: str, is_little: bool) -> Any:
 
 def are_within(bits: Any, check: Check, limit: int) -> Any:
     """Return whether each number is from ``lowest`` to ``limit``. Negative ones are in two's complement."""
-    kind = bits.dtype.type
+    bits_type = bits.dtype.type
     mask = (1 << check.width) - 1
     # Modulo 2**width, the numbers from ``lowest`` to ``limit`` become those from 0 on.
     if check.lowest:
-        bits = (bits - kind(check.lowest & mask)) & kind(mask)
-    return bits <= kind(limit - check.lowest)
+        bits = (bits - bits_type(check.lowest & mask)) & bits_type(mask)
+    return bits <= bits_type(limit - check.lowest)
 
 
 def compute_parity(chunk: Chunk, check: Check) -> Any:
@@ -191,8 +191,8 @@ def compare_crc(chunk: Chunk, crc: CrcOf) -> Any:
     # For other CRCs, each byte of the frame contributes an entry of its table.
     tables = _tables_of_folds(crc.differs, chunk.bits)
     difference = tables[0][chunk.byte(0)]
-    for place, table in enumerate(tables[1:], 1):
-        difference ^= table[chunk.byte(place)]
+    for index, table in enumerate(tables[1:], 1):
+        difference ^= table[chunk.byte(index)]
     return difference
 
 
@@ -234,8 +234,8 @@ def _tables_of_folds(differs: Callable[[int], int], bits: int) -> tuple[Any, ...
     for low in range(0, bits, 8):
         table = np.array([zero_difference if low == 0 else 0], np.uint64)
         # Each bit doubles the table: its second half has the entries with this bit set.
-        for place in range(low, low + 8):
-            change = differs(1 << place) ^ zero_difference if place < bits else 0
+        for bit in range(low, low + 8):
+            change = differs(1 << bit) ^ zero_difference if bit < bits else 0
             table = np.concatenate([table, table ^ np.uint64(change)])
         tables.append(table)
     return tuple(tables)

@@ -97,5 +97,5 @@ def pandas_columns(table: Columns, names: Iterable[str], raw: bool = False) -> d
 
 def _is_text(column: Any) -> bool:
     """Return whether a column is an array of byte strings. Other columns of a file may have no type of NumPy."""
-    kind = getattr(column, "dtype", None)
-    return getattr(kind, "kind", "") == "S"
+    dtype = getattr(column, "dtype", None)
+    return getattr(dtype, "kind", "") == "S"

@@ -96,12 +96,12 @@ def _read_arrays(columns: Mapping[str, Any], shape: Shape, other_names: Iterable
     # Single values become arrays without dimensions.
     row_count = max((array.size for array in arrays.values() if array.ndim), default=1)
     for name, array in arrays.items():
-        kind = fields[name].kind if name in fields else "number"
-        _check_array(name, array, columns[name], kind, row_count)
+        field_kind = fields[name].kind if name in fields else "number"
+        _check_array(name, array, columns[name], field_kind, row_count)
     return {name: np.broadcast_to(array, (row_count,)) for name, array in arrays.items()}
 
 
-def _check_array(name: str, array: Any, cells: Any, kind: str, row_count: int) -> None:
+def _check_array(name: str, array: Any, cells: Any, field_kind: str, row_count: int) -> None:
     """Raise an error if a column does not have ``row_count`` rows, or if its type does not fit a field of this kind.
 
     ``array`` has been made from ``cells``, which are the column as the caller passed it.
@@ -114,10 +114,10 @@ def _check_array(name: str, array: Any, cells: Any, kind: str, row_count: int) -
     if not is_single_value and array.shape != (row_count,):
         raise ValueError(f"column {name} has the shape {array.shape}, but others have {row_count} rows")
     # An empty list has no type.
-    if array.size and array.dtype.kind not in ARRAY_KINDS.get(kind, "ui"):
+    if array.size and array.dtype.kind not in ARRAY_KINDS.get(field_kind, "ui"):
         raise TypeError(f"column {name} has the type {array.dtype}, which does not fit the field")
     # NumPy converts bools to numbers if the list also has numbers, so the type of the array does not show them.
-    if not kind.endswith("flag") and isinstance(cells, (list, tuple)) and _has_bool(cells):
+    if not field_kind.endswith("flag") and isinstance(cells, (list, tuple)) and _has_bool(cells):
         raise TypeError(f"column {name} contains bools, which do not fit the field")
 
 
@@ -291,11 +291,11 @@ def _insert_join(
     width = find_width(shape, join)
     joined_numbers = _check_unsigned(arrays[join.name], first_error, join.name, (1 << width) - 1)
     by_name = {column.name: column for column in shape.columns}
-    for name, place in join.fields:
+    for name, offset in join.fields:
         column = by_name[name]
         if not column.width:
             continue
-        bits = (joined_numbers >> np.uint64(place)) & np.uint64((1 << column.width) - 1)
+        bits = (joined_numbers >> np.uint64(offset)) & np.uint64((1 << column.width) - 1)
         if all(field_name in arrays for field_name in list_names(column)):
             separate_bits = Chunk(limbs, shape.bits).take(column.low, column.width)
             first_error.add(separate_bits != bits, join.name, arrays[join.name], "equal to its fields")

@@ -369,18 +369,18 @@ def find_quick_checks(shape: Shape) -> QuickChecks:
         else:
             remaining.append(check)
     byte_values: list[tuple[int, tuple[int, ...]]] = []
-    for place, checks in by_byte.items():
-        allowed = [byte for byte in range(256) if _are_all_met(byte << (8 * place), checks)]
+    for index, checks in by_byte.items():
+        allowed = [byte for byte in range(256) if _are_all_met(byte << (8 * index), checks)]
         # Bits that are the same in all allowed values.
         constant_bits = 255
         for byte in allowed:
             constant_bits &= ~(byte ^ allowed[0])
         # If the other bits can have any value, the constant bits are the whole condition.
         if allowed and len(allowed) == 1 << (8 - constant_bits.bit_count()):
-            mask |= constant_bits << (8 * place)
-            values |= (allowed[0] & constant_bits) << (8 * place)
+            mask |= constant_bits << (8 * index)
+            values |= (allowed[0] & constant_bits) << (8 * index)
         elif len(allowed) <= 8:
-            byte_values.append((place, tuple(allowed)))
+            byte_values.append((index, tuple(allowed)))
         else:
             remaining += checks
     limbs = range(0, shape.bits, 64)

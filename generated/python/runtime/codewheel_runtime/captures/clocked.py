@@ -264,8 +264,8 @@ class _CycleFinder:
         front_bits = 1 if self._is_biss else 0
         levels = self._read_levels(cycles, bits, good, front_bits + self._bits)
         words = np.zeros(len(good), np.uint64)
-        for place in range(front_bits, front_bits + self._bits):
-            words = (words << np.uint64(1)) | levels[:, place].astype(np.uint64)
+        for column in range(front_bits, front_bits + self._bits):
+            words = (words << np.uint64(1)) | levels[:, column].astype(np.uint64)
         lost = self._list_lost_cycles(cycles, bits)
         is_cut_off = is_last and bits.reasons[-1] and self._end - cycles.last[-1] < self._rest
         if lost and is_cut_off:

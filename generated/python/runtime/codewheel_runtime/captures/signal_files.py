@@ -219,52 +219,52 @@ def _read_array_form(file: BinaryIO, path: str) -> _ArrayForm:
     try:
         version = form.read_magic(file)
         read_header = form.read_array_header_1_0 if version == (1, 0) else form.read_array_header_2_0
-        shape, is_fortran, kind = read_header(file)
+        shape, is_fortran, dtype = read_header(file)
     except Exception:  # The parser of the header raises many types.
         raise InputError(path, "", "this is not a valid NumPy file") from None
     has_rows = len(shape) == 2
-    are_whole_numbers = kind.kind in "uib" and kind.itemsize <= 8
+    are_whole_numbers = dtype.kind in "uib" and dtype.itemsize <= 8
     # In Fortran order, the samples of a channel follow each other.
     if not are_whole_numbers or len(shape) not in (1, 2) or (is_fortran and has_rows):
-        raise InputError(path, "", f"expected whole numbers, one row per sample, got {kind} {shape}")
+        raise InputError(path, "", f"expected whole numbers, one row per sample, got {dtype} {shape}")
     if has_rows and not 0 < shape[1] <= 1024:
         raise InputError(path, "", f"expected 1 to 1024 channels, got {shape[1]}")
-    return _ArrayForm(kind, shape[1] if has_rows else None)
+    return _ArrayForm(dtype, shape[1] if has_rows else None)
 
 
 def _read_array_file(file: BinaryIO, path: str, names: Names, rate: float | None) -> Signals:
     """Return the signals of a ``.npy`` file."""
-    kind, channels = _read_array_form(file, path)
-    channel_count = 8 * kind.itemsize if channels is None else channels
+    dtype, channels = _read_array_form(file, path)
+    channel_count = 8 * dtype.itemsize if channels is None else channels
     places = names.places([str(number) for number in range(1, channel_count + 1)], path)
     # Bits of the signals in a sample. The chosen columns of rows are packed, so their bits are numbered from 0.
     bits = places if channels is None else range(len(places))
-    parts = _read_array_parts(file, kind, channels, places)
+    parts = _read_array_parts(file, dtype, channels, places)
     edges = read_samples(parts, tuple(1 << bit for bit in bits))
     return Signals(edges, 1 / rate if rate else None, True)
 
 
 def _read_array_parts(
-    file: BinaryIO, kind: Any, channels: int | None, places: Sequence[int]
+    file: BinaryIO, dtype: Any, channels: int | None, places: Sequence[int]
 ) -> Generator[tuple[Any, int, Any], None, None]:
     """Yield the samples of some rows as unsigned numbers, the amount read, and None, because samples have no times.
 
     ``places`` are the columns of the signals. Only these are read, unless ``channels`` is None.
     """
     row_width = 1 if channels is None else channels
-    row_bytes = row_width * kind.itemsize
+    row_bytes = row_width * dtype.itemsize
     done = 0
     while data := file.read(max(SAMPLES // row_width, 1) * row_bytes):
         done += len(data)
         # An incomplete row at the end is ignored.
-        samples = np.frombuffer(data, kind, len(data) // row_bytes * row_width)
+        samples = np.frombuffer(data, dtype, len(data) // row_bytes * row_width)
         if channels is not None:
             yield pack_bits(samples.reshape(-1, row_width)[:, places]), done, None
             continue
-        byte_order = kind.byteorder if kind.itemsize > 1 else ""
+        byte_order = dtype.byteorder if dtype.itemsize > 1 else ""
         # Signed numbers are read as unsigned ones of the same bits, and then in the byte order of this machine.
-        samples = samples.view(f"{byte_order}u{kind.itemsize}")
-        yield samples.astype(f"u{kind.itemsize}", copy=False), done, None
+        samples = samples.view(f"{byte_order}u{dtype.itemsize}")
+        yield samples.astype(f"u{dtype.itemsize}", copy=False), done, None
 
 
 def _read_array_archive(archive: zipfile.ZipFile, path: str, names: Names, rate: float | None) -> Signals:
@@ -326,8 +326,8 @@ class _Saleae:
         self._file = file
         self._path = path
         # Eight bytes of identification, then two numbers. Kind 0 is a digital channel.
-        version, kind = struct.unpack("<8xii", self._read_exactly(16))
-        if kind != 0:
+        version, channel_kind = struct.unpack("<8xii", self._read_exactly(16))
+        if channel_kind != 0:
             raise InputError(path, "", "this Saleae file has analog values: export the digital channels")
         if version not in (0, 1):
             raise InputError(path, "", f"Saleae's binary format {version} is not supported: export as CSV")

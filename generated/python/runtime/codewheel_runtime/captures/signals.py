@@ -158,9 +158,9 @@ def read_samples(parts: Iterable[tuple[Any, int, Any]], masks: tuple[int, ...]) 
     for samples, done, times in parts:
         if not len(samples):
             continue
-        kind = samples.dtype.type
+        sample_type = samples.dtype.type
         changes = np.bitwise_xor(samples[1:], samples[:-1])
-        changes &= kind(signals_mask)
+        changes &= sample_type(signals_mask)
         # Index i shows the change from sample i to i + 1, whose edge is at sample i + 1.
         places = np.flatnonzero(changes != 0)
         changed_bits = changes[places]
@@ -171,8 +171,8 @@ def read_samples(parts: Iterable[tuple[Any, int, Any]], masks: tuple[int, ...]) 
         if changed_between:
             # Signals also change between the last sample of a part and the first one of the next.
             places = np.insert(places, 0, 0)
-            changed_bits = np.insert(changed_bits, 0, kind(changed_between))
-        places_by_signal = [places[(changed_bits & kind(mask)) != 0] for mask in masks]
+            changed_bits = np.insert(changed_bits, 0, sample_type(changed_between))
+        places_by_signal = [places[(changed_bits & sample_type(mask)) != 0] for mask in masks]
         if times is None:
             edge_times = [(signal_places + first_number).astype(np.float64) for signal_places in places_by_signal]
             begin = float(first_number)

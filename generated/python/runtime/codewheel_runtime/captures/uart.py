@@ -69,10 +69,10 @@ def read_serial_bytes(signals: Signals, baud: float) -> Generator[_Bytes, None, 
         # The stop bit lasts at least half a bit, and the next byte may follow at once.
         next_places = np.searchsorted(falls, falls + (_BITS - 0.5) * bit, "left").tolist()
         start_places: list[int] = []
-        place = int(np.searchsorted(falls, earliest_start, "left"))
-        while place < complete_count:
-            start_places.append(place)
-            place = next_places[place]
+        index = int(np.searchsorted(falls, earliest_start, "left"))
+        while index < complete_count:
+            start_places.append(index)
+            index = next_places[index]
         if not start_places:
             continue
         starts = falls[start_places]
@@ -323,21 +323,21 @@ class _Replies:
         count = len(self._values)
         starts: dict[str, list[int]] = {name: [] for name in names}
         gaps: list[tuple[int, int]] = []
-        place = gap_start = 0
-        while place < until:
+        index = gap_start = 0
+        while index < until:
             # A reply after a request takes precedence over one that seems to begin at the request, such as its echo.
-            reply_start = place + request_lengths[place]
-            if not (place < reply_start < count and reply_kinds[reply_start] >= 0):
-                reply_start = place
+            reply_start = index + request_lengths[index]
+            if not (index < reply_start < count and reply_kinds[reply_start] >= 0):
+                reply_start = index
             if reply_kinds[reply_start] < 0:
-                place += 1
+                index += 1
                 continue
-            if gap_start < place:
-                gaps.append((gap_start, place))
+            if gap_start < index:
+                gaps.append((gap_start, index))
             name = names[reply_kinds[reply_start]]
             starts[name].append(reply_start)
-            gap_start = place = reply_start + self._kinds.replies[name].length
-        end = min(max(place, gap_start), count)
+            gap_start = index = reply_start + self._kinds.replies[name].length
+        end = min(max(index, gap_start), count)
         # The last bytes may begin a reply that is not complete yet, unless the capture ends.
         if until != count and gap_start < end <= gap_start + 4 * _KEPT:
             end = gap_start

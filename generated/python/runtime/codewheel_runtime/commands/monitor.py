@@ -159,13 +159,13 @@ class _Screen:
             self._out.write(f"{self._count_failures()}{last_error}\n")
             self._out.flush()
 
-    def _unwrap(self, kind: type, position: int) -> int:
-        """Return the count of a position in a frame of class ``kind``, which continues when the position wraps around.
+    def _unwrap(self, frame_class: type, position: int) -> int:
+        """Return the count of a position in a frame of class ``frame_class``, which continues when the position wraps around.
 
         It starts again if the range of the positions has changed. Without a known range, it is the position.
         """
         try:
-            valid = self._encoder.range_of(kind)
+            valid = self._encoder.range_of(frame_class)
         except ValueError:
             return position
         is_first = self._count is None or valid != self._range

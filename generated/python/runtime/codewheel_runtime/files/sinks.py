@@ -115,12 +115,12 @@ class Texts:
 
     def _find_type(self, texts: Any) -> Any:
         """Return the first type that fits all texts: integers, floats or texts. Without any text, it is texts."""
-        for kind in (self._pa.int64(), self._pa.float64()) if texts.null_count < len(texts) else ():
+        for arrow_type in (self._pa.int64(), self._pa.float64()) if texts.null_count < len(texts) else ():
             try:
-                texts.cast(kind)
+                texts.cast(arrow_type)
             except self._pa.ArrowInvalid:
                 continue
-            return kind
+            return arrow_type
         return self._pa.string()
 
     def _cast_cell(self, cell: Any) -> Any:
@@ -320,8 +320,10 @@ class _ArrowFormatter:
         Integers, bools and texts of Arrow stay as they are. Others become texts, as without pyarrow.
         """
         kinds = self._pa.types
-        kind = getattr(column, "type", None)
-        if kind is not None and (kinds.is_integer(kind) or kinds.is_boolean(kind) or kinds.is_string(kind)):
+        arrow_type = getattr(column, "type", None)
+        if arrow_type is not None and (
+            kinds.is_integer(arrow_type) or kinds.is_boolean(arrow_type) or kinds.is_string(arrow_type)
+        ):
             return column
         return self._format_texts(_convert_to_plain(column))
 
