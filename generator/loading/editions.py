@@ -187,7 +187,7 @@ def _edition_erratum(raw: Raw, change: Raw, name: str, number: int, kind: str) -
     elif kind in ("unknown", "also"):
         used = NOT_KNOWN
     else:
-        used = _text(change.get("to", change.get("value")))
+        used = _value_in_words(change.get("to", change.get("value")))
     stated = {key: change[key] for key in ("why", "source", "severity") if key in change}
     return record(
         Erratum,
@@ -202,7 +202,7 @@ def _edition_erratum(raw: Raw, change: Raw, name: str, number: int, kind: str) -
     )
 
 
-def _text(value: object) -> str:
+def _value_in_words(value: object) -> str:
     """Return a value of a spec in words, such as ``yes`` for true or ``width = 6, poly = 3`` for a map."""
     match value:
         case bool():

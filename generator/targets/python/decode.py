@@ -240,11 +240,11 @@ class Decoder:
             case DigitRuns(runs):
                 return [run_value for _, run_value in digits(bits, runs)]
             case Characters():
-                return [self._text(part)]
+                return [self._decode_text(part)]
             case meaning:
                 assert_never(meaning)
 
-    def _text(self, part: Part) -> Expr:
+    def _decode_text(self, part: Part) -> Expr:
         """Return the characters of a field, such as ``data[2:6].decode("latin-1")``."""
         adjacent_bytes = self.read.characters(part.bits)
         if adjacent_bytes:

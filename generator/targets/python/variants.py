@@ -58,9 +58,9 @@ class Variants:
         #: True if any frame has a verdict.
         self.has_verdict = any(coder.reports is not None and coder.reports.otherwise for coder in coders)
         self._scope = context.scope_of("self")
-        self.rows = [self._row(variant) for variant in self.device.variants]
+        self.rows = [self._build_row(variant) for variant in self.device.variants]
 
-    def _row(self, variant: Variant) -> Call:
+    def _build_row(self, variant: Variant) -> Call:
         """Return the object of an order code, such as ``SsiEncoder("X-13", ("X", "13"), bits=13)``."""
         texts_of_parts = tuple(variant.parts[part.name] for part in self.device.order_code.parts)
         arguments: list[tuple[str, Literal]] = [("", variant.code), ("", texts_of_parts)]
