@@ -160,7 +160,7 @@ class _Screen:
             self._out.flush()
 
     def _unwrap(self, frame_class: type, position: int) -> int:
-        """Return the count of a position in a frame of class ``frame_class``, which continues when the position wraps around.
+        """Return the count of a position in a frame of ``frame_class``, which continues when the position wraps around.
 
         It starts again if the range of the positions has changed. Without a known range, it is the position.
         """
