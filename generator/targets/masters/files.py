@@ -98,8 +98,7 @@ def _first_paragraphs(
 
 def _paragraphs_on_origin(device: Device, sheets: Sequence[Sheet], rule: Raw, master_device: str) -> Iterator[str]:
     """Yield the manual and the cited documents of the master, and that the file has not been tested on hardware."""
-    format_ = FILE_FORMATS[rule["format"]]
-    manual = device.manual
+    format_, manual = FILE_FORMATS[rule["format"]], device.manual
     yield f"From the spec of {device.title}, manual {manual.title}, revision {manual.revision}."
     cited_keys: set[str] = set()
     for sheet in sheets:

@@ -14,8 +14,7 @@ from ...plan.values import Active, Characters, DigitRuns, Meaning, Named, Raw, T
 #: Operators by precedence, lowest first. Arithmetic gets parentheses next to bit operators.
 _LOOSEST_FIRST = (("or",), ("and",), ("not",), ("|",), ("^",), ("&",), ("<<", ">>"), ("+", "-"), ("*", "//", "%"))
 _LEVELS = {operator: level for level, operators in enumerate(_LOOSEST_FIRST) for operator in operators}
-_ARITHMETIC = _LEVELS["+"]
-_ATOM = len(_LOOSEST_FIRST)
+_ARITHMETIC, _ATOM = _LEVELS["+"], len(_LOOSEST_FIRST)
 
 
 class Expr:
@@ -208,9 +207,7 @@ def _broken_lines(line: str) -> Iterator[str]:
         return
     text_item = _TEXT.fullmatch(line)
     if text_item is not None:
-        indent = text_item[1]
-        name = text_item[2] or ""
-        quoted_text = text_item[3]
+        indent, name, quoted_text = text_item[1], text_item[2] or "", text_item[3]
         yield f"{indent}{name}{_split_literal(quoted_text, len(indent))},"
         return
     line_start, items, line_end = _items(line)
@@ -234,8 +231,7 @@ def _items(line: str) -> tuple[str, list[str], str]:
     # Empty before the first bracket.
     start = ""
     items = [""]
-    position = 0
-    depth = 0
+    position, depth = 0, 0
     for token in _TOKEN.findall(line):
         if token in "([{":
             depth += 1
