@@ -228,7 +228,8 @@ def _remove_oldest(folder: Path) -> None:
     """Remove unfinished files. If a limit is exceeded, remove the oldest entries until half of both limits is used."""
     # The oldest comes first, since a tuple begins with the time. The listing removes unfinished files.
     entries = sorted(_entries_in(folder))
-    count, total_size = len(entries), sum(size for _, size, _ in entries)
+    count = len(entries)
+    total_size = sum(size for _, size, _ in entries)
     if count <= MAX_ENTRIES and total_size <= MAX_SIZE:
         return
     for _, size, path in entries:
@@ -236,7 +237,8 @@ def _remove_oldest(folder: Path) -> None:
             break
         with suppress(OSError):
             os.unlink(path)
-        count, total_size = count - 1, total_size - size
+        count -= 1
+        total_size -= size
 
 
 def _entries_in(folder: Path) -> Iterator[tuple[float, int, str]]:

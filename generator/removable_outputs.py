@@ -99,7 +99,7 @@ class Guard:
     def _families_in_the_page(self, changes: Iterable[Change]) -> set[str]:
         """Return the names of families in the decode page that would be replaced and that were not read."""
         pages = [change.path for change in changes if change.what == "written" and change.path.endswith(f"/{_PAGE}")]
-        families = {name for page in pages for name in _IN_THE_PAGE.findall(_text(self.folder / page))}
+        families = {name for page in pages for name in _IN_THE_PAGE.findall(_read_text(self.folder / page))}
         return families - self._names()
 
     def _files_without_record(self, changes: Iterable[Change]) -> list[str]:
@@ -160,7 +160,7 @@ def _has_name(path: str, names: Collection[str]) -> bool:
     return any(f"{word}_".startswith(beginnings) for word in _WORD.findall(path.lower()))
 
 
-def _text(path: Path) -> str:
+def _read_text(path: Path) -> str:
     """Return the text of a file, or an empty one if it cannot be read."""
     try:
         return path.read_text(encoding="utf-8", errors="replace")

@@ -101,7 +101,8 @@ def unused_templates(
         example = f"; the path of a template in it looks like {min(shipped_paths)}" if shipped_paths else ""
         yield f"the folder {own_folder.as_posix()} has no templates{example}"
     for path in visible_paths:
-        folder, name = path.parts[0], path.as_posix()
+        folder = path.parts[0]
+        name = path.as_posix()
         if name in shipped_paths or (folder not in rendered and folder in other_targets):
             continue
         if folder not in rendered or Path(*path.parts[1:]).as_posix() not in own_loader(own_folder / folder).used:

@@ -62,7 +62,8 @@ def _read_acceptance(document: Document, index: int, acceptance: object) -> Acce
     location = f"{document.file}:{line}"
     if not isinstance(acceptance, dict) or set(acceptance) != set(_KEYS) or not _has_texts(acceptance):
         raise NotAccepted(f"{location}: an accepted change has the keys {listed(_KEYS)}, each with text")
-    rule, until = acceptance["rule"], acceptance["until"]
+    rule = acceptance["rule"]
+    until = acceptance["until"]
     if rule not in RULES:
         raise NotAccepted(f"{location}: there is no rule {quoted(rule)}{suggestion(rule, RULES)}")
     try:
@@ -88,21 +89,21 @@ def changes_to_accept(
     for change in changes:
         if not any(acceptance.covers(change) for acceptance in valid_acceptances):
             open_changes.append(change)
-    return open_changes, [_notice(acceptance, changes, today) for acceptance in acceptances]
+    return open_changes, [_describe_acceptance(acceptance, changes, today) for acceptance in acceptances]
 
 
-def _notice(acceptance: Accepted, changes: Sequence[Change], today: date) -> str:
+def _describe_acceptance(acceptance: Accepted, changes: Sequence[Change], today: date) -> str:
     """Return a sentence on an acceptance: there is no such change, it has expired, or it is valid."""
     accepted_change = f"{acceptance.family}: {acceptance.rule} {acceptance.path}"
     is_found = any(acceptance.covers(change) for change in changes)
     if not is_found:
-        return f"accepted, but not found: {accepted_change}{_suggestion(acceptance, changes)}"
+        return f"accepted, but not found: {accepted_change}{_suggest_correction(acceptance, changes)}"
     if acceptance.until < today:
         return f"accepted until {acceptance.until} only, so asked again: {accepted_change}: {acceptance.why}"
     return f"accepted until {acceptance.until}: {accepted_change}: {acceptance.why}"
 
 
-def _suggestion(acceptance: Accepted, changes: Sequence[Change]) -> str:
+def _suggest_correction(acceptance: Accepted, changes: Sequence[Change]) -> str:
     """Return a suggestion of a similar family or path for an acceptance without a change, or "".
 
     If its family has changes, the path may be misspelled, so the paths of changes by its rule are suggested.

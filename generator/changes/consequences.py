@@ -91,7 +91,7 @@ def fold_length(
     """
     old_lengths = family_pair.values_at_points(old_length, interface, is_old=True)
     new_lengths = family_pair.values_at_points(new_length, interface, is_old=False)
-    gained_bits = _differences(old_lengths, new_lengths)
+    gained_bits = _subtract_each(old_lengths, new_lengths)
     resized_fields = list(_resized_fields(family_pair, interface, compared_fields))
     is_explained = _total_gained_bits(resized_fields, point_count=len(gained_bits)) == gained_bits
     if not any(gained_bits) or not is_explained:
@@ -105,7 +105,7 @@ def fold_length(
     return [*compared_fields[:last_index], last_resized_field, *compared_fields[last_index + 1 :]]
 
 
-def _differences(old_numbers: Sequence[int], new_numbers: Sequence[int]) -> tuple[int, ...]:
+def _subtract_each(old_numbers: Sequence[int], new_numbers: Sequence[int]) -> tuple[int, ...]:
     return tuple(new - old for old, new in zip(old_numbers, new_numbers, strict=True))
 
 
@@ -142,7 +142,7 @@ def _resized_fields(
         yield _ResizedField(
             name=compared_field.name,
             low_bits=new_low_bits or old_low_bits,
-            gained_bits=_differences(old_sizes or no_bits, new_sizes or no_bits),
+            gained_bits=_subtract_each(old_sizes or no_bits, new_sizes or no_bits),
         )
 
 
@@ -173,7 +173,7 @@ def _cause_of_move(
         return None
     old_low_bits = family_pair.values_at_points(pair.old.low, interface, is_old=True)
     new_low_bits = family_pair.values_at_points(pair.new.low, interface, is_old=False)
-    distances = _differences(old_low_bits, new_low_bits)
+    distances = _subtract_each(old_low_bits, new_low_bits)
     fields_below: list[_ResizedField] = []
     for resized_field in resized_fields:
         # The tuples have a low bit for each point. The first point at which they differ decides.
@@ -205,10 +205,10 @@ def with_consequences(change: Change) -> Change:
     impacts = change.rule.impacts
     if change.moved_fields:
         text_and_consequences.append(f"moves {counted(len(change.moved_fields), 'field')}")
-        impacts = _highest(impacts, RULES["field-moved"].impacts)
+        impacts = _combine_impacts(impacts, RULES["field-moved"].impacts)
     if change.resized_frames:
         text_and_consequences.append(_resized_frames_text(change.resized_frames))
-        impacts = _highest(impacts, RULES["frame-length"].impacts)
+        impacts = _combine_impacts(impacts, RULES["frame-length"].impacts)
     return replace(change, text=", ".join(text_and_consequences), rule=replace(change.rule, impacts=impacts))
 
 
@@ -245,7 +245,7 @@ def _register_path(field_change: Change) -> str:
     return _owner_path(field_change).rpartition(".")[0]
 
 
-def _highest(first: _Impacts, second: _Impacts) -> _Impacts:
+def _combine_impacts(first: _Impacts, second: _Impacts) -> _Impacts:
     """Return the higher impact on each output."""
     c, python, xml, pages = map(max, first, second)
     return c, python, xml, pages
@@ -319,7 +319,7 @@ def fold_types(changes: Sequence[Change]) -> Iterator[Change]:
         subject_text = _subject_text(change)
         type_change = type_change_by_subject.get(subject_text)
         if type_change is not None and change.rule.name == "field-width":
-            impacts = _highest(change.rule.impacts, type_change.rule.impacts)
+            impacts = _combine_impacts(change.rule.impacts, type_change.rule.impacts)
             text_with_type = f"{change.text}, in C {_value_text(type_change)}"
             yield replace(change, text=text_with_type, rule=replace(change.rule, impacts=impacts))
         elif change.rule.name != "field-type" or subject_text not in resized_subjects:

@@ -115,8 +115,8 @@ def _with_renamed_between_neighbours(
     new_name_by_old = {old.name: new.name for old, new in complete_pairs(pairs)}
     # Neighbours are compared by their new names, which the new fields already have.
     paired_new_names = {new_name: new_name for new_name in new_name_by_old.values()}
-    old_neighbours = _neighbours(old_fields, new_name_by_old)
-    new_neighbours = _neighbours(new_fields, paired_new_names)
+    old_neighbours = _find_neighbours(old_fields, new_name_by_old)
+    new_neighbours = _find_neighbours(new_fields, paired_new_names)
 
     # Low bits and widths are in turn, so every second number is a width.
     def identity_of_old(field: Field) -> Hashable:
@@ -136,7 +136,7 @@ def _with_renamed_between_neighbours(
     return in_new_order + still_gone
 
 
-def _neighbours(fields_in_order: Sequence[Field], paired_names: Mapping[str, str]) -> dict[str, tuple[str, str]]:
+def _find_neighbours(fields_in_order: Sequence[Field], paired_names: Mapping[str, str]) -> dict[str, tuple[str, str]]:
     """Return the new names of the nearest paired fields before and after each field, by the name of the field.
 
     For example ``{"counts": ("status", "crc")}``, with "" for a missing neighbour. ``paired_names`` has the new name of

@@ -26,7 +26,8 @@ def compare_clocks(family_pair: FamilyPair, subject: Subject, old: Clocked, new:
         yield _by_code_change(family_pair, subject, "clock", is_by_code=new.clock is None)
     codes_by_clocks: dict[tuple[Clock, Clock], list[str]] = {}
     for code in family_pair.order_codes_over(new.name):
-        old_clock, new_clock = old.clock_of(family_pair.old_code(code)), new.clock_of(code)
+        old_clock = old.clock_of(family_pair.old_code(code))
+        new_clock = new.clock_of(code)
         clocks = replace(old_clock, only=""), replace(new_clock, only="")
         codes_by_clocks.setdefault(clocks, []).append(code)
     for (old_clock, new_clock), codes in codes_by_clocks.items():

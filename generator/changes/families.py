@@ -116,7 +116,8 @@ def _renamed_codes_change(family_pair: FamilyPair, new_code_by_old: Mapping[str,
     renaming_texts = [f"{old_code} → {new_code}" for old_code, new_code in new_code_by_old.items()]
     noun = "order codes" if len(new_code_by_old) > 1 else "order code"
     subject = Subject(path="order_codes", label=f"{noun} {first_of(renaming_texts, 1)} (the same parts)")
-    old_codes, new_codes = list(new_code_by_old), list(new_code_by_old.values())
+    old_codes = list(new_code_by_old)
+    new_codes = list(new_code_by_old.values())
     return family_pair.change("order-code-renamed", subject, description="", old=old_codes, new=new_codes)
 
 

@@ -67,7 +67,8 @@ def _compare_access(family_pair: FamilyPair, subject: Subject, old: Register, ne
         rule = "access-lost"
     else:
         # The functions of a register that is still accessible as before keep their names.
-        rule, access_subject = "access-gained", access_subject.unnamed
+        rule = "access-gained"
+        access_subject = access_subject.unnamed
     yield family_pair.change(rule, access_subject, description=description, old=old.access, new=new.access)
 
 
@@ -85,15 +86,16 @@ def compare_procedure(family_pair: FamilyPair, subject: Subject, old: Procedure,
         yield family_pair.change(
             "procedure-steps", steps_subject, description=description, old=old_steps, new=new_steps
         )
-    elif _meanings(old.steps) != _meanings(new.steps):
+    elif _list_meanings(old.steps) != _list_meanings(new.steps):
         yield family_pair.change("words", steps_subject, description=": steps", old=old.steps, new=new.steps)
-    elif old.steps != new.steps and _sources(old.steps) != _sources(new.steps):
+    elif old.steps != new.steps and _list_sources(old.steps) != _list_sources(new.steps):
         yield family_pair.change("source", steps_subject, description=": steps", old=None, new=None)
 
 
 def _compare_arguments(family_pair: FamilyPair, subject: Subject, old: Procedure, new: Procedure) -> Iterator[Change]:
     """Yield a change if the arguments differ in names, registers or meanings, or else in their words."""
-    old_arguments, new_arguments = _signature(map(family_pair.with_new_names, old.arguments)), _signature(new.arguments)
+    old_arguments = _describe_arguments(map(family_pair.with_new_names, old.arguments))
+    new_arguments = _describe_arguments(new.arguments)
     if old_arguments != new_arguments:
         old_texts, new_texts = _argument_names(old), _argument_names(new)
         if old_texts == new_texts:  # Then the register that takes an argument differs, or its meaning.
@@ -105,7 +107,7 @@ def _compare_arguments(family_pair: FamilyPair, subject: Subject, old: Procedure
             old=old_arguments,
             new=new_arguments,
         )
-    elif _meanings(old.arguments) != _meanings(new.arguments):
+    elif _list_meanings(old.arguments) != _list_meanings(new.arguments):
         yield family_pair.change(
             "words", subject.unnamed, description=": arguments", old=old.arguments, new=new.arguments
         )
@@ -115,7 +117,7 @@ def _argument_names(procedure: Procedure) -> list[str]:
     return [argument.name for argument in procedure.arguments]
 
 
-def _signature(arguments: Iterable[Argument]) -> list[tuple[str, str, str]]:
+def _describe_arguments(arguments: Iterable[Argument]) -> list[tuple[str, str, str]]:
     """Return a tuple for each argument: its name, the register or field that takes it, and how it is meant, or ""."""
     return [(argument.name, argument.of, argument.meant_as) for argument in arguments]
 
@@ -129,11 +131,11 @@ def _argument_texts(signature: list[tuple[str, str, str]]) -> list[str]:
     return argument_texts
 
 
-def _meanings(parts: Sequence[Argument | Step]) -> list[str]:
+def _list_meanings(parts: Sequence[Argument | Step]) -> list[str]:
     return [part.meaning for part in parts]
 
 
-def _sources(steps: Sequence[Step]) -> list[Sources]:
+def _list_sources(steps: Sequence[Step]) -> list[Sources]:
     return [step.source for step in steps]
 
 

@@ -29,10 +29,10 @@ class NameChange:
     def text(self) -> str:
         if self.new is None:
             return f"{self.kind} {self.name} is gone"
-        return f"{self.kind} {self.name}: {_shorten(self.old)} → {_shorten(self.new)}"
+        return f"{self.kind} {self.name}: {_shorten_value(self.old)} → {_shorten_value(self.new)}"
 
 
-def _shorten(value: str) -> str:
+def _shorten_value(value: str) -> str:
     if len(value) <= _LONGEST_VALUE:
         return value
     return f"{value[: _LONGEST_VALUE - 1]}…"
@@ -80,9 +80,13 @@ def _changes_in_file(family: str, path: str, old_text: str, new_text: str) -> It
     Names that are new are not listed. Other files and private modules have none.
     """
     if path.endswith(".h"):
-        kind, old_value_by_name, new_value_by_name = "C macro", _macros(old_text), _macros(new_text)
+        kind = "C macro"
+        old_value_by_name = _parse_macros(old_text)
+        new_value_by_name = _parse_macros(new_text)
     elif path.endswith(".py") and not _is_private_module(path):
-        kind, old_value_by_name, new_value_by_name = "Python name", _python_names(old_text), _python_names(new_text)
+        kind = "Python name"
+        old_value_by_name = _python_names(old_text)
+        new_value_by_name = _python_names(new_text)
     else:
         return
     for name, old_value in old_value_by_name.items():
@@ -92,7 +96,7 @@ def _changes_in_file(family: str, path: str, old_text: str, new_text: str) -> It
             yield NameChange(family=family, kind=kind, name=full_name, old=old_value, new=new_value)
 
 
-def _macros(header: str) -> dict[str, str]:
+def _parse_macros(header: str) -> dict[str, str]:
     """Return the macros of a header with their definitions on one line: ``{"X24_BITS": "24", "X24_MASK": "(n) …"}``.
 
     Include guards and version macros are left out.

@@ -243,7 +243,7 @@ def short_value(value: Any, notation: str = "") -> str:
     if isinstance(value, Enum):
         return str(value.value).replace("_", " ")
     if isinstance(value, (tuple, list)):
-        return _shorten(", ".join(short_value(member, notation) for member in value))
+        return _shorten_text(", ".join(short_value(member, notation) for member in value))
     if isinstance(value, (Expression, Supply, Scale, CodedValue)):
         return _quantity_text(value)
     if is_dataclass(value):
@@ -253,11 +253,11 @@ def short_value(value: Any, notation: str = "") -> str:
             (only_member,) = value.values()
             return short_value(only_member, notation)
     if isinstance(value, Mapping):
-        return _shorten(", ".join(f"{key} = {short_value(member)}" for key, member in value.items()))
+        return _shorten_text(", ".join(f"{key} = {short_value(member)}" for key, member in value.items()))
     value_text = str(value)
     if notation == "word":
         value_text = value_text.replace("_", " ")
-    return _shorten(value_text)
+    return _shorten_text(value_text)
 
 
 def _number_text(value: int, notation: str) -> str:
@@ -283,7 +283,7 @@ def _quantity_text(value: Expression | Supply | Scale | CodedValue) -> str:
             return f"{value.code} = {value.value}"
 
 
-def _shorten(text: str) -> str:
+def _shorten_text(text: str) -> str:
     if len(text) <= _LONGEST:
         return text
     return f"{text[: _LONGEST - 1]}…"

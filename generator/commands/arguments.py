@@ -171,7 +171,8 @@ def bytes_by_address(pairs: Sequence[str]) -> dict[int, int]:
         malformed = Stop(f"'{pair}' is not a register and a byte; write it like 0x56=0x10", 2)
         address_text, _, byte_text = pair.partition("=")
         try:
-            address, byte = int(address_text, 0), int(byte_text, 0)
+            address = int(address_text, 0)
+            byte = int(byte_text, 0)
         except ValueError:
             raise malformed from None
         if not 0 <= byte <= 255:

@@ -107,7 +107,8 @@ def _names_and_contents(paths: Sequence[Path]) -> Iterator[bytes | str]:
         skipped: Sequence[Path] = ()
         if is_folder(spec_or_folder):
             search_result = find_files(spec_or_folder)
-            specs, skipped = search_result.specs, search_result.passed_over
+            specs = search_result.specs
+            skipped = search_result.passed_over
         # The words between the lists ensure that no name can move from one to the next.
         yield from (str(spec_or_folder), "specs", *map(str, specs), "skipped", *map(str, skipped), "content")
         for spec in specs:

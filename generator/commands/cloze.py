@@ -41,7 +41,8 @@ def run(arguments: argparse.Namespace) -> int:
     from .terminal import problems
 
     loaded_family = family_named(arguments.family, specs_to_judge(arguments.specs, "cloze FAMILY").paths)
-    family, report = loaded_family.plain or loaded_family, Report()
+    family = loaded_family.plain or loaded_family
+    report = Report()
     filled_sheet = read_sheet(family, report)
     if report:
         raise problems(report)
@@ -51,6 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
         path.write_text("\n".join([*as_lines(sheet_data, Path(family.document.file).name), ""]), encoding="utf-8")
     except OSError as error:
         raise Stop(f"cannot write {path}: {error.strerror or error}", 1) from None
-    gaps_text, texts_text = counted(open_gaps(sheet_data), "gap"), counted(len(sheet_data["texts"]), "text")
+    gaps_text = counted(open_gaps(sheet_data), "gap")
+    texts_text = counted(len(sheet_data["texts"]), "text")
     print(f"written    {path.as_posix()}: {gaps_text} to fill, in {texts_text}")
     return 0

@@ -317,7 +317,8 @@ def _read_side(text: str, cache: Cache, old_side: _Side | None) -> tuple[Sequenc
                 written_files = write_revision(place_in_revision, Path(folder))
             except RevisionError as error:
                 raise Stop(str(error), 2) from None
-            path, file_names = written_files.place, written_files.names
+            path = written_files.place
+            file_names = written_files.names
         if old_side is None:
             # The empty sequence keeps the content of each family, for the comparison with those of the new side.
             families, report = load_families([path], cache, migrate, ())

@@ -63,7 +63,8 @@ def _lines_of_missing_history(old: Family, new: Family) -> Iterator[str]:
 
     An introduction precedes them. Nothing is yielded if the new revision is listed behind an older one.
     """
-    name, revision = new.device.name, new.device.manual.revision
+    name = new.device.name
+    revision = new.device.manual.revision
     listed_revisions = [history_row["revision"] for history_row in new.document.data["manual"].get("history", ())]
     # An edition describes encoders before a revision, so an older revision must be listed in front of it.
     if revision in listed_revisions[1:]:
@@ -89,7 +90,8 @@ def _lines_of_entry(new: Family, edition_changes: Iterable[Mapping[str, Any]]) -
 
     If the spec has no editions yet, their key comes first.
     """
-    name, revision = new.device.name, new.device.manual.revision
+    name = new.device.name
+    revision = new.device.manual.revision
     has_editions = "editions" in new.document.data
     where_to_add = ", under its editions" if has_editions else ""
     removal = f"{name}: edition {revision} removed these items."

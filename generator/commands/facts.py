@@ -39,7 +39,8 @@ def run(arguments: argparse.Namespace) -> int:
     from .read_specs import specs_to_judge
 
     paths = specs_to_judge(arguments.specs, "facts FAMILY").paths
-    page, section = arguments.page, arguments.section
+    page = arguments.page
+    section = arguments.section
     if page is None and section is None:
         raise Stop("give --page NUMBER or --section NUMBER, or both", 2)
     facts = citing(family_named(arguments.family, paths).document)

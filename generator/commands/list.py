@@ -97,10 +97,10 @@ def _devices(paths: Sequence[Path]) -> Sequence[Device]:
 
 def rows(devices: Sequence[Device]) -> list[Row]:
     """Return the facts about each family, as data that JSON can express."""
-    return [_row(device) for device in devices]
+    return [_summarise_family(device) for device in devices]
 
 
-def _row(device: Device) -> Row:
+def _summarise_family(device: Device) -> Row:
     """Return the facts about a family."""
     manual = device.manual
     return {

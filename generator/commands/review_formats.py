@@ -36,7 +36,8 @@ def as_review(findings: Sequence[Finding], form: str) -> str:
 
 def _workflow_command(finding: Finding) -> str:
     """Return a workflow command, in which line ends and percent signs are escaped."""
-    file, rule = _escaped(finding.file, ",:"), _escaped(finding.rule, ",:")
+    file = _escaped(finding.file, ",:")
+    rule = _escaped(finding.rule, ",:")
     place = f"file={file},line={finding.line},col={finding.column},title={rule}"
     return f"::{finding.level} {place}::{_escaped(finding.message)}"
 

@@ -109,7 +109,8 @@ class _Dump:
             parameters: The values of the parameters of the order code. Empty for a family.
             label: How the label differs from the order code, or None for a family.
         """
-        identity, order_codes = self._identity(label), self._order_codes(variants, parameters)
+        identity = self._identity(label)
+        order_codes = self._order_codes(variants, parameters)
         return identity | order_codes | self._communication() | self._surroundings()
 
     def _identity(self, label: Item | None) -> Item:
@@ -266,7 +267,8 @@ class _Dump:
         field_data: Item = self.plain(replace(field, kind=Number()), inherited)
         field_data["high"] = self._number(high)
         if isinstance(field.equals, str):
-            field_data["equals"], field_data["equals_text"] = None, field.equals
+            field_data["equals"] = None
+            field_data["equals_text"] = field.equals
         else:
             field_data["equals_text"] = ""
         field_data["kind"], members_of_kind = self._kind(field.kind, field.source or inherited)
@@ -311,7 +313,8 @@ class _Dump:
         register_data["default_bytes"] = default_bytes.hex(" ").upper() if default_bytes is not None else ""
         register_data["opened_by"] = _opened_by(register) if register.opened_by else None
         register_data["other_bits"] = register.layout.gaps
-        layout, citation = register.layout, _cited(register.source)
+        layout = register.layout
+        citation = _cited(register.source)
         register_data["join"] = [self._join(join, layout) | citation for join in layout.joins]
         register_data["fields"] = self._fields(layout, register.source)
         return register_data

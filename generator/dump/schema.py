@@ -65,9 +65,11 @@ def _object_schema(part: Part) -> JsonSchema:
     Members without a shape are not in the data.
     """
     members = [member for member in part.members if member.shape]
-    required_members, optional_members = members, []
+    required_members = members
+    optional_members = []
     if part.is_sourced:
-        required_members, optional_members = [*members, _SOURCE], [_SOURCES]
+        required_members = [*members, _SOURCE]
+        optional_members = [_SOURCES]
     properties = {}
     for member in (*required_members, *optional_members):
         properties[member.name] = {"description": member.about} | _schema_of(member.shape)

@@ -9,7 +9,7 @@ from .problems import MAX_FOUND, TOO_MANY, DocumentReport, Path, Report
 from .rules import FOUNDATIONS, RULES, SHAPES
 from .rules.master import check_master
 from .rules.order_code import is_whole
-from .rules.values import number_base
+from .rules.values import check_number_base
 from .schema_check import FileKind, SchemaResult, check_schema, place_to_remove, shape_of, without_places
 from .schema_files import family_of, with_stand_ins
 from .written_parts import WrittenSpec
@@ -38,11 +38,11 @@ def check_document(document: Document, report: Report) -> dict[str, Any] | None:
     if checked is None:
         return None
     if checked.kind is FileKind.DEVICE:
-        return _device(checked, document, report)
+        return _remove_broken_parts(checked, document, report)
     problems_before = len(report)
     if checked.kind is FileKind.MASTER:
         check_master(checked.data, report.for_document(document))
-    number_base(WrittenSpec(checked.data), WrittenSpec(document.data), report.for_document(document))
+    check_number_base(WrittenSpec(checked.data), WrittenSpec(document.data), report.for_document(document))
     return checked.data if checked.complete and len(report) == problems_before else None
 
 
@@ -59,7 +59,7 @@ def check_second(document: Document, report: Report) -> dict[str, Any] | None:
         The same as ``check_document``.
     """
     checked = check_schema(document, report, FileKind.SECOND)
-    return _device(checked, document, report) if checked is not None else None
+    return _remove_broken_parts(checked, document, report) if checked is not None else None
 
 
 class _TooManyProblems(Exception):
@@ -91,7 +91,7 @@ class _RecordingReport(DocumentReport):
         super().mark(path)
 
 
-def _device(checked: SchemaResult, document: Document, report: Report) -> dict[str, Any] | None:
+def _remove_broken_parts(checked: SchemaResult, document: Document, report: Report) -> dict[str, Any] | None:
     """Return the data of a device without the broken parts, or None if it has too many problems."""
     try:
         return _check_device(checked, document, report)
@@ -113,7 +113,8 @@ def _check_device(checked: SchemaResult, document: Document, report: Report) -> 
     removed_places = set(checked.cut)
     completed_data = _with_prose(checked.data, checked.kind)
     recording_report = _RecordingReport(report, document)
-    spec, raw = WrittenSpec(completed_data), WrittenSpec(document.data)
+    spec = WrittenSpec(completed_data)
+    raw = WrittenSpec(document.data)
     for rule in RULES:
         recording_report.noted = []
         rule(spec, raw, recording_report)
@@ -128,9 +129,9 @@ def _check_device(checked: SchemaResult, document: Document, report: Report) -> 
     return _with_stand_ins(completed_data, are_codes_whole, document)
 
 
-def _with_prose(data: dict[str, Any], kind: FileKind) -> dict[str, Any]:
+def _with_prose(data: dict[str, Any], file_kind: FileKind) -> dict[str, Any]:
     """Return the data with stand-ins for the prose that a second reading lacks."""
-    if kind is not FileKind.SECOND:
+    if file_kind is not FileKind.SECOND:
         return data
     completed_data: dict[str, Any] = with_stand_ins(data, shape_of(FileKind.DEVICE.value))
     return completed_data
@@ -146,5 +147,7 @@ def _with_stand_ins(data: dict[str, Any], are_codes_whole: bool, document: Docum
     if not are_codes_whole:
         completed_data |= _NO_CODES
     interfaces = completed_data["interfaces"]
-    completed_data["interfaces"] = {kind: {"layouts": [], **interface} for kind, interface in interfaces.items()}
+    completed_data["interfaces"] = {
+        interface_name: {"layouts": [], **interface} for interface_name, interface in interfaces.items()
+    }
     return completed_data

@@ -71,7 +71,7 @@ class Document:
 
     def file_of(self, path: Path) -> str:
         """Return the file to which the line from ``position`` belongs, or an empty string for the document's file."""
-        marks = [mark for _, mark in self._walk(path)]
+        marks = [mark for _, mark in self._walk_path(path)]
         return marks[-1].file if marks else ""
 
     def position(self, path: Path, at_key: bool = False) -> tuple[int, int]:
@@ -80,7 +80,7 @@ class Document:
         A str instead of a list index selects the item of that name. With ``at_key``, the position is that of the key.
         The position of an ancestor is always that of its key, where a reader would look for a missing value.
         """
-        marks = [mark for _, mark in self._walk(path)]  # Fewer than the path has steps if the value is missing.
+        marks = [mark for _, mark in self._walk_path(path)]  # Fewer than the path has steps if the value is missing.
         if not path:
             return self.marks.line, self.marks.column
         if not marks:
@@ -101,12 +101,12 @@ class Document:
 
     def has(self, path: Path) -> bool:
         """Return True if there is a value at ``path``."""
-        return len(list(self._walk(path))) == len(path)
+        return len(list(self._walk_path(path))) == len(path)
 
     def mark(self, path: Path) -> Mark:
         """Return the mark of the value at ``path``, or of its nearest ancestor if there is none."""
         nearest_mark = self.marks
-        for _, mark in self._walk(path):
+        for _, mark in self._walk_path(path):
             nearest_mark = mark
         return nearest_mark
 
@@ -118,7 +118,7 @@ class Document:
         text = ""
         node: Any = self.data
         for step in self.original(path):
-            child = _child(node, step)
+            child = _child_at(node, step)
             if isinstance(node, list) and isinstance(step, int):
                 label = label_of(child)
                 has_plain_label = label is not None and _PLAIN_LABEL.fullmatch(label)
@@ -128,7 +128,7 @@ class Document:
             node = child
         return text.removeprefix(".")
 
-    def _walk(self, path: Path) -> Iterator[tuple[str | int, Mark]]:
+    def _walk_path(self, path: Path) -> Iterator[tuple[str | int, Mark]]:
         """Yield each step of the path in the data as read, with its mark, up to the first one that is missing."""
         mark = self.marks
         for step in self.original(path):
@@ -144,7 +144,7 @@ class Document:
         original_path: Path = ()
         for step in path:
             original_step = self._original_step(node, step, original_path)
-            node = _child(node, original_step)
+            node = _child_at(node, original_step)
             original_path += (original_step,)
         return original_path
 
@@ -156,13 +156,13 @@ class Document:
         if not isinstance(node, list):
             return step
         if not isinstance(step, int):
-            return self._index(node, step)
+            return self._find_index(node, step)
         original_indices = self.kept_indices.get(original_path)
         if original_indices is None or step >= len(original_indices):
             return step
         return original_indices[step]
 
-    def _index(self, node: list[Any], label: str) -> str | int:
+    def _find_index(self, node: list[Any], label: str) -> str | int:
         """Return the index of the first item of a list with this label, or the label if there is none."""
         if id(node) not in self._indices:
             first_indices: dict[str, int] = {}
@@ -174,7 +174,7 @@ class Document:
         return self._indices[id(node)].get(label, label)
 
 
-def _child(node: Any, step: str | int) -> Any:
+def _child_at(node: Any, step: str | int) -> Any:
     """Return the value at a key of a map or at an index of a list, or None if there is none."""
     if isinstance(node, list):
         return node[step] if isinstance(step, int) and 0 <= step < len(node) else None
@@ -210,7 +210,9 @@ class MissingPath(LookupError):
 
     def __init__(self, step: str, known_steps: list[str], existing_path: Path) -> None:
         super().__init__(step)
-        self.step, self.known_steps, self.existing_path = step, known_steps, existing_path
+        self.step = step
+        self.known_steps = known_steps
+        self.existing_path = existing_path
 
 
 def steps_of(text: str) -> tuple[str | int, ...]:
@@ -238,7 +240,8 @@ def resolve(data: Any, text: str) -> Path:
             step_text = f"[{step + 1}]" if isinstance(step, int) else step
             raise MissingPath(step_text, [str(key) for key in keys_by_step if isinstance(key, str)], path)
         key = keys_by_step[step]
-        path, data = (*path, key), data[key]
+        path = (*path, key)
+        data = data[key]
     return path
 
 
@@ -385,10 +388,10 @@ class Affected:
         """Return every value in the data to which a path such as ``registers.preset`` refers."""
         nodes = [self._data]
         for step in affected.split("."):
-            nodes = [match for node in nodes for match in self._named(node, step)]
+            nodes = [match for node in nodes for match in self._find_named(node, step)]
         return nodes
 
-    def _named(self, node: Any, step: str) -> list[Any]:
+    def _find_named(self, node: Any, step: str) -> list[Any]:
         """Return the matches of a step of a path below ``node``: by key, by name, or by name in one of its lists."""
         if isinstance(node, list):
             return self._items_of(node).get(step, [])

@@ -100,14 +100,15 @@ class _Search:
         self.files: list[Path] = []
         self.not_entered: list[tuple[Path, str]] = []
         self.is_complete = True
-        self._outputs, self._names_left = outputs, most_names
+        self._outputs = outputs
+        self._names_left = most_names
 
     def run(self, root: Path) -> None:
         """Search ``root``, then the folders in it, and so on, until the limit of names is reached."""
         folders = deque([root])
         while folders:
             folder = folders.popleft()
-            entries = self._entries(folder)
+            entries = self._list_entries(folder)
             names = {folder_entry.name for folder_entry in entries}
             if folder != root and self._is_left_out(folder, names):
                 continue
@@ -119,7 +120,7 @@ class _Search:
                 if not folder_entry.name.startswith("."):
                     self._look_at(folder_entry, folder / folder_entry.name, folders)
 
-    def _entries(self, folder: Path) -> list[os.DirEntry[str]]:
+    def _list_entries(self, folder: Path) -> list[os.DirEntry[str]]:
         """Return the entries of a folder. An unreadable one has none and is noted."""
         try:
             with os.scandir(folder) as listing:
@@ -185,7 +186,7 @@ def _is_device(keys: frozenset[str]) -> bool:
 
 def _has_parts_of_a_device(keys: frozenset[str]) -> bool:
     """Return True for two or more keys that only devices have. Other tools may use one, such as ``parameters``."""
-    return len(keys & keys_of("device") - keys_of("manufacturer")) >= 2
+    return len(keys & (keys_of("device") - keys_of("manufacturer"))) >= 2
 
 
 def top_keys(path: Path) -> frozenset[str] | None:

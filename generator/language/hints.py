@@ -124,8 +124,8 @@ def _text_hint(key: str, text: str) -> str:
     if match := _GROUPED.fullmatch(text):
         return f"; write {text.replace(match[1], '')}"
     if match := _WITH_UNIT.fullmatch(text):
-        converted = _converted(Fraction(match["number"]), match["unit"].lower(), _unit(key))
-        return f"; write {converted}, in {_word(_unit(key))}" if converted is not None else ""
+        converted = _convert_number(Fraction(match["number"]), match["unit"].lower(), _unit_of_key(key))
+        return f"; write {converted}, in {_name_unit(_unit_of_key(key))}" if converted is not None else ""
     if key == "poly" and POLYNOMIAL.fullmatch(text):
         return _polynomial_hint(text)
     return f"; write 0x{text.upper()}" if _DIGITS.fullmatch(text) else ""
@@ -215,12 +215,12 @@ def _fraction_hint(key: str, value: float) -> str:
 
     A lower bound is rounded up and an upper one down, unless it would be 0. Others are not rounded.
     """
-    unit = _unit(key)
+    unit = _unit_of_key(key)
     if unit in _LARGER and value > 0:
         return _larger_unit_hint(unit, value)
     if key == "step_um":
         return _step_hint(value)
-    problem = f"; there are no fractions of {_word(unit)}" if unit in _UNITS else "; there are no fractions"
+    problem = f"; there are no fractions of {_name_unit(unit)}" if unit in _UNITS else "; there are no fractions"
     is_lower_bound = "at_least" in key or key.startswith("min_")
     is_upper_bound = "at_most" in key or key.startswith("max_")
     if is_lower_bound:
@@ -265,10 +265,10 @@ def _polynomial_hint(text: str) -> str:
 def polynomial_powers(text: str) -> set[int]:
     """Return the powers of a polynomial such as ``x^6 + x + 1``."""
     terms = re.sub(r"\s", "", text.lower()).split("+")
-    return set(map(_power, terms))
+    return set(map(_parse_power, terms))
 
 
-def _power(term: str) -> int:
+def _parse_power(term: str) -> int:
     """Return the power of a term such as ``x^6``, ``x`` or ``1``."""
     return int(term.partition("^")[2] or 1) if term.startswith("x") else 0
 
@@ -286,16 +286,16 @@ def key_hint(key: str, value: Any, known_keys: Iterable[str]) -> str:
     if not fitting_keys or key in fitting_keys:
         return ""
     best_key = _best_unit(fitting_keys, value, unit)
-    best_unit = _unit(best_key)
+    best_unit = _unit_of_key(best_key)
     if not _is_finite_number(value):
         or_else = f". If that is not a whole number{_INSTEAD[best_key]}" if best_key in _INSTEAD else ""
-        return f"; the unit is {_word(best_unit)}: write '{best_key}'{or_else}"
+        return f"; the unit is {_name_unit(best_unit)}: write '{best_key}'{or_else}"
     # From the shortest decimal form: 0.05 means five hundredths, not the nearest binary fraction.
-    converted = _converted(Fraction(str(value)), unit, best_unit)
+    converted = _convert_number(Fraction(str(value)), unit, best_unit)
     if converted is None:
-        problem = f"{value} {_word(unit)} is not a whole number of {_word(best_unit)}"
+        problem = f"{value} {_name_unit(unit)} is not a whole number of {_name_unit(best_unit)}"
         return f"; there is only '{best_key}', and {problem}{_INSTEAD.get(best_key, '')}"
-    return f"; write '{best_key}: {converted}', in {_word(best_unit)}"
+    return f"; write '{best_key}: {converted}', in {_name_unit(best_unit)}"
 
 
 def _keys_of_same_kind(stem: str, unit: str, known_keys: Iterable[str]) -> list[str]:
@@ -306,12 +306,12 @@ def _keys_of_same_kind(stem: str, unit: str, known_keys: Iterable[str]) -> list[
     base_unit, _ = _UNITS[unit]
     keys_of_kind = []
     for known_key in known_keys:
-        known_unit = _unit(known_key)
+        known_unit = _unit_of_key(known_key)
         if known_unit in _UNITS and _UNITS[known_unit][0] == base_unit:
             keys_of_kind.append(known_key)
-    stems = {_stem(known_key) for known_key in keys_of_kind}
+    stems = {_remove_unit(known_key) for known_key in keys_of_kind}
     meant_stem = stem if stem in stems else nearest_choice(stem, list(stems))
-    return [known_key for known_key in keys_of_kind if meant_stem and _stem(known_key) == meant_stem]
+    return [known_key for known_key in keys_of_kind if meant_stem and _remove_unit(known_key) == meant_stem]
 
 
 def _best_unit(keys: list[str], value: Any, unit: str) -> str:
@@ -319,9 +319,9 @@ def _best_unit(keys: list[str], value: Any, unit: str) -> str:
 
     ``unit`` is the one in which the value was given.
     """
-    largest_first = sorted(keys, key=lambda known_key: -_UNITS[_unit(known_key)][1])
+    largest_first = sorted(keys, key=lambda known_key: -_UNITS[_unit_of_key(known_key)][1])
     for known_key in largest_first:
-        if _whole(value, unit, _unit(known_key)):
+        if _is_whole_in(value, unit, _unit_of_key(known_key)):
             return known_key
     return largest_first[-1]
 
@@ -330,24 +330,24 @@ def _is_finite_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
 
 
-def _whole(value: Any, unit: str, target_unit: str) -> bool:
+def _is_whole_in(value: Any, unit: str, target_unit: str) -> bool:
     """Return True if a value is a whole number in another unit."""
-    return _is_finite_number(value) and _converted(Fraction(str(value)), unit, target_unit) is not None
+    return _is_finite_number(value) and _convert_number(Fraction(str(value)), unit, target_unit) is not None
 
 
-def _stem(key: str) -> str:
+def _remove_unit(key: str) -> str:
     return key.rpartition("_")[0]
 
 
-def _unit(key: str) -> str:
+def _unit_of_key(key: str) -> str:
     return key.rpartition("_")[2].lower()
 
 
-def _word(unit: str) -> str:
+def _name_unit(unit: str) -> str:
     return _WORDS.get(unit, unit)
 
 
-def _converted(number: Fraction, unit: str, target_unit: str) -> int | None:
+def _convert_number(number: Fraction, unit: str, target_unit: str) -> int | None:
     """Return the number in another unit of the same kind, or None if the kind differs or the result is not whole."""
     if unit not in _UNITS or target_unit not in _UNITS or _UNITS[unit][0] != _UNITS[target_unit][0]:
         return None

@@ -67,7 +67,9 @@ Only a second reading has these keys:
 
 def spec_page() -> str:
     """Return the content of ``docs/transcribe/spec-language.md``."""
-    device, manufacturer, overlay = load_schema("device"), load_schema("manufacturer"), load_schema("overlay")
+    device = load_schema("device")
+    manufacturer = load_schema("manufacturer")
+    overlay = load_schema("overlay")
     lines = [
         "<!-- Made from generator/language/*.schema.json by: make spec-page -->",
         "",
@@ -81,11 +83,11 @@ def spec_page() -> str:
         "",
         paragraph(text(device["description"])),
         "",
-        _properties(device, device["$defs"]),
+        _format_table(device, device["$defs"]),
         "",
     ]
     for name in _definitions_in_order(device):
-        lines += _definition(name, device["$defs"][name], device["$defs"])
+        lines += _describe_definition(name, device["$defs"][name], device["$defs"])
     lines += _other_files(manufacturer, overlay)
     return "\n".join(lines).rstrip() + "\n"
 
@@ -99,7 +101,7 @@ def _other_files(maker: Mapping[str, Any], overlay: Mapping[str, Any]) -> list[s
         "",
         "It is in the same folder as the device files and is called `manufacturer.yaml`.",
         "",
-        _properties(maker, {}),
+        _format_table(maker, {}),
         "",
         "## The overlay",
         "",
@@ -107,7 +109,7 @@ def _other_files(maker: Mapping[str, Any], overlay: Mapping[str, Any]) -> list[s
         "",
         "See [Overlays](how-to-revise.md#overlays-facts-from-outside-the-manual) for an example.",
         "",
-        _properties(overlay, overlay["$defs"]),
+        _format_table(overlay, overlay["$defs"]),
         "",
         "## The second reading",
         "",
@@ -150,21 +152,22 @@ def _definitions_in_order(schema: Shape) -> list[str]:
     return names
 
 
-def _definition(name: str, shape: Shape, definitions: Shape) -> list[str]:
+def _describe_definition(name: str, shape: Shape, definitions: Shape) -> list[str]:
     """Return the lines of the section on a definition: its meaning, and its keys or else its type and limits."""
     lines = [anchor(name), "", f"### {code(name)}", "", paragraph(text(shape.get("description", ""))), ""]
     if "properties" in shape:
-        lines.append(_properties(shape, definitions))
+        lines.append(_format_table(shape, definitions))
     else:
-        kind, limits = _kind(shape), _limits(shape)
-        capitalised_kind = kind[0].upper() + kind[1:]
+        type_text = _describe_type(shape)
+        limits = _describe_limits(shape)
+        capitalised_kind = type_text[0].upper() + type_text[1:]
         lines.append(f"{capitalised_kind}: {limits}." if limits else f"{capitalised_kind}.")
     return [*lines, ""]
 
 
-def _properties(shape: Shape, definitions: Shape) -> str:
+def _format_table(shape: Shape, definitions: Shape) -> str:
     """Return the table of the keys of a shape, which is a part of a JSON Schema."""
-    return table(["Key", "", "Value", "Meaning"], _members(shape, definitions))
+    return table(["Key", "", "Value", "Meaning"], _yield_rows(shape, definitions))
 
 
 def _definition_name(shape: Shape) -> str:
@@ -172,7 +175,7 @@ def _definition_name(shape: Shape) -> str:
     return str(shape.get("$ref", "")).removeprefix("#/$defs/")
 
 
-def _members(shape: Shape, definitions: Shape, prefix: str = "") -> Iterator[tuple[str, str, str, str]]:
+def _yield_rows(shape: Shape, definitions: Shape, prefix: str = "") -> Iterator[tuple[str, str, str, str]]:
     """Yield a row of the table for each key, followed by rows for its inner keys if they have no section of their own.
 
     A row has the key, ``required`` or nothing, the type with its limits, and the meaning. Inner keys follow a prefix:
@@ -180,21 +183,21 @@ def _members(shape: Shape, definitions: Shape, prefix: str = "") -> Iterator[tup
     """
     required_keys = shape.get("required", ())
     for name, inner in shape.get("properties", {}).items():
-        limits = _limits(inner)
-        type_and_limits = f"{_kind(inner)}, {limits}" if limits else _kind(inner)
+        limits = _describe_limits(inner)
+        type_and_limits = f"{_describe_type(inner)}, {limits}" if limits else _describe_type(inner)
         definition = definitions.get(_definition_name(inner), {})
         meaning = inner.get("description") or definition.get("description", "")
         yield code(prefix + name), "required" if name in required_keys else "", type_and_limits, text(meaning)
         is_one_or_more = "properties" in inner and "items" in inner
         if not is_one_or_more:  # Otherwise, the section of its items has the keys.
-            yield from _members(inner, definitions, f"{prefix}{name}.")
-        yield from _members(inner.get("items", {}), definitions, f"{prefix}{name}[].")
+            yield from _yield_rows(inner, definitions, f"{prefix}{name}.")
+        yield from _yield_rows(inner.get("items", {}), definitions, f"{prefix}{name}[].")
     value_shape = shape.get("additionalProperties")
     if isinstance(value_shape, Mapping) and "properties" in value_shape:
-        yield from _members(value_shape, definitions, f"{prefix}<name>.")
+        yield from _yield_rows(value_shape, definitions, f"{prefix}<name>.")
 
 
-def _kind(shape: Shape, plural: bool = False) -> str:
+def _describe_type(shape: Shape, plural: bool = False) -> str:
     """Return the type of a value in words, in the plural for items of a list. A definition is a link to its section."""
     reference = _definition_name(shape)
     if reference:
@@ -207,17 +210,17 @@ def _kind(shape: Shape, plural: bool = False) -> str:
         return "any value"
     types = shape.get("type", "string")
     if "items" in shape:
-        list_of_items = f"{'lists' if plural else 'list'} of {_kind(shape['items'], plural=True)}"
+        list_of_items = f"{'lists' if plural else 'list'} of {_describe_type(shape['items'], plural=True)}"
         can_be_single = types != "array"
-        return f"{_kind(shape['items'])}, or {list_of_items}" if can_be_single else list_of_items
+        return f"{_describe_type(shape['items'])}, or {list_of_items}" if can_be_single else list_of_items
     value_shape = shape.get("additionalProperties")
     if isinstance(value_shape, Mapping):
-        return f"{'mappings' if plural else 'mapping'} of names to {_kind(value_shape, plural=True)}"
+        return f"{'mappings' if plural else 'mapping'} of names to {_describe_type(value_shape, plural=True)}"
     type_names = [types] if isinstance(types, str) else types
     return listed([_NOUNS[type_name][plural] for type_name in type_names], "or")
 
 
-def _limits(shape: Shape) -> str:
+def _describe_limits(shape: Shape) -> str:
     """Return the limits of a value in words, such as ``0 to 255, not empty``, or an empty string.
 
     The usual largest number of entries is not mentioned.

@@ -123,22 +123,22 @@ class Finding:
     alone: bool = False
 
 
-def explain(error: Any, kind: str) -> Iterator[Finding]:
+def explain(error: Any, file_kind: str) -> Iterator[Finding]:
     """Yield the findings for one error of the validator.
 
     Args:
         error: A ``jsonschema.ValidationError``.
-        kind: ``device``, ``second``, ``manufacturer``, ``master``, ``overlay`` or ``words``.
+        file_kind: ``device``, ``second``, ``manufacturer``, ``master``, ``overlay`` or ``words``.
     """
     path: Path = tuple(error.absolute_path)
     if "propertyNames" in error.relative_schema_path:
         yield _invalid_key(error, path)
     elif error.validator == "additionalProperties":
-        yield from _unknown_keys(error, path, kind)
+        yield from _unknown_keys(error, path, file_kind)
     elif error.validator == "required":
-        yield from _missing_keys(error, path, kind)
+        yield from _missing_keys(error, path, file_kind)
     else:
-        rule, message = _MESSAGES[error.validator](error, _subject(path))
+        rule, message = _MESSAGES[error.validator](error, _name_subject(path))
         yield Finding(rule, path, message)
 
 
@@ -156,7 +156,7 @@ def _invalid_key(error: Any, path: Path) -> Finding:
     return Finding("bad-pattern", (*path, key), message, at_key=True)
 
 
-def _unknown_keys(error: Any, path: Path, kind: str) -> Iterator[Finding]:
+def _unknown_keys(error: Any, path: Path, file_kind: str) -> Iterator[Finding]:
     """Yield a finding for each key that the schema does not have.
 
     Without a hint about the key, the rest of the map can still be used. With one, the key may be meant as another.
@@ -164,7 +164,7 @@ def _unknown_keys(error: Any, path: Path, kind: str) -> Iterator[Finding]:
     for key in error.instance:
         if key in error.schema["properties"]:
             continue
-        is_absent_prose = kind == "second" and is_only_in_device_files(key)
+        is_absent_prose = file_kind == "second" and is_only_in_device_files(key)
         hint = _NO_PROSE if is_absent_prose else _key_hint(error, path, key)
         message = f"unknown key {quoted(key)}{hint or _suggest_key(error, key)}"
         yield Finding("unknown-key", (*path, key), message, at_key=True, alone=hint in ("", _NO_PROSE))
@@ -198,7 +198,7 @@ def _suggest_key(error: Any, key: str) -> str:
     return suggestion(key, error.schema["properties"], "known keys")
 
 
-def _missing_keys(error: Any, path: Path, kind: str) -> Iterator[Finding]:
+def _missing_keys(error: Any, path: Path, file_kind: str) -> Iterator[Finding]:
     """Yield one finding for all missing keys, except those of which an unknown key is a misspelling.
 
     It is ``at_key`` unless the map is an item of a list, and ``alone`` if only prose is missing.
@@ -209,7 +209,7 @@ def _missing_keys(error: Any, path: Path, kind: str) -> Iterator[Finding]:
     if not missing_keys:
         return
     hints = [TO_ADD[key] for key in missing_keys if key in TO_ADD]
-    message = "; ".join([missing(missing_keys, _owner(error, path, kind)), *hints])
+    message = "; ".join([missing(missing_keys, _name_owner(error, path, file_kind)), *hints])
     is_only_prose = not misspelt_keys and WORDS_ONLY.issuperset(missing_keys)
     is_in_named_map = bool(path) and isinstance(path[-1], str)
     yield Finding("missing-key", path, message, at_key=is_in_named_map, alone=is_only_prose)
@@ -232,22 +232,22 @@ def _is_meant_as(required_key: str, unknown_key: str, instance: Any, known_keys:
     return f"'{required_key}" in hints
 
 
-def _owner(error: Any, path: Path, kind: str) -> str:
+def _name_owner(error: Any, path: Path, file_kind: str) -> str:
     """Return the owner of missing keys in a message.
 
     For an item of a list and a named entry it is ``a register``, for another map its key in quotes.
     """
     if not path:
-        return {"second": "a second reading", "overlay": "an overlay"}.get(kind, f"a {kind} file")
+        return {"second": "a second reading", "overlay": "an overlay"}.get(file_kind, f"a {file_kind} file")
     schema_path = list(error.absolute_schema_path)
     is_list_item_or_named_entry = len(schema_path) > 1 and schema_path[-2] in ("items", "additionalProperties")
     if is_list_item_or_named_entry:
         enclosing_keys = [step for step in path[:-1] if isinstance(step, str)]
-        return _item(enclosing_keys[-1])
+        return _name_one_item(enclosing_keys[-1])
     return f"'{path[-1]}'"
 
 
-def _item(plural: str) -> str:
+def _name_one_item(plural: str) -> str:
     """Return one item of a list or map with its article, such as ``a register`` for ``registers``."""
     if plural in _ITEMS:
         return _ITEMS[plural]
@@ -256,14 +256,14 @@ def _item(plural: str) -> str:
     return f"{article} {singular}"
 
 
-def _subject(path: Path) -> str:
+def _name_subject(path: Path) -> str:
     """Return the subject of a message: the key, or the list that contains the item."""
     if path and isinstance(path[-1], int):
         return f"an item of '{path[-2]}'"
     return f"'{path[-1]}'" if path else "the file"
 
 
-def _type(error: Any, subject: str) -> tuple[str, str]:
+def _explain_type(error: Any, subject: str) -> tuple[str, str]:
     """Return rule and message for a value of the wrong type, with the likely correction.
 
     ``subject`` is its key in quotes, or ``an item of`` its list. The other functions in ``_MESSAGES`` are alike.
@@ -298,7 +298,7 @@ def _text_hint(error: Any) -> str:
     return "; put it in quotes" if re.search(pattern, str(error.instance).lower()) else ""
 
 
-def _enum(error: Any, subject: str) -> tuple[str, str]:
+def _explain_enum(error: Any, subject: str) -> tuple[str, str]:
     """Return rule and message for a value that is not one of the allowed ones, with the likely or all allowed ones."""
     hint = word_hint(str(error.absolute_path[-1]), error.instance)
     if not hint and not isinstance(error.instance, (dict, list)):
@@ -308,7 +308,7 @@ def _enum(error: Any, subject: str) -> tuple[str, str]:
     return "not-allowed", f"{subject} cannot be {quoted(error.instance)}{hint}"
 
 
-def _const(error: Any, subject: str) -> tuple[str, str]:
+def _explain_const(error: Any, subject: str) -> tuple[str, str]:
     """Return rule and message for a value that must be another one, such as the version of the language."""
     value, required_value = error.instance, error.validator_value
     is_later_version = type(value) is int and subject == "'codewheel'" and value > required_value
@@ -316,13 +316,13 @@ def _const(error: Any, subject: str) -> tuple[str, str]:
     return "not-allowed", f"{subject} must be {quoted(required_value)}, not {quoted(value)}{hint}"
 
 
-def _pattern(error: Any, subject: str) -> tuple[str, str]:
+def _explain_pattern(error: Any, subject: str) -> tuple[str, str]:
     """Return rule and message for a text that does not match a pattern of the schema, with the pattern in words."""
     pattern_in_words = PATTERNS.get(error.validator_value, f"it must match {error.validator_value}")
     return "bad-pattern", f"{subject} cannot be {quoted(error.instance)}: {pattern_in_words}"
 
 
-def _range(error: Any, subject: str) -> tuple[str, str]:
+def _explain_range(error: Any, subject: str) -> tuple[str, str]:
     """Return rule and message for a number outside its bounds, of which one may be missing."""
     low, high = error.schema.get("minimum"), error.schema.get("maximum")
     if low is None:
@@ -338,13 +338,14 @@ def _too_long(error: Any, subject: str) -> tuple[str, str]:
     return "too-long", f"{subject} has {len(error.instance)} characters; the limit is {error.validator_value}"
 
 
-def _empty(error: Any, subject: str) -> tuple[str, str]:
+def _explain_empty(error: Any, subject: str) -> tuple[str, str]:
     return "too-short", f"{subject} is empty; fill it in or leave it out"
 
 
-def _too_few(error: Any, subject: str) -> tuple[str, str]:
+def _explain_too_few(error: Any, subject: str) -> tuple[str, str]:
     """Return rule and message for a list or map with too few entries."""
-    count, min_count = len(error.instance), error.validator_value
+    count = len(error.instance)
+    min_count = error.validator_value
     if min_count > 1:
         noun = "entry" if count == 1 else "entries"
         return "too-short", f"{subject} has {count or 'no'} {noun}; it needs at least {min_count}"
@@ -356,16 +357,16 @@ def _too_many(error: Any, subject: str) -> tuple[str, str]:
 
 
 _MESSAGES: dict[str, Callable[[Any, str], tuple[str, str]]] = {
-    "type": _type,
-    "enum": _enum,
-    "const": _const,
-    "pattern": _pattern,
-    "minimum": _range,
-    "maximum": _range,
+    "type": _explain_type,
+    "enum": _explain_enum,
+    "const": _explain_const,
+    "pattern": _explain_pattern,
+    "minimum": _explain_range,
+    "maximum": _explain_range,
     "maxLength": _too_long,
-    "minLength": _empty,
-    "minItems": _too_few,
-    "minProperties": _too_few,
+    "minLength": _explain_empty,
+    "minItems": _explain_too_few,
+    "minProperties": _explain_too_few,
     "maxProperties": _too_many,
     "maxItems": _too_many,
 }

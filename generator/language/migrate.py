@@ -25,7 +25,8 @@ def migrate(document: Document) -> tuple[Edit, ...]:
     """Give the keys of a document, in data and marks, their current names, and return the same edits for its text."""
     edits = []
     for path, new_key in renamed_keys(document):
-        parent_path, old_key = path[:-1], path[-1]
+        parent_path = path[:-1]
+        old_key = path[-1]
         mapping = value_at(document.data, parent_path)
         line, column = document.position(path, at_key=True)
         if old_key not in mapping:

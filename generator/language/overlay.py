@@ -30,7 +30,7 @@ from .document import (
     without_value,
 )
 from .problems import Report, quoted, suggestion
-from .rules.values import bad_source
+from .rules.values import check_source_format
 from .written_parts import WrittenSpec
 
 #: Suffix of overlays found next to their spec: ``FAMILY.overlay.yaml``, ``FAMILY.x.overlay.yaml``.
@@ -90,8 +90,10 @@ class LayeredSpec:
     """A spec to which layers are applied one after the other."""
 
     def __init__(self, base: Document, report: Report) -> None:
-        self._base, self._report = base, report
-        self._data, self._marks = base.data, base.marks
+        self._base = base
+        self._report = report
+        self._data = base.data
+        self._marks = base.marks
         self._other_files: dict[str, tuple[str, ...]] = dict(base.other_files)
         self._set: dict[Path, tuple[Layer, int]] = {}
         self.applied: list[AppliedChange] = []
@@ -104,7 +106,7 @@ class LayeredSpec:
         data = self._data
         if self.applied:
             data = _with_existing_affects(data, self._base.data)
-            removed_names = _characteristics(self._base.data) - _characteristics(data)
+            removed_names = _collect_characteristics(self._base.data) - _collect_characteristics(data)
             if removed_names:
                 data = _without_steps(data, removed_names)
         if family:
@@ -176,106 +178,112 @@ class LayeredSpec:
             path = ("documents", key)
             mark = from_file(mark_at(overlay.marks, path), overlay.file)
             self._data, self._marks = with_value(self._data, self._marks, path, cited_document, mark)
-        bad_source(WrittenSpec(overlay.data), WrittenSpec(self._data), self._report.for_document(overlay))
+        check_source_format(WrittenSpec(overlay.data), WrittenSpec(self._data), self._report.for_document(overlay))
 
     def _apply_change(self, layer: Layer, number: int, kind: str, change: Mapping[str, Any]) -> None:
         """Apply a change of a kind to each place that it lists. ``also`` only records a text.
 
-        In this class, ``place`` leads from the layer to the text of the place, and ``text`` is that place in the spec.
+        In this class, ``change_path`` leads from the layer to the text of the place, and ``text`` is that place in the
+        spec.
         """
         if kind == "also":
             self._record_change(layer, (number, kind), was=change[kind], now="", affects="", is_known=False)
             return
         places_in_spec = change[kind] if isinstance(change[kind], list) else [change[kind]]
         for index, text in enumerate(places_in_spec):
-            place: Path = (number, kind, index) if isinstance(change[kind], list) else (number, kind)
+            change_path: Path = (number, kind, index) if isinstance(change[kind], list) else (number, kind)
             if text.partition(".")[0] in _FIXED:
                 message = f"an overlay cannot change {quoted(text)}, only facts about the encoder"
-                self._report_problem("overlay-change", layer, place, message)
+                self._report_problem("overlay-change", layer, change_path, message)
             elif kind == "add":
-                self._add_value(layer, place, text, change)
+                self._add_value(layer, change_path, text, change)
             else:
-                self._set_or_remove(layer, place, text, kind)
+                self._set_or_remove(layer, change_path, text, kind)
 
-    def _add_value(self, layer: Layer, place: Path, text: str, change: Mapping[str, Any]) -> None:
+    def _add_value(self, layer: Layer, change_path: Path, text: str, change: Mapping[str, Any]) -> None:
         """Add the value of a change at a new key, or at the end of a list that has no item with its label."""
         try:
             path = resolve(self._data, text)
         except MissingPath as missing_path:
-            self._add_key(layer, place, text, missing_path)
+            self._add_key(layer, change_path, text, missing_path)
             return
         current_value = value_at(self._data, path)
         label = label_of(change["value"])
         if not isinstance(current_value, list):
-            self._report_problem("overlay-unused", layer, place, f"{quoted(text)} already exists; change it with 'set'")
+            self._report_problem(
+                "overlay-unused", layer, change_path, f"{quoted(text)} already exists; change it with 'set'"
+            )
         elif label is not None and label in map(label_of, current_value):
             message = f"{quoted(text)} already has {quoted(label)}; change it with 'set'"
-            self._report_problem("overlay-unused", layer, place, message)
+            self._report_problem("overlay-unused", layer, change_path, message)
         else:
-            self._put_value(layer, place, (*path, len(current_value)), f"{_short(text)} without this item")
+            self._put_value(layer, change_path, (*path, len(current_value)), f"{_shorten_path(text)} without this item")
 
-    def _add_key(self, layer: Layer, place: Path, text: str, missing_path: MissingPath) -> None:
+    def _add_key(self, layer: Layer, change_path: Path, text: str, missing_path: MissingPath) -> None:
         """Add the value of a change at a new key of an existing map. Only that key, the last step, may be missing."""
         last_step = text.rpartition(".")[2]
         parent = value_at(self._data, missing_path.existing_path)
         if missing_path.step != last_step or not isinstance(parent, dict):
-            self._report_missing_place(layer, place, text, missing_path)
+            self._report_missing_place(layer, change_path, text, missing_path)
             return
         path = (*missing_path.existing_path, missing_path.step)
-        if self._is_free(layer, place, path):
-            self._put_value(layer, place, path, f"no {_short(text)}")
+        if self._is_free(layer, change_path, path):
+            self._put_value(layer, change_path, path, f"no {_shorten_path(text)}")
 
-    def _set_or_remove(self, layer: Layer, place: Path, text: str, kind: str) -> None:
+    def _set_or_remove(self, layer: Layer, change_path: Path, text: str, kind: str) -> None:
         """Replace the value at an existing place by that of a change, or remove it if it is wrong or unknown."""
         try:
             path = resolve(self._data, text)
         except MissingPath as missing_path:
-            self._report_missing_place(layer, place, text, missing_path)
+            self._report_missing_place(layer, change_path, text, missing_path)
             return
-        if not self._is_free(layer, place, path):
+        if not self._is_free(layer, change_path, path):
             return
         if kind == "set":
-            self._replace_value(layer, place, text, path)
+            self._replace_value(layer, change_path, text, path)
         else:
-            self._remove_value(layer, place, text, path, is_known=kind != "unknown")
+            self._remove_value(layer, change_path, text, path, is_known=kind != "unknown")
 
-    def _replace_value(self, layer: Layer, place: Path, text: str, path: Path) -> None:
+    def _replace_value(self, layer: Layer, change_path: Path, text: str, path: Path) -> None:
         """Replace the value at ``path`` by that of a change. Report a change to the same value."""
         current_value = value_at(self._data, path)
         current_text = _value_text(current_value, self._text_from(path))
-        if _is_equal(layer.changes[place_number(place)]["to"], current_value):
+        if _is_equal(layer.changes[place_number(change_path)]["to"], current_value):
             message = f"the spec already has {current_text} here; leave the change out"
-            self._report_problem("overlay-unused", layer, place, message)
+            self._report_problem("overlay-unused", layer, change_path, message)
         else:
-            self._put_value(layer, place, path, f"{_short(text)}: {current_text}")
+            self._put_value(layer, change_path, path, f"{_shorten_path(text)}: {current_text}")
 
-    def _remove_value(self, layer: Layer, place: Path, text: str, path: Path, *, is_known: bool) -> None:
+    def _remove_value(self, layer: Layer, change_path: Path, text: str, path: Path, *, is_known: bool) -> None:
         """Remove the value at ``path``, and record the removed place or, if it has no name any more, its parent."""
-        affected, parent_affected = as_affected(self._data, path), as_affected(self._data, path[:-1])
+        affected = as_affected(self._data, path)
+        parent_affected = as_affected(self._data, path[:-1])
         self._data, self._marks = without_value(self._data, self._marks, path)
         # Without its name, only the parent of the removed item can still be referred to.
         affects = affected if leads_somewhere(self._data, affected) else parent_affected
-        self._record_change(layer, place, was=_short(text), now="", affects=affects, is_known=is_known)
+        self._record_change(layer, change_path, was=_shorten_path(text), now="", affects=affects, is_known=is_known)
 
-    def _put_value(self, layer: Layer, place: Path, path: Path, was: str) -> None:
+    def _put_value(self, layer: Layer, change_path: Path, path: Path, was: str) -> None:
         """Put the value of a change at a path, and record it. ``was`` is the text for the value before."""
-        number = place_number(place)
-        key = _VALUE_OF[str(place[1])]
+        number = place_number(change_path)
+        key = _VALUE_OF[str(change_path[1])]
         value = layer.changes[number][key]
         mark = mark_at(layer.document.marks, (*layer.path, number, key))
         overlay_file = "" if layer.document.file == self._base.file else layer.document.file
         self._data, self._marks = with_value(self._data, self._marks, path, value, from_file(mark, overlay_file))
         now = _value_text(value, layer.document.line(mark.line)[mark.column - 1 :])
-        self._record_change(layer, place, was=was, now=now, affects=as_affected(self._data, path), is_known=True)
+        self._record_change(layer, change_path, was=was, now=now, affects=as_affected(self._data, path), is_known=True)
 
-    def _record_change(self, layer: Layer, place: Path, *, was: str, now: str, affects: str, is_known: bool) -> None:
+    def _record_change(
+        self, layer: Layer, change_path: Path, *, was: str, now: str, affects: str, is_known: bool
+    ) -> None:
         """Record a change with its texts before and after, and the affected path as in an erratum, or an empty one."""
         paths = (affects,) if affects else ()
         self.applied.append(
-            AppliedChange(layer, place_number(place), was=was, now=now, affects=paths, is_known=is_known)
+            AppliedChange(layer, place_number(change_path), was=was, now=now, affects=paths, is_known=is_known)
         )
 
-    def _is_free(self, layer: Layer, place: Path, at: Path) -> bool:
+    def _is_free(self, layer: Layer, change_path: Path, at: Path) -> bool:
         """Return True, and reserve the place, if no other change touches it, its parents or its children."""
         path = named_path(self._data, at)  # Indices change when an item is removed.
         for changed_path, (first_layer, number) in self._set.items():
@@ -285,9 +293,9 @@ class LayeredSpec:
                 mark = mark_at(first_layer.document.marks, (*first_layer.path, number))
                 first_place = f"{File(first_layer.document.file).name}:{mark.line}"
                 message = f"{first_place} changes the same location; keep one of the two"
-                self._report_problem("overlay-conflict", layer, place, message)
+                self._report_problem("overlay-conflict", layer, change_path, message)
                 return False
-        self._set[path] = (layer, place_number(place))
+        self._set[path] = (layer, place_number(change_path))
         return True
 
     def _text_from(self, path: Path) -> str:
@@ -296,28 +304,28 @@ class LayeredSpec:
         lines = self._other_files[mark.file] if mark.file else self._base.lines
         return lines[mark.line - 1][mark.column - 1 :]
 
-    def _report_missing_place(self, layer: Layer, place: Path, text: str, missing_path: MissingPath) -> None:
+    def _report_missing_place(self, layer: Layer, change_path: Path, text: str, missing_path: MissingPath) -> None:
         """Report a place of a change whose path ends at an existing value, with the steps that are possible there."""
         existing_name = self._base.name_path(missing_path.existing_path)
         parent = quoted(existing_name) if existing_name else "the spec"
         hint = suggestion(missing_path.step, missing_path.known_steps, "known")
         message = f"there is nothing at {quoted(text)}: {parent} has no {quoted(missing_path.step)}{hint}"
-        self._report_problem("overlay-unused", layer, place, message)
+        self._report_problem("overlay-unused", layer, change_path, message)
 
-    def _report_problem(self, rule: str, layer: Layer, place: Path, message: str) -> None:
-        self._report.add(rule, layer.document, (*layer.path, *place), message)
+    def _report_problem(self, rule: str, layer: Layer, change_path: Path, message: str) -> None:
+        self._report.add(rule, layer.document, (*layer.path, *change_path), message)
 
 
 def _is_equal(new: Any, current: Any) -> bool:
     return type(new) is type(current) and bool(new == current)
 
 
-def place_number(place: Path) -> int:
+def place_number(change_path: Path) -> int:
     """Return the number of the change that contains a place, counted from 0."""
-    return int(place[0])
+    return int(change_path[0])
 
 
-def _short(text: str) -> str:
+def _shorten_path(text: str) -> str:
     return text.removeprefix("registers.")
 
 
@@ -331,21 +339,21 @@ def _value_text(value: Any, text_from_value: str) -> str:
         words_of_line = text_from_value.split(maxsplit=1)
         number = words_of_line[0].rstrip(",}]") if words_of_line else ""
         return number if number.startswith("0x") else str(value)
-    text = _plain(value)
+    text = _format_value(value)
     return text if len(text) <= _LONGEST_SHOWN else text[: _LONGEST_SHOWN - 3] + "..."
 
 
-def _plain(value: Any) -> str:
+def _format_value(value: Any) -> str:
     """Return a value as text: ``{key: [1, 2]}``, ``true``, or the text itself."""
     if isinstance(value, dict):
-        entries = ", ".join(f"{key}: {_plain(inner)}" for key, inner in value.items())
+        entries = ", ".join(f"{key}: {_format_value(inner)}" for key, inner in value.items())
         return f"{{{entries}}}"
     if isinstance(value, list):
-        return f"[{', '.join(map(_plain, value))}]"
+        return f"[{', '.join(map(_format_value, value))}]"
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
-def _characteristics(data: Mapping[str, Any]) -> set[str]:
+def _collect_characteristics(data: Mapping[str, Any]) -> set[str]:
     """Return the names of the characteristics in data of any shape."""
     characteristics = data.get("characteristics")
     if not isinstance(characteristics, list):
@@ -381,7 +389,8 @@ def _with_existing_affects(data: dict[str, Any], before: dict[str, Any]) -> dict
     errata = data.get("errata")
     if not isinstance(errata, list):
         return data
-    places, places_before = Affected(data), Affected(before)
+    places = Affected(data)
+    places_before = Affected(before)
     return {**data, "errata": [_affects_existing(erratum, places, places_before) for erratum in errata]}
 
 

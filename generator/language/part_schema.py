@@ -60,10 +60,10 @@ def described_parts() -> dict[str, Any]:
     return classes
 
 
-def part_schema(kind: Any) -> JsonSchema:
+def part_schema(part_class: Any) -> JsonSchema:
     """Return the JSON Schema of a part: an object with its written keys and no others."""
-    part_description = description_of(kind)
-    written_keys = [described for described in keys_of(kind) if described.key.is_written]
+    part_description = description_of(part_class)
+    written_keys = [described for described in keys_of(part_class) if described.key.is_written]
     required_keys = [described.name for described in written_keys if described.is_required]
     description_text = f"{part_description.about} {part_description.writing}".strip()
     schema: JsonSchema = {"type": "object", "additionalProperties": False}
@@ -78,48 +78,49 @@ def part_schema(kind: Any) -> JsonSchema:
 
 def _key_schema(described: DescribedKey) -> JsonSchema:
     """Return the JSON Schema of a key: its description, and a schema of its own or that of its type and limits."""
-    key, kind = described.key, key_type(described.notation)
+    key = described.key
+    value_type = key_type(described.notation)
     description_text = f"{key.about} {key.writing}".rstrip()
     schema: JsonSchema = {"description": description_text} if description_text else {}
     if key.schema:
         return {**schema, **key.schema}
-    return schema | _value_schema(kind, key) | limits_in_schema(key)
+    return schema | _value_schema(value_type, key) | limits_in_schema(key)
 
 
-def _value_schema(kind: KeyType, key: Key) -> JsonSchema:
+def _value_schema(value_type: KeyType, key: Key) -> JsonSchema:
     """Return the JSON Schema of a value. ``key`` has the least and the most entries of a list or map.
 
     A part with a definition in the schema is referred to. Other parts are described inline.
     """
-    if kind.container == "list":
+    if value_type.container == "list":
         fewest: JsonSchema = {"minItems": key.least} if key.least else {}
-        return {"type": "array"} | fewest | {"maxItems": key.most, "items": _value_schema(kind.inner, Key(""))}
-    if kind.container == "one_or_more":
-        return _one_or_more_schema(kind.inner)
-    if kind.container == "map":
+        return {"type": "array"} | fewest | {"maxItems": key.most, "items": _value_schema(value_type.inner, Key(""))}
+    if value_type.container == "one_or_more":
+        return _one_or_more_schema(value_type.inner)
+    if value_type.container == "map":
         fewest = {"minProperties": key.least} if key.least else {}
         entries = {
-            "propertyNames": kind.key_schema,
-            "additionalProperties": _value_schema(kind.inner, Key("")),
+            "propertyNames": value_type.key_schema,
+            "additionalProperties": _value_schema(value_type.inner, Key("")),
         }
         return {"type": "object"} | fewest | {"maxProperties": key.most} | entries
-    if not kind.part:
-        return kind.schema
-    name = _PLACES.get(kind.class_name, kind.part)
-    if name in _definitions():
+    if not value_type.part:
+        return value_type.schema
+    name = _PLACES.get(value_type.class_name, value_type.part)
+    if name in _read_definitions():
         return {"$ref": f"#/$defs/{name}"}
-    return part_schema(described_parts()[kind.class_name])
+    return part_schema(described_parts()[value_type.class_name])
 
 
-def _one_or_more_schema(kind: KeyType) -> JsonSchema:
+def _one_or_more_schema(value_type: KeyType) -> JsonSchema:
     """Return the JSON Schema of a part or a list of parts. JSON Schema applies each keyword to its type only."""
-    single = part_schema(described_parts()[kind.class_name])
+    single = part_schema(described_parts()[value_type.class_name])
     single.pop("description", None)
-    several = {"minItems": 1, "maxItems": _MOST_ROWS, "items": _value_schema(kind, Key(""))}
+    several = {"minItems": 1, "maxItems": _MOST_ROWS, "items": _value_schema(value_type, Key(""))}
     return single | {"type": ["object", "array"]} | several
 
 
-def _definitions() -> Mapping[str, Any]:
+def _read_definitions() -> Mapping[str, Any]:
     """Return the definitions of the schema file, which is read each time."""
     definitions: Mapping[str, Any] = json.loads(_SCHEMA.read_text(encoding="utf-8"))["$defs"]
     return definitions
@@ -134,12 +135,12 @@ def schema_with_parts(text: str) -> str:
     definitions = json.loads(text)["$defs"]
     spec_keys = part_schema(written_parts.WrittenSpec)["properties"]
     lines = _with_block(lines, 0, ["properties"], lambda indent: _value_text("properties", spec_keys, indent))
-    for name, kind in described_parts().items():
-        place = _PLACES.get(name, name_of_part(name))
-        if place.partition(".")[0] in definitions:
-            schema = part_schema(kind)
+    for name, part_class in described_parts().items():
+        definition_path = _PLACES.get(name, name_of_part(name))
+        if definition_path.partition(".")[0] in definitions:
+            schema = part_schema(part_class)
             definitions_line = lines.index(_DEFINITIONS)
-            lines = _with_block(lines, definitions_line, place.split("."), partial(_text, schema))
+            lines = _with_block(lines, definitions_line, definition_path.split("."), partial(_format_schema, schema))
     return "\n".join(lines) + "\n"
 
 
@@ -161,7 +162,7 @@ def _with_block(lines: Sequence[str], begin: int, keys: Sequence[str], text_of: 
     return [*lines[:begin], *new_block.splitlines(), *lines[end + 1 :]]
 
 
-def _text(schema: JsonSchema, indent: int) -> str:
+def _format_schema(schema: JsonSchema, indent: int) -> str:
     """Return the text of a schema. Only objects with properties, and their containers, take several lines.
 
     Of these, each description and each nested object is on a line of its own, and other keywords share a line.
@@ -187,8 +188,10 @@ def _on_one_line(words: JsonSchema) -> list[str]:
 def _value_text(word: str, value: Any, indent: int) -> str:
     """Return the text of a value in a schema. Each of the ``properties`` is on a line of its own."""
     if word == "properties":
-        return _in_braces([f"{json.dumps(name)}: {_text(inner, indent + 2)}" for name, inner in value.items()], indent)
-    return _text(value, indent) if isinstance(value, dict) else json.dumps(value, ensure_ascii=False)
+        return _in_braces(
+            [f"{json.dumps(name)}: {_format_schema(inner, indent + 2)}" for name, inner in value.items()], indent
+        )
+    return _format_schema(value, indent) if isinstance(value, dict) else json.dumps(value, ensure_ascii=False)
 
 
 def _in_braces(lines: Sequence[str], indent: int) -> str:

@@ -251,7 +251,7 @@ def excerpt(text: str, column: int, width: int = 80) -> list[str]:
     """Return the part of a line around a column, and below it a line with a caret. Nothing for an empty line."""
     if not text.strip():
         return []
-    window, caret = _window(text, column, max(width, 20) - 4)
+    window, caret = _cut_window(text, column, max(width, 20) - 4)
     return [f"    {window}", f"    {' ' * caret}^"]
 
 
@@ -316,12 +316,12 @@ def nearest_choice(word: str, choices: Sequence[str]) -> str:
 
 def _is_spelling(word: str, known_word: str) -> bool:
     """Return True if two words differ only in capitals, underscores, hyphens and spaces."""
-    return _letters(word) == _letters(known_word)
+    return _keep_letters(word) == _keep_letters(known_word)
 
 
 # A name is compared with each unknown word of a spec.
 @functools.lru_cache(maxsize=10_000)
-def _letters(word: str) -> str:
+def _keep_letters(word: str) -> str:
     return _BETWEEN.sub("", word).lower()
 
 
@@ -389,14 +389,14 @@ def _visible_character(character: str) -> str:
     return f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"
 
 
-def _columns(text: str) -> int:
+def _measure_columns(text: str) -> int:
     """Return the width of a text in a terminal: two columns for a wide character, none for a combining one."""
     wide = sum(unicodedata.east_asian_width(character) in "WF" for character in text)
     combining = sum(unicodedata.combining(character) != 0 for character in text)
     return len(text) + wide - combining
 
 
-def _window(text: str, column: int, width: int) -> tuple[str, int]:
+def _cut_window(text: str, column: int, width: int) -> tuple[str, int]:
     """Return the part of a line to show, without its indentation, and the offset of the caret in it, in columns.
 
     A line with more than ``width`` columns is cut so that the caret is visible, with more text before it than after.
@@ -408,16 +408,16 @@ def _window(text: str, column: int, width: int) -> tuple[str, int]:
     first = max(0, caret_index - width)
     pieces_before = [_visible_character(character) for character in stripped[first:caret_index]]
     pieces_after = [_visible_character(character) for character in stripped[caret_index : caret_index + width + 1]]
-    is_too_long = first > 0 or _columns("".join(pieces_before + pieces_after)) > width
+    is_too_long = first > 0 or _measure_columns("".join(pieces_before + pieces_after)) > width
     if is_too_long:
         pieces_before = _cut_at_start(pieces_before, width * 2 // 3, is_cut_already=first > 0)
-        pieces_after = _cut_at_end(pieces_after, width - _columns("".join(pieces_before)))
-    return "".join(pieces_before + pieces_after), _columns("".join(pieces_before))
+        pieces_after = _cut_at_end(pieces_after, width - _measure_columns("".join(pieces_before)))
+    return "".join(pieces_before + pieces_after), _measure_columns("".join(pieces_before))
 
 
 def _cut_at_start(pieces: list[str], room: int, *, is_cut_already: bool) -> list[str]:
     """Return the last pieces that fit into ``room`` columns, after dots if any are omitted here or were before."""
-    fitting_count = _fitting(pieces[::-1], room)
+    fitting_count = _count_fitting(pieces[::-1], room)
     if not is_cut_already and fitting_count == len(pieces):
         return pieces
     return ["...", *pieces[len(pieces) - fitting_count :]]
@@ -425,16 +425,16 @@ def _cut_at_start(pieces: list[str], room: int, *, is_cut_already: bool) -> list
 
 def _cut_at_end(pieces: list[str], room: int) -> list[str]:
     """Return the pieces, or the first ones and dots, which fit into ``room`` columns."""
-    if _columns("".join(pieces)) <= room:
+    if _measure_columns("".join(pieces)) <= room:
         return pieces
-    return [*pieces[: _fitting(pieces, room - 3)], "..."]
+    return [*pieces[: _count_fitting(pieces, room - 3)], "..."]
 
 
-def _fitting(pieces: Sequence[str], room: int) -> int:
+def _count_fitting(pieces: Sequence[str], room: int) -> int:
     """Return how many leading pieces fit into ``room`` columns."""
     used = 0
     for count, piece in enumerate(pieces):
-        used += _columns(piece)
+        used += _measure_columns(piece)
         if used > room:
             return count
     return len(pieces)

@@ -112,7 +112,7 @@ class _Parser:
         self._count = 0
 
     def _refuse(self, event: Any, rule: str, message: str, path: Path = ()) -> None:
-        self._complain(_refused(event, rule, message, path))
+        self._complain(_build_error(event, rule, message, path))
 
     def document(self) -> tuple[dict[str, Any], Mark]:
         """Return the data and marks of the only document, or raise Unreadable if it is not one map."""
@@ -121,12 +121,12 @@ class _Parser:
         if isinstance(start, yaml.StreamEndEvent):
             raise Unreadable(1, 1, "empty", "the file is empty; a spec begins with 'codewheel: 1'")
         if getattr(start, "version", None) not in (None, (1, 2)):
-            raise _refused(start, "yaml-syntax", "specs are read as YAML 1.2; remove the %YAML line")
-        value = self._value(next(self._events), (), 1)
+            raise _build_error(start, "yaml-syntax", "specs are read as YAML 1.2; remove the %YAML line")
+        value = self._read_value(next(self._events), (), 1)
         next(self._events)  # Discarded: the end of the document.
         next_event = next(self._events)
         if not isinstance(next_event, yaml.StreamEndEvent):
-            raise _refused(next_event, "several-documents", "a second document begins here; a file holds one")
+            raise _build_error(next_event, "several-documents", "a second document begins here; a file holds one")
         if value.data is None:
             raise Unreadable(1, 1, "empty", "the file is empty; a spec begins with 'codewheel: 1'")
         if not isinstance(value.data, dict):
@@ -135,48 +135,48 @@ class _Parser:
             raise Unreadable(value.mark.line, value.mark.column, "not-a-map", message)
         return value.data, value.mark
 
-    def _value(self, event: Any, path: Path, depth: int) -> _Value:
+    def _read_value(self, event: Any, path: Path, depth: int) -> _Value:
         """Return the value that begins with ``event``, on the level ``depth`` of nesting.
 
         Raises:
             Unreadable: A bound is exceeded, or an alias cannot be followed.
         """
         if isinstance(event, yaml.AliasEvent):
-            return self._alias(event, depth)
-        self._add(1, event)
+            return self._repeat_alias(event, depth)
+        self._count_values(1, event)
         if depth > MAX_DEPTH:
-            raise _refused(event, "too-deep", f"maps and lists are nested more than {MAX_DEPTH} levels deep")
+            raise _build_error(event, "too-deep", f"maps and lists are nested more than {MAX_DEPTH} levels deep")
         anchor = event.anchor
         if anchor is not None:
             self._anchors[anchor] = None  # Open: an alias to it from inside would never end.
         line, column = event.start_mark.line + 1, event.start_mark.column + 1
         mark = Mark(line, column, line, column)
         if isinstance(event, yaml.ScalarEvent):
-            value = _Value(self._scalar(event, path), mark, count=1, depth=0)
+            value = _Value(self._read_scalar(event, path), mark, count=1, depth=0)
         else:
             self._check_container_tag(event)
-            read_container = self._map if isinstance(event, yaml.MappingStartEvent) else self._list
+            read_container = self._read_map if isinstance(event, yaml.MappingStartEvent) else self._read_list
             value = read_container(mark, path, depth)
         if anchor is not None:
             self._anchors[anchor] = value
         return value
 
-    def _alias(self, event: Any, depth: int) -> _Value:
+    def _repeat_alias(self, event: Any, depth: int) -> _Value:
         """Return the value that an alias repeats, with the place of the alias. All its values are counted again."""
         if event.anchor not in self._anchors:
-            raise _refused(event, "alias", f"there is no anchor '&{event.anchor}' before this alias")
+            raise _build_error(event, "alias", f"there is no anchor '&{event.anchor}' before this alias")
         value = self._anchors[event.anchor]
         if value is None:
-            raise _refused(event, "alias", f"the alias '*{event.anchor}' is inside the value that it repeats")
-        self._add(value.count, event)
+            raise _build_error(event, "alias", f"the alias '*{event.anchor}' is inside the value that it repeats")
+        self._count_values(value.count, event)
         if depth + value.depth > MAX_DEPTH:
             message = f"maps and lists are nested more than {MAX_DEPTH} levels deep through this alias"
-            raise _refused(event, "too-deep", message)
+            raise _build_error(event, "too-deep", message)
         # The values keep the place where they are written. Only the item itself is located at the alias.
         line, column = event.start_mark.line + 1, event.start_mark.column + 1
         return _Value(value.data, Mark(line, column, line, column, value.mark.children), value.count, value.depth)
 
-    def _add(self, count: int, event: Any) -> None:
+    def _count_values(self, count: int, event: Any) -> None:
         """Count values, and raise Unreadable if the file has too many."""
         self._count += count
         if self._count > MAX_VALUES:
@@ -184,9 +184,9 @@ class _Parser:
                 f"there are more than {MAX_VALUES} values up to this point, counting those repeated by aliases; remove"
                 " the aliases"
             )
-            raise _refused(event, "too-large", message)
+            raise _build_error(event, "too-large", message)
 
-    def _list(self, mark: Mark, path: Path, depth: int) -> _Value:
+    def _read_list(self, mark: Mark, path: Path, depth: int) -> _Value:
         """Return the list whose start was read. ``depth`` is the level on which it is, counted from 1."""
         list_data: list[Any] = []
         count, depth_below = 1, 0
@@ -194,13 +194,13 @@ class _Parser:
             event = next(self._events)
             if isinstance(event, yaml.SequenceEndEvent):
                 return _Value(list_data, mark, count, depth_below + 1)
-            value = self._value(event, (*path, len(list_data)), depth + 1)
+            value = self._read_value(event, (*path, len(list_data)), depth + 1)
             mark.children[len(list_data)] = value.mark
             list_data.append(value.data)
             count += value.count
             depth_below = max(depth_below, value.depth)
 
-    def _map(self, mark: Mark, path: Path, depth: int) -> _Value:
+    def _read_map(self, mark: Mark, path: Path, depth: int) -> _Value:
         """Return the map whose start was read, without the keys that are unusable or repeated, which are reported."""
         map_data: dict[str, Any] = {}
         count, depth_below = 1, 0
@@ -208,8 +208,8 @@ class _Parser:
             key_event = next(self._events)
             if isinstance(key_event, yaml.MappingEndEvent):
                 return _Value(map_data, mark, count, depth_below + 1)
-            key = self._key(key_event, path, depth)
-            value = self._value(next(self._events), (*path, "" if key is None else key), depth + 1)
+            key = self._read_key(key_event, path, depth)
+            value = self._read_value(next(self._events), (*path, "" if key is None else key), depth + 1)
             count += value.count
             depth_below = max(depth_below, value.depth)
             if key is None:
@@ -224,10 +224,10 @@ class _Parser:
             mark.children[key] = value.mark
             map_data[key] = value.data
 
-    def _key(self, event: Any, path: Path, depth: int) -> str | None:
+    def _read_key(self, event: Any, path: Path, depth: int) -> str | None:
         """Return the key as written, so that ``01`` stays a text, or None after a report if it is not usable."""
         if not isinstance(event, yaml.ScalarEvent):
-            self._value(event, (), depth + 1)  # Discarded, but its events must be read.
+            self._read_value(event, (), depth + 1)  # Discarded, but its events must be read.
             self._refuse(event, "bad-key", "a key is one word, not a list, a map or an alias", path)
             return None
         if event.value == "<<" and not event.style:
@@ -238,7 +238,7 @@ class _Parser:
             return None
         return str(event.value)
 
-    def _scalar(self, event: Any, path: Path) -> Any:
+    def _read_scalar(self, event: Any, path: Path) -> Any:
         """Return a scalar as its tag, quotes or the core schema says, or None, noted as a stand-in, if not valid."""
         text, tag = event.value, event.tag
         is_quoted = bool(event.style)
@@ -254,7 +254,7 @@ class _Parser:
         if len(text) > MAX_DIGITS and _INTEGER.fullmatch(text):
             message = f"a number of {len(text)} digits is too long; put it in quotes if it is text"
             return self._unusable(event, path, "number-too-long", message)
-        value = _resolved(text)
+        value = _resolve_scalar(text)
         if tag is not None and not isinstance(value, _TAGGED_TYPES[tag]):
             return self._unusable(event, path, "tag", f"{quoted(text)} is not of type {_short(tag)}")
         return value
@@ -264,12 +264,12 @@ class _Parser:
         self._stand_in(path)
 
     def _check_container_tag(self, event: Any) -> None:
-        kind = "map" if isinstance(event, yaml.MappingStartEvent) else "seq"
-        if event.tag not in (None, "!", f"{_CORE}{kind}"):
+        container_tag = "map" if isinstance(event, yaml.MappingStartEvent) else "seq"
+        if event.tag not in (None, "!", f"{_CORE}{container_tag}"):
             self._refuse(event, "tag", f"the tag {quoted(_short(event.tag))} is not supported; remove it")
 
 
-def _resolved(text: str) -> str | int | float | bool | None:
+def _resolve_scalar(text: str) -> str | int | float | bool | None:
     """Return the value of an unquoted scalar by the core schema of YAML 1.2."""
     if text in _NULL:
         return None
@@ -287,14 +287,14 @@ def _resolved(text: str) -> str | int | float | bool | None:
 
 def _is_text(scalar: str) -> bool:
     """Return True if an unquoted scalar is text, not a number or the like."""
-    return isinstance(_resolved(scalar), str)
+    return isinstance(_resolve_scalar(scalar), str)
 
 
 def _short(tag: str) -> str:
     return tag.replace(_CORE, "!!")
 
 
-def _refused(event: Any, rule: str, message: str, path: Path = ()) -> Unreadable:
+def _build_error(event: Any, rule: str, message: str, path: Path = ()) -> Unreadable:
     return Unreadable(event.start_mark.line + 1, event.start_mark.column + 1, rule, message, path)
 
 
@@ -312,8 +312,8 @@ def read_document(path: pathlib.Path, report: Report, shown_as: str | None = Non
     file = shown_as if shown_as is not None else str(path)
     report.files.append(file)
     try:
-        content = _content(path)
-        text = _text(content)
+        content = _read_content(path)
+        text = _decode_text(content)
     except Unreadable as refusal:
         report.add_at(file, refusal.line, refusal.column, refusal.rule, refusal.message)
         return None
@@ -407,7 +407,7 @@ def _specs_at(path: pathlib.Path, report: Report) -> Sequence[pathlib.Path]:
     return found_files.specs
 
 
-def _content(path: pathlib.Path) -> bytes:
+def _read_content(path: pathlib.Path) -> bytes:
     """Return the bytes of a file.
 
     Raises:
@@ -431,7 +431,7 @@ def _content(path: pathlib.Path) -> bytes:
     return content
 
 
-def _text(content: bytes) -> str:
+def _decode_text(content: bytes) -> str:
     """Return the text of a file, without a byte order mark at its start.
 
     Raises:

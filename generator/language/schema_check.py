@@ -81,9 +81,9 @@ def _has_additional(value: Any, expected: Any, schema: Mapping[str, Any]) -> boo
     return isinstance(expected, dict) and all(follows_schema(inner, expected) for inner in values_of_other_keys)
 
 
-def _only_for_type(kind: str, test: Callable[[Any, Any], bool]) -> Callable[[Any, Any, object], bool]:
+def _only_for_type(type_name: str, test: Callable[[Any, Any], bool]) -> Callable[[Any, Any, object], bool]:
     """Return a test that values of other types pass."""
-    return lambda value, expected, _: type(value) not in _TYPES[kind] or test(value, expected)
+    return lambda value, expected, _: type(value) not in _TYPES[type_name] or test(value, expected)
 
 
 _TESTS: Mapping[str, Callable[[Any, Any, Any], bool]] = {
@@ -142,19 +142,19 @@ class SchemaResult:
     stand_ins: Mapping[Path, Mapping[str, str]] = field(default_factory=dict)
 
 
-def check_schema(document: Document, report: Report, kind: FileKind | None = None) -> SchemaResult | None:
+def check_schema(document: Document, report: Report, file_kind: FileKind | None = None) -> SchemaResult | None:
     """Check a document against the schema of its kind, report each error, and remove the broken parts.
 
     Args:
         document: The document.
         report: Receives all problems.
-        kind: The kind of file. Default: derived from its keys.
+        file_kind: The kind of file. Default: derived from its keys.
 
     Returns:
         The remaining data, or None if the kind of file cannot be derived, or the file has too many errors.
     """
-    kind = kind or _kind_of(document.data)
-    if kind is None:
+    file_kind = file_kind or _kind_of(document.data)
+    if file_kind is None:
         message = (
             "'device' is missing; it names the family of a device file. A manufacturer file has only 'manufacturer'"
         )
@@ -162,16 +162,16 @@ def check_schema(document: Document, report: Report, kind: FileKind | None = Non
         return None
     document.kept_indices.clear()
     unread_places = set(document.broken)
-    if not unread_places and follows_schema(document.data, shape_of(kind.value)):
-        return SchemaResult(without_places(document, frozenset()), kind, complete=True)
-    validator = _validator(kind.value)
-    findings = _findings(validator, document.data, unread_places, kind.value)
+    if not unread_places and follows_schema(document.data, shape_of(file_kind.value)):
+        return SchemaResult(without_places(document, frozenset()), file_kind, complete=True)
+    validator = _build_validator(file_kind.value)
+    findings = _collect_findings(validator, document.data, unread_places, file_kind.value)
     _report_findings(findings, document, report)
     if len(findings) > MAX_PROBLEMS:
         return None
     if not findings and not unread_places:
-        return SchemaResult(without_places(document, frozenset()), kind, complete=True)
-    return _remove_broken_items(validator, document, _places_to_remove(unread_places, findings), kind)
+        return SchemaResult(without_places(document, frozenset()), file_kind, complete=True)
+    return _remove_broken_items(validator, document, _places_to_remove(unread_places, findings), file_kind)
 
 
 def _places_to_remove(unread_places: set[Path], findings: Sequence[Finding]) -> set[Path]:
@@ -204,11 +204,11 @@ def renamed_keys(document: Document) -> list[tuple[Path, str]]:
 
     A key is renamed where the schema has the new name and not the old one. The keys are in the order of the file.
     """
-    kind = FileKind.SECOND if is_second(document.file) else _kind_of(document.data)
-    if kind is None or follows_schema(document.data, shape_of(kind.value)):
+    file_kind = FileKind.SECOND if is_second(document.file) else _kind_of(document.data)
+    if file_kind is None or follows_schema(document.data, shape_of(file_kind.value)):
         return []
     new_names: dict[Path, str] = {}
-    for error in _validator(kind.value).iter_errors(document.data):
+    for error in _build_validator(file_kind.value).iter_errors(document.data):
         if error.validator != "additionalProperties" or "properties" not in error.schema:
             continue
         known_keys = error.schema["properties"]
@@ -248,7 +248,7 @@ def without_places(
     for the path of each map in the data as read.
     """
     document.kept_indices.clear()
-    data: dict[str, Any] = _pruned(document.data, cut, (), document.kept_indices)
+    data: dict[str, Any] = _copy_without(document.data, cut, (), document.kept_indices)
     for path, stand_ins_by_key in stand_ins.items():
         mapping = value_at(data, path, document.kept_indices)
         if isinstance(mapping, dict):
@@ -256,7 +256,7 @@ def without_places(
     return data
 
 
-def _remove_broken_items(validator: Any, document: Document, cut: set[Path], kind: FileKind) -> SchemaResult:
+def _remove_broken_items(validator: Any, document: Document, cut: set[Path], file_kind: FileKind) -> SchemaResult:
     """Remove the items with broken places, and all that depend on them, until the rest follows the schema.
 
     The rest is checked again after each removal, because it can cause new errors, such as a list that is too short.
@@ -269,9 +269,9 @@ def _remove_broken_items(validator: Any, document: Document, cut: set[Path], kin
         places_to_cut: set[Path] = set()
         stand_ins_before = len(stand_ins)
         for error in validator.iter_errors(data):
-            path = _original(tuple(error.absolute_path), document.kept_indices)
+            path = _find_original_path(tuple(error.absolute_path), document.kept_indices)
             is_missing_key = error.validator == "required"
-            if kind is FileKind.DEVICE and path and is_missing_key and _lacks_only_prose(error):
+            if file_kind is FileKind.DEVICE and path and is_missing_key and _lacks_only_prose(error):
                 stand_ins[path] = _stand_ins(error)
             elif is_missing_key and _can_be_incomplete(path):
                 is_complete = False
@@ -279,7 +279,7 @@ def _remove_broken_items(validator: Any, document: Document, cut: set[Path], kin
                 places_to_cut.add(path)
         has_changed = not places_to_cut <= cut or len(stand_ins) > stand_ins_before
         if not has_changed:
-            return SchemaResult(data, kind, is_complete, cut=frozenset(cut), stand_ins=stand_ins)
+            return SchemaResult(data, file_kind, is_complete, cut=frozenset(cut), stand_ins=stand_ins)
         cut |= places_to_cut
 
 
@@ -325,19 +325,19 @@ def place_to_remove(path: Path) -> Path:
     return path
 
 
-def _pruned(value: Any, cut: Collection[Path], path: Path, kept_indices: dict[Path, tuple[int, ...]]) -> Any:
+def _copy_without(value: Any, cut: Collection[Path], path: Path, kept_indices: dict[Path, tuple[int, ...]]) -> Any:
     """Return a copy of the value at ``path`` without the places in ``cut``.
 
     ``kept_indices`` records the original indices of the remaining items of each list that loses some.
     """
     if isinstance(value, dict):
         remaining_keys = [key for key in value if (*path, key) not in cut]
-        return {key: _pruned(value[key], cut, (*path, key), kept_indices) for key in remaining_keys}
+        return {key: _copy_without(value[key], cut, (*path, key), kept_indices) for key in remaining_keys}
     if isinstance(value, list):
         remaining_indices = tuple(index for index in range(len(value)) if (*path, index) not in cut)
         if len(remaining_indices) < len(value):
             kept_indices[path] = remaining_indices
-        return [_pruned(value[index], cut, (*path, index), kept_indices) for index in remaining_indices]
+        return [_copy_without(value[index], cut, (*path, index), kept_indices) for index in remaining_indices]
     return value
 
 
@@ -357,7 +357,7 @@ def value_at(data: Any, path: Path, kept_indices: Mapping[Path, Sequence[int]] =
     return data
 
 
-def _original(path: Path, kept_indices: dict[Path, tuple[int, ...]]) -> Path:
+def _find_original_path(path: Path, kept_indices: dict[Path, tuple[int, ...]]) -> Path:
     """Return the path in the data as read of a path into pruned data, whose indices in shortened lists differ."""
     original_path: Path = ()
     for step in path:
@@ -368,14 +368,14 @@ def _original(path: Path, kept_indices: dict[Path, tuple[int, ...]]) -> Path:
     return original_path
 
 
-def _findings(validator: Any, data: dict[str, Any], unread_places: set[Path], kind: str) -> list[Finding]:
+def _collect_findings(validator: Any, data: dict[str, Any], unread_places: set[Path], file_kind: str) -> list[Finding]:
     """Return the first finding for each place, except at and below places that the reader reported.
 
     Their number ends one above ``MAX_PROBLEMS``, so that the caller notices that there are more.
     """
     findings: dict[tuple[Path, bool], Finding] = {}
     for error in validator.iter_errors(data):
-        for finding in explain(error, kind):
+        for finding in explain(error, file_kind):
             enclosing_paths = [finding.path[:length] for length in range(len(finding.path))]
             if finding.path not in unread_places and unread_places.isdisjoint(enclosing_paths):
                 findings.setdefault((finding.path, finding.at_key), finding)
@@ -400,7 +400,7 @@ def _is_explained(finding: Finding, findings: Sequence[Finding], data: dict[str,
 
 
 @functools.cache
-def _validator(kind: str) -> Any:
+def _build_validator(file_kind: str) -> Any:
     """Return a validator that is stricter than JSON Schema in two points.
 
     A pattern must match the whole text, and 1.0 is not an integer.
@@ -417,27 +417,29 @@ def _validator(kind: str) -> Any:
 
     types = Draft202012Validator.TYPE_CHECKER.redefine("integer", integer)
     extend: Any = validators.extend  # Its stub has no types.
-    return extend(Draft202012Validator, validators={"pattern": pattern}, type_checker=types)(shape_of(kind))
+    return extend(Draft202012Validator, validators={"pattern": pattern}, type_checker=types)(shape_of(file_kind))
 
 
 @functools.cache
-def shape_of(kind: str) -> dict[str, Any]:
+def shape_of(file_kind: str) -> dict[str, Any]:
     """Return the JSON Schema of a kind of file without references. Do not modify the result."""
-    schema = load_schema(kind)
-    inlined: dict[str, Any] = _inlined(schema, schema.get("$defs", {}))
+    schema = load_schema(file_kind)
+    inlined: dict[str, Any] = _inline_references(schema, schema.get("$defs", {}))
     return inlined
 
 
-def _inlined(schema: Any, definitions: dict[str, Any]) -> Any:
+def _inline_references(schema: Any, definitions: dict[str, Any]) -> Any:
     """Return the schema with each reference replaced by its definition, which halves the time.
 
     No definition refers to itself. The definitions themselves are left out.
     """
     if isinstance(schema, list):
-        return [_inlined(inner, definitions) for inner in schema]
+        return [_inline_references(inner, definitions) for inner in schema]
     if not isinstance(schema, dict):
         return schema
     keywords = dict(schema)
     if "$ref" in schema:
         keywords |= definitions[schema["$ref"].removeprefix("#/$defs/")]
-    return {key: _inlined(value, definitions) for key, value in keywords.items() if key not in ("$ref", "$defs")}
+    return {
+        key: _inline_references(value, definitions) for key, value in keywords.items() if key not in ("$ref", "$defs")
+    }

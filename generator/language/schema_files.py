@@ -139,19 +139,19 @@ def with_stand_ins(data: Any, schema: Mapping[str, Any]) -> Any:
 
 
 @functools.cache
-def load_schema(kind: str) -> dict[str, Any]:
+def load_schema(file_kind: str) -> dict[str, Any]:
     """Load the JSON Schema of this name, such as ``device``. Do not modify the result.
 
     The schema of second readings, ``second``, is derived from ``device``.
     """
-    if kind == "second":
+    if file_kind == "second":
         return second_reading_schema(load_schema("device"))
-    text = (Path(__file__).parent / f"{kind}.schema.json").read_text(encoding="utf-8")
+    text = (Path(__file__).parent / f"{file_kind}.schema.json").read_text(encoding="utf-8")
     schema: dict[str, Any] = json.loads(text)
     return schema
 
 
 @functools.cache
-def keys_of(kind: str) -> frozenset[str]:
+def keys_of(file_kind: str) -> frozenset[str]:
     """Return the keys allowed at the top level of a ``device``, ``manufacturer``, ``master`` or ``overlay`` file."""
-    return frozenset(load_schema(kind)["properties"])
+    return frozenset(load_schema(file_kind)["properties"])

@@ -92,26 +92,31 @@ class _Attribute:
     """A key of a written part, which is read at its first use."""
 
     def __init__(self, described: DescribedKey, module: str) -> None:
-        self.described, self.module = described, module
+        self.described = described
+        self.module = module
 
     def __get__(self, part: WrittenPart | None, owner: type) -> Any:
         """Return the value of the key in a part, or this attribute itself if asked for by the class."""
         if part is None:
             return self
-        name, values = self.described.name, part._values
+        name = self.described.name
+        values = part._values
         if name not in values:
-            values[name] = self._read(part)
+            values[name] = self._read_value(part)
         return values[name]
 
-    def _read(self, part: WrittenPart) -> Any:
+    def _read_value(self, part: WrittenPart) -> Any:
         """Return the value of the key. If it is missing or has a wrong type, return its default or an empty value."""
-        kind, name = key_type(self.described.notation), self.described.name
+        value_type = key_type(self.described.notation)
+        name = self.described.name
         value = None
         if name in part.data:
-            value = _reader(kind, self.module)(part.data[name], (*part.path, name))
+            value = _find_reader(value_type, self.module)(part.data[name], (*part.path, name))
         if value is not None:
             return value
-        return _empty_value(kind, self.module, (*part.path, name)) if self._is_required else self.described.default
+        return (
+            _empty_value(value_type, self.module, (*part.path, name)) if self._is_required else self.described.default
+        )
 
     @property
     def _is_required(self) -> bool:
@@ -121,43 +126,43 @@ class _Attribute:
 def written(about: str, **options: Any) -> Callable[[type[T]], type[T]]:
     """Return the decorator of a part as it is written in specs. The options are those of ``About``."""
 
-    def decorate(kind: type[T]) -> type[T]:
-        described: Any = kind
+    def decorate(part_class: type[T]) -> type[T]:
+        described: Any = part_class
         described.__part__ = About(about, **options)
-        return kind
+        return part_class
 
     return decorate
 
 
 @cache
-def _reader(kind: KeyType, module: str) -> Reader:
+def _find_reader(value_type: KeyType, module: str) -> Reader:
     """Return the function that reads a value of a type, or returns None for a value of another type.
 
     Classes of parts are looked up in ``module``, where they are imported.
     """
-    if kind.container == "list":
-        return _list_reader(_reader(kind.inner, module))
-    if kind.container == "one_or_more":
-        return _one_or_more_parts(_reader(kind.inner, module))
-    if kind.container == "map":
-        return _map_reader(_reader(kind.inner, module))
-    if kind.container == "located":
-        return _located_reader(_class_of(kind.inner, module))
-    if kind.choices:
-        return lambda value, _: value if isinstance(value, str) and value in kind.choices else None
-    return _word_reader(kind, module)
+    if value_type.container == "list":
+        return _list_reader(_find_reader(value_type.inner, module))
+    if value_type.container == "one_or_more":
+        return _one_or_more_parts(_find_reader(value_type.inner, module))
+    if value_type.container == "map":
+        return _map_reader(_find_reader(value_type.inner, module))
+    if value_type.container == "located":
+        return _located_reader(_class_of(value_type.inner, module))
+    if value_type.choices:
+        return lambda value, _: value if isinstance(value, str) and value in value_type.choices else None
+    return _word_reader(value_type, module)
 
 
-def _word_reader(kind: KeyType, module: str) -> Reader:
+def _word_reader(value_type: KeyType, module: str) -> Reader:
     """Return the reader of a type that is one word: a part, the map of named values, or a type in ``_READERS``.
 
     Other words are texts with a certain form.
     """
-    if kind.part:
-        return _part_reader(_class_of(kind, module))
-    if kind.word == "Values":
-        return _map_reader(_reader(key_type("WrittenValue"), module))
-    return _READERS.get(kind.word, _text)
+    if value_type.part:
+        return _part_reader(_class_of(value_type, module))
+    if value_type.word == "Values":
+        return _map_reader(_find_reader(key_type("WrittenValue"), module))
+    return _READERS.get(value_type.word, _text)
 
 
 def _part_reader(part_class: Any) -> Reader:
@@ -177,7 +182,7 @@ def _is_of(*types: type) -> Reader:
     return lambda value, _: value if type(value) in types else None
 
 
-def _expression(value: Any, _: Path) -> Expression | None:
+def _parse_expression(value: Any, _: Path) -> Expression | None:
     """Return the expression in a whole number or text, or None if it is not valid."""
     try:
         return Expression.parse(value) if type(value) in (int, str) else None
@@ -230,11 +235,13 @@ def _one_or_more_numbers(value: Any, path: Path) -> Any:
     return (value,) if type(value) is int else _list_reader(_number)(value, path)
 
 
-def _cells(value: Any, _: Path) -> Any:
+def _read_cells(value: Any, _: Path) -> Any:
     return tuple(map(str, value)) if isinstance(value, list) else None
 
 
-_text, _number, _number_or_text = _is_of(str), _is_of(int), _is_of(int, str)
+_text = _is_of(str)
+_number = _is_of(int)
+_number_or_text = _is_of(int, str)
 #: The words for types that are not text.
 _READERS: Mapping[str, Reader] = MappingProxyType(
     {
@@ -246,13 +253,13 @@ _READERS: Mapping[str, Reader] = MappingProxyType(
         "Scalar": _is_of(int, str, bool),
         "bool": _is_of(bool),
         "float": _is_of(int, float),
-        "Expression": _expression,
+        "Expression": _parse_expression,
         "Names": _map_reader(_text),
         "Joins": _map_reader(_list_reader(_text)),
         **dict.fromkeys(("NameOrNames", "Places"), _one_or_more),
         "Anything": lambda value, _: value,
         "ClocksInUse": _one_or_more_numbers,
-        "Cells": _cells,
+        "Cells": _read_cells,
     }
 )
 
@@ -271,34 +278,34 @@ def located(model_class: type[T], data: Mapping[str, Any], path: Path) -> Locate
     """
     values_by_key: dict[str, Any] = {}
     for described in keys_of(model_class):
-        kind = key_type(described.notation)
-        if kind.word == "Sources":
+        value_type = key_type(described.notation)
+        if value_type.word == "Sources":
             values_by_key[described.name] = ()
             continue
         value = None
         if described.name in data:
-            value = _reader(kind, model_class.__module__)(data[described.name], (*path, described.name))
+            value = _find_reader(value_type, model_class.__module__)(data[described.name], (*path, described.name))
             value = value.part if isinstance(value, Located) else value
         if value is None and described.default is MISSING:
-            value = _empty_value(kind, model_class.__module__, path)
+            value = _empty_value(value_type, model_class.__module__, path)
         if value is not None:
             values_by_key[described.name] = value
     return Located(model_class(**values_by_key), path, data)
 
 
-def _empty_value(kind: KeyType, module: str, path: Path) -> Any:
+def _empty_value(value_type: KeyType, module: str, path: Path) -> Any:
     """Return the value of a required key that is missing: an empty part, container or text, 0 or False."""
-    if kind.container == "located":
-        return located(_class_of(kind.inner, module), NOTHING, path)
-    if kind.container == "one_or_more":
-        return (_empty_value(kind.inner, module, path),)
-    if kind.container:
-        return () if kind.container == "list" else NOTHING
-    if kind.part:
-        written_class = _class_of(kind, module)
+    if value_type.container == "located":
+        return located(_class_of(value_type.inner, module), NOTHING, path)
+    if value_type.container == "one_or_more":
+        return (_empty_value(value_type.inner, module, path),)
+    if value_type.container:
+        return () if value_type.container == "list" else NOTHING
+    if value_type.part:
+        written_class = _class_of(value_type, module)
         return written_class(NOTHING, path)
-    return {"bool": False, "float": 0.0}.get(kind.word, 0 if _READERS.get(kind.word) is _number else "")
+    return {"bool": False, "float": 0.0}.get(value_type.word, 0 if _READERS.get(value_type.word) is _number else "")
 
 
-def _class_of(kind: KeyType, module: str) -> Any:
-    return vars(sys.modules[module])[kind.word]
+def _class_of(value_type: KeyType, module: str) -> Any:
+    return vars(sys.modules[module])[value_type.word]

@@ -32,7 +32,8 @@ def explain(error: yaml.MarkedYAMLError, text: str) -> tuple[int, int, str, str]
     The parser's ``problem_mark`` is where it stopped, and its ``context_mark`` where the open value begins.
     """
     lines = _LINE_BREAK.split(text)
-    problem, context = error.problem or "not understood", error.context or ""
+    problem = error.problem or "not understood"
+    context = error.context or ""
     opened: Any = error.context_mark
     stopped: Any = error.problem_mark or opened
     odd_space = _odd_space(lines, [mark.line for mark in (opened, stopped) if mark is not None])
@@ -40,22 +41,22 @@ def explain(error: yaml.MarkedYAMLError, text: str) -> tuple[int, int, str, str]
         return odd_space
     # Here the parser stopped only at the end of its search for the colon.
     if opened is not None and problem == "could not find expected ':'":
-        return *_place(opened), _RULE, _missing_colon(_character(lines, opened))
+        return *_place_of_mark(opened), _RULE, _missing_colon(_character_at(lines, opened))
     if opened is not None and "quoted scalar" in context and "end of stream" in problem:
-        return *_place(opened), _RULE, "the quote that opens here is never closed; close it on this line"
+        return *_place_of_mark(opened), _RULE, "the quote that opens here is never closed; close it on this line"
     # An earlier quote may have closed too late, so that the error is only a consequence.
     quote = _last_quoted(text, stopped)
     if quote is not None:
-        return *_place(quote.start_mark), _RULE, _about_quote(quote)
+        return *_place_of_mark(quote.start_mark), _RULE, _about_quote(quote)
     if opened is not None and "flow" in context and "expected ','" in problem:
         is_on_one_line = stopped.line == opened.line
         if is_on_one_line and not _COMMENT.search(lines[opened.line], opened.column):
-            return *_place(stopped), _RULE, _NO_COMMA
-        return *_place(opened), _RULE, _about_bracket(lines, opened, stopped)
-    line, column = (1, 1) if stopped is None else _place(stopped)
-    character = _character(lines, stopped)
+            return *_place_of_mark(stopped), _RULE, _NO_COMMA
+        return *_place_of_mark(opened), _RULE, _about_bracket(lines, opened, stopped)
+    line, column = (1, 1) if stopped is None else _place_of_mark(stopped)
+    character = _character_at(lines, stopped)
     is_at_end = line >= len(lines) and not character
-    return line, column, _RULE, _message(problem, character, is_at_end)
+    return line, column, _RULE, _describe_problem(problem, character, is_at_end)
 
 
 def _odd_space(lines: list[str], positions: list[int]) -> tuple[int, int, str, str] | None:
@@ -74,12 +75,12 @@ def _odd_space(lines: list[str], positions: list[int]) -> tuple[int, int, str, s
     return None
 
 
-def _place(mark: Any) -> tuple[int, int]:
+def _place_of_mark(mark: Any) -> tuple[int, int]:
     """Return line and column of a mark, counted from 1."""
     return mark.line + 1, mark.column + 1
 
 
-def _character(lines: list[str], mark: Any) -> str:
+def _character_at(lines: list[str], mark: Any) -> str:
     """Return the character at a mark, or an empty string at the end of a line and of the file."""
     if mark is None or mark.line >= len(lines):
         return ""
@@ -130,9 +131,9 @@ def _about_bracket(lines: list[str], opened: Any, stopped: Any) -> str:
 
     A comment on its line may hide the closing bracket.
     """
-    bracket = _character(lines, opened)
+    bracket = _character_at(lines, opened)
     closing = {"{": "}", "[": "]"}.get(bracket, "bracket")
-    is_at_end = stopped.line >= len(lines) - 1 and not _character(lines, stopped)
+    is_at_end = stopped.line >= len(lines) - 1 and not _character_at(lines, stopped)
     limit = "the end of the file" if is_at_end else f"line {stopped.line + 1}"
     problem = f"the '{bracket}' that opens here is not closed by {limit}"
     if _COMMENT.search(lines[opened.line], opened.column):
@@ -140,7 +141,7 @@ def _about_bracket(lines: list[str], opened: Any, stopped: Any) -> str:
     return f"{problem}; close it with '{closing}', or add the missing comma"
 
 
-def _message(problem: str, character: str, at_end: bool) -> str:
+def _describe_problem(problem: str, character: str, at_end: bool) -> str:
     """Return the message for another problem of the parser, which stopped at ``character`` or at the file's end."""
     if character == "\t":
         return "tabs cannot be used for indentation; use spaces"
@@ -207,13 +208,13 @@ class CorrectedEvents:
         Keys and values are counted in each open map, so that an event is known to be a key or a value.
         """
         while True:
-            event = self._next()
+            event = self._take_event()
             if event is None:
                 return
             container = self._open[-1] if self._open else None
             if isinstance(event, yaml.CollectionEndEvent):
                 self._open.pop()
-                self._count()
+                self._count_value()
             elif isinstance(event, yaml.CollectionStartEvent):
                 is_map = isinstance(event, yaml.MappingStartEvent)
                 is_in_list = container is not None and not container.is_map
@@ -221,24 +222,24 @@ class CorrectedEvents:
             elif isinstance(event, yaml.ScalarEvent) and container is not None and container.is_map:
                 if container.awaits_key:
                     yield from self._insert_item_end(event, container)
-                    container.keys.setdefault(event.value, _line(event))
+                    container.keys.setdefault(event.value, _line_of_event(event))
                 elif container.flow:
                     self._skip_text_after_comma(event)
                 container.nodes += 1
             elif isinstance(event, (yaml.ScalarEvent, yaml.AliasEvent)):
-                self._count()
+                self._count_value()
             yield event
 
-    def _count(self) -> None:
+    def _count_value(self) -> None:
         """Count a complete value in the innermost open map or list."""
         if self._open:
             self._open[-1].nodes += 1
 
-    def _next(self) -> Any:
+    def _take_event(self) -> Any:
         """Return the next event, first those that were looked at ahead, or None after the last one."""
         return self._ahead.popleft() if self._ahead else next(self._events, None)
 
-    def _peek(self, index: int) -> Any:
+    def _peek_event(self, index: int) -> Any:
         """Return a later event without taking it, or None after the last one. Index 0 is the next event."""
         while len(self._ahead) <= index:
             self._ahead.append(next(self._events, None))
@@ -267,7 +268,7 @@ class CorrectedEvents:
         """Return the key after the next value, or None if the map ends there or the value is too long."""
         depth = 0
         for index in range(_FURTHEST + 1):
-            event = self._peek(index)
+            event = self._peek_event(index)
             if isinstance(event, yaml.CollectionStartEvent):
                 depth += 1
             elif isinstance(event, yaml.CollectionEndEvent):
@@ -277,7 +278,7 @@ class CorrectedEvents:
                 return None
             is_end_of_value = depth == 0
             if is_end_of_value:
-                key = self._peek(index + 1)
+                key = self._peek_event(index + 1)
                 return key.value if isinstance(key, yaml.ScalarEvent) else None
         return None
 
@@ -290,16 +291,16 @@ class CorrectedEvents:
             return
         first_skipped = None
         is_number = _DIGITS.fullmatch(value.value) is not None
-        while self._is_key_without_colon(self._peek(0), self._peek(1)):
-            text_after_comma = self._peek(0)
+        while self._is_key_without_colon(self._peek_event(0), self._peek_event(1)):
+            text_after_comma = self._peek_event(0)
             if is_number and _THOUSANDS.fullmatch(text_after_comma.value):
                 value.value += text_after_comma.value
             elif is_number or not self._is_text(value.value):
                 break  # As in {12: , 16}, where keys may come alone.
             if first_skipped is None:
                 first_skipped = text_after_comma
-            self._next()  # The key without a colon.
-            self._next()  # Its empty value.
+            self._take_event()  # The key without a colon.
+            self._take_event()  # Its empty value.
         if first_skipped is not None:
             number = value.value if is_number else None
             self._complain(first_skipped, "yaml-syntax", _about_comma(first_skipped, number))
@@ -315,7 +316,7 @@ class CorrectedEvents:
         return key.value != "" and not text_after.lstrip().startswith(":")
 
 
-def _line(event: Any) -> int:
+def _line_of_event(event: Any) -> int:
     return int(event.start_mark.line) + 1
 
 

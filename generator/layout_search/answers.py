@@ -175,7 +175,8 @@ def _line_with_flags(recording: Recording, layout: FoundLayout, parts: _Parts) -
 
 def _notes(recording: Recording, layout: FoundLayout) -> Iterator[str]:
     """Yield how certain the CRC, the constant bits and the position are."""
-    split, crc = layout.split, layout.crc
+    split = layout.split
+    crc = layout.crc
     if crc is None:
         yield "no known CRC fits all frames"
     else:
@@ -194,7 +195,8 @@ def _constant_text(recording: Recording, field: Field) -> str:
     """Return the bits of a constant field with their values, such as ``bits 7:6 were always 10``."""
     levels = "".join(str(recording.level(place)) for place in range(field.start, field.end))
     # ``start`` and ``end`` count from the first bit sent, these from the last.
-    high_bit, low_bit = recording.bits - 1 - field.start, recording.bits - field.end
+    high_bit = recording.bits - 1 - field.start
+    low_bit = recording.bits - field.end
     if high_bit == low_bit:
         return f"bit {low_bit} was always {levels}"
     return f"bits {high_bit}:{low_bit} were always {levels}"

@@ -40,7 +40,7 @@ class Recording:
         changes = 0
         for difference in self.differences:
             changes |= difference
-        return tuple(bool(changes >> place & 1) for place in range(self.bits - 1, -1, -1))
+        return tuple(bool((changes >> place) & 1) for place in range(self.bits - 1, -1, -1))
 
     @cached_property
     def independent(self) -> int:
@@ -50,11 +50,11 @@ class Recording:
     def values(self, start: int, end: int) -> list[int]:
         """Return the number in the bits from ``start`` to before ``end``, for each of the first frames."""
         mask = (1 << (end - start)) - 1
-        return [frame >> (self.bits - end) & mask for frame in self.frames[:MOST_FRAMES]]
+        return [(frame >> (self.bits - end)) & mask for frame in self.frames[:MOST_FRAMES]]
 
     def level(self, place: int) -> int:
         """Return the value of a constant bit."""
-        return self.frames[0] >> (self.bits - 1 - place) & 1
+        return (self.frames[0] >> (self.bits - 1 - place)) & 1
 
 
 def rank(numbers: Sequence[int]) -> int:

@@ -51,7 +51,8 @@ def _order_problems(biss: Biss, layouts: Sequence[Layout]) -> Iterator[_Problem]
         yield ("order",), "a frame with several channels has at least two; list all of them, or leave 'channels' out"
     first_layout = biss.layouts[0]
     if layouts[0] is not first_layout:
-        name, first_name = quoted(layouts[0].name), quoted(first_layout.name)
+        name = quoted(layouts[0].name)
+        first_name = quoted(first_layout.name)
         message = f"{name} is the first channel of the frame, so it must be the first layout, but {first_name} is"
         yield ("order", 0), f"{message}; correct one of them"
     names_by_number: dict[int | None, str] = {}

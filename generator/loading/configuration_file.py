@@ -289,7 +289,8 @@ def _place_of(message: str, text: str) -> tuple[int, int, str]:
     """
     lines = text.splitlines() or [""]
     # The end of the text.
-    line, column = len(lines), max(len(lines[-1]), 1)
+    line = len(lines)
+    column = max(len(lines[-1]), 1)
     place_in_message = _WHERE.search(message)
     if place_in_message is None:
         return line, column, message

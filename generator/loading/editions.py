@@ -137,13 +137,16 @@ def _change_lists(family: Family, revision: str) -> Iterator[tuple[int, str, str
     1.4")`` on the way back to an older revision, or ``(3, "then", "1.6")`` to a newer one.
     """
     revisions = [edition.revision for edition in family.device.editions]
-    own_index, wanted_index = revisions.index(family.device.manual.revision), revisions.index(revision)
+    own_index = revisions.index(family.device.manual.revision)
+    wanted_index = revisions.index(revision)
     if wanted_index < own_index:
         # Back from the transcribed revision: each step undoes what came with a revision.
         # Newest first, without the wanted revision.
-        key, passed_revisions = "before", revisions[own_index:wanted_index:-1]
+        key = "before"
+        passed_revisions = revisions[own_index:wanted_index:-1]
     else:
-        key, passed_revisions = "then", revisions[own_index + 1 : wanted_index + 1]
+        key = "then"
+        passed_revisions = revisions[own_index + 1 : wanted_index + 1]
     raw_editions = family.document.data.get("editions", ())
     indices = {edition["revision"]: index for index, edition in enumerate(raw_editions)}
     for passed_revision in passed_revisions:
@@ -184,7 +187,7 @@ def _edition_erratum(raw: Raw, change: Raw, name: str, number: int, kind: str) -
     elif kind in ("unknown", "also"):
         used = NOT_KNOWN
     else:
-        used = _text(change.get("to", change.get("value")))
+        used = _value_in_words(change.get("to", change.get("value")))
     stated = {key: change[key] for key in ("why", "source", "severity") if key in change}
     return record(
         Erratum,
@@ -199,7 +202,7 @@ def _edition_erratum(raw: Raw, change: Raw, name: str, number: int, kind: str) -
     )
 
 
-def _text(value: object) -> str:
+def _value_in_words(value: object) -> str:
     """Return a value of a spec in words, such as ``yes`` for true or ``width = 6, poly = 3`` for a map."""
     match value:
         case bool():
@@ -226,7 +229,8 @@ def _affected_path(raw: Raw, text: str) -> str:
 
 def check_editions(raw: Raw, device: Device, report: DocumentReport) -> None:
     """Report too many editions, editions in the wrong place, and labels, registers and runs that do not exist."""
-    count, values = len(device.editions), len(leaves(raw))
+    count = len(device.editions)
+    values = len(leaves(raw))
     if count * values > MOST_VALUES:
         message = f"each of {count} editions is checked with {values} values; the product must be at most {MOST_VALUES}"
         report.add("too-large", ("editions",), f"{message}; leave out early editions", at_key=True)

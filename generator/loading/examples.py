@@ -147,7 +147,8 @@ def _check(device: Device, example: Example) -> Iterator[Wrong]:
 
 def _check_procedure(device: Device, example: ProcedureExample) -> Iterator[Wrong]:
     """Yield an error if the procedure, with the arguments of the example, does not lead to the printed writes."""
-    procedure, variant = device.procedure(example.procedure), example_variant(device, example)
+    procedure = device.procedure(example.procedure)
+    variant = example_variant(device, example)
     computed_writes = register_writes(device, procedure, variant, example.arguments)
     if computed_writes != example.writes:
         computed_text = ", ".join(f"{write.address:02X}h = {write.value:02X}h" for write in computed_writes)
@@ -168,7 +169,8 @@ def _check_measure(device: Device, example: MeasureExample) -> Iterator[Wrong]:
 
 def _check_register(device: Device, example: RegisterExample) -> Iterator[Wrong]:
     """Yield an error for a wrong length, otherwise those of the decoded values, otherwise those of the identity."""
-    register, variant = device.register(example.register), example_variant(device, example)
+    register = device.register(example.register)
+    variant = example_variant(device, example)
     if len(example.bytes) != register.length:
         message = f"register '{register.name}' has {register.length} bytes, but the example has {len(example.bytes)}"
         yield ("bytes",), message
@@ -182,7 +184,8 @@ def _check_register(device: Device, example: RegisterExample) -> Iterator[Wrong]
 def _check_identity(register: Register, decoded: Decoded, variant: Variant) -> Iterator[Wrong]:
     """Yield the fields that differ from their ``equals``, the value by which a master identifies the encoder."""
     for field in register.layout.fields:
-        expected, value = field.documented(variant.parameters), decoded.values.get(field.name)
+        expected = field.documented(variant.parameters)
+        value = decoded.values.get(field.name)
         # Only like types compare: numbers with numbers, texts with texts. A field without 'equals' has None.
         if type(expected) is type(value) and value != expected:
             yield ("bytes",), f"'{field.name}' is {value}, but 'equals' is {expected} for {variant.code}"
@@ -396,7 +399,7 @@ def _value(field: Field, width: int, layout: Layout) -> int | str | bool:
     match field.kind:
         case Number(power_of_two=True):
             # The power of two in the middle of the range.
-            return 1 << width // 2
+            return 1 << (width // 2)
         case Number(signed=is_signed, zero_means=zero_means):
             # A signed field has one bit less for positive numbers.
             number = _number(width - 1 if is_signed else width)

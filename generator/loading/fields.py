@@ -178,9 +178,11 @@ def _flag(raw: Raw, context: Context, interface: str) -> Flag:
     Its key is the parameter that decides, and its value the verdict if this is 1. ``only`` becomes the parameter that
     is 0 for other order codes.
     """
-    verdict_parameter, verdict_if_set = "", None
+    verdict_parameter = ""
+    verdict_if_set = None
     for parameter, verdict in raw.get("makes_position_if", {}).items():
-        verdict_parameter, verdict_if_set = parameter, Verdict(verdict)
+        verdict_parameter = parameter
+        verdict_if_set = Verdict(verdict)
     return record(
         Flag,
         raw,

@@ -61,13 +61,13 @@ def sources(raw: Raw, key: str = "source") -> Sources:
     return parse_sources(raw[key]) if key in raw else ()
 
 
-def record(kind: Callable[..., T], raw: Raw, /, **values: Any) -> T:
-    """Return a ``kind`` whose members have the values in ``values``, or those in ``raw`` under the same name.
+def record(part_class: Callable[..., T], raw: Raw, /, **values: Any) -> T:
+    """Return a ``part_class`` whose members have the values in ``values``, or those in ``raw`` under the same name.
 
     Other members have their default, otherwise an empty value: no text, 0, false, or None if the type allows it. Nested
     parts of the model, and lists of them, are filled in the same way.
     """
-    for name, hint, has_default in _members(kind):
+    for name, hint, has_default in _members(part_class):
         if name in values:
             continue
         if hint == Sources:
@@ -77,20 +77,20 @@ def record(kind: Callable[..., T], raw: Raw, /, **values: Any) -> T:
         elif not has_default:
             container_or_type = get_origin(hint) or hint
             values[name] = _EMPTY.get(container_or_type)
-    return kind(**values)
+    return part_class(**values)
 
 
-def records(kind: Callable[..., T], raw: Raw, key: str) -> tuple[T, ...]:
-    """Return a ``kind`` for each definition that ``raw`` lists under ``key``."""
-    return tuple(record(kind, definition) for definition in raw.get(key, ()))
+def records(part_class: Callable[..., T], raw: Raw, key: str) -> tuple[T, ...]:
+    """Return a ``part_class`` for each definition that ``raw`` lists under ``key``."""
+    return tuple(record(part_class, definition) for definition in raw.get(key, ()))
 
 
 @cache
-def _members(kind: Any) -> list[tuple[str, Any, bool]]:
+def _members(part_class: Any) -> list[tuple[str, Any, bool]]:
     """Return the members of a class, each as its name, its type, and True if it has a default."""
     # Names are resolved in the module, so that a member called 'bytes' does not hide the type.
-    hints = get_type_hints(kind, localns={})
-    return [(member.name, hints[member.name], _has_default(member)) for member in fields(kind)]
+    hints = get_type_hints(part_class, localns={})
+    return [(member.name, hints[member.name], _has_default(member)) for member in fields(part_class)]
 
 
 def _has_default(member: Field[Any]) -> bool:
@@ -111,9 +111,9 @@ def _value(hint: Any, value: Any) -> Any:
     return value
 
 
-def _member(kind: Any, value: Any) -> Any:
+def _member(part_class: Any, value: Any) -> Any:
     """Return a map of the spec as an object of a class, and any other value as it is."""
-    return record(kind, value) if isinstance(value, Mapping) else value
+    return record(part_class, value) if isinstance(value, Mapping) else value
 
 
 def build_manufacturer(raw: Raw) -> Manufacturer:
@@ -244,7 +244,8 @@ def _write(raw: Raw, source: Sources, device: Device) -> Step:
     of the procedure, and the step has no number.
     """
     register_name, field_name = raw.get("register", ""), raw.get("field", "")
-    value_name, meaning = raw.get("value", ""), raw.get("meaning", "")
+    value_name = raw.get("value", "")
+    meaning = raw.get("meaning", "")
     candidate_fields: list[Any] = []
     for register in device.registers:
         if register.name == register_name:

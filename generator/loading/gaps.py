@@ -75,12 +75,14 @@ def _gaps(fields: Sequence[Field], bits: Expression) -> Iterable[_Gap]:
     ``fields`` are sorted by place, and ``bits`` is the width of the layout. A gap may have no bits for some order
     codes.
     """
-    end_of_last, last_field = ZERO, None
+    end_of_last = ZERO
+    last_field = None
     for field in fields:
         width = field.low - end_of_last
         if width != ZERO:
             yield _Gap(last_field, field, end_of_last, width)
-        end_of_last, last_field = field.low + field.width, field
+        end_of_last = field.low + field.width
+        last_field = field
     width_above = bits - end_of_last
     if width_above != ZERO:
         yield _Gap(last_field, None, end_of_last, width_above)
@@ -97,7 +99,8 @@ def check_all_bits_covered(fields: Sequence[Field], bits: Expression, gaps: str,
         ends_below = [ZERO, *(field.low + field.width for field in present_fields)]
         # The first gap ends at the lowest field, and the last one at the end of the layout.
         for end_below, start in zip(ends_below, starts, strict=True):
-            first_uncovered, next_covered = end_below.value(parameters), start.value(parameters)
+            first_uncovered = end_below.value(parameters)
+            next_covered = start.value(parameters)
             if next_covered > first_uncovered:
                 gap_text = bits_text(next_covered - 1, first_uncovered) + values_text(parameters, start, end_below)
                 remedy = "add one, or write 'other_bits: zero' or 'other_bits: unspecified'"

@@ -100,7 +100,8 @@ def _check_word_bits(layout: Layout, words: Sequence[_Word], site: Site) -> None
     if not mismatches:
         return
     exchange, bits = mismatches[0]
-    exchange_text, remedy = "", "correct 'word_bits' or the fields"
+    exchange_text = ""
+    remedy = "correct 'word_bits' or the fields"
     if "word_bits" in exchange:
         exchange_text = f" of the exchange of '{exchange['request']}'"
     elif exchange:

@@ -254,7 +254,8 @@ def check_layout(layout: Layout, site: Site, low_byte_first: bool) -> bool:
 
 def _check_field(layout: Layout, field: Field, site: Site) -> None:
     """Check a field by its kind. Only texts and zeros that fill bits without content can have more than 64 bits."""
-    kind, bits = field.kind, field.widest
+    kind = field.kind
+    bits = field.widest
     is_zeros = field.padding_of or field.fills_gap or field.fills_byte
     if bits > LARGEST_NUMBER and not isinstance(kind, Text) and not is_zeros:
         site.report("too-long", f"'{field.name}' has {bits} bits; the maximum is {LARGEST_NUMBER}")

@@ -88,10 +88,12 @@ def _layout(raw: Raw, site: Site, byte_order: str, bits: Expression, fields: Seq
     ``gaps`` is the content of bits without a field: ``zero``, ``unspecified`` or an empty string.
     """
     gray = raw.get("gray", {})
-    selector, selects = "", ()
+    selector = ""
+    selects = ()
     # At most one entry: the field that identifies the layout, and its values.
     for name, values in raw.get("when", {}).items():
-        selector, selects = name, tuple(values)
+        selector = name
+        selects = tuple(values)
     return record(
         Layout,
         raw,
@@ -300,7 +302,8 @@ def _in_sequence(items: Sequence[Item], low_first: bool) -> tuple[list[Item], Ex
     The item sent last begins at bit 0, or the first one with ``low_first``.
     """
     from_lowest = list(items) if low_first else list(reversed(items))
-    placed_items, next_low = [], ZERO
+    placed_items = []
+    next_low = ZERO
     for field_item in from_lowest:
         placed_items.append(replace(field_item, low=next_low))
         next_low += field_item.span
@@ -356,7 +359,8 @@ def _fits_with(flat: Sequence[Item], total: int, parameters: Mapping[str, int], 
     has_overlap = False
     occupied: list[tuple[range, Item]] = []
     for field_item in flat:
-        width, low = field_item.width.value(parameters), field_item.low.value(parameters)
+        width = field_item.width.value(parameters)
+        low = field_item.low.value(parameters)
         bits = range(low, low + field_item.span.value(parameters))
         condition = values_text(parameters, field_item.width, field_item.low)
         problem = _range_problem(field_item, width, bits, total, condition)
@@ -368,7 +372,8 @@ def _fits_with(flat: Sequence[Item], total: int, parameters: Mapping[str, int], 
         if width == 0:
             continue
         for other_bits, other_item in occupied:
-            lowest_common, highest_common = max(bits.start, other_bits.start), min(bits.stop, other_bits.stop) - 1
+            lowest_common = max(bits.start, other_bits.start)
+            highest_common = min(bits.stop, other_bits.stop) - 1
             if lowest_common <= highest_common:
                 names = f"'{field_item.raw.get('name', '')}' and '{other_item.raw.get('name', '')}'"
                 message = f"{names} both use {bits_text(highest_common, lowest_common)}{condition}"
@@ -384,7 +389,8 @@ def _range_problem(field_item: Item, width: int, bits: range, total: int, condit
     ``bits`` are those of the field with its padding. ``condition`` is the text about the parameters, such as `` with
     spare_bits = 3``.
     """
-    name, span = field_item.raw.get("name", ""), bits.stop - bits.start
+    name = field_item.raw.get("name", "")
+    span = bits.stop - bits.start
     if width < 0 or width > span:
         padding = f", but it is padded to {span}" if width > span else ""
         return "width-mismatch", f"'{name}' has {width} bits{condition}{padding}"
@@ -397,7 +403,8 @@ def _range_problem(field_item: Item, width: int, bits: range, total: int, condit
 def _fields(field_item: Item, site: Site) -> Iterable[Field]:
     """Yield the fields of an item: the field, also its padding if it has one, or all those of a group."""
     for expanded_item in _flatten([field_item]):
-        raw, width = expanded_item.raw, expanded_item.width
+        raw = expanded_item.raw
+        width = expanded_item.width
         widest = site.widest(width)
         container = raw.get("padded_to", 0)
         if "scale" in raw and widest > WIDEST:

@@ -246,8 +246,10 @@ def _built(document: Document, data: dict[str, Any], maker: Manufacturer, report
     if device is None:
         return None
     check_editions(data, device, report.for_document(document))
-    spec, edition_notes = Path(document.file), tuple(notes(data))
-    counts, releases = read_counts(spec, report), read_history(spec, report)
+    spec = Path(document.file)
+    edition_notes = tuple(notes(data))
+    counts = read_counts(spec, report)
+    releases = read_history(spec, report)
     return replace(device, times_read=counts, releases=releases, errata=(*device.errata, *edition_notes))
 
 
@@ -381,7 +383,8 @@ def _names(device: Device, variant: Variant) -> tuple[str, ...]:
 
     These are the order code, the interface, the family, and the family with the interface, such as ``X_24_SSI``.
     """
-    family, kind = device.name.upper(), variant.interface.upper()
+    family = device.name.upper()
+    kind = variant.interface.upper()
     return variant.code.upper(), kind, family, f"{family}_{kind}"
 
 

@@ -202,7 +202,8 @@ def errata_of(applied_changes: Iterable[AppliedChange]) -> Iterator[Erratum]:
     for _, changes_together in groupby(applied_changes, key=_reported_together):
         changes = list(changes_together)
         first_change = changes[0]
-        kind, name = first_change.layer.kind.value, first_change.layer.name
+        kind = first_change.layer.kind.value
+        name = first_change.layer.name
         errata_counts[name] += 1
         # The entry in the spec or overlay, which all these changes have in common.
         definition = {"severity": "wrong_data", **first_change.raw}

@@ -68,7 +68,8 @@ def _difference(device: Device, parameter: Parameter, interface: Interface, layo
     for variant in device.variants_over(interface.name):
         placed = layout.place(variant.parameters)
         placed_fields = placed.find_fields(layout.names_in(name))
-        width, value = sum(field.width for field in placed_fields), variant.parameters.get(parameter.name)
+        width = sum(field.width for field in placed_fields)
+        value = variant.parameters.get(parameter.name)
         if placed_fields and value not in (None, width):
             return f"'{parameter.name}' is {value} for {variant.code}, but '{name}' in '{layout.name}' has {width} bits"
     return ""
@@ -156,7 +157,7 @@ def held_in_registers(raw: Raw, report: DocumentReport) -> Mapping[str, int]:
             )
             defaults[name] = definition.get("max", 0)
         else:
-            number = register["default"] >> low_bit & ((1 << width) - 1)
+            number = (register["default"] >> low_bit) & ((1 << width) - 1)
             defaults[name] = _default(name, definition, number, field.get("zero_means", 0), report)
     return MappingProxyType(defaults)
 

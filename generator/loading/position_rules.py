@@ -246,7 +246,8 @@ def _other_unit(case: _Case, values: Mapping[str, int]) -> tuple[str, str] | Non
     position_fields = [case.layout.field(name) for name, _ in case.fields]
     if not key or len(position_fields) != 1 or position_fields[0].unit not in _NANOMETRES:
         return None
-    unit, per_counts = position_fields[0].unit, values.get("per_counts", 1)
+    unit = position_fields[0].unit
+    per_counts = values.get("per_counts", 1)
     # The step is the length of 'per_counts' counts, and the unit of the field that of one count.
     if values[key] * _NANOMETRES["um" if key == "step_um" else "nm"] == _NANOMETRES[unit] * per_counts:
         return None
@@ -297,14 +298,14 @@ def _out_of_range(measurement: Measurement, case: _Case, key: str) -> tuple[str,
     field_text = f"'{name}' in '{case.layout.name}'"
     is_signed = case.layout.field(name).number.signed
     if measurement.highest is None:
-        if is_signed and total != 1 << width and not total & total - 1:
+        if is_signed and total != 1 << width and not total & (total - 1):
             return key, _too_wide(case, field_text, total)
-        if not is_signed or not total & total - 1:
+        if not is_signed or not total & (total - 1):
             return None
         message = f"{field_text} is signed, and its range does not follow from {total} counts for {case.variant.code}"
         return key, f"{message}; add 'highest', from which the lowest position follows: highest - {total} + 1"
     highest = measurement.highest.value(case.variant.parameters)
-    lowest, highest_possible = (-(1 << width - 1), (1 << width - 1) - 1) if is_signed else (0, (1 << width) - 1)
+    lowest, highest_possible = (-(1 << (width - 1)), (1 << (width - 1)) - 1) if is_signed else (0, (1 << width) - 1)
     if lowest <= highest - total + 1 and highest <= highest_possible:
         return None
     positions = f"positions of {case.variant.code} are {highest - total + 1} to {highest}"

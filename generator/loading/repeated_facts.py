@@ -143,7 +143,7 @@ def _check_default(device: Device, register: Register, path: Path, report: Docum
     """
     default = register.default
     # A default with too many bits is reported with the limits.
-    if default is None or default >> 8 * register.length:
+    if default is None or default >> (8 * register.length):
         return
     for variant in device.variants_over(register.interface):
         placed = register.layout.place(variant.parameters)
@@ -191,7 +191,7 @@ def _contradiction(placed_field: PlacedField, default: int, value: int | str | N
     ``default`` is that of the register, and ``value`` the decoded value of the field, such as the name of the number.
     """
     name = placed_field.name
-    number = default >> placed_field.low & placed_field.mask
+    number = (default >> placed_field.low) & placed_field.mask
     expected = placed_field.field.documented(variant.parameters)
     if expected is not None and expected not in (number, value):
         expected_text = expected if isinstance(expected, str) else hex(expected)
@@ -222,7 +222,7 @@ def _check_biss_id(device: Device, report: DocumentReport) -> None:
         # Each byte with the mask of its documented bits, by its address.
         id_bytes = dict(enumerate(zip(byte_values, byte_masks, strict=True), register.address))
         id_bytes = {address: pair for address, pair in id_bytes.items() if address in _BISS_ID}
-        if any((byte ^ biss_id >> _BISS_ID[address]) & byte_mask for address, (byte, byte_mask) in id_bytes.items()):
+        if any((byte ^ (biss_id >> _BISS_ID[address])) & byte_mask for address, (byte, byte_mask) in id_bytes.items()):
             bytes_text = ", ".join(f"{byte:02X}" for byte, _ in id_bytes.values())
             message = (
                 f"'{register.name}' equals {bytes_text} at 7Eh and 7Fh, but 'biss_id' in the manufacturer file is"
@@ -234,7 +234,8 @@ def _check_biss_id(device: Device, report: DocumentReport) -> None:
 
 def _documented_bits(register: Register, variant: Variant) -> tuple[int, int]:
     """Return the documented values of a register as one number, and the mask of the bits that they give."""
-    number, mask = 0, 0
+    number = 0
+    mask = 0
     for placed_field in register.layout.place(variant.parameters).fields:
         documented = placed_field.field.documented(variant.parameters)
         if documented is not None and placed_field.low + placed_field.width <= 8 * register.length:
@@ -255,7 +256,7 @@ def _check_read_biss_id(device: Device, identity: int, report: DocumentReport) -
             continue
         addressed_bytes = enumerate(example.bytes, register.address)
         id_bytes = {address: byte for address, byte in addressed_bytes if address in _BISS_ID}
-        if any(byte ^ identity >> _BISS_ID[address] & 0xFF for address, byte in id_bytes.items()):
+        if any(byte ^ ((identity >> _BISS_ID[address]) & 0xFF) for address, byte in id_bytes.items()):
             bytes_text = ", ".join(f"{byte:02X}" for byte in id_bytes.values())
             text = (
                 f"'{example.name}' has {bytes_text} at 7Eh and 7Fh, but 'biss_id' in the manufacturer file is"

@@ -66,13 +66,13 @@ def _types_in(module: ModuleType) -> list[type]:
     return [value for value in values if isinstance(value, type) and value.__module__ == module.__name__]
 
 
-def _member_names(kind: type) -> tuple[str, ...]:
-    return tuple(member.name for member in dataclasses.fields(kind))
+def _member_names(part_class: type) -> tuple[str, ...]:
+    return tuple(member.name for member in dataclasses.fields(part_class))
 
 
-def _has_keywords(kind: type) -> bool:
+def _has_keywords(part_class: type) -> bool:
     """Return True if a class must be called with keywords."""
-    return any(member.kw_only for member in dataclasses.fields(kind))
+    return any(member.kw_only for member in dataclasses.fields(part_class))
 
 
 _TYPES = tuple(kind for module in _MODULES for kind in _types_in(module))
@@ -134,24 +134,27 @@ def as_data(device: model.Device) -> list[Any]:
 
     def put(value: Any) -> Any:
         """Return a value as data, and add a row for each new object in it."""
-        kind = type(value)
-        if value is None or kind in (bool, int, float, str):
+        value_type = type(value)
+        if value is None or value_type in (bool, int, float, str):
             return value
-        if kind is bytes:
+        if value_type is bytes:
             return {_BYTES: value.hex()}
-        if kind is tuple:
+        if value_type is tuple:
             return [put(part) for part in value]
-        if kind in _INDEX:
+        if value_type in _INDEX:
             if id(value) not in row_by_id:
-                index = _INDEX[kind]
+                index = _INDEX[value_type]
                 rows.append([index, *(put(getattr(value, name)) for name in _NAMES[index])])
                 row_by_id[id(value)] = len(rows) - 1
             return {_OBJECT: row_by_id[id(value)]}
-        if isinstance(value, Enum) and kind in _ENUMS:
-            return {_ENUM: [_ENUMS.index(kind), value.name]}
+        if isinstance(value, Enum) and value_type in _ENUMS:
+            return {_ENUM: [_ENUMS.index(value_type), value.name]}
         if isinstance(value, Mapping):
-            return {_MAP: [[put(key), put(member)] for key, member in value.items()], "f": kind is MappingProxyType}
-        raise NotStorable(kind.__name__)
+            return {
+                _MAP: [[put(key), put(member)] for key, member in value.items()],
+                "f": value_type is MappingProxyType,
+            }
+        raise NotStorable(value_type.__name__)
 
     # The result is only a reference to the last row.
     put(device)
@@ -167,11 +170,12 @@ def from_data(rows: Any) -> model.Device:
     built_objects: list[Any] = []
     try:
         for index, *raw_values in rows:
-            kind, values = _CLASSES[index], [_rebuilt(part, built_objects) for part in raw_values]
+            part_class = _CLASSES[index]
+            values = [_rebuilt(part, built_objects) for part in raw_values]
             if _BY_KEYWORD[index]:
-                built_objects.append(kind(**dict(zip(_NAMES[index], values, strict=True))))
+                built_objects.append(part_class(**dict(zip(_NAMES[index], values, strict=True))))
             else:
-                built_objects.append(kind(*values))
+                built_objects.append(part_class(*values))
         # Members come before the object that refers to them, so the device is the last one.
         device = built_objects[-1]
     except (LookupError, TypeError, ValueError, AttributeError, RecursionError) as error:

@@ -335,7 +335,8 @@ def writing_of(
     """
     conditions: list[WriteCondition] = []
     for rule in rules:
-        settings, after = _known_names(rule, "of", names), _known_names(rule, "after", names)
+        settings = _known_names(rule, "of", names)
+        after = _known_names(rule, "after", names)
         has_no_setting = "of" in rule and not settings
         has_no_predecessor = "after" in rule and not after
         if not has_no_setting and not has_no_predecessor:
@@ -352,7 +353,8 @@ def _write_condition(
     rule: Raw, settings: tuple[str, ...], after: tuple[str, ...], devices: Sequence[MasterDevice], standing: str
 ) -> WriteCondition:
     """Return a condition with its words. ``settings`` and ``after`` are those of its names that the sheet has."""
-    needs, then = _writes(rule, "needs", devices, standing), _writes(rule, "then", devices, standing)
+    needs = _writes(rule, "needs", devices, standing)
+    then = _writes(rule, "then", devices, standing)
     effect = Effect(**rule["takes_effect"]) if "takes_effect" in rule else None
     return WriteCondition(
         of=settings,

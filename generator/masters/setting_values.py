@@ -163,7 +163,8 @@ def _clock_limits_hz(record: Record) -> tuple[int, int]:
 def _listed_clock(rule: Raw, record: Record) -> tuple[int | str, str, str]:
     """Return the value, text and bound of a clock that the master selects from a list: ``(3, "3 (5 MHz)", "")``."""
     best_clock = best_listed_clock(rule, record)
-    frequency_text, value = hertz(best_clock["hz"]), best_clock["set"]
+    frequency_text = hertz(best_clock["hz"])
+    value = best_clock["set"]
     text = frequency_text if str(value) == frequency_text else f"{value} ({frequency_text})"
     bound = "" if _is_highest_clock_known(record) else START_WITH
     return value, text, bound
@@ -181,7 +182,8 @@ def best_listed_clock(rule: Raw, record: Record) -> Raw:
     supported_clocks = [clock for clock in rule["clocks"] if slowest_hz <= clock["hz"] <= fastest_hz]
     if not supported_clocks:
         with_cable = f" with a cable of {record.cable_m} m" if record.cable_m is not None else ""
-        slowest, fastest = hertz(slowest_hz), _fastest_clock_text(record)
+        slowest = hertz(slowest_hz)
+        fastest = _fastest_clock_text(record)
         raise UnsupportedFeature(
             f"{rule['name']}: no clock is between {slowest} and {fastest}, the limits of the encoder{with_cable}"
         )
@@ -209,7 +211,8 @@ def _selectable_clock(clock_rule: Raw, record: Record) -> tuple[int | str, str, 
     bound = "at_most" if _is_highest_clock_known(record) else START_WITH
     row = record.cable_row
     if row is not None and row.is_below and clock_hz == row.highest_hz:
-        clock_hz, bound = row.hz, "below"
+        clock_hz = row.hz
+        bound = "below"
     unit = clock_rule["unit"]
     if unit not in _HZ_BY_UNIT:
         return clock_hz, hertz(clock_hz), bound
@@ -225,7 +228,8 @@ def best_selectable_clock(clock_rule: Raw, record: Record) -> int:
 
     If the highest clock of the encoder is not known, return the fastest in use that the master supports.
     """
-    lowest_of_master, highest_of_master = clock_rule.get("at_least_hz", 0), clock_rule.get("at_most_hz", math.inf)
+    lowest_of_master = clock_rule.get("at_least_hz", 0)
+    highest_of_master = clock_rule.get("at_most_hz", math.inf)
     used_clocks = [hz for hz in record.used_hz if lowest_of_master <= hz <= highest_of_master]
     if used_clocks:
         return max(used_clocks)

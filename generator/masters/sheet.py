@@ -386,7 +386,9 @@ def _setting_of_rule(rule: Raw, master: Master, record: Record, unknown_parts: s
             raise UnknownValue(f"it depends on how the master handles {unknown_parts}")
         value, text, bound = value_of_setting(rule, record)
     except UnknownValue as reason:
-        value, text, bound = None, f"unknown: {reason}", ""
+        value = None
+        text = f"unknown: {reason}"
+        bound = ""
     notes = (rule.get("note", ""), _start_note(bound, record), _cable_note(rule, value, record))
     return Setting(
         name=filled(rule["name"], record),

@@ -300,7 +300,8 @@ def _sheet_lines(sheet: Sheet, with_documents: bool) -> list[str]:
 
 def _setting_lines(setting: Setting, sheet: Sheet, name_width: int, value_width: int) -> list[str]:
     """Return a setting in one row, or in two if it is too long, then its note and conditions."""
-    name_cell, value_cell = setting.name.ljust(name_width), _setting_text(setting).ljust(value_width)
+    name_cell = setting.name.ljust(name_width)
+    value_cell = _setting_text(setting).ljust(value_width)
     row = f"  {name_cell}  {value_cell}  {setting.at}".rstrip()
     lines = [row]
     if len(row) > WIDTH:

@@ -92,7 +92,7 @@ class PlacedChannels:
         """Return the frame with these bits of each channel."""
         frame = 0
         for channel, number in zip(self.channels, numbers, strict=True):
-            frame = frame << channel.bits | number
+            frame = (frame << channel.bits) | number
         return frame
 
     def compared_numbers(self, values: Sequence[Mapping[str, object]]) -> Iterator[int]:

@@ -80,13 +80,15 @@ def narrower_range(measurement: Measurement, layout: Layout, sets: Sequence[Mapp
 
 
 def _is_narrower(position_range: PositionRange, parameters: Mapping[str, int]) -> bool:
-    width, highest = position_range.field.width.value(parameters), position_range.highest.value(parameters)
+    width = position_range.field.width.value(parameters)
+    highest = position_range.highest.value(parameters)
     return bool(width) and 0 <= highest - position_range.lowest.value(parameters) < (1 << width) - 1
 
 
 def _signed_range(measurement: Measurement, field: Field) -> PositionRange | None:
     """Return the range of a signed position: as many numbers as it has counts, up to ``highest``. None if unknown."""
-    total, highest = measurement.total, measurement.highest
+    total = measurement.total
+    highest = measurement.highest
     if total is None or highest is None:
         return None
     return PositionRange(field, highest - total + Expression(1), highest)
@@ -99,7 +101,9 @@ def _unsigned_range(
 
     A position in two fields, revolutions above one full revolution, has the range of its revolutions.
     """
-    total, turns, counts_per_turn = measurement.total, measurement.turns, measurement.counts_per_turn
+    total = measurement.total
+    turns = measurement.turns
+    counts_per_turn = measurement.counts_per_turn
     if total is None or any(field.number.signed for field in fields):
         return None
     if len(fields) == 1:
@@ -238,7 +242,8 @@ class Device:
 
     def needed_parameters(self, names: Iterable[str]) -> frozenset[str]:
         """Return these parameters, and all parameters from which they are calculated."""
-        needed_names, pending = set[str](), list(names)
+        needed_names = set[str]()
+        pending = list(names)
         while pending:
             name = pending.pop()
             if name not in needed_names and name in self.definitions:
@@ -371,7 +376,8 @@ class Device:
     def signed_range(self, field: PlacedField, placed: PlacedLayout) -> tuple[int, int]:
         """Return the lowest and the highest valid number of a signed field of a frame."""
         # A field without bits for the order code counts as one bit.
-        valid_range, half_of_numbers = self.range_in(placed.layout), 1 << max(field.width, 1) - 1
+        valid_range = self.range_in(placed.layout)
+        half_of_numbers = 1 << (max(field.width, 1) - 1)
         if valid_range is None or valid_range.field.name != field.name:
             return -half_of_numbers, half_of_numbers - 1
         return valid_range.lowest.value(placed.parameters), valid_range.highest.value(placed.parameters)

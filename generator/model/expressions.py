@@ -72,9 +72,13 @@ class Expression:
         if isinstance(text, int):
             return cls(text)
         # ``total`` is the sum so far, ``factors`` the product of the current term, and ``sign`` that of this term.
-        total, factors, position, sign = cls(), cls(1), 0, 1
+        total = cls()
+        factors = cls(1)
+        position = 0
+        sign = 1
         if text.startswith("-"):
-            sign, position = -1, 1
+            sign = -1
+            position = 1
         while True:
             match = _TERM.match(text, position)
             if match is None:
@@ -121,7 +125,7 @@ class Expression:
             for factor in term.factors:
                 number *= _value(factor, parameters)
                 # Products of products, each a parameter of its own, would grow until the memory is full.
-                if abs(number) >> 2 * LARGEST_EXPONENT:
+                if abs(number) >> (2 * LARGEST_EXPONENT):
                     raise ExpressionError(f"the product is larger than 2^{2 * LARGEST_EXPONENT}")
             total += number
         return total

@@ -107,7 +107,7 @@ class Crc:
 
     @property
     def poly_with_top_bit(self) -> int:
-        return self.poly | 1 << self.width
+        return self.poly | (1 << self.width)
 
     @property
     def mask(self) -> int:
@@ -121,7 +121,7 @@ class Crc:
     @property
     def polynomial(self) -> str:
         """Generator polynomial, such as ``x^6 + x + 1``."""
-        powers = [self.width, *(power for power in range(self.width - 1, -1, -1) if self.poly >> power & 1)]
+        powers = [self.width, *(power for power in range(self.width - 1, -1, -1) if (self.poly >> power) & 1)]
         return " + ".join({0: "1", 1: "x"}.get(power, f"x^{power}") for power in powers)
 
 

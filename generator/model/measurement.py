@@ -188,7 +188,9 @@ class Measurement:
         source = layout_range.source or self.source
         if not layout_range.wraps:
             return replace(self, turns=None, modulus=None, highest=None, source=source)
-        turns, modulus, highest = layout_range.turns, layout_range.modulus, layout_range.highest
+        turns = layout_range.turns
+        modulus = layout_range.modulus
+        highest = layout_range.highest
         if turns is None and modulus is None:
             return replace(self, highest=highest, source=source)
         return replace(self, turns=turns, modulus=modulus, highest=highest, source=source)

@@ -264,22 +264,22 @@ def source_key(**options: Any) -> Any:
 def part(about: str, *, kw_only: bool = True, **options: Any) -> Callable[[type[T]], type[T]]:
     """Return the decorator of a part of the language. The options are those of ``About`` and of data classes."""
 
-    def decorate(kind: type[T]) -> type[T]:
-        described: Any = dataclass(frozen=True, slots=True, kw_only=kw_only)(kind)
+    def decorate(part_class: type[T]) -> type[T]:
+        described: Any = dataclass(frozen=True, slots=True, kw_only=kw_only)(part_class)
         described.__part__ = About(about, **options)
         return described  # type: ignore[no-any-return]
 
     return decorate
 
 
-def is_part(kind: object) -> bool:
+def is_part(part_class: object) -> bool:
     """Return True if a class describes a part of the language."""
-    return isinstance(kind, type) and isinstance(getattr(kind, "__part__", None), About)
+    return isinstance(part_class, type) and isinstance(getattr(part_class, "__part__", None), About)
 
 
-def description_of(kind: Any) -> About:
+def description_of(part_class: Any) -> About:
     """Return the description of a part."""
-    about: About = kind.__part__
+    about: About = part_class.__part__
     return about
 
 
@@ -297,12 +297,12 @@ class DescribedKey(NamedTuple):
         return self.default is MISSING
 
 
-def keys_of(kind: Any) -> tuple[DescribedKey, ...]:
+def keys_of(part_class: Any) -> tuple[DescribedKey, ...]:
     """Return the keys of a part, in the order of its class."""
-    if hasattr(kind, "described_keys"):
-        described_keys: tuple[DescribedKey, ...] = kind.described_keys
+    if hasattr(part_class, "described_keys"):
+        described_keys: tuple[DescribedKey, ...] = part_class.described_keys
         return described_keys
-    return tuple(described_key(member.name, str(member.type), member) for member in fields(kind))
+    return tuple(described_key(member.name, str(member.type), member) for member in fields(part_class))
 
 
 def described_key(name: str, notation: str, member: Field[Any]) -> DescribedKey:

@@ -36,18 +36,18 @@ __all__ = ["dataclass"]
 
 
 @functools.cache
-def _values_of(kind: type) -> Callable[[Any], Any]:
+def _values_of(part_class: type) -> Callable[[Any], Any]:
     """Return a function that returns the values that two equal objects share: one value, or a tuple of several."""
-    names = [field.name for field in fields(kind) if field.compare]
+    names = [field.name for field in fields(part_class) if field.compare]
     return attrgetter(*names) if names else lambda _: ()
 
 
 def _is_equal(self: Any, other: Any) -> Any:
     """Return True if both objects have the same class and equal values of the compared members."""
-    kind = self.__class__
-    if other.__class__ is not kind:
+    part_class = self.__class__
+    if other.__class__ is not part_class:
         return NotImplemented
-    values = _values_of(kind)
+    values = _values_of(part_class)
     return values(self) == values(other)
 
 
@@ -65,28 +65,32 @@ def _refuse(self: Any, name: str, *_: object) -> NoReturn:
     raise FrozenInstanceError(f"cannot change field {name!r}")
 
 
-def _late_init(kind: Any) -> Callable[..., None]:
+def _late_init(part_class: Any) -> Callable[..., None]:
     """Return an ``__init__`` that the first object replaces with the compiled one."""
 
     def init(self: Any, *values: Any, **keyword_values: Any) -> None:
-        kind.__init__ = _init_of(kind)
-        kind.__init__(self, *values, **keyword_values)
+        part_class.__init__ = _init_of(part_class)
+        part_class.__init__(self, *values, **keyword_values)
 
     return init
 
 
-def _init_of(kind: type) -> Any:
+def _init_of(part_class: type) -> Any:
     """Return an ``__init__`` for a class, like the one that ``dataclasses`` would generate.
 
     Its source is built as text. A default is in its namespace as ``_NAME``. For a default that a function makes,
     ``_NAME`` is MISSING, and the body calls the function, ``_of_NAME``, if it receives this.
     """
     namespace: dict[str, Any] = {"_set": object.__setattr__}
-    positional_parameters, keyword_parameters, statements = ["self"], ["*"], ["pass"]
-    for field in fields(kind):
-        name, value = field.name, field.name
+    positional_parameters = ["self"]
+    keyword_parameters = ["*"]
+    statements = ["pass"]
+    for field in fields(part_class):
+        name = field.name
+        value = field.name
         if field.default_factory is not MISSING:
-            namespace[f"_of_{name}"], namespace[f"_{name}"] = field.default_factory, MISSING
+            namespace[f"_of_{name}"] = field.default_factory
+            namespace[f"_{name}"] = MISSING
             value = f"_of_{name}() if {name} is _{name} else {name}"
         elif field.default is not MISSING:
             namespace[f"_{name}"] = field.default

@@ -40,7 +40,8 @@ def read_field(text: str, column: int, interface: str) -> LineField:
         FieldError: The text does not describe one.
     """
     name, equals, value_text = text.partition("=")
-    name, values = name.strip(), [value.strip() for value in value_text.split(":")] if equals else []
+    name = name.strip()
+    values = [value.strip() for value in value_text.split(":")] if equals else []
     if not text.strip():
         raise FieldError("a field is missing between two commas; remove one of them")
     if not _NAME.fullmatch(name):

@@ -70,7 +70,8 @@ def with_option(options: Options, text: str, interface: str) -> Options:
         FieldError: There is no such option, or not for this interface, or its value is wrong.
     """
     name, equals, value_text = text.partition("=")
-    name, value_text = name.strip(), value_text.strip()
+    name = name.strip()
+    value_text = value_text.strip()
     is_word = name in _WORDS
     if not is_word and name not in _SETTINGS:
         known_names = [*_WORDS, *_SETTINGS]

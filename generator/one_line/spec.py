@@ -83,9 +83,11 @@ def _measurement(line: Line) -> Iterator[str]:
     """Yield the size of a count, if the line states it."""
     widths = {field.name: field.bits for field in line.fields}
     if IN_TURN in widths:
-        counts, turns = f"2^{widths[IN_TURN]}", f"2^{widths[TURNS]}" if TURNS in widths else "1"
+        counts = f"2^{widths[IN_TURN]}"
+        turns = f"2^{widths[TURNS]}" if TURNS in widths else "1"
     elif line.options.counts:
-        counts, turns = str(line.options.counts), str(line.options.turns or 1)
+        counts = str(line.options.counts)
+        turns = str(line.options.turns or 1)
     else:
         return
     # Without turns, the position within a revolution is the whole position.
@@ -196,7 +198,8 @@ def _names_in_spec(line: Line) -> list[str]:
     names: list[str] = []
     for field in line.fields:
         name = f"{field.name}_bits" if isinstance(field, Filler) else field.name
-        first_name, number = name, 1
+        first_name = name
+        number = 1
         while isinstance(field, Filler) and (name in names or name in taken_names):
             number += 1
             name = f"{first_name}_{number}"

@@ -251,7 +251,8 @@ def _with_registers(device_input: Input, registers: Collection[str]) -> Input:
         register, _, _ = path.partition(".")
         return path if register in registers else ""
 
-    inverts, needs = path_if_present(device_input.inverts), path_if_present(device_input.needs)
+    inverts = path_if_present(device_input.inverts)
+    needs = path_if_present(device_input.needs)
     return replace(device_input, inverts=inverts, needs=needs)
 
 

@@ -129,22 +129,22 @@ def codec_of(device: Device, layout: Layout) -> Codec:
         by_word=by_word,
         length=layout.widest // 8,
         selector=fixed_selector(layout),
-        crcs=tuple(_crc(device, layout, field) for field in layout.crc_fields),
-        gray=_gray(layout),
-        parts=tuple(_parts(layout)),
-        wholes=tuple(_wholes(layout, by_word)),
+        crcs=tuple(_plan_crc(device, layout, field) for field in layout.crc_fields),
+        gray=_find_gray(layout),
+        parts=tuple(_yield_parts(layout)),
+        wholes=tuple(_yield_wholes(layout, by_word)),
         alternatives=device.alternatives_of(layout),
-        reserved=tuple(_reserved(layout)),
+        reserved=tuple(_yield_reserved(layout)),
         checks=(
             *_checks_of_constants_and_parity(layout, by_word),
             *_checks_of_values(layout),
             *_checks_of_position(device, layout),
         ),
-        terms=tuple(_terms(layout)),
+        terms=tuple(_yield_terms(layout)),
     )
 
 
-def _parts(layout: Layout) -> Iterator[Part]:
+def _yield_parts(layout: Layout) -> Iterator[Part]:
     """Yield the fields with data, except a fixed selector. Those that a join or a parity bit also uses are shared."""
     shared_names = {name for join in layout.joins for name in join.fields}
     for field in layout.fields:
@@ -156,11 +156,11 @@ def _parts(layout: Layout) -> Iterator[Part]:
             yield Part(field, bits_of(layout, field), shared=field.name in shared_names)
 
 
-def _reserved(layout: Layout) -> Iterator[Reserved]:
+def _yield_reserved(layout: Layout) -> Iterator[Reserved]:
     """Yield the unused fields, each with the position of its lowest bit in the decoder's number ``unused``."""
-    for field, place in layout.unused:
+    for field, bit_in_unused in layout.unused:
         documented_value = field.kind.value if isinstance(field.kind, Unused) else 0
-        yield Reserved(field, bits_of(layout, field), documented_value, place)
+        yield Reserved(field, bits_of(layout, field), documented_value, bit_in_unused)
 
 
 def fixed_selector(layout: Layout) -> Field | None:
@@ -178,17 +178,19 @@ def only_value(layout: Layout, field: Field) -> int | None:
 def bits_of(layout: Layout, field: Field) -> Bits:
     """Return the bits of a field. In bytes, a padded field has no pieces for bytes that contain only padding."""
     occupied_pieces = tuple(piece for piece in field.pieces if not field.container or piece.left < field.widest)
-    return _bits(layout, field.low, field.width, field.widest, occupied_pieces)
+    return _locate_bits(layout, field.low, field.width, field.widest, occupied_pieces)
 
 
-def _bits(layout: Layout, low: Expression, width: Expression, widest: int, pieces: tuple[Piece, ...] = ()) -> Bits:
+def _locate_bits(
+    layout: Layout, low: Expression, width: Expression, widest: int, pieces: tuple[Piece, ...] = ()
+) -> Bits:
     """Return ``width`` bits, starting at ``low``. They are on top if a frame of bits has none above them."""
     bits_above = layout.bits - low - width
     on_top = not layout.in_bytes and bits_above == Expression(0)
     return Bits(low, width, widest, on_top, pieces)
 
 
-def _crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
+def _plan_crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
     """Return the check of the CRC in a field.
 
     It covers the fields from the first to the last in ``of`` or, if ``of`` is empty, everything before it.
@@ -199,7 +201,8 @@ def _crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
     bits = bits_of(layout, field) if field.width.is_constant else _bits_at_end(layout, crc.width)
     if field.kind.of:
         # From the most significant field to the least significant one.
-        first_covered, last_covered = layout.field(field.kind.of[0]), layout.field(field.kind.of[-1])
+        first_covered = layout.field(field.kind.of[0])
+        last_covered = layout.field(field.kind.of[-1])
         return FrameCrc(
             crc=crc,
             field=field,
@@ -233,10 +236,10 @@ def _bits_at_end(layout: Layout, width: int) -> Bits:
         byte = byte_count - (width - left) // 8 if layout.byte_order == "low_byte_first" else byte_count - 1 - left // 8
         mask = (1 << min(8, width - left)) - 1
         pieces.append(Piece(byte=byte, right=0, mask=mask, left=left))
-    return _bits(layout, low, Expression(width), width, tuple(pieces))
+    return _locate_bits(layout, low, Expression(width), width, tuple(pieces))
 
 
-def _gray(layout: Layout) -> Gray | None:
+def _find_gray(layout: Layout) -> Gray | None:
     """Return the bits in Gray code: those of a field or of the adjacent fields of a join. Return None if none are."""
     if not layout.gray_of:
         return None
@@ -245,7 +248,7 @@ def _gray(layout: Layout) -> Gray | None:
     return Gray(fields[-1].low, width, layout.gray_when, layout.gray_excess or Expression(0))
 
 
-def _wholes(layout: Layout, by_word: bool) -> Iterator[Whole]:
+def _yield_wholes(layout: Layout, by_word: bool) -> Iterator[Whole]:
     """Yield the numbers made of several fields. If one shift extracts adjacent fields from a word, set ``bits``."""
     for join in layout.joins:
         fields = tuple(layout.field(name) for name in join.fields)  # most significant first
@@ -256,7 +259,7 @@ def _wholes(layout: Layout, by_word: bool) -> Iterator[Whole]:
         adjacent_bits = None
         if by_word and are_adjacent:
             lowest_field = fields[-1]
-            adjacent_bits = _bits(layout, lowest_field.low, total_width, widest)
+            adjacent_bits = _locate_bits(layout, lowest_field.low, total_width, widest)
         yield Whole(join=join, fields=fields, width=total_width, widest=widest, bits=adjacent_bits)
 
 
@@ -281,17 +284,17 @@ def _zeros_above(layout: Layout, padded_field: Field, padding: Field) -> ZerosAb
     return ZerosAbove(padded_field, padding, bits, bytes_of_padding)
 
 
-def _parity_check(layout: Layout, parity_bit: Field, kind: Parity) -> ParityIs:
+def _parity_check(layout: Layout, parity_bit: Field, parity_kind: Parity) -> ParityIs:
     """Return the check of a parity bit."""
-    covered_fields = tuple(layout.field(name) for name in kind.of)
+    covered_fields = tuple(layout.field(name) for name in parity_kind.of)
     return ParityIs(
         field=parity_bit,
         bits=bits_of(layout, parity_bit),
         of=covered_fields,
         of_bits=tuple(bits_of(layout, covered_field) for covered_field in covered_fields),
-        odd=kind.odd,
-        mask=_parity_mask(kind, covered_fields),
-        known_parity=_known_parity(layout, parity_bit, covered_fields, kind),
+        odd=parity_kind.odd,
+        mask=_parity_mask(parity_kind, covered_fields),
+        known_parity=_known_parity(layout, parity_bit, covered_fields, parity_kind),
     )
 
 
@@ -325,21 +328,23 @@ def allowed_values(layout: Layout, field: Field) -> tuple[int, ...]:
     return () if has_all_values else tuple(valid_values)
 
 
-def _known_parity(layout: Layout, parity_bit: Field, covered_fields: tuple[Field, ...], kind: Parity) -> int | None:
+def _known_parity(
+    layout: Layout, parity_bit: Field, covered_fields: tuple[Field, ...], parity_kind: Parity
+) -> int | None:
     """Return the parity bit if all order codes have it and it covers a single field with a single value, else None."""
     if len(covered_fields) != 1 or not parity_bit.width.is_constant:
         return None
     covered_value = only_value(layout, covered_fields[0])
-    return parity(covered_value & kind.mask, kind.odd) if covered_value is not None else None
+    return parity(covered_value & parity_kind.mask, parity_kind.odd) if covered_value is not None else None
 
 
-def _parity_mask(kind: Parity, fields: tuple[Field, ...]) -> int:
+def _parity_mask(parity_kind: Parity, fields: tuple[Field, ...]) -> int:
     """Return the mask of the covered bits of each field, no wider than the widest one, or 0 if it covers all."""
-    if not kind.over:
+    if not parity_kind.over:
         return 0
     widest = max(field.widest for field in fields)
     mask_of_widest = (1 << widest) - 1
-    return kind.mask & mask_of_widest
+    return parity_kind.mask & mask_of_widest
 
 
 def parity(number: int, odd: bool) -> int:
@@ -347,7 +352,7 @@ def parity(number: int, odd: bool) -> int:
     return (number.bit_count() & 1) ^ odd
 
 
-def _terms(layout: Layout) -> Iterator[Term]:
+def _yield_terms(layout: Layout) -> Iterator[Term]:
     """Yield each field of an encoded frame with the source of its bits. The CRC is computed from all of them later."""
     bit_in_unused_by_name = {field.name: bit_in_unused for field, bit_in_unused in layout.unused}
     for field in layout.fields:
@@ -364,13 +369,13 @@ def _terms(layout: Layout) -> Iterator[Term]:
         yield Term(field, bits_of(layout, field), sent_value)
 
 
-def _sent_parity(layout: Layout, parity_bit: Field, kind: Parity) -> Fixed | ParityOf:
+def _sent_parity(layout: Layout, parity_bit: Field, parity_kind: Parity) -> Fixed | ParityOf:
     """Return the computation of a parity bit, or its value if that never changes."""
-    covered_fields = tuple(layout.field(name) for name in kind.of)
-    known_bit = _known_parity(layout, parity_bit, covered_fields, kind)
+    covered_fields = tuple(layout.field(name) for name in parity_kind.of)
+    known_bit = _known_parity(layout, parity_bit, covered_fields, parity_kind)
     if known_bit is not None:
         return Fixed(known_bit)
-    return ParityOf(covered_fields, kind.odd, _parity_mask(kind, covered_fields))
+    return ParityOf(covered_fields, parity_kind.odd, _parity_mask(parity_kind, covered_fields))
 
 
 def _sent_number(layout: Layout, field: Field) -> Fixed | ValueOfField:
@@ -425,7 +430,8 @@ def moved_bits(codec: Codec) -> tuple[ShiftedBits, ...]:
             if earlier_bits is None:
                 bits_by_shift[byte_and_shift] = bits
             else:
-                mask, value = earlier_bits.mask | bits.mask, earlier_bits.value | bits.value
+                mask = earlier_bits.mask | bits.mask
+                value = earlier_bits.value | bits.value
                 bits_by_shift[byte_and_shift] = replace(bits, mask=mask, value=value)
     return tuple(bits_by_shift.values())
 
@@ -439,6 +445,6 @@ def _shifted_bits(reserved: Reserved, by_word: bool) -> Iterator[ShiftedBits]:
         return
     for piece in reserved.bits.pieces:
         # Position of the byte's lowest bit in ``unused``. A negative shift moves the bits up.
-        place = reserved.place + piece.left
-        mask = piece.mask << place
-        yield ShiftedBits(byte=piece.byte, shift=piece.right - place, mask=mask, value=value & mask)
+        bit_in_unused = reserved.place + piece.left
+        mask = piece.mask << bit_in_unused
+        yield ShiftedBits(byte=piece.byte, shift=piece.right - bit_in_unused, mask=mask, value=value & mask)

@@ -82,7 +82,7 @@ def table(width: int, poly: int, reflected: bool = False) -> tuple[int, ...]:
 
     With ``reflected``, the CRC register has its bits in reverse order, as needed for reflected input.
     """
-    poly_with_top_bit = poly | 1 << width
+    poly_with_top_bit = poly | (1 << width)
     if not reflected:
         return tuple(remainder(byte << width, poly_with_top_bit) for byte in range(256))
     remainders = (remainder(reflect(byte, 8) << width, poly_with_top_bit) for byte in range(256))
@@ -91,7 +91,7 @@ def table(width: int, poly: int, reflected: bool = False) -> tuple[int, ...]:
 
 def word_table(width: int, poly: int) -> tuple[int, ...]:
     """Return the remainder of each byte above the lowest ``max(width, 8)`` bits, used to reduce a word byte by byte."""
-    poly_with_top_bit = poly | 1 << width
+    poly_with_top_bit = poly | (1 << width)
     bits_below = max(width, 8)
     return tuple(remainder(byte << bits_below, poly_with_top_bit) for byte in range(256))
 
@@ -282,7 +282,7 @@ class PublicVector:
 
 def _single_cycle(title: str, position: int, flags: int, crc: int) -> PublicVector:
     """Return the vector for a position of 22 bits and two flags, error and warning."""
-    return PublicVector(title, position << 2 | flags, crc, _BRIDGE)
+    return PublicVector(title, (position << 2) | flags, crc, _BRIDGE)
 
 
 _CRC_6 = (

@@ -181,7 +181,7 @@ class Description:
     judging_bits: Expression | None
 
 
-def _unused(reserved: Reserved) -> Unused:
+def _describe_unused(reserved: Reserved) -> Unused:
     return Unused(reserved.field.low, reserved.field.width, reserved.value, reserved.place)
 
 
@@ -196,10 +196,10 @@ def describe(codec: Codec, reporting: reports.Reporting | None = None) -> Descri
         bits=layout.bits,
         length=codec.length if codec.in_bytes else 0,
         order=_byte_order(codec),
-        columns=tuple(_column(field, field.name in power_of_two_names) for field in layout.fields),
-        joins=tuple(_join(whole) for whole in codec.wholes),
-        unused=tuple(_unused(reserved) for reserved in codec.reserved),
-        checks=tuple(_check(check) for check in codec.checks),
+        columns=tuple(_describe_column(field, field.name in power_of_two_names) for field in layout.fields),
+        joins=tuple(_describe_join(whole) for whole in codec.wholes),
+        unused=tuple(_describe_unused(reserved) for reserved in codec.reserved),
+        checks=tuple(_describe_check(check) for check in codec.checks),
         parities=tuple(_computed_parities(codec)),
         speaks=(),
         tells=(),
@@ -212,13 +212,13 @@ def describe(codec: Codec, reporting: reports.Reporting | None = None) -> Descri
     )
     if reporting is None:
         return description
-    description = replace(description, tells=tuple(_tells(cause) for cause in reporting.causes))
+    description = replace(description, tells=tuple(_describe_report_cause(cause) for cause in reporting.causes))
     judgement = reporting.judgement
     if judgement is None:
         return description
     return replace(
         description,
-        speaks=tuple(_speaks(judgement)),
+        speaks=tuple(_describe_verdict_causes(judgement)),
         otherwise=judgement.otherwise,
         judging_bits=judgement.judging_bits if judgement.may_be_unknown else None,
     )
@@ -235,7 +235,7 @@ def _computed_parities(codec: Codec) -> Iterator[Check]:
     """Yield the parity bits that an encoder of frames computes. A parity bit that never changes is a constant."""
     for term in codec.terms:
         if isinstance(term.value, ParityOf):
-            yield _parity(term.field, term.value)
+            yield _describe_parity(term.field, term.value)
 
 
 def _constant_ones(codec: Codec) -> Iterator[tuple[Place, int]]:
@@ -245,7 +245,7 @@ def _constant_ones(codec: Codec) -> Iterator[tuple[Place, int]]:
             yield Place(term.field.low, term.field.width), term.value.number
 
 
-def _column(field: Field, is_power: bool) -> Column:
+def _describe_column(field: Field, is_power: bool) -> Column:
     """Return a field with the operation that converts its bits. ``kind`` names it, and 0 may stand for a number."""
     column = Column(Name(field.name), field.low, field.width, power_of_two=is_power, scale=field.scale)
     match meaning_of(field):
@@ -268,16 +268,17 @@ def _column(field: Field, is_power: bool) -> Column:
             assert_never(meaning)
 
 
-def _check(check: PlannedCheck) -> Check:
+def _describe_check(check: PlannedCheck) -> Check:
     """Return a check of the plan as data: the bits, and the values, the limits or the parity that they must have."""
-    field, fault = check.field, check.fault
+    field = check.field
+    fault = check.fault
     match check:
         case AlwaysIs(value=value):
             return Check(field.low, field.width, fault, values=(value,))
         case ZerosAbove(padding=padding):
             return Check(padding.low, padding.width, fault, values=(0,))
         case ParityIs(of=covered_fields, odd=odd, mask=mask):
-            return Check(field.low, field.width, fault, parity_of=_places(covered_fields), odd=odd, mask=mask)
+            return Check(field.low, field.width, fault, parity_of=_list_places(covered_fields), odd=odd, mask=mask)
         case IsOneOf(values=values):
             return Check(field.low, field.width, fault, values=values)
         case AtMost(limit=limit):
@@ -290,28 +291,28 @@ def _check(check: PlannedCheck) -> Check:
             assert_never(check)
 
 
-def _join(whole: Whole) -> Join:
+def _describe_join(whole: Whole) -> Join:
     fields_from_low = tuple((Name(field.name), low) for field, low in whole.from_low)
     return Join(name=Name(whole.join.name), fields=fields_from_low)
 
 
-def _parity(parity_bit: Field, parity: ParityOf) -> Check:
+def _describe_parity(parity_bit: Field, parity: ParityOf) -> Check:
     """Return the check that a parity bit matches the fields that it covers."""
     return Check(
         low=parity_bit.low,
         width=parity_bit.width,
         fault=Fault.CONSTANT,
-        parity_of=_places(parity.of),
+        parity_of=_list_places(parity.of),
         odd=parity.odd,
         mask=parity.mask,
     )
 
 
-def _places(fields: tuple[Field, ...]) -> tuple[Place, ...]:
+def _list_places(fields: tuple[Field, ...]) -> tuple[Place, ...]:
     return tuple(Place(field.low, field.width) for field in fields)
 
 
-def _speaks(judgement: verdicts.Judgement) -> Iterator[Speaks]:
+def _describe_verdict_causes(judgement: verdicts.Judgement) -> Iterator[Speaks]:
     """Yield the causes of the verdict as data, those of the worst verdict first."""
     for verdict, verdict_causes in judgement.worst_first:
         for verdict_cause in verdict_causes:
@@ -320,22 +321,22 @@ def _speaks(judgement: verdicts.Judgement) -> Iterator[Speaks]:
                 verdict=verdict,
                 flag=Name(cause.field.name),
                 unless=tuple(Name(flag.field.name) for flag in verdict_cause.unless),
-                mask=_mask(cause),
+                mask=_find_reserved_mask(cause),
                 only=verdict_cause.only,
-                when=_when(cause),
+                when=_list_conditions(cause),
                 chosen=verdict_cause.chosen,
             )
 
 
-def _tells(report_cause: reports.ReportCause) -> Tells:
+def _describe_report_cause(report_cause: reports.ReportCause) -> Tells:
     """Return the cause of a report as data."""
     cause = report_cause.by
     return Tells(
         report=report_cause.report.name,
         flag=Name(cause.field.name),
-        mask=_mask(cause),
+        mask=_find_reserved_mask(cause),
         only=report_cause.only,
-        when=_when(cause),
+        when=_list_conditions(cause),
         answered=_verdict_by_answer(report_cause.made_of),
     )
 
@@ -349,12 +350,12 @@ def _verdict_by_answer(field: Field) -> Answered | None:
             return None
 
 
-def _mask(cause: verdicts.Cause) -> int:
+def _find_reserved_mask(cause: verdicts.Cause) -> int:
     """Return the mask of reserved bits in the number made of all of them, or 0 for any other cause."""
     return cause.mask if isinstance(cause, Reserved) else 0
 
 
-def _when(cause: verdicts.Cause) -> tuple[tuple[Name, int], ...]:
+def _list_conditions(cause: verdicts.Cause) -> tuple[tuple[Name, int], ...]:
     """Return the fields of a cause that consists of values, each with its value, or nothing for any other cause."""
     conditions = cause.conditions if isinstance(cause, verdicts.Match) else ()
     return tuple((Name(part.field.name), value) for part, value in conditions)

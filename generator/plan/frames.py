@@ -368,10 +368,12 @@ def _held_parameter(register: Register, parameter: Parameter) -> HeldParameter:
             highest_value=max(coded.value for coded in parameter.by_code),
         )
     meaning = _unsigned_meaning(field)
-    lowest_of_bits, highest_of_bits = 0, (1 << field.widest) - 1
+    lowest_of_bits = 0
+    highest_of_bits = (1 << field.widest) - 1
     # Bits that are 0 then stand for another number, so no value is below 1.
     if isinstance(meaning, ZeroMeans):
-        lowest_of_bits, highest_of_bits = 1, max(highest_of_bits, meaning.number)
+        lowest_of_bits = 1
+        highest_of_bits = max(highest_of_bits, meaning.number)
     low = parameter.min if parameter.min is not None and parameter.min > lowest_of_bits else None
     high = parameter.max if parameter.max is not None and parameter.max < highest_of_bits else None
     return HeldParameter(

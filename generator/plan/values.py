@@ -108,7 +108,8 @@ def _range_key(position_range: PositionRange) -> Hashable:
 
     If no highest position is known, the width of a signed field decides the range, and so is part of the key.
     """
-    measurement, signed_field = position_range.measurement, position_range.signed_field
+    measurement = position_range.measurement
+    signed_field = position_range.signed_field
     deciding_width = None
     if signed_field is not None and measurement.highest is None:
         deciding_width = signed_field.width

@@ -312,12 +312,12 @@ def reports_of(device: Device) -> tuple[Report, ...]:
     Fields with the same name are one report if they also have the same kind, group and meaning. Otherwise the interface
     or the frame precedes the name.
     """
-    return tuple(dict.fromkeys(_reports(device).values()))
+    return tuple(dict.fromkeys(_index_reports(device).values()))
 
 
 def reportings(device: Device) -> Iterator[Reporting]:
     """Yield the reports and the verdict of each frame of the encoder that has any."""
-    reports = _reports(device)
+    reports = _index_reports(device)
     for interface, layout in _sent_layouts(device):
         codec = codec_of(device, layout)
         causes: list[ReportCause] = []
@@ -390,7 +390,7 @@ def _reported_fields(device: Device) -> list[_ReportedField]:
     return explained_fields + unexplained_fields
 
 
-def _reports(device: Device) -> Mapping[tuple[str, str], Report]:
+def _index_reports(device: Device) -> Mapping[tuple[str, str], Report]:
     """Return the reports by the names of frame and field: ``{("status_frame", "overheat"): Report(...)}``.
 
     Fields share a report if their report names are equal. ``_report_name`` gives them the name of the field if all

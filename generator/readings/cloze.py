@@ -45,7 +45,8 @@ def clozes(spec: Document) -> dict[str, _SpecText]:
             continue
         cloze = vocabulary.cloze(text)
         if cloze.gaps:
-            path, repetition = dotted(place), 1
+            path = dotted(place)
+            repetition = 1
             while path in spec_texts:
                 repetition += 1
                 path = f"{dotted(place)} {repetition}"
@@ -126,7 +127,8 @@ def compare_words(spec: Document, sheet_document: Document, report: Report) -> N
     A text is outdated if only the spec has it, or if it has changed. Texts that only the sheet has are not reported
     next to these, since the command that refills the sheet also removes them.
     """
-    spec_texts, sheet_texts = clozes(spec), sheet_document.data["texts"]
+    spec_texts = clozes(spec)
+    sheet_texts = sheet_document.data["texts"]
     is_outdated = False
     sheet_name = File(sheet_document.file).name
     for path, (place, cloze) in spec_texts.items():
@@ -196,7 +198,8 @@ def _context(cloze: ClozeText, number: int) -> str:
         return _GAP.sub(lambda gap: cloze.gaps[int(gap[1]) - 1].word, text)
 
     text_before, text_behind = re.split(rf"\{{{number} \w+\}}", cloze.text, maxsplit=1)
-    before, behind = fill_gaps(text_before)[-_AROUND:], fill_gaps(text_behind)[:_AROUND]
+    before = fill_gaps(text_before)[-_AROUND:]
+    behind = fill_gaps(text_behind)[:_AROUND]
     kind = cloze.gaps[number - 1].kind
     return quoted(f"{before}[{kind}]{behind}".strip())
 

@@ -37,7 +37,8 @@ def add_names(subject: Subject, placed_field: PlacedField, owner: str | int, fac
     A field is identified by low bit and width, ``(3, 5)``, and a value by its number and its field. The names of fields
     of a group and of fields that the build adds are left out, since they are not at this place of the spec.
     """
-    field_name, place = placed_field.name, subject.place
+    field_name = placed_field.name
+    place = subject.place
     bits_text = f"{bits(placed_field.high, placed_field.low)} of '{owner}'"
     low_and_width = placed_field.low, placed_field.width
     if place[-2:] == ("fields", field_name):
@@ -74,7 +75,8 @@ def properties(
         value_text = in_hex(fixed_value) if isinstance(fixed_value, int) else str(fixed_value)
         yield subject.detail_fact(Sort.VALUE, "equals", value_text, "fixed value")
     if register is None:
-        default, is_implied = field.default, False
+        default = field.default
+        is_implied = False
     else:
         default, is_implied = _default_and_is_implied(placed_field, register)
     if default is not None:
@@ -116,7 +118,8 @@ def _default_and_is_implied(placed_field: PlacedField, register: Register) -> tu
     A default is implied if the spec states or implies only that of the register. There is none if the field is the
     whole register, whose default is a fact of the register, or if it carries no data.
     """
-    stated_default, register_default = placed_field.field.default, as_delivered(register)
+    stated_default = placed_field.field.default
+    register_default = as_delivered(register)
     if register_default is None:
         return stated_default, False
     is_whole_register = placed_field.width == 8 * register.length
@@ -125,7 +128,7 @@ def _default_and_is_implied(placed_field: PlacedField, register: Register) -> tu
     if stated_default is not None:
         return stated_default, False
     # The bits of the field, shifted to bit 0.
-    default_in_register = register_default >> placed_field.low & placed_field.mask
+    default_in_register = (register_default >> placed_field.low) & placed_field.mask
     return default_in_register, True
 
 
@@ -184,7 +187,7 @@ def _bits(placed_field: PlacedField, placed_layout: PlacedLayout, place: Path) -
     for index in range(placed_field.width):
         match kind:
             case Constant(value) | Unused(value):
-                yield Bit(owner_text, weight=None, fixed=value >> index & 1, place=place)
+                yield Bit(owner_text, weight=None, fixed=(value >> index) & 1, place=place)
             case Flag() | Parity() if weight_in_join is None:
                 yield Bit(owner_text, weight=None, fixed=None, place=place)
             case Text():
@@ -246,7 +249,8 @@ def _weight_in_join(placed_field: PlacedField, placed_layout: PlacedLayout) -> i
 
     The weight is the number of bits in the fields after it, since the most significant field is the first.
     """
-    longest_bits, weight = 0, None
+    longest_bits = 0
+    weight = None
     for join in placed_layout.layout.joins:
         if placed_field.name not in join.fields:
             continue
@@ -254,13 +258,15 @@ def _weight_in_join(placed_field: PlacedField, placed_layout: PlacedLayout) -> i
         lower_fields = joined_fields[joined_fields.index(placed_field) + 1 :]
         total_bits = sum(field.width for field in joined_fields)
         if total_bits > longest_bits:
-            longest_bits, weight = total_bits, sum(field.width for field in lower_fields)
+            longest_bits = total_bits
+            weight = sum(field.width for field in lower_fields)
     return weight
 
 
 def describe_bits(adjacent_bits: Sequence[Bit]) -> str:
     """Describe adjacent bits of one item, highest first: ``bits 7:0 of a number``, ``constant 0010``, ``a flag``."""
-    highest_bit, lowest_bit = adjacent_bits[0], adjacent_bits[-1]
+    highest_bit = adjacent_bits[0]
+    lowest_bit = adjacent_bits[-1]
     if highest_bit.fixed is not None:
         digits = "".join(str(bit.fixed) for bit in adjacent_bits)
         return f"{highest_bit.part} {digits}"
@@ -276,7 +282,8 @@ def continues_item(bit: Bit, above: Bit) -> bool:
     """
     if (bit.part, bit.place) != (above.part, above.place):
         return False
-    is_constant, is_constant_above = bit.fixed is not None, above.fixed is not None
+    is_constant = bit.fixed is not None
+    is_constant_above = above.fixed is not None
     if is_constant is not is_constant_above:
         return False
     return bit.weight is None or above.weight is None or bit.weight + 1 == above.weight

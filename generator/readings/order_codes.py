@@ -127,7 +127,8 @@ def _add_alternatives(reading: Reading, facts: Facts) -> None:
             ),
         )
         for index, answer in enumerate(alternative.answers, 1):
-            description, path = f"name of answer {index} of alternative {number}", (*place, "values", answer.name)
+            description = f"name of answer {index} of alternative {number}"
+            path = (*place, "values", answer.name)
             facts.add_name(
                 ("answer", number),
                 Fact(sort=Sort.ORDER_CODE, key=(index,), value=answer.name, description=description, place=path),

@@ -168,7 +168,8 @@ class Facts:
     def add(self, facts: Iterator[Fact]) -> None:
         """Add facts. A key that already exists gets the first free number: ``(*key, 2)``, ``(*key, 3)``."""
         for fact in facts:
-            key, number = fact.key, 1
+            key = fact.key
+            number = 1
             while key in self.facts:
                 number += 1
                 key = (*fact.key, number)

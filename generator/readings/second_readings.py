@@ -37,7 +37,8 @@ def facts_of(reading: Reading) -> Facts:
     facts.add(surroundings.surroundings(reading))
     facts.add(texts.contents(reading))
     facts.add(texts.texts(reading))
-    facts.printed_numbers, facts.sections = texts.by_path(reading), texts.sections_by_path(reading)
+    facts.printed_numbers = texts.by_path(reading)
+    facts.sections = texts.sections_by_path(reading)
     facts.decided = reading.document.data.get("decided", ())
     return facts
 

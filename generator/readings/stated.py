@@ -351,7 +351,8 @@ def _value_text(reading: Reading, member: Member, value: Any, interface: str) ->
         return f"{' '.join(map(_part_text, value))}{_UNITS.get(member.notation, '')}"
     if isinstance(value, Scale):
         # Two readers may write the same formula with different numbers.
-        factor, offset = value.quantity(1) - value.quantity(0), value.quantity(0)
+        factor = value.quantity(1) - value.quantity(0)
+        offset = value.quantity(0)
         return f"number * {factor} + {offset} {value.unit}"
     # Of any other part, the first member is its value.
     if is_dataclass(value):

@@ -117,7 +117,8 @@ def _history_facts(reading: Reading, manual: Manual) -> Iterator[Fact]:
 def _characteristic_facts(reading: Reading) -> Iterator[Fact]:
     """Yield the facts of every characteristic, identified by its name, and of its quantities, numbered in the text."""
     for characteristic in reading.device.characteristics:
-        key, place = ("characteristic", characteristic.name), ("characteristics", characteristic.name)
+        key = ("characteristic", characteristic.name)
+        place = ("characteristics", characteristic.name)
         subject = Subject(reading, key=key, place=place, description=f"the characteristic '{characteristic.name}'")
         yield from subject.all_facts(Sort.CHARACTERISTIC, characteristic)
         for index, quantity_value in enumerate(characteristic.values):

@@ -20,7 +20,9 @@ def compute_bits(crc: Crc, number: int, bits: int) -> int:
 
     ``refin`` has no meaning for a string of bits and is ignored.
     """
-    register, mask, poly = crc.init, crc.mask, crc.poly
+    register = crc.init
+    mask = crc.mask
+    poly = crc.poly
     highest_bit = crc.width - 1
     for bit_position in range(bits - 1, -1, -1):
         has_feedback = ((register >> highest_bit) ^ (number >> bit_position)) & 1
@@ -120,7 +122,7 @@ def gray_to_binary(gray: int) -> int:
 
 def binary_to_gray(binary: int) -> int:
     """Return the Gray code of ``binary``."""
-    return binary ^ binary >> 1
+    return binary ^ (binary >> 1)
 
 
 def from_gray(placed: PlacedLayout, number: int) -> int:

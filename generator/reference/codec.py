@@ -205,7 +205,8 @@ def _problems_with_other_fields(
 
     The parity bit covers the bits as they are sent, so ``sent_value`` may be in Gray code.
     """
-    name, kind = placed_field.name, placed_field.field.kind
+    name = placed_field.name
+    kind = placed_field.field.kind
     if isinstance(kind, Parity):
         correct_bit = parity_bit(placed, kind, number)
         if sent_value != correct_bit:
@@ -246,7 +247,8 @@ def _range_message(position_range: PositionRange, placed_field: PlacedField, raw
 
 def _decode_crc(device: Device, placed: PlacedLayout, number: int) -> CrcResult | None:
     """Return the received and the computed CRC of the frame ``number``, or None if it has no CRC."""
-    placed_field, crc = placed.crc_field, device.crc_of(placed)
+    placed_field = placed.crc_field
+    crc = device.crc_of(placed)
     if placed_field is None or crc is None:
         return None
     received = (number >> placed_field.low) & placed_field.mask
@@ -279,7 +281,9 @@ def _decode_field(placed_field: PlacedField, sent_value: int, binary_value: int)
 
     ``sent_value`` may be in Gray code. ``binary_value`` is the same value in binary.
     """
-    field, high, low = placed_field.field, placed_field.high, placed_field.low
+    field = placed_field.field
+    high = placed_field.high
+    low = placed_field.low
     value, meaning = value_and_meaning(field, binary_value, placed_field.width)
     yield DecodedField(field.name, sent_value, value, field.unit, meaning, high, low, field.scale)
     for run in field.runs:
@@ -327,7 +331,8 @@ def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
     for placed_field in placed.fields:
         if isinstance(placed_field.field.kind, Parity):
             frame_bits |= parity_bit(placed, placed_field.field.kind, frame_bits) << placed_field.low
-    crc_field, crc = placed.crc_field, device.crc_of(placed)
+    crc_field = placed.crc_field
+    crc = device.crc_of(placed)
     if crc_field is not None and crc is not None:
         frame_bits |= compute(crc, placed, frame_bits) << crc_field.low
     return frame_bits
@@ -420,7 +425,8 @@ def _encode_field(placed: PlacedLayout, placed_field: PlacedField, values: Value
 
     Return 0 for CRC and parity, which are computed later from the others, and for unused bits, which are added later.
     """
-    name, kind = placed_field.name, placed_field.field.kind
+    name = placed_field.name
+    kind = placed_field.field.kind
     if isinstance(kind, Constant):
         return kind.value
     if isinstance(kind, (Unused, CrcValue, Parity)):

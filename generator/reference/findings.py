@@ -81,10 +81,10 @@ def findings(device: Device, variant: Variant, decoded: Decoded) -> Findings:
         reports = _reports_of_frame(device, variant, active_fields)
     else:
         reports = _reports_of_register(device, variant, active_fields, layout.name)
-    differences = _differences(variant, decoded, decoded_fields, is_register=layout.sender != "encoder")
+    differences = _yield_differences(variant, decoded, decoded_fields, is_register=layout.sender != "encoder")
     verdict = None
     if device.has_verdict(variant.interface, layout):
-        verdict = _verdict(decoded.layout, active_fields)
+        verdict = _find_worst_verdict(decoded.layout, active_fields)
     return Findings(reports=tuple(reports), verdict=verdict, differences=tuple(differences))
 
 
@@ -107,7 +107,7 @@ def _reports_of_frame(device: Device, variant: Variant, active_fields: Sequence[
     """Yield a report for each active field, except those with which the position stays usable without a warning."""
     for field in active_fields:
         if _verdict_of_kind(field.kind) is not Verdict.USABLE:
-            yield _report(field, _alarm_for(device, variant, field, register=""))
+            yield _build_report(field, _alarm_for(device, variant, field, register=""))
 
 
 def _reports_of_register(
@@ -117,7 +117,7 @@ def _reports_of_register(
     for field in active_fields:
         alarm = _alarm_for(device, variant, field, register)
         if alarm is not None:
-            yield _report(field, alarm)
+            yield _build_report(field, alarm)
 
 
 def _alarm_for(device: Device, variant: Variant, field: Field, register: str) -> Alarm | None:
@@ -163,7 +163,7 @@ def _verdict_of_kind(kind: Kind) -> Verdict | None:
     return kind.makes_position if isinstance(kind, (Flag, Unused)) else None
 
 
-def _report(field: Field, alarm: Alarm | None) -> Report:
+def _build_report(field: Field, alarm: Alarm | None) -> Report:
     """Return the report of an active field, with the texts of its alarm if the manual has one."""
     return Report(
         field=field.name,
@@ -175,7 +175,7 @@ def _report(field: Field, alarm: Alarm | None) -> Report:
     )
 
 
-def _verdict(placed: PlacedLayout, active_fields: Sequence[Field]) -> Verdict:
+def _find_worst_verdict(placed: PlacedLayout, active_fields: Sequence[Field]) -> Verdict:
     """Return the worst verdict of the layout and the active fields.
 
     The layout has UNKNOWN if no bit of its frames judges the position, and else USABLE.
@@ -192,7 +192,7 @@ def _verdict(placed: PlacedLayout, active_fields: Sequence[Field]) -> Verdict:
     return min(verdicts, key=from_worst_to_best.index)
 
 
-def _differences(
+def _yield_differences(
     variant: Variant, decoded: Decoded, decoded_fields: Mapping[str, DecodedField], is_register: bool
 ) -> Iterator[Difference]:
     """Yield the fields whose documented value for this order code is not the actual one."""
@@ -239,11 +239,11 @@ def fixed_addresses(device: Device, variant: Variant) -> frozenset[int]:
     """Return the addresses of the registers that identify this order code."""
     addresses: set[int] = set()
     for register in _identity_registers(device, variant):
-        addresses.update(_addresses(register))
+        addresses.update(_list_addresses(register))
     return frozenset(addresses)
 
 
-def _addresses(register: Register) -> range:
+def _list_addresses(register: Register) -> range:
     return range(register.address, register.last_address + 1)
 
 
@@ -266,8 +266,8 @@ def _compare_register(
     The message shows the whole field in hexadecimal, or dots for digits that are unknown.
     """
     placed = register.layout.place(variant.parameters)
-    register_bytes = bytes(bytes_by_address.get(address, 0) for address in _addresses(register))
-    byte_masks = bytes(0xFF if address in bytes_by_address else 0 for address in _addresses(register))
+    register_bytes = bytes(bytes_by_address.get(address, 0) for address in _list_addresses(register))
+    byte_masks = bytes(0xFF if address in bytes_by_address else 0 for address in _list_addresses(register))
     content = number_from_bytes(register.layout, register_bytes)
     known_mask = number_from_bytes(register.layout, byte_masks)
     for placed_field in placed.fields:
@@ -329,10 +329,10 @@ def edition_by_registers(device: Device, match: Match, bytes_by_address: Mapping
     for edition in device.editions:
         for test in edition.tests:
             register = device.register(test.register)
-            if not all(address in bytes_by_address for address in _addresses(register)):
+            if not all(address in bytes_by_address for address in _list_addresses(register)):
                 continue
             has_register = True
-            register_bytes = bytes(bytes_by_address[address] for address in _addresses(register))
+            register_bytes = bytes(bytes_by_address[address] for address in _list_addresses(register))
             placed = register.layout.place(match.variant.parameters)
             decoded = decode_word(device, placed, number_from_bytes(register.layout, register_bytes))
             raw = member_named(decoded.fields, test.run, f"field of '{register.name}'").raw
@@ -347,7 +347,7 @@ def without_tests(device: Device, bytes_by_address: Mapping[int, int]) -> dict[i
     """Return the register bytes by address, except those of registers that identify the edition."""
     edition_addresses: set[int] = set()
     for name in _names_of_edition_registers(device):
-        edition_addresses.update(_addresses(device.register(name)))
+        edition_addresses.update(_list_addresses(device.register(name)))
     return {address: value for address, value in bytes_by_address.items() if address not in edition_addresses}
 
 
@@ -367,6 +367,6 @@ def _missing_registers_message(device: Device) -> str:
         return f"no register of {device.name} identifies the edition"
     options_by_register = []
     for name in names:
-        options = [f"--register 0x{address:02X}=0x.." for address in _addresses(device.register(name))]
+        options = [f"--register 0x{address:02X}=0x.." for address in _list_addresses(device.register(name))]
         options_by_register.append(" ".join(options))
     return f"to infer the edition, give all of {' or '.join(names)}: {'; or '.join(options_by_register)}"

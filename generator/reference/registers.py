@@ -45,7 +45,8 @@ def decode_register(device: Device, variant: Variant, name: str, data: bytes) ->
         raise RegisterError(f"{variant.code} has no register '{name}'; {available}")
     register = registers[name.lower()]
     if len(data) != register.length:
-        needed, actual = counted(register.length, "byte"), counted(len(data), "byte")
+        needed = counted(register.length, "byte")
+        actual = counted(len(data), "byte")
         raise RegisterError(register_length(register.name, needed, actual))
     placed = register.layout.place(variant.parameters)
     return codec.decode(device, placed, number_from_bytes(register.layout, data))

@@ -216,7 +216,7 @@ def _with_top_bit(polynomial: object) -> frozenset[str]:
     smallest_width = max(polynomial.bit_length(), 3)
     printed_polynomials: set[str] = set()
     for width in range(smallest_width, 33):
-        with_top_bit = polynomial | 1 << width
+        with_top_bit = polynomial | (1 << width)
         printed_polynomials |= {f"{with_top_bit:x}", f"{with_top_bit:x}h", f"0x{with_top_bit:x}", f"{with_top_bit:b}"}
     return frozenset(printed_polynomials)
 

@@ -122,7 +122,8 @@ def find_heads_at_edges(pages: Sequence[Sequence[str]]) -> set[str]:
     counts_anywhere: Counter[str] = Counter()
     counts_at_edges: Counter[str] = Counter()
     for page in pages:
-        top, below_top = page[:_PAGE_EDGE], page[_PAGE_EDGE:]
+        top = page[:_PAGE_EDGE]
+        below_top = page[_PAGE_EDGE:]
         # On a short page, the bottom does not contain lines of the top again.
         bottom = below_top[-_PAGE_EDGE:]
         counts_anywhere.update(map(without_digits, page))

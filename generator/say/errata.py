@@ -130,7 +130,8 @@ def _path_in_words(steps: Sequence[str]) -> str:
             case [list_name, name, *later_steps] if list_name in _LISTS:
                 words = _of_owner(f"{_LISTS[list_name]} {name}", words)
             case [key] if key in _KEYS:
-                words, later_steps = _KEYS[key].format(words), []
+                words = _KEYS[key].format(words)
+                later_steps = []
             case [step, *later_steps]:
                 words = _of_owner(step.replace("_", " "), words)
         remaining_steps = later_steps

@@ -345,7 +345,8 @@ def unknown_limits(clock: Clock) -> str:
 def _word_format_words(fact: WordFormat) -> str:
     """Return the lengths of SPI words, the clock mode, and which word has the encoder's reply, separated by commas."""
     # Bit 1 of an SPI mode is the polarity of the clock, and bit 0 its phase.
-    polarity, phase = fact.mode >> 1, fact.mode & 1
+    polarity = fact.mode >> 1
+    phase = fact.mode & 1
     idle_level = "high" if polarity else "low"
     edge = "second" if phase else "first"
     clock_text = f"SPI mode {fact.mode} (the clock idles {idle_level}, data is taken on the {edge} edge)"

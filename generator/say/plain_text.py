@@ -46,7 +46,9 @@ def quantity(scale: Scale, value: int) -> str:
 def formula(scale: Scale) -> str:
     """Return the formula of a quantity in the form that manuals print: ``(value + 152) / 2.776``."""
     # The quantity is (value * numerator + offset) / denominator. The first form in which all numbers are whole is used.
-    numerator, denominator, offset = scale.numerator, scale.denominator, scale.offset
+    numerator = scale.numerator
+    denominator = scale.denominator
+    offset = scale.offset
     if offset % denominator == 0:
         product = f"value{_factor_text(numerator, denominator)}"
         return _sum_text(product, offset // denominator)
@@ -222,7 +224,8 @@ def pairs(rows: Iterable[tuple[str, str]], indent: int) -> list[str]:
     row_list = list(rows)
     longest_name = max((len(name) for name, _ in row_list), default=0)
     name_width = min(longest_name, _WIDEST_NAME)
-    margin, text_margin = " " * indent, " " * (indent + name_width + 2)
+    margin = " " * indent
+    text_margin = " " * (indent + name_width + 2)
     lines: list[str] = []
     for name, text in row_list:
         if text:

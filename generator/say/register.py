@@ -394,7 +394,8 @@ def measurement(unit_and_range: Measurement) -> Statement:
     if unit_and_range.step_nm is not None and unit_and_range.per_counts is None:
         quantities.append((Amount(unit_and_range.step_nm, "nm"), " per count"))
     if unit_and_range.step_nm is not None and unit_and_range.per_counts is not None:
-        step, counts = Amount(unit_and_range.step_nm, "nm"), Amount(unit_and_range.per_counts, "counts")
+        step = Amount(unit_and_range.step_nm, "nm")
+        counts = Amount(unit_and_range.per_counts, "counts")
         quantities.append((step, " per ", counts))
     if unit_and_range.modulus is not None:
         quantities.append((Amount(unit_and_range.modulus, "counts"), " in total"))

@@ -223,7 +223,8 @@ class Style:
         if statement.below:
             return " ".join(self.lines(statement))
         label = f"{self.text(statement.label)}: " if statement.label else ""
-        phrase, source = self.phrase(statement), self.cited(statement.source)
+        phrase = self.phrase(statement)
+        source = self.cited(statement.source)
         if not source:
             return f"{label}{sentence(phrase)}"
         ends_with_punctuation = sentence(phrase) == phrase

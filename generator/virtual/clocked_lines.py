@@ -80,11 +80,13 @@ class BissLine(ByLevels):
         if encoder.variant.interface != "biss":
             raise ValueError(f"{encoder.variant.code} has no BiSS")
         super().__init__()
-        self.encoder, self.acknowledge = encoder, acknowledge
+        self.encoder = encoder
+        self.acknowledge = acknowledge
         #: The answer to the control frame that the master sends, bit by bit.
         self._control_frame: Generator[int, int, int] | None = None
         self._cdm_zeros = 0
-        self._ma, self._cdm = 1, 0
+        self._ma = 1
+        self._cdm = 0
         #: Rising edges of MA in this cycle, and its bits.
         self._rising_edges = 0
         self._cycle_bits: list[int] = []
@@ -100,11 +102,11 @@ class BissLine(ByLevels):
         frame = channel_frame(self.encoder.device.interface("biss"))
         return frame.layouts if frame is not None else self.encoder.layouts("encoder")[:1]
 
-    def _word(self) -> int:
+    def _compose_word(self) -> int:
         """Return the bits of all data channels with the current values."""
         word = 0
         for layout in self._channels:
-            word = word << self.encoder.place(layout).bits | self.encoder.frame(layout)
+            word = (word << self.encoder.place(layout).bits) | self.encoder.frame(layout)
         return word
 
     def frame(self) -> int:
@@ -133,11 +135,12 @@ class BissLine(ByLevels):
 
         A fault is drawn, which may change them. The CDM bit of the previous cycle is taken even then.
         """
-        encoder, faults = self.encoder, self.encoder.faults
+        encoder = self.encoder
+        faults = self.encoder.faults
         fault = faults.draw()
         cds = self._exchange_control_bit(cdm)
-        word = self._word()
-        data_bits = [word >> shift & 1 for shift in reversed(range(self.bits))]
+        word = self._compose_word()
+        data_bits = [(word >> shift) & 1 for shift in reversed(range(self.bits))]
         fewest_late, most_late = _CLOCKS_LATE.get(fault, (0, 0))
         late_clocks = faults.random.randint(fewest_late, most_late)
         start_bit, stop_bit = 1, 0
@@ -182,7 +185,8 @@ class BissLine(ByLevels):
 
     def timeout(self) -> int:
         """Let the time-out pass. The inverse of the level of MA is the CDM bit. SLO is then high."""
-        self._cdm, self._rising_edges = 1 - self._ma, 0
+        self._cdm = 1 - self._ma
+        self._rising_edges = 0
         return 1
 
     def _exchange_control_bit(self, cdm: int) -> int:
@@ -214,7 +218,7 @@ class BissLine(ByLevels):
         memory = self.encoder.memory
         read_bit, head = yield from _receive_head()
         # CTS = 1 and slave ID 0 in 4 bits, 7 bits of the address, 4 bits of the CRC.
-        cts_and_id, address, received_crc = head >> 11, head >> 4 & 0x7F, head & 0xF
+        cts_and_id, address, received_crc = head >> 11, (head >> 4) & 0x7F, head & 0xF
         if cts_and_id != 0b1000 or received_crc != compute_bits(_CRC, head >> 4, 11):
             return 0
         write_bit = yield read_bit
@@ -254,10 +258,11 @@ class BissLine(ByLevels):
         cdm = yield 1
         byte_and_crc = 0
         for _ in range(11):
-            byte_and_crc = byte_and_crc << 1 | cdm
+            byte_and_crc = (byte_and_crc << 1) | cdm
             cdm = yield cdm
-        byte_and_crc = byte_and_crc << 1 | cdm
-        byte, received_crc = byte_and_crc >> 4, byte_and_crc & 0xF
+        byte_and_crc = (byte_and_crc << 1) | cdm
+        byte = byte_and_crc >> 4
+        received_crc = byte_and_crc & 0xF
         if received_crc != compute_bits(_CRC, byte, 8):
             return cdm, False
         self.encoder.memory.write(address, byte)
@@ -267,19 +272,20 @@ class BissLine(ByLevels):
     def _read_byte(self, address: int) -> Generator[int, int, int]:
         """Send the start bit, a byte and its CRC, and return the next CDM bit."""
         byte = self.encoder.memory.read(address) or 0
-        byte_and_crc = byte << 4 | compute_bits(_CRC, byte, 8)
+        byte_and_crc = (byte << 4) | compute_bits(_CRC, byte, 8)
         cdm = yield 1
         for shift in reversed(range(12)):
-            cdm = yield byte_and_crc >> shift & 1
+            cdm = yield (byte_and_crc >> shift) & 1
         return cdm
 
 
 def _receive_head() -> Generator[int, int, tuple[int, int]]:
     """Receive the head of a control frame. Return the next CDM bit, which is the read bit, and the head."""
     # CTS, 3 bits of the slave ID, 7 of the address and 4 of the CRC. CDS answers the start bit with 1.
-    cdm, head = (yield 1), 0
+    cdm = yield 1
+    head = 0
     for _ in range(15):
-        head = head << 1 | cdm
+        head = (head << 1) | cdm
         cdm = yield 0
     return cdm, head
 
@@ -331,10 +337,11 @@ class SsiLine(ByLevels):
         is_rising_edge = level and not self._clock_level
         if is_rising_edge:
             if self._bits_left < 0:
-                self._word, self._bits_left = self.word(), self.bits
+                self._word = self.word()
+                self._bits_left = self.bits
             if self._bits_left > 0:
                 self._bits_left -= 1
-            self._data_level = self._word >> self._bits_left & 1
+            self._data_level = (self._word >> self._bits_left) & 1
             # Remove the bit that is sent, so that zeros follow the last one.
             self._word &= (1 << self._bits_left) - 1
         self._clock_level = level
@@ -342,5 +349,6 @@ class SsiLine(ByLevels):
 
     def timeout(self) -> int:
         """Let the pause after a word pass. The data line is then high, unless the encoder is busy."""
-        self._bits_left, self._data_level = -1, int(not self._is_not_ready)
+        self._bits_left = -1
+        self._data_level = int(not self._is_not_ready)
         return self._data_level

@@ -98,32 +98,32 @@ class VirtualEncoder:
     @property
     def counts(self) -> int:
         """Number of positions in the first frame with a position."""
-        return self._counts(self._position_layout)
+        return self._count_positions(self._position_layout)
 
     @property
     def lowest(self) -> int:
         """Lowest position in that frame. It is negative if the position is signed."""
-        return self._lowest(self._position_layout)
+        return self._find_lowest_position(self._position_layout)
 
     @property
     def counts_per_turn(self) -> int:
         """Number of positions in one turn, or 0 if the position is not an angle."""
-        measurement = self._measurement(self._position_layout)
+        measurement = self._find_measurement(self._position_layout)
         per_turn = measurement.counts_per_turn if measurement is not None else None
         return per_turn.value(self.variant.parameters) if per_turn is not None else 0
 
-    def _counts(self, layout: Layout | None) -> int:
+    def _count_positions(self, layout: Layout | None) -> int:
         """Return the number of positions in frames with this layout.
 
         Without a measurement, all values of the position fields count.
         """
-        measurement = self._measurement(layout)
+        measurement = self._find_measurement(layout)
         total = measurement.total if measurement is not None else None
         if total is not None:
             return total.value(self.variant.parameters)
         return 1 << sum(placed_field.width for placed_field in self._position_fields(layout))
 
-    def _lowest(self, layout: Layout | None) -> int:
+    def _find_lowest_position(self, layout: Layout | None) -> int:
         """Return the lowest position in frames with this layout.
 
         It is 0 unless the position is a single signed field. Without a highest position, half of them are negative.
@@ -131,12 +131,12 @@ class VirtualEncoder:
         fields = self._position_fields(layout)
         if len(fields) != 1 or not fields[0].field.number.signed:
             return 0
-        measurement = self._measurement(layout)
+        measurement = self._find_measurement(layout)
         if measurement is not None and measurement.highest is not None:
-            return measurement.highest.value(self.variant.parameters) - self._counts(layout) + 1
-        return -(self._counts(layout) // 2)
+            return measurement.highest.value(self.variant.parameters) - self._count_positions(layout) + 1
+        return -(self._count_positions(layout) // 2)
 
-    def _measurement(self, layout: Layout | None) -> Measurement | None:
+    def _find_measurement(self, layout: Layout | None) -> Measurement | None:
         """Return the unit and range of the position in frames with this layout."""
         if layout is None:
             return self.device.measurement_of(self.variant.interface)
@@ -158,8 +158,8 @@ class VirtualEncoder:
 
     def _wrap_into(self, layout: Layout | None, count: int) -> int:
         """Return the position in frames with this layout for a count, which can be outside their range."""
-        lowest = self._lowest(layout)
-        return lowest + (count - lowest) % self._counts(layout)
+        lowest = self._find_lowest_position(layout)
+        return lowest + (count - lowest) % self._count_positions(layout)
 
     def parts_now(self, layout: Layout | None = None) -> dict[str, int]:
         """Return the bits of each field of the current position: ``{"multiturn": 3, "singleturn": 1024}``.
@@ -182,7 +182,7 @@ class VirtualEncoder:
     def raw_position(self) -> int:
         """Return the current position without presets and resets."""
         if callable(self.position):
-            return int(self.position(self._now()))
+            return int(self.position(self._read_clock()))
         return int(self.position)
 
     def set_position(self, value: int) -> None:
@@ -226,7 +226,7 @@ class VirtualEncoder:
             if placed_field.name in procedure:
                 position &= ~(placed_field.mask << low_bit)
             low_bit += placed_field.width
-        self.set_position(position & (1 << low_bit) - 1)  # as an unsigned number
+        self.set_position(position & ((1 << low_bit) - 1))  # as an unsigned number
 
     def restart(self) -> None:
         """Switch the supply off and on again. Registers that were not saved are lost."""
@@ -244,7 +244,7 @@ class VirtualEncoder:
 
     def is_busy(self) -> bool:
         """Return whether the encoder is busy, after power-on or during a reset."""
-        return self._now() < self._busy_until
+        return self._read_clock() < self._busy_until
 
     @property
     def reports_busy(self) -> bool:
@@ -259,13 +259,13 @@ class VirtualEncoder:
         """Return a frame with the current values as one number. The request determines ``request_values``."""
         self._instant = self.clock()  # ``_now`` returns it for all fields.
         try:
-            return codec.encode(self.device, self.place(layout), self._values(layout, request_values or {}))
+            return codec.encode(self.device, self.place(layout), self._collect_values(layout, request_values or {}))
         finally:
             self._instant = None
 
     def frame_of_another(self, layout: Layout, request_values: Mapping[str, int | str | bool]) -> int:
         """Return the frame that a second encoder of this kind sends, whose shaft is half of all positions away."""
-        distance = self._counts(layout) // 2
+        distance = self._count_positions(layout) // 2
         self._offset += distance
         try:
             return self.frame(layout, request_values)
@@ -302,11 +302,13 @@ class VirtualEncoder:
         has_error_in_register = not self.flags.isdisjoint(self._alarms_in_registers)
         return field.name == error_flag and has_error_in_register
 
-    def _now(self) -> float:
+    def _read_clock(self) -> float:
         """Return the time. It does not advance while a frame is built, so that its fields are consistent."""
         return self.clock() if self._instant is None else self._instant
 
-    def _values(self, layout: Layout, request_values: Mapping[str, int | str | bool]) -> dict[str, int | str | bool]:
+    def _collect_values(
+        self, layout: Layout, request_values: Mapping[str, int | str | bool]
+    ) -> dict[str, int | str | bool]:
         """Return the value of each field that carries data, from the first source that has one.
 
         The sources are the request, the position, the active flags, and the documented value.
@@ -314,7 +316,8 @@ class VirtualEncoder:
         position_bits = self.parts_now(layout) | self._compared_parts(layout)
         values: dict[str, int | str | bool] = {}
         for placed_field in self.place(layout).fields:
-            name, field = placed_field.name, placed_field.field
+            name = placed_field.name
+            field = placed_field.field
             if not field.carries_data:
                 continue
             documented_value = field.documented(self.variant.parameters)
@@ -343,7 +346,7 @@ class VirtualEncoder:
         width = self.place(layout).field(name).width
         position_width = self.place(position_layout).field(position_name).width
         bits = self.parts_now(position_layout)[position_name]
-        return {name: bits >> position_width - width if position_width >= width else bits << width - position_width}
+        return {name: bits >> (position_width - width) if position_width >= width else bits << (width - position_width)}
 
     @property
     def _position_layout(self) -> Layout | None:
@@ -421,7 +424,7 @@ class VirtualEncoder:
 
 def _number_from_bits(placed_field: PlacedField, bits: int) -> int:
     """Return the number that the bits of a field stand for."""
-    sign_bit = bits >> placed_field.width - 1
+    sign_bit = bits >> (placed_field.width - 1)
     if placed_field.field.number.signed and sign_bit:
         return bits - (1 << placed_field.width)
     return bits

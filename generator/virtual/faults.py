@@ -139,7 +139,7 @@ class Faults:
         lowest_zero = (~word & (word + 1)).bit_length() - 1
         fewest_missing = min(lowest_zero + 1, bits)
         missing_bits = self.random.randrange(fewest_missing, max(fewest_missing + 1, bits))
-        return word | (1 << missing_bits) - 1
+        return word | ((1 << missing_bits) - 1)
 
 
 class _Host(Protocol):

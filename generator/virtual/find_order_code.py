@@ -15,7 +15,7 @@ from ..order_codes.labels import Match, UnknownOrderCode, find
 
 
 @cache
-def _families(specs: tuple[Path, ...]) -> tuple[Family, ...]:
+def _load_families(specs: tuple[Path, ...]) -> tuple[Family, ...]:
     """Return the families without problems, from these specs or from those shipped with codewheel."""
     families, report = load_families(specs or None)
     valid_families = tuple(sound_families(families, report))
@@ -43,8 +43,8 @@ def find_order_code(text: str, specs: tuple[Path, ...], edition: str) -> tuple[D
             raise ValueError("an encoder in one line has no editions; leave the edition out")
         return device_of_line(text)
     reason = ""
-    special_families = [family for family in _families(specs) if _is_special(family.device, text)]
-    ordinary_families = [family for family in _families(specs) if not family.device.base]
+    special_families = [family for family in _load_families(specs) if _is_special(family.device, text)]
+    ordinary_families = [family for family in _load_families(specs) if not family.device.base]
     for family in (*special_families, *ordinary_families):
         try:
             match = find(family.device, text)

@@ -52,7 +52,8 @@ class Memory:
 
     def __init__(self, encoder: Host, initial_bytes: Mapping[str, bytes]) -> None:
         self._encoder = encoder
-        device, interface = encoder.device, encoder.variant.interface
+        device = encoder.device
+        interface = encoder.variant.interface
         self.registers = {register.name: register for register in device.registers_over(interface)}
         self.too_early = 0
         #: Time from which the encoder executes the next command.
@@ -112,7 +113,7 @@ class Memory:
         if register is None:
             return None
         if address == register.address:
-            self._refresh(register)
+            self._refresh_register(register)
         byte = self._bytes[register.name][address - register.address]
         if address == register.last_address:
             self._react_to_read(register)
@@ -123,7 +124,7 @@ class Memory:
         register = self._readable_register_at(address)
         if register is None:
             return None
-        self._refresh(register)
+        self._refresh_register(register)
         self._react_to_read(register)
         return self.value(register.name)
 
@@ -132,7 +133,7 @@ class Memory:
         register = self._writable_register_at(address)
         if register is None or not self._is_open(register):
             return False
-        bits_that_fit = value & (1 << 8 * register.length) - 1  # Python evaluates - before &.
+        bits_that_fit = value & ((1 << (8 * register.length)) - 1)
         self._bytes[register.name][:] = register.bytes_of(bits_that_fit)
         self._react_to_write(register)
         return True
@@ -236,17 +237,17 @@ class Memory:
         if register.above_max == "default" and register.max is not None and register.default is not None:
             highest = register.max.value(self._encoder.variant.parameters)
             content = register.default if content > highest else content
-        self._store(register, content)
+        self._store_number(register, content)
         for name in register.write_clears:
-            self._store(self.registers[name], 0)
+            self._store_number(self.registers[name], 0)
         if register.clears_itself or not register.readable:
             self._execute_command(register, content)
         if register.clears_itself:
-            self._store(register, register.default or 0)
+            self._store_number(register, register.default or 0)
         if not register.volatile:
             self._saved_bytes[register.name] = bytes(self._bytes[register.name])
 
-    def _store(self, register: Register, number: int) -> None:
+    def _store_number(self, register: Register, number: int) -> None:
         self._bytes[register.name][:] = number_to_bytes(register.layout, number, 8 * register.length)
         self._apply_to_parameters(register)
 
@@ -277,7 +278,7 @@ class Memory:
         if "restore" in words_of_name:
             self._restore_defaults()
         if "activate" in words_of_name:
-            self._activate(register)
+            self._activate_last_argument(register)
         if not {"save", "restore", "activate"}.isdisjoint(words_of_name):
             self._saved_bytes = {register_name: bytes(data) for register_name, data in self._bytes.items()}
         if "reset" in words_of_name:
@@ -291,9 +292,9 @@ class Memory:
     def _restore_defaults(self) -> None:
         for register in self.registers.values():
             if register.volatile:
-                self._store(register, register.default or 0)
+                self._store_number(register, register.default or 0)
 
-    def _activate(self, command_register: Register) -> None:
+    def _activate_last_argument(self, command_register: Register) -> None:
         """Activate the last register to which a procedure writes an argument, if this command activates it.
 
         That is the first procedure that writes to the command register a value with ``activate`` in its name.
@@ -352,9 +353,9 @@ class Memory:
     def _set_field(self, register: Register, field_name: str, value: int) -> None:
         placed_field = self._encoder.place(register.layout).find_field(field_name)
         if placed_field is not None:
-            self._store(register, _with_bits_of_field(self.value(register.name), placed_field, value))
+            self._store_number(register, _with_bits_of_field(self.value(register.name), placed_field, value))
 
-    def _refresh(self, register: Register) -> None:
+    def _refresh_register(self, register: Register) -> None:
         """Update a register that has flags or the position, unless the master can write it."""
         if register.writable:
             return
@@ -390,13 +391,13 @@ class Memory:
 
 def _bits_of_field(number: int, placed_field: PlacedField) -> int:
     """Return the bits of a field in the number that a register holds."""
-    return number >> placed_field.low & placed_field.mask
+    return (number >> placed_field.low) & placed_field.mask
 
 
 def _with_bits_of_field(number: int, placed_field: PlacedField, bits: int) -> int:
     """Return the number that a register holds with other bits in a field."""
     other_bits = number & ~(placed_field.mask << placed_field.low)
-    return other_bits | bits << placed_field.low
+    return other_bits | (bits << placed_field.low)
 
 
 def _command_steps(procedure: Procedure, command_register: Register) -> list[WriteStep]:

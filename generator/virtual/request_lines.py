@@ -96,7 +96,7 @@ class Rs485Line:
             request_bytes = self._received[: request.length]
             self._received = self._received[request.length :]
             if request.values is not None and not self.encoder.is_off():
-                self._answer(request.data_id, request_bytes, request.values, request.reply)
+                self._answer_request(request.data_id, request_bytes, request.values, request.reply)
 
     def _first_request(self) -> _ReceivedRequest | None:
         """Return the request at the start of the received bytes, or None if it is not complete.
@@ -171,11 +171,12 @@ class Rs485Line:
                 return layout
         return None
 
-    def _answer(
+    def _answer_request(
         self, data_id: DataId | None, request: bytes, values: dict[str, int | str | bool], layout: Layout | None
     ) -> None:
         """Carry out a request, draw a fault for it, and schedule the reply with this layout as the fault leaves it."""
-        encoder, faults = self.encoder, self.encoder.faults
+        encoder = self.encoder
+        faults = self.encoder.faults
         now = encoder.clock()
         fault = faults.draw()
         if fault == "busy":
@@ -183,7 +184,7 @@ class Rs485Line:
             self._memory_busy_until = max(self._memory_busy_until, now + BUSY_S)
         if fault in ("low", "high"):
             self._outage, self._outage_until = fault, now + OUTAGE_S
-        reply, other_reply = self._replies(data_id, values, layout, is_second=fault == "second")
+        reply, other_reply = self._compute_replies(data_id, values, layout, is_second=fault == "second")
         if fault == "restart":
             encoder.restart()
             return
@@ -197,18 +198,18 @@ class Rs485Line:
             delay = faults.random.uniform(0.005, 0.04) if fault == "late" else 0.0
             # The line keeps the order of replies, but extra ones can come before or after the next reply.
             self._last_due = max(now + delay, self._last_due)
-            self._put(self._last_due, reply_bytes)
+            self._put_bytes(self._last_due, reply_bytes)
             if fault in ("repeated", "second"):
-                self._put(self._last_due + faults.gap_s(), reply if fault == "repeated" else other_reply)
+                self._put_bytes(self._last_due + faults.gap_s(), reply if fault == "repeated" else other_reply)
         if fault == "brownout":
             encoder.restart()
 
-    def _put(self, due: float, data: bytes) -> None:
+    def _put_bytes(self, due: float, data: bytes) -> None:
         """Add bytes that reach the master at the given time. If it does not read, the first ones are lost."""
         insort(self._arrivals, (due, data), key=itemgetter(0))  # by time
         del self._arrivals[:-_MOST_REPLIES]
 
-    def _replies(
+    def _compute_replies(
         self,
         data_id: DataId | None,
         values: dict[str, int | str | bool],
@@ -224,7 +225,7 @@ class Rs485Line:
             return b"", b""
         request_values = {name: value for name, value in values.items() if name != codec.UNUSED}
         if data_id is not None and data_id.purpose in ("read", "write"):
-            memory = self._memory(data_id, layout, request_values)
+            memory = self._access_memory(data_id, layout, request_values)
             if memory is None:
                 return b"", b""
             request_values |= memory
@@ -234,7 +235,7 @@ class Rs485Line:
             self._count_reset_request(data_id)
         return number_to_bytes(layout, reply_number, bits), number_to_bytes(layout, other_number, bits)
 
-    def _memory(
+    def _access_memory(
         self, data_id: DataId, layout: Layout, request_values: dict[str, int | str | bool]
     ) -> dict[str, int | bool] | None:
         """Carry out an access to the EEPROM, and return the values for the reply: the busy flag, if any, and the data.
@@ -331,15 +332,15 @@ class SpiLine:
             raise ValueError(
                 f"0x{word:X} is not a word of {length} bits; {self.encoder.variant.code} has {lengths_text} bits"
             )
-        answer = self._answer(word, length)
+        answer = self._answer_word(word, length)
         if self.interface.exchanges and self.interface.reply == "next_word":
             previous_answer, previous_length = self._next_reply
             self._next_reply = answer, length
             # A longer word ends with zeros, and a shorter one has only the beginning of the reply.
             if length > previous_length:
-                answer = previous_answer << length - previous_length
+                answer = previous_answer << (length - previous_length)
             else:
-                answer = previous_answer >> previous_length - length
+                answer = previous_answer >> (previous_length - length)
         return word_with_fault(self.encoder, self.encoder.faults.draw(), answer, length)
 
     def receive(self, data: bytes) -> None:
@@ -373,7 +374,7 @@ class SpiLine:
         is_complete = 8 * len(self._received) >= self.word_bits
         return self.word_bits if is_complete else None
 
-    def _answer(self, word: int, length: int) -> int:
+    def _answer_word(self, word: int, length: int) -> int:
         """Carry out the request in a word of this length, and return the reply."""
         if not self.interface.exchanges:
             return self.encoder.frame(self.encoder.layouts("encoder")[0])
@@ -382,7 +383,7 @@ class SpiLine:
             self._written_fields = {}
             return self._error_reply(length)
         exchange, values = request
-        layout = self._layout(exchange.reply)
+        layout = self._find_layout(exchange.reply)
         # A reply can repeat fields of its request.
         repeated_values = {field.name: values[field.name] for field in layout.data_fields if field.name in values}
         if exchange.purpose not in ("read", "write"):
@@ -390,7 +391,7 @@ class SpiLine:
         request_fields: dict[str, int] = {name: int(values[name]) for name in ("address", "data") if name in values}
         if exchange.purpose == "write":
             self._written_fields |= request_fields
-            register_value = self._write()
+            register_value = self._complete_write()
         else:
             # No register has the address -1.
             register_value = self.encoder.memory.read_whole(request_fields.get("address", -1))
@@ -398,7 +399,7 @@ class SpiLine:
             return self._error_reply(length)
         return self.encoder.frame(layout, {**repeated_values, "data": register_value})
 
-    def _write(self) -> int | None:
+    def _complete_write(self) -> int | None:
         """Carry out a write once its address and data have come, and return the value of the register.
 
         Return None if there is no register, or it cannot be written.
@@ -423,7 +424,7 @@ class SpiLine:
             exchanges = self.interface.exchanges
             possible_exchanges = [exchange for exchange in exchanges if exchange not in later_words_of_write]
         for exchange in possible_exchanges:
-            placed_layout = self.encoder.place(self._layout(exchange.request))
+            placed_layout = self.encoder.place(self._find_layout(exchange.request))
             decoded = codec.decode_bits(self.encoder.device, placed_layout, word, length)
             if not decoded.problems:
                 return exchange, decoded.values
@@ -436,14 +437,14 @@ class SpiLine:
         for exchange in self.interface.exchanges:
             if self.interface.bits_of(exchange).value(parameters) == length:
                 exchanges_of_length.append(exchange)
-        layout = self._layout(exchanges_of_length[-1].reply)
+        layout = self._find_layout(exchanges_of_length[-1].reply)
         active_flags = {field.name: True for field in layout.fields if isinstance(field.kind, Flag)}
         return self.encoder.frame(layout, active_flags)
 
-    def _layout(self, name: str) -> Layout:
+    def _find_layout(self, name: str) -> Layout:
         return member_named(self.interface.layouts, name, "layout over SPI")
 
 
 def _first_word(data: bytes, bits: int) -> int:
     """Return the first word in the data. If it is not whole bytes, the top bits of its first byte are unused."""
-    return int.from_bytes(data[: (bits + 7) // 8], "big") & (1 << bits) - 1
+    return int.from_bytes(data[: (bits + 7) // 8], "big") & ((1 << bits) - 1)

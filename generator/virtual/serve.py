@@ -112,14 +112,14 @@ class _Clients:
         A client that has closed its connection is disconnected.
         """
         if self._client is None:
-            self._accept()
+            self._accept_client()
             return b""
         try:
             data = self._client.recv(4096)
         except OSError:
             data = b""
         if not data:
-            self._disconnect()
+            self._disconnect_client()
         return data
 
     def write(self, data: bytes) -> None:
@@ -127,19 +127,19 @@ class _Clients:
             try:
                 self._client.sendall(data)
             except OSError:
-                self._disconnect()
+                self._disconnect_client()
 
     def close(self) -> None:
         self._server.close()
-        self._disconnect()
+        self._disconnect_client()
 
-    def _accept(self) -> None:
+    def _accept_client(self) -> None:
         self._client, _ = self._server.accept()
         self._client.settimeout(PATIENCE_S)
         if self._server.family == socket.AF_INET:
             self._client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
-    def _disconnect(self) -> None:
+    def _disconnect_client(self) -> None:
         if self._client is not None:
             self._client.close()
         self._client = None

@@ -12,7 +12,8 @@ from .encoder import VirtualEncoder
 
 def positions(encoder: VirtualEncoder) -> st.SearchStrategy[int]:
     """Return positions of an encoder, in which those near the ends are more frequent."""
-    lowest, highest = encoder.lowest, encoder.lowest + encoder.counts - 1
+    lowest = encoder.lowest
+    highest = encoder.lowest + encoder.counts - 1
     # The ends, the middle, and 0 if the position is signed.
     frequent = {lowest, lowest + 1, (lowest + highest) // 2, highest, max(lowest, 0)}
     return st.one_of(st.sampled_from(sorted(frequent)), st.integers(lowest, highest))

@@ -106,9 +106,9 @@ def _frames_without_mistake(placed_layout: PlacedLayout, position_name: str, fra
 def _with_position_from_gray(placed_layout: PlacedLayout, position_name: str, frame: int) -> int:
     """Return the frame with its position converted from Gray code to binary, and all other bits as they are."""
     low, width = placed_layout.place_of(position_name)
-    position = frame >> low & ((1 << width) - 1)
-    frame_without_position = frame ^ position << low
-    return frame_without_position | gray_to_binary(position) << low
+    position = (frame >> low) & ((1 << width) - 1)
+    frame_without_position = frame ^ (position << low)
+    return frame_without_position | (gray_to_binary(position) << low)
 
 
 def _read_one_clock_later(placed_layout: PlacedLayout, frame: int) -> int:
@@ -116,7 +116,7 @@ def _read_one_clock_later(placed_layout: PlacedLayout, frame: int) -> int:
 
     The last bit is 1 if constants and parity are right only with a 1, and otherwise 0.
     """
-    with_last_0 = frame << 1 & ((1 << placed_layout.bits) - 1)
+    with_last_0 = (frame << 1) & ((1 << placed_layout.bits) - 1)
     with_last_1 = with_last_0 | 1
     _, is_0_right = check_constant_bits(placed_layout, with_last_0)
     _, is_1_right = check_constant_bits(placed_layout, with_last_1)

@@ -238,7 +238,7 @@ def _expected_bits(
     usual_bits = 0
     for placed_field in placed_layout.fields:
         values = usual_values.get(placed_field.name, ())
-        raw_value = frame >> placed_field.low & placed_field.mask
+        raw_value = (frame >> placed_field.low) & placed_field.mask
         if raw_value in values:
             free_bits = (len(values) - 1).bit_length()
             usual_bits += placed_field.width - free_bits

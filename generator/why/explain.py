@@ -71,7 +71,7 @@ def _bits_to_invert(placed_layout: PlacedLayout, crc: Crc, frame: int) -> list[i
     """Return the bits, counted from the last as 0, of which each makes the frame valid if it alone is inverted."""
     bits_to_invert: list[int] = []
     for bit in range(placed_layout.bits):
-        frame_with_flip = frame ^ 1 << bit
+        frame_with_flip = frame ^ (1 << bit)
         if frame_hypothesis("", "", placed_layout, crc, frame_with_flip).fits:
             bits_to_invert.append(bit)
     return bits_to_invert
@@ -212,7 +212,7 @@ def _bits_of_bytes_to_invert(device: Device, placed_layout: PlacedLayout, data: 
     bits_to_invert: list[int] = []
     number = int.from_bytes(data, "big")
     for bit in range(placed_layout.bits):
-        frame_with_flip = (number ^ 1 << bit).to_bytes(len(data), "big")
+        frame_with_flip = (number ^ (1 << bit)).to_bytes(len(data), "big")
         if is_valid_in_bytes(device, placed_layout, frame_with_flip):
             bits_to_invert.append(bit)
     return bits_to_invert

@@ -172,9 +172,10 @@ def check_constant_bits(placed_layout: PlacedLayout, frame: int) -> tuple[int, b
     These are constants, parity, and the field that identifies the layout. A field that may have one of 4 values has 2
     free bits, which do not count.
     """
-    constant_bits, are_right = 0, True
+    constant_bits = 0
+    are_right = True
     for placed_field in placed_layout.fields:
-        raw_value = frame >> placed_field.low & placed_field.mask
+        raw_value = (frame >> placed_field.low) & placed_field.mask
         expected_value = _expected_constant(placed_layout, placed_field, frame)
         if expected_value is not None:
             constant_bits += placed_field.width
@@ -208,7 +209,7 @@ def likelihood(placed_layout: PlacedLayout, frame: int) -> float:
     """
     likelihood = 1.0
     for placed_field in placed_layout.fields:
-        raw_value = frame >> placed_field.low & placed_field.mask
+        raw_value = (frame >> placed_field.low) & placed_field.mask
         match placed_field.field.kind:
             case Flag(active_low=active_low):
                 is_active = bool(raw_value) != active_low
@@ -306,4 +307,4 @@ def _with_right_last_bits(placed_layout: PlacedLayout, frame: int, lost_bits: in
 def crc_covered_bits(placed_layout: PlacedLayout, frame: int) -> tuple[int, int]:
     """Return the bits that the CRC covers as a number, shifted to bit 0, and how many they are."""
     low, width = placed_layout.crc_covers
-    return frame >> low & (1 << width) - 1, width
+    return (frame >> low) & ((1 << width) - 1), width

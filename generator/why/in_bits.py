@@ -104,7 +104,7 @@ def _left_out_command_hypotheses(
     if not command_bits or not has_remaining_bits:
         return
     description = TEXTS["command_left_out"].format(command_bits)
-    frame = command << remaining_bits | typed_frame.number
+    frame = (command << remaining_bits) | typed_frame.number
     hypothesis = frame_hypothesis("command_left_out", description, placed_layout, crc, frame)
     constant_bits, _ = check_constant_bits(placed_layout, 0)
     assumed_bits = sum(field.width for field in placed_layout.fields if _is_constant_from(field, remaining_bits))
@@ -118,7 +118,8 @@ def _bits_during_command(placed_layout: PlacedLayout, crc: Crc | None) -> tuple[
     result is ``(0, 0)``.
     """
     low, width = placed_layout.crc_covers if crc is not None else (0, placed_layout.bits)
-    command, lowest_bit = 0, placed_layout.bits
+    command = 0
+    lowest_bit = placed_layout.bits
     for field in sorted(placed_layout.fields, key=lambda placed_field: -placed_field.low):
         is_uncovered = field.low >= low + width
         if not isinstance(field.field.kind, Constant) and not is_uncovered:
@@ -149,7 +150,7 @@ def _offset_hypothesis(
     frame_part = front_and_frame_part & ((1 << frame_part_length) - 1)
     missing_first_bits = int(offset.missing or "0", 2)
     # The missing last bits are 0 here. ``frame_hypothesis`` knows from ``lost_bits`` that they were not received.
-    frame = (missing_first_bits << frame_part_length | frame_part) << offset.lost
+    frame = ((missing_first_bits << frame_part_length) | frame_part) << offset.lost
     start_bits = _bits_with_mark(offset.front, "1", front)
     hypothesis = frame_hypothesis(
         offset.kind,
@@ -172,7 +173,7 @@ def _bits_with_mark(pattern: str, mark: str, front: int) -> list[int]:
     0b10, this is ``[0]``.
     """
     marks_from_last_bit = enumerate(reversed(pattern))
-    return [front >> bit & 1 for bit, mark_of_bit in marks_from_last_bit if mark_of_bit == mark]
+    return [(front >> bit) & 1 for bit, mark_of_bit in marks_from_last_bit if mark_of_bit == mark]
 
 
 def rearranged_frame_hypotheses(
@@ -184,7 +185,7 @@ def rearranged_frame_hypotheses(
     """
     if placed_layout.bits in _possible_lengths(placed_layout, typed_frame):
         other_frames = {
-            "all_inverted": typed_frame.number ^ (1 << placed_layout.bits) - 1,
+            "all_inverted": typed_frame.number ^ ((1 << placed_layout.bits) - 1),
             "bits_reversed": reflect(typed_frame.number, placed_layout.bits),
         }
         if placed_layout.bits % 8 == 0:
@@ -257,8 +258,9 @@ def _removed_status_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_fram
     are_last_before_crc = frame_status_mask >> crc.width == (1 << status_bits) - 1
     if not frame_status_mask or not are_last_before_crc or not typed_frame.may_have(bits_without_status):
         return
-    data, received_crc = typed_frame.number >> crc.width, typed_frame.number & crc.mask
-    frame = data << (crc.width + status_bits) | _idle_status(placed_layout, frame_status_mask) | received_crc
+    data = typed_frame.number >> crc.width
+    received_crc = typed_frame.number & crc.mask
+    frame = (data << (crc.width + status_bits)) | _idle_status(placed_layout, frame_status_mask) | received_crc
     yield frame_hypothesis("status_not_sent", TEXTS["removed_and_idle"], placed_layout, crc, frame)
     if typed_frame.exact:  # Otherwise this is the same as a CRC over the bits before them.
         yield Hypothesis(
@@ -279,7 +281,7 @@ def _idle_status(placed_layout: PlacedLayout, frame_status_mask: int) -> int:
     """Return the bits of error and warning, at their places in the frame, while neither is active."""
     idle_bits = 0
     for placed_field in placed_layout.fields:
-        is_status = frame_status_mask >> placed_field.low & 1
+        is_status = (frame_status_mask >> placed_field.low) & 1
         if is_status and _is_set_when_idle(placed_field.field.kind):
             idle_bits |= placed_field.mask << placed_field.low
     return idle_bits

@@ -149,7 +149,7 @@ def _possible_first_bytes(placed_layout: PlacedLayout, usual_values: Mapping[str
     bytes_after_first = bytes(placed_layout.bits // 8 - 1)
     # The bits of the frame's number that the first byte has.
     first_byte_mask = number_from_bytes(layout, b"\xff" + bytes_after_first)
-    fields_in_first_byte = [field for field in placed_layout.fields if first_byte_mask >> field.low & field.mask]
+    fields_in_first_byte = [field for field in placed_layout.fields if (first_byte_mask >> field.low) & field.mask]
     frame_without_selector = 0
     parity_fields: list[PlacedField] = []
     for field in fields_in_first_byte:

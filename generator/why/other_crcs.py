@@ -71,7 +71,7 @@ def other_crcs_over_bits(crc: Crc) -> Iterator[OtherCrc]:
     for start in _other_start_values(crc):
         yield "start_value", f"the start value of the CRC is {start:#x}", replace(crc, init=start)
     reversed_polynomial = reflect(crc.poly_with_top_bit, crc.width + 1) & crc.mask
-    with_top_bit = reversed_polynomial | 1 << crc.width
+    with_top_bit = reversed_polynomial | (1 << crc.width)
     polynomial_text = f"the polynomial is {with_top_bit:#x}, written in reverse"
     yield "polynomial_reversed", polynomial_text, replace(crc, poly=reversed_polynomial)
 
@@ -153,9 +153,9 @@ def _remove_bits(data: int, data_bits: int, mask: int) -> tuple[int, int]:
     """
     remaining_data = remaining_bits = 0
     for bit in reversed(range(data_bits)):
-        is_masked = mask >> bit & 1
+        is_masked = (mask >> bit) & 1
         if not is_masked:
-            remaining_data = remaining_data << 1 | data >> bit & 1
+            remaining_data = (remaining_data << 1) | ((data >> bit) & 1)
             remaining_bits += 1
     return remaining_data, remaining_bits
 
@@ -170,14 +170,14 @@ def _position_code_hypotheses(
     low, width = _place_of_position(placed_layout)
     if not width:
         return
-    position = frame >> low & ((1 << width) - 1)
-    frame_without_position = frame ^ position << low
+    position = (frame >> low) & ((1 << width) - 1)
+    frame_without_position = frame ^ (position << low)
     conversions = (
         (gray_to_binary(position), TEXTS["covers_binary"]),
         (binary_to_gray(position), TEXTS["covers_gray"]),
     )
     for converted_position, description in conversions:
-        converted_frame = frame_without_position | converted_position << low
+        converted_frame = frame_without_position | (converted_position << low)
         covered_data = converted_frame >> without_mistake.received_crc_bits
         yield replace(without_mistake, kind="other_code", description=description, covered_data=covered_data)
 
@@ -210,7 +210,7 @@ def _start_bit_hypotheses(without_mistake: Hypothesis) -> Iterator[Hypothesis]:
             without_mistake,
             kind="start_bits_in_crc",
             description=description,
-            covered_data=front_number << without_mistake.covered_bits | without_mistake.covered_data,
+            covered_data=(front_number << without_mistake.covered_bits) | without_mistake.covered_data,
             covered_bits=without_mistake.covered_bits + len(front_bits),
         )
 

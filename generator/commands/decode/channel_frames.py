@@ -51,7 +51,8 @@ class ChannelDecoder:
     """Decoder of the frames of one order code that carry several data channels."""
 
     def __init__(self, device: Device, variant: Variant, frame: PlacedChannels) -> None:
-        self._device, self._variant = device, variant
+        self._device = device
+        self._variant = variant
         self.frame = frame
 
     def read(self, text: str) -> TypedFrame | None:
@@ -67,7 +68,9 @@ class ChannelDecoder:
 
     def decode(self, typed_frame: TypedFrame) -> ChannelResult:
         """Return the frame decoded. Its bits are those of all channels, in the order in which they are sent."""
-        device, frame, number = self._device, self.frame, typed_frame.number
+        device = self._device
+        frame = self.frame
+        number = typed_frame.number
         bits = typed_frame.bits if typed_frame.exact else max(frame.bits, typed_frame.bits)
         problems: tuple[codec.Problem, ...] = ()
         decoded_channels: tuple[codec.Decoded, ...] = ()

@@ -100,7 +100,9 @@ class Decoding:
     def __init__(self, request: Request) -> None:
         """Prepare to decode what is requested. Other layouts are tried too unless a layout or a register is named."""
         self._request = request
-        device, variant, sender = request.device, request.match.variant, request.sender
+        device = request.device
+        variant = request.match.variant
+        sender = request.sender
         self._decode_frame = text_decoder(device, variant, sender, request.layout)
         has_known_layout = request.layout is not None or request.register is not None
         self._other_frames = None if has_known_layout else OtherFrames(device, variant, sender)
@@ -161,7 +163,8 @@ class Decoding:
 
     def _print_channels(self, line: Line, decoder: ChannelDecoder, frame: TypedFrame) -> None:
         """Print a frame that carries all data channels, as text or as JSON."""
-        request, result = self._request, decoder.decode(frame)
+        request = self._request
+        result = decoder.decode(frame)
         variant = request.match.variant
         is_not_usable = result.findings.verdict is Verdict.NOT_USABLE
         self._codes.add(FAULT if result.has_problem else NOT_USABLE if is_not_usable else DONE)
@@ -196,7 +199,9 @@ class Decoding:
         mistakes = judge_together([why for _, _, why in failed_frames])
         if mistakes and mistakes[0].frames == len(failed_frames):
             return mistakes
-        device, variant, sender = self._request.device, self._request.match.variant, self._request.sender
+        device = self._request.device
+        variant = self._request.match.variant
+        sender = self._request.sender
         whys = [why_text(device, variant, sender, text, decoded, with_pairs=True) for text, decoded, _ in failed_frames]
         return judge_together([why for why in whys if why is not None])
 
@@ -208,7 +213,8 @@ class Decoding:
             RegisterError: There is no such register, or it has another length.
             UndecidedError: The layout of the frame depends on a question that the user has not answered.
         """
-        device, variant = self._request.device, self._request.match.variant
+        device = self._request.device
+        variant = self._request.match.variant
         if self._request.register is not None:
             decoded = decode_register_text(device, variant, self._request.register, text)
             self._refuse_undecided(decoded)
@@ -297,7 +303,8 @@ class Decoding:
         other_layouts: Sequence[PlacedLayout],
     ) -> str:
         """Return a frame as text, after a blank line except for the first, or as JSON, in one line for one of many."""
-        request, answers = self._request, self._answers_used(decoded)
+        request = self._request
+        answers = self._answers_used(decoded)
         if request.as_json:
             data = decoded_data(
                 request.device,

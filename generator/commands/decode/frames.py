@@ -140,7 +140,8 @@ def placed_bytes(placed: PlacedLayout, variant: Variant, text: str) -> bytes:
     if not line_carries_bits or not _BITS.fullmatch(without_gaps):
         return frame_bytes(text)
     # The line may carry fewer bits than the bytes of the frame have. The missing ones are the first, and zero.
-    bits, length = placed.layout.sent_bits.value(placed.parameters), placed.bits // 8
+    bits = placed.layout.sent_bits.value(placed.parameters)
+    length = placed.bits // 8
     written_bits = len(without_gaps) - len("0b")
     if written_bits != bits:
         remedy = say.write_bits(str(bits), str(length))
@@ -397,7 +398,8 @@ class OtherFrames:
 
     def __init__(self, device: Device, variant: Variant, sender: str) -> None:
         layouts = _layouts_of(device, variant, sender)
-        self._device, self._variant = device, variant
+        self._device = device
+        self._variant = variant
         self._is_exact = have_lengths(layouts, sender)
         self._candidates: list[PlacedLayout] = []
         has_selector = any(layout.selector for layout in layouts)  # It identifies the frame.

@@ -271,7 +271,8 @@ def _fixed_value_text(field: Field) -> str:
 
 def frame_lines(device: Device, layout: Layout, variant: Variant) -> list[str]:
     """Return the lines about a frame of an order code: a title, a picture, and what registers may change in it."""
-    interface, placed = device.interface(variant.interface), layout.place(variant.parameters)
+    interface = device.interface(variant.interface)
+    placed = layout.place(variant.parameters)
     style = style_with(variant.parameters)
     name = f"{layout.name} ({layout.printed_name})" if layout.printed_name else layout.name
     heading = style.sentence(say_layout.head(interface, layout, name, device.alternatives))

@@ -51,7 +51,7 @@ class _Printed(Protocol):
     def names(self) -> Mapping[str, str]: ...
 
 
-def misspelt_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_misspelt_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no printed name differs by one letter from an entry of the contents, or an alarm's from its flag's."""
     _compare_with_contents(spec, raw, report)
     for alarm in spec.alarms:
@@ -118,7 +118,7 @@ def _printed_names(part: _Printed) -> Iterator[tuple[Path, str]]:
         yield ("names", language), name
 
 
-def printed_number(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_printed_number(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a value whose printed name is a number, such as ``0Ah``, has that number."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -144,7 +144,7 @@ def _printed_number(printed_name: str, width: int | None) -> int | None:
     return int(with_suffix[1], 16) if with_suffix is not None else None
 
 
-def number_in_meaning(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_number_in_meaning(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a field with a fixed number does not have another hexadecimal number as the only one in its meaning.
 
     A meaning that speaks of a register or an address is not checked, because its number may be that of a place.
@@ -170,7 +170,7 @@ def _fixed_numbers(field: WrittenField) -> list[tuple[str, int]]:
     return [(key, value) for key, value in numbers_by_key if isinstance(value, int)]
 
 
-def polynomial_in_note(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_polynomial_in_note(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the polynomial of a CRC is among those in its note, if there are any.
 
     A note gives a polynomial with its top bit, which ``poly`` omits.
@@ -208,7 +208,7 @@ def _printed_polynomials(note: str, width: int) -> dict[str, int]:
     return polynomials
 
 
-def unused_bits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_unused_bits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a register has no field at bits that its note calls unused, unless its number is fixed."""
     for field_list in field_lists(spec):
         unused_in_note = set(_unused_bits_in(field_list.owner.note))
@@ -241,7 +241,7 @@ def _unused_bits_in(text: str) -> Iterator[int]:
             yield from range(int(low or high), int(high) + 1)
 
 
-def access_repeated(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_access(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a register with fixed contents is not writable, and that registers have the access that errata state.
 
     A note or an erratum explains a writable register with fixed contents.
@@ -278,11 +278,12 @@ def _check_access_in_erratum(spec: WrittenSpec, erratum: WrittenErratum, report:
             report.add("access-mismatch", erratum.place_of("used"), message)
 
 
-def zero_within_limits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_zero_within_limits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the number for which zero stands is at most one more than the highest one of its register."""
     for register in spec.registers:
         for field in register.fields:
-            zero, highest = field.zero_means, register.max
+            zero = field.zero_means
+            highest = register.max
             is_limited = register.limits_of in ("", field.name)
             # 0 can stand for the number after the highest one, such as 65536 in 16 bits.
             if isinstance(zero, int) and isinstance(highest, int) and is_limited and zero > highest + 1:
@@ -290,7 +291,7 @@ def zero_within_limits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
                 report.add("limit-does-not-fit", register.place_of("max"), message)
 
 
-def requests_repeated(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_requests(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a text of a procedure with one step has the number of requests that the step sends."""
     for procedure in spec.procedures:
         times = procedure.steps[0].times if len(procedure.steps) == 1 else None
@@ -312,7 +313,7 @@ def _number_of(text: str) -> int:
     return int(text) if text.isdigit() else _NUMBERS.index(text.casefold()) + 2
 
 
-def table_repeated(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_tables(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Report two tables with common columns whose numbers agree in all cells but one.
 
     Rows belong together if a column whose cells are all different in each table has the same cell in both.
@@ -327,8 +328,8 @@ def table_repeated(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
                     f"{quoted(pair.column)} is {pair.cell} here, but {pair.earlier_cell} in the table "
                     f"{quoted(earlier_table.name)}; one of the two is wrong"
                 )
-                place = (*located_table.path, "rows", pair.row, table.columns.index(pair.column))
-                report.add("quantity-repeated", place, message)
+                path = (*located_table.path, "rows", pair.row, table.columns.index(pair.column))
+                report.add("quantity-repeated", path, message)
 
 
 @dataclass(frozen=True, slots=True)
@@ -376,12 +377,12 @@ def _number_pairs(table: Table, earlier_table: Table, key_column: str, column: s
     """Return the pairs of cells in a column that are numbers, from the rows with the same cell in the key column."""
     earlier_cells: dict[str, str] = {}
     for row in earlier_table.rows:
-        earlier_cells[_cell(earlier_table, row, key_column)] = _cell(earlier_table, row, column)
+        earlier_cells[_text_of_cell(earlier_table, row, key_column)] = _text_of_cell(earlier_table, row, column)
     cell_pairs = []
     for row_number, row in enumerate(table.rows):
-        key_cell = _cell(table, row, key_column)
+        key_cell = _text_of_cell(table, row, key_column)
         if key_cell in earlier_cells:
-            cell_pairs.append(_CellPair(row_number, column, _cell(table, row, column), earlier_cells[key_cell]))
+            cell_pairs.append(_CellPair(row_number, column, _text_of_cell(table, row, column), earlier_cells[key_cell]))
     return [pair for pair in cell_pairs if pair.is_numeric]
 
 
@@ -389,7 +390,7 @@ def _differing_cells(pairs: list[_CellPair]) -> list[_CellPair]:
     return [pair for pair in pairs if pair.cell != pair.earlier_cell]
 
 
-def _cell(table: Table, row: Sequence[str], column: str) -> str:
+def _text_of_cell(table: Table, row: Sequence[str], column: str) -> str:
     """Return the text in a column of a row, or an empty string if the row is too short."""
     index = table.columns.index(column)
     return row[index] if index < len(row) else ""
@@ -397,5 +398,5 @@ def _cell(table: Table, row: Sequence[str], column: str) -> str:
 
 def _is_key(table: Table, column: str) -> bool:
     """Return True if all cells of a column are different, so that each identifies its row."""
-    cells = [_cell(table, row, column) for row in table.rows]
+    cells = [_text_of_cell(table, row, column) for row in table.rows]
     return len(cells) == len(set(cells))

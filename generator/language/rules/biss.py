@@ -32,7 +32,7 @@ _DIRECTIONS = {"write": 0b01, "read": 0b10}
 _INVERTED = {0x3F: 6, 0xFFFF: 16}
 
 
-def biss_places(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_biss_places(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers with names fixed by BiSS are at their fixed place, with its length.
 
     The register that selects banks has such a place under any name. Registers in a bank may have these names.
@@ -58,7 +58,7 @@ def biss_places(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
             report.add("biss-protocol", register.place_of("length"), message)
 
 
-def biss_taken(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_taken_biss_places(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no other register is at a place fixed by BiSS, unless an erratum explains it.
 
     A read-only register inside that place is accepted as a part of it under another name. So is any register inside it
@@ -73,7 +73,8 @@ def biss_taken(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> N
         fixed_name = _taken_place(register)
         if fixed_name is None or explained(report.document, "registers", name, "address"):
             continue
-        first, last = register.address, register.address + register.length - 1
+        first = register.address
+        last = register.address + register.length - 1
         address_text = f"at {first:02X}h" if first == last else f"at {first:02X}h to {last:02X}h"
         problem = f"{quoted(name)} is {address_text}, but BiSS has {quoted(fixed_name)} {_PLACES[fixed_name][2]}"
         remedy = (
@@ -88,7 +89,8 @@ def _taken_place(register: WrittenRegister) -> str | None:
 
     A part of that register may be here, and so may any register at 41h.
     """
-    first_address, end_address = register.address, register.address + register.length
+    first_address = register.address
+    end_address = register.address + register.length
     for fixed_name, (fixed_first, length, _) in _PLACES.items():
         fixed_end = fixed_first + length
         overlaps = first_address < fixed_end and fixed_first < end_address
@@ -99,7 +101,7 @@ def _taken_place(register: WrittenRegister) -> str | None:
     return None
 
 
-def biss_byte_order(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_biss_byte_order(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers fixed by BiSS have their most significant byte first, unless an erratum explains it."""
     for register in spec.registers:
         name = register.name
@@ -114,12 +116,13 @@ def biss_byte_order(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
             report.add("biss-protocol", register.place_of("byte_order"), message)
 
 
-def biss_frame(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_biss_frame(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that nE and nW are active low, in this order after the position, and that a frame has an inverted CRC.
 
     A frame without either is not checked. An erratum explains what the manual prints differently.
     """
-    groups, crcs = by_name(raw.field_groups), by_part_name(raw.crcs)
+    groups = by_name(raw.field_groups)
+    crcs = by_part_name(raw.crcs)
     for frame in layouts(spec):
         layout = frame.layout
         if layout is None or frame.interface != Biss.name or not frame.is_from_encoder:
@@ -198,7 +201,8 @@ def _late_positions(sent_fields: SentFields, positions: set[str], frame_path: st
 
 def _inverts_another_width(crc: Crc) -> str:
     """Return the message about a CRC whose ``xorout`` inverts 6 or 16 bits, but not all bits of its width."""
-    inverted_bits, width = _INVERTED[crc.xorout], crc.width
+    inverted_bits = _INVERTED[crc.xorout]
+    width = crc.width
     problem = (
         f"the CRC {quoted(crc.name)} has 'width' {width}, but its 'xorout' {crc.xorout:#x} inverts {inverted_bits} bits"
     )
@@ -232,7 +236,7 @@ def _crc_faults(located_crc: Located[Crc]) -> Iterator[tuple[str, str]]:
             yield key, f"{problem}; write '{key}: false'"
 
 
-def biss_control(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_biss_control(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the control frame has the widths, the directions and the CRC of BiSS.
 
     Every master relies on them, so a spec has these numbers even if an erratum records others that the manual prints.

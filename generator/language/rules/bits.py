@@ -30,7 +30,7 @@ _ERROR = re.compile(r"(?<![A-Za-z])(?:nE|n?Err|(?i:errors?|faults?|failures?))(?
 _NO_ERROR = re.compile(r"(?i:\b(?:no|not|without|free)\b)")
 
 
-def makes_position_missing(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_missing_verdicts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a flag in a frame with a position gives the verdict on the position while it is active.
 
     The flags that an interface itself defines have a known verdict.
@@ -52,7 +52,7 @@ def makes_position_missing(spec: WrittenSpec, raw: WrittenSpec, report: Document
                 report.add("makes-position-missing", field.path, f"{problem} {remedy}")
 
 
-def error_usable(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_usable_errors(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a flag or value called an error does not leave the position usable, unless a note explains it."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -83,7 +83,7 @@ def names_error(name: str, printed_name: str) -> bool:
     return any(_ERROR.search(text) and not _NO_ERROR.search(text) for text in texts)
 
 
-def flag_sums(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_flag_sums(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the flags combined by another one exist in some list of fields."""
     flags: list[str] = []
     for field_list in field_lists(raw):
@@ -97,14 +97,15 @@ def flag_sums(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> No
                     report.add("undefined-reference", (*field.place_of("sums_up"), index), problem, cause=name)
 
 
-def alarm_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_alarm_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that an alarm with the name of a flag in its group or register is about that flag.
 
     ``field`` is the flag of an alarm. Without it, it is the flag of the same name.
     """
     for located_alarm in spec.alarms:
         alarm = located_alarm.part
-        name, flag_name = alarm.name, alarm.field or alarm.name
+        name = alarm.name
+        flag_name = alarm.field or alarm.name
         owner = owner_of_alarm(spec, located_alarm)
         flags = by_name(owner.fields) if owner is not None else {}
         if name != flag_name and name in flags and flag_name in flags:
@@ -132,7 +133,7 @@ _PARITY = re.compile(r"(?:(?:even|odd)_)?(?:par|parity)(?:_bit)?")
 _PLAIN = frozenset(("name", "printed_name", "names", "bits", "at", "meaning", "source"))
 
 
-def plain_bits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_plain_bits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a bit of an encoder's frame that is called error or parity is described as one.
 
     A plain number has no effect on the verdict, and no decoder checks it. A note explains a bit that is neither.
@@ -144,7 +145,7 @@ def plain_bits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> N
             continue
         for field in field_list.fields:
             name = field.name
-            is_plain_bit = _bits(field) == 1 and _PLAIN.issuperset(field.data)
+            is_plain_bit = _width_of_field(field) == 1 and _PLAIN.issuperset(field.data)
             if not is_plain_bit or _is_fixed(field_list, name):
                 continue
             problem = f"{quoted(name)} is a plain number, so decoders ignore it"
@@ -163,7 +164,7 @@ def _is_fixed(fields: FieldList, name: str) -> bool:
     return fields.interface in INTERFACES and name in INTERFACES[fields.interface].flags
 
 
-def _bits(field: WrittenField) -> int | str | None:
+def _width_of_field(field: WrittenField) -> int | str | None:
     """Return the number of bits of a field, given by its width or as the place of one bit."""
     return 1 if isinstance(field.at, int) else field.bits
 
@@ -176,7 +177,7 @@ _BINARY = re.compile(r"\bbinary\b", re.IGNORECASE)
 _UNKNOWN_POSITION = "POSITION"
 
 
-def output_code(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_output_code(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that ``output_code`` of SSI is the code in which its layouts send the position, up to the first error."""
     for kind, interface in interfaces(spec):
         if not isinstance(interface, WrittenSsi) or not interface.output_code:
@@ -184,7 +185,7 @@ def output_code(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
         position_layouts = _with_position(spec, raw, kind)
         has_gray = any(_gray_of(frame) is not None for frame in position_layouts)
         for frame in position_layouts:
-            contradiction = _contradiction(interface.output_code, frame, spec, raw, has_gray=has_gray)
+            contradiction = _find_contradiction(interface.output_code, frame, spec, raw, has_gray=has_gray)
             if contradiction:
                 message = f"'output_code' is {interface.output_code}, but {quoted(frame.name)} {contradiction}"
                 report.add("output-code", interface.place_of("output_code"), message)
@@ -196,7 +197,7 @@ def _gray_of(fields: FieldList) -> WrittenGray | None:
     return fields.layout.gray if fields.layout is not None else None
 
 
-def _contradiction(code: str, fields: FieldList, spec: WrittenSpec, raw: WrittenSpec, *, has_gray: bool) -> str:
+def _find_contradiction(code: str, fields: FieldList, spec: WrittenSpec, raw: WrittenSpec, *, has_gray: bool) -> str:
     """Return how a layout contradicts ``output_code``, such as ``has no 'gray', …``, or an empty string.
 
     ``gray`` of a layout means that it is in Gray code, always or if the parameter in ``when`` is not 0. ``has_gray``
@@ -205,10 +206,10 @@ def _contradiction(code: str, fields: FieldList, spec: WrittenSpec, raw: Written
     gray = _gray_of(fields)
     if gray is None:
         if code == "gray":
-            example = f"'gray: {{of: {_position(fields, spec, raw)}}}'"
+            example = f"'gray: {{of: {_find_position(fields, spec, raw)}}}'"
             return f"has no 'gray', so decoders take the position as binary; add {example} to it"
         if code == "by_order_code" and not has_gray:
-            example = f"'gray: {{of: {_position(fields, spec, raw)}, when: PARAMETER}}'"
+            example = f"'gray: {{of: {_find_position(fields, spec, raw)}, when: PARAMETER}}'"
             return f"has no 'gray', so decoders take the position as binary; add {example} to it"
         return ""
     if code == "binary":
@@ -221,7 +222,7 @@ def _contradiction(code: str, fields: FieldList, spec: WrittenSpec, raw: Written
     return ""
 
 
-def gray_named(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_named_gray_code(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that an interface whose order codes name Gray code has a layout in Gray code.
 
     A value of an order code belongs to the interface that it selects, or to the only one.
@@ -254,11 +255,11 @@ def _names_gray(value: WrittenCodeValue) -> bool:
 def _with_position(spec: WrittenSpec, raw: WrittenSpec, kind: str) -> list[FieldList]:
     """Return the layouts of the encoder that contain the position, or all of its layouts if none is known to do so."""
     sent_layouts = [frame for frame in layouts(spec) if frame.interface == kind and frame.is_from_encoder]
-    with_position = [frame for frame in sent_layouts if _position(frame, spec, raw) != _UNKNOWN_POSITION]
+    with_position = [frame for frame in sent_layouts if _find_position(frame, spec, raw) != _UNKNOWN_POSITION]
     return with_position or sent_layouts
 
 
-def _position(fields: FieldList, spec: WrittenSpec, raw: WrittenSpec) -> str:
+def _find_position(fields: FieldList, spec: WrittenSpec, raw: WrittenSpec) -> str:
     """Return the name of the joined number or field for the position in a layout, or ``POSITION`` if there is none."""
     known_names = position_names(spec, fields.interface)
     for name in (*fields.joins, *field_names(fields, by_name(raw.field_groups))):

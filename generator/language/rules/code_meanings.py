@@ -31,7 +31,7 @@ _TWO_VOLTAGES = re.compile(rf"{_VOLT} ?(?:to|-|–|…|\.\.\.|(?=\+)) ?{_VOLT}")
 MEANING_DIFFERS = "; if the manual prints it so, give the reason in 'meaning_differs'"
 
 
-def value_words(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_value_words(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the meaning of an order code value agrees with its settings: Gray or binary code, length and supply.
 
     A value with ``meaning_differs`` explains a difference.
@@ -127,21 +127,21 @@ def supply_named(text: str) -> tuple[int, int] | None:
     two_voltages = _TWO_VOLTAGES.fullmatch(text)
     if two_voltages is not None:
         low, high = two_voltages.groups()
-        return _millivolts(low, 100), _millivolts(high, 100)
+        return _to_millivolts(low, 100), _to_millivolts(high, 100)
     one_voltage = _ONE_VOLTAGE.fullmatch(text)
     if one_voltage is None:
         return None
     volts, tolerance_text = one_voltage.groups()
     tolerance = Fraction(tolerance_text or 0)
-    return _millivolts(volts, 100 - tolerance), _millivolts(volts, 100 + tolerance)
+    return _to_millivolts(volts, 100 - tolerance), _to_millivolts(volts, 100 + tolerance)
 
 
-def _millivolts(volts: str, per_cent: Fraction | int) -> int:
+def _to_millivolts(volts: str, per_cent: Fraction | int) -> int:
     """Return a percentage of a voltage in millivolts."""
     return int(Fraction(volts) * per_cent * 10)  # 1000 mV per V, and 1 / 100 for the percentage.
 
 
-def interface_named(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_named_interface(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that an order code value does not select another interface than the only one that its meaning names.
 
     RS-485 also names the signals, so it is not compared, but next to SSI or BiSS it makes the meaning unclear.
@@ -159,33 +159,33 @@ def interface_named(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
                 report.add("interface-mismatch", value.place_of("interface"), problem)
 
 
-def labels(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_labels(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a label that is a number has the number of the expression in ``label_is`` of its part.
 
     Only labels whose value sets all parameters of the expression are checked.
     """
     for part in spec.order_code.parts:
-        expression = _expression(part.label_is)
+        expression = _parse_expression(part.label_is)
         if expression is None:
             continue
         for label, value in part.values.items():
             sets_all_parameters = all(name in value.sets for name in expression.parameters)
             if not label.isdecimal() or not sets_all_parameters:
                 continue
-            number = _number(expression, value.sets)
+            number = _evaluate_expression(expression, value.sets)
             if number is not None and int(label) != number:
                 message = f"the label {quoted(label)} must be {expression.render()}, which is {number} here"
                 report.add("label-mismatch", value.place_of("sets"), message)
 
 
-def _expression(formula: int | str | None) -> Expression | None:
+def _parse_expression(formula: int | str | None) -> Expression | None:
     try:
         return None if formula is None else Expression.parse(formula)
     except ExpressionError:  # Reported by the rule on expressions.
         return None
 
 
-def _number(expression: Expression, parameters: Mapping[str, int]) -> int | None:
+def _evaluate_expression(expression: Expression, parameters: Mapping[str, int]) -> int | None:
     """Return the value of an expression, or None if an exponent is out of range."""
     try:
         return expression.value(parameters)

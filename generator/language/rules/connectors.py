@@ -40,13 +40,13 @@ class _Contact:
     @property
     def main_names(self) -> set[str]:
         """Names of the signal, without those in parentheses."""
-        return set(_names(_IN_PARENTHESES.sub("", self.signal)))
+        return set(_yield_names(_IN_PARENTHESES.sub("", self.signal)))
 
     @property
     def names(self) -> list[str]:
         """All names of the signal: ``A``, ``REQ+`` and ``SD+`` of ``A (REQ+ / SD+)``."""
-        inner_names = [name for inner in _IN_PARENTHESES.findall(self.signal) for name in _names(inner)]
-        return [*_names(_IN_PARENTHESES.sub("", self.signal)), *inner_names]
+        inner_names = [name for inner in _IN_PARENTHESES.findall(self.signal) for name in _yield_names(inner)]
+        return [*_yield_names(_IN_PARENTHESES.sub("", self.signal)), *inner_names]
 
     @property
     def is_shared(self) -> bool:
@@ -70,7 +70,8 @@ class _Connector:
 
     def names_in_note(self, signal: str) -> bool:
         """Return True if the note names a signal, which explains that it is missing."""
-        note, words = _plain(self.part.note), re.escape(_plain(signal))
+        note = _normalise_signal(self.part.note)
+        words = re.escape(_normalise_signal(signal))
         return re.search(rf"(?<![\w/]){words}(?![\w+-])", note) is not None
 
     def shares_interface(self, other: _Connector) -> bool:
@@ -80,12 +81,12 @@ class _Connector:
         return not {*self.part.interfaces}.isdisjoint(other.part.interfaces)
 
 
-def signal_twice(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_signals(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two contacts of a connector have the same signal for the same order codes.
 
     Supplies, grounds and shields may be on several contacts.
     """
-    for connector in _connectors(spec):
+    for connector in _collect_connectors(spec):
         earlier_contacts: list[_Contact] = []
         for contact in connector.contacts:
             if contact.is_shared:
@@ -108,19 +109,19 @@ def _has_signal_of(contact: _Contact, earlier: _Contact) -> bool:
     if contact.only and earlier.only and contact.only != earlier.only:
         return False
     contact_names, earlier_names = (
-        {*map(_plain, {*either.main_names, either.signal})} for either in (contact, earlier)
+        {*map(_normalise_signal, {*either.main_names, either.signal})} for either in (contact, earlier)
     )
     return not contact_names.isdisjoint(earlier_names)
 
 
-def incomplete_pair(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_incomplete_pair(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that both lines of a differential pair are on a connector: ``MA +`` and ``MA -``, ``A`` and ``/A``.
 
     A note that names the missing line explains it. A second reading has no notes.
     """
     if is_second(report.document.file):
         return
-    for connector in _connectors(spec):
+    for connector in _collect_connectors(spec):
         names = {name.casefold() for contact in connector.contacts for name in contact.names}
         has_inverted = any(name.startswith("/") for name in names)
         for contact in connector.contacts:
@@ -134,14 +135,14 @@ def incomplete_pair(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
                     report.add("incomplete-pair", (*contact.path, "signal"), message)
 
 
-def connector_and_cable(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_connector_and_cable(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a connector and a cable for the same interface have the same signals, or a note on missing ones.
 
     A second reading has no notes.
     """
     if is_second(report.document.file):
         return
-    connectors = _connectors(spec)
+    connectors = _collect_connectors(spec)
     for cable in (candidate for candidate in connectors if candidate.part.kind == "cable"):
         for connector in (candidate for candidate in connectors if candidate.part.kind == "connector"):
             if cable.shares_interface(connector):
@@ -154,11 +155,11 @@ def _report_missing_signals(incomplete: _Connector, complete: _Connector, report
 
     It has a signal if it has one of its names, such as ``MA +`` of ``CLOCK IN + / MA +``.
     """
-    names = {_plain(name) for contact in incomplete.contacts for name in (contact.signal, *contact.names)}
+    names = {_normalise_signal(name) for contact in incomplete.contacts for name in (contact.signal, *contact.names)}
     missing_signals = [
         contact.signal
         for contact in complete.contacts
-        if names.isdisjoint({_plain(name) for name in (contact.signal, *contact.names)})
+        if names.isdisjoint({_normalise_signal(name) for name in (contact.signal, *contact.names)})
     ]
     unexplained = [signal for signal in dict.fromkeys(missing_signals) if not incomplete.names_in_note(signal)]
     if unexplained:
@@ -167,7 +168,7 @@ def _report_missing_signals(incomplete: _Connector, complete: _Connector, report
         report.add("missing-signal", (*incomplete.located.path, "contacts"), message, at_key=True)
 
 
-def _connectors(spec: WrittenSpec) -> list[_Connector]:
+def _collect_connectors(spec: WrittenSpec) -> list[_Connector]:
     """Return the connectors and cables, without the contacts that have no signal."""
     connectors = []
     for located in spec.connectors:
@@ -180,7 +181,7 @@ def _connectors(spec: WrittenSpec) -> list[_Connector]:
     return connectors
 
 
-def _plain(signal: str) -> str:
+def _normalise_signal(signal: str) -> str:
     """Return a signal as it is compared: in lower case, without spaces before signs, and with plain minus signs."""
     return _close_signs(signal).casefold()
 
@@ -190,7 +191,7 @@ def _close_signs(signal: str) -> str:
     return re.sub(r"\s+(?=[+-])", "", " ".join(signal.replace("−", "-").split()))
 
 
-def _names(text: str) -> Iterator[str]:
+def _yield_names(text: str) -> Iterator[str]:
     """Yield the names that a text lists, such as ``MA+`` and ``Clock IN+``."""
     for name in re.split(r"\s/\s", _close_signs(text)):
         if name.strip():

@@ -54,21 +54,21 @@ class _Pair(NamedTuple):
         return self.inverted if self.is_plain_first else self.plain
 
 
-def kinds_of_contacts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_kinds_of_contacts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that wires with colours are those of a cable, and that a contact named after a shield carries no signal."""
     for connector in spec.connectors:
         for index, contact in enumerate(connector.part.contacts):
-            place = (*connector.path, "contacts", index)
+            path = (*connector.path, "contacts", index)
             if connector.part.kind == "connector" and _WIRE.fullmatch(contact.contact):
                 message = f"{quoted(contact.contact)} is the colour of a wire, but the kind is 'connector'"
                 report.add("contact-kind", (*connector.path, "kind"), f"{message}; write 'kind: cable'")
                 break
             if _SHIELD.fullmatch(contact.contact) and not _SHIELD.search(contact.signal):
                 message = f"the contact is a shield, but its signal is {quoted(contact.signal)}; correct one of the two"
-                report.add("contact-kind", (*place, "signal"), message)
+                report.add("contact-kind", (*path, "signal"), message)
 
 
-def numbered_cables(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_numbered_cables(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a cable has a wire with a name that is not a number, unless a note says that they are numbered."""
     if is_second(report.document.file):  # It has no notes.
         return
@@ -85,7 +85,7 @@ def _is_case(name: str) -> bool:
     return name.casefold() in ("case", "housing", "shell") or _SHIELD.fullmatch(name) is not None
 
 
-def interfaces_of_lines(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_interfaces_of_lines(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a connector with a line that only one interface has, such as ``MA +``, is for this interface."""
     for connector in spec.connectors:
         names = {name for contact in connector.part.contacts for name in signal_names(contact.signal)}
@@ -98,7 +98,7 @@ def interfaces_of_lines(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
                 report.add("contact-interface", (*connector.path, "interfaces"), message)
 
 
-def wires_of_contacts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_wires_of_contacts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a contact and a wire with the same line have the same one over every interface.
 
     A signal that a connector and a cable both have once belongs to a contact and a wire of one line. If another
@@ -160,7 +160,7 @@ def _compare_signals(
             report.add("contact-wire", (*connector.path, "contacts", index, "signal"), message)
 
 
-def order_of_pairs(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_order_of_pairs(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the two lines of each pair are next to each other, and in the same order as those of the first pair.
 
     If all of three or more pairs are apart, or the only one is, they are compared by their order alone.
@@ -169,16 +169,16 @@ def order_of_pairs(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
     if is_second(report.document.file):  # It has no notes.
         return
     for connector in spec.connectors:
-        contacts_by_name = _indexes(connector.part)
+        contacts_by_name = _index_contacts(connector.part)
         statements = list(_true_statements(connector, contacts_by_name, report))
-        pairs = list(_pairs(connector.part, contacts_by_name))
+        pairs = list(_yield_pairs(connector.part, contacts_by_name))
         for pair in pairs:
             problem = _wrong_order(pair, pairs)
             if problem and {pair.plain_index, pair.inverted_index} not in statements:
                 statement = f"{pair.first} is on a lower contact than {pair.second}"
                 message = f"{problem}; correct it, or say in a 'note' that {statement}"
-                place = (*connector.path, "contacts", min(pair.plain_index, pair.inverted_index), "signal")
-                report.add("pair-order", place, message)
+                path = (*connector.path, "contacts", min(pair.plain_index, pair.inverted_index), "signal")
+                report.add("pair-order", path, message)
 
 
 def _wrong_order(pair: _Pair, pairs: Sequence[_Pair]) -> str:
@@ -196,27 +196,27 @@ def _wrong_order(pair: _Pair, pairs: Sequence[_Pair]) -> str:
     return ""
 
 
-def _indexes(connector: Connector) -> dict[str, int]:
+def _index_contacts(connector: Connector) -> dict[str, int]:
     """Return the index of the contact of each line. Lines with several contacts are left out."""
     names = [(name, index) for index, contact in enumerate(connector.contacts) for name in signal_names(contact.signal)]
     counts = Counter(name for name, _ in names)
     return {name: index for name, index in names if counts[name] == 1}
 
 
-def _pairs(connector: Connector, indexes: Mapping[str, int]) -> Iterator[_Pair]:
+def _yield_pairs(connector: Connector, indexes: Mapping[str, int]) -> Iterator[_Pair]:
     """Yield the pairs of a connector, in the order of its contacts. Several names of the same lines are one pair."""
     has_inverted = any(name.startswith("/") for name in indexes)
-    places: set[tuple[int, int]] = set()
+    contact_pairs: set[tuple[int, int]] = set()
     for name in indexes:
         partner = partner_of(name, has_inverted)
         if partner not in indexes:
             continue
         is_inverted = name.endswith("-") or name.startswith("/")
         plain, inverted = (partner, name) if is_inverted else (name, partner)
-        place = (indexes[plain], indexes[inverted])
-        if place not in places:
-            places.add(place)
-            yield _Pair(plain, inverted, *place)
+        contact_pair = (indexes[plain], indexes[inverted])
+        if contact_pair not in contact_pairs:
+            contact_pairs.add(contact_pair)
+            yield _Pair(plain, inverted, *contact_pair)
 
 
 def _true_statements(

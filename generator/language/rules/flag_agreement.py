@@ -22,7 +22,7 @@ _SEVERAL = 4
 _FLAGS_OF_GROUP = 4
 
 
-def lone_levels(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_lone_levels(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no flag alone has another active level than at least four others of its list, unless a text gives it.
 
     Flags that combine others are not counted.
@@ -53,7 +53,7 @@ def _gives_level(flag: WrittenField) -> bool:
     return any(_LEVEL.search(text) for text in texts)
 
 
-def repeated_flags(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_flags(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that flags with the same name in groups or in layouts of an interface have the same level and verdict.
 
     Flags of groups are compared with those of other groups. Verdicts are compared if both flags have one.
@@ -63,7 +63,7 @@ def repeated_flags(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
         # Another rule checks those of BiSS.
         for flag in (field for field in _sent_fields(field_list) if field.active and field_list.interface != Biss.name):
             first_flag = first_flags.setdefault((field_list.interface, flag.name), flag)
-            for key, value, first_value in _differences(flag, first_flag):
+            for key, value, first_value in _yield_differences(flag, first_flag):
                 line, _ = report.document.position(first_flag.path)
                 message = (
                     f"{quoted(flag.name)} has {quoted(key)} {value} here, but {first_value} on line {line}; correct one"
@@ -77,7 +77,7 @@ def _sent_fields(fields: FieldList) -> Sequence[WrittenField]:
     return fields.fields if fields.kind in (Has.GROUP, Has.LAYOUT) else ()
 
 
-def _differences(flag: WrittenField, first_flag: WrittenField) -> Iterator[tuple[str, str, str]]:
+def _yield_differences(flag: WrittenField, first_flag: WrittenField) -> Iterator[tuple[str, str, str]]:
     """Yield each key in which two flags differ, with both values: ``("active", "low", "high")``."""
     if flag.active != first_flag.active:
         yield "active", flag.active, first_flag.active
@@ -85,7 +85,7 @@ def _differences(flag: WrittenField, first_flag: WrittenField) -> Iterator[tuple
         yield "makes_position", flag.makes_position, first_flag.makes_position
 
 
-def cleared_alarms(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_cleared_alarms(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that an alarm that does not latch, and so clears itself, names no procedures that clear it."""
     for alarm in spec.alarms:
         if alarm.part.latch is False and alarm.part.cleared_by:
@@ -96,7 +96,7 @@ def cleared_alarms(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
             report.add("alarm-latch", (*alarm.path, "latch"), message)
 
 
-def implemented_alarms(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_implemented_alarms(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that an alarm is implemented if its flag is, and only then."""
     for alarm in spec.alarms:
         flag = _flag_of(spec, alarm)
@@ -116,7 +116,7 @@ def _flag_of(spec: WrittenSpec, alarm: Located[Alarm]) -> WrittenField | None:
     return None
 
 
-def cleared_registers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_cleared_registers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a register that clears itself returns to 0, unless its note gives another number."""
     if is_second(report.document.file):  # It has no notes.
         return
@@ -135,7 +135,7 @@ def _gives_number(text: str, number: int) -> bool:
     return re.search(rf"\b(?:{number}|{number:02X}h|0x{number:02x})\b", text, re.IGNORECASE) is not None
 
 
-def summands(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_summands(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that at most one flag of a list combines each flag, and that it omits no single flag of a group."""
     groups = by_name(spec.field_groups)
     for field_list in field_lists(spec):
@@ -162,7 +162,7 @@ def _report_unsummed(
     """
     flags = [field for field in group.fields if field.active]
     unsummed = [flag for flag in flags if flag.name not in summed_by]
-    if len(unsummed) == 1 and len(flags) >= _FLAGS_OF_GROUP and not _mentions(unsummed[0].meaning, "combine"):
+    if len(unsummed) == 1 and len(flags) >= _FLAGS_OF_GROUP and not _mentions_word(unsummed[0].meaning, "combine"):
         message = (
             f"no flag of {quoted(fields.name)} combines {quoted(unsummed[0].name)}, unlike the other flags of"
             f" {quoted(group.name)}; add it to 'sums_up' of one, or say in its 'meaning' that none combines it"
@@ -170,7 +170,7 @@ def _report_unsummed(
         report.add("not-summed", unsummed[0].place_of("name"), message)
 
 
-def _mentions(text: str, word: str) -> bool:
+def _mentions_word(text: str, word: str) -> bool:
     return word in text.casefold()
 
 
@@ -178,7 +178,7 @@ def _mentions(text: str, word: str) -> bool:
 _SEVERITIES = ("usable", "usable_with_warning", "not_usable")
 
 
-def summed_verdicts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_summed_verdicts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the verdict of a flag that combines others is not milder than theirs, if all of them have one."""
     flags: dict[str, WrittenField] = {}
     for field_list in field_lists(spec):
@@ -197,7 +197,7 @@ def summed_verdicts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
                 report.add("summed-verdict", flag.place_of("makes_position"), message)
 
 
-def explained_flags(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_explained_flags(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a diagnostic bit explains only one flag of a register."""
     for register in spec.registers:
         flags_by_bit: dict[str, str] = {}
@@ -211,7 +211,7 @@ def explained_flags(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
                 flags_by_bit.setdefault(bit, flag.name)
 
 
-def read_only_registers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_read_only_registers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a writable register with flags of alarms or with the position has something to write.
 
     That is a named value, a step that writes it, a key that matters only for writing, or a text with "writ" in it.
@@ -227,7 +227,7 @@ def read_only_registers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
         is_reported = is_reported and all(map(_is_flag_or_fixed, register.fields))
         content_text = "flags of alarms" if is_reported else "the position"
         has_position = register.name in position_names(spec, interface_of(register))
-        is_explained = any(_mentions(text, "writ") for text in (register.meaning, register.note))
+        is_explained = any(_mentions_word(text, "writ") for text in (register.meaning, register.note))
         if register.access == "read_write" and (is_reported or has_position) and not (is_used or is_explained):
             message = (
                 f"{quoted(register.name)} has {content_text}, and nothing says what to write there; write 'access:"
@@ -254,7 +254,7 @@ _KEYS_OF_WRITABLE = ("default", "min", "max", "meanings", "opened_by", "clears_i
 _RETURNS = re.compile(r"\bautomatically returns to 0|\breturns to 0+h? (?:automatically|by itself)", re.IGNORECASE)
 
 
-def returning_registers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_returning_registers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a register that returns to 0 in its note clears itself."""
     for register in spec.registers:
         if _RETURNS.search(register.note) and not register.clears_itself:
@@ -263,7 +263,7 @@ def returning_registers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
             report.add("words-contradict", register.place_of(key), message)
 
 
-def equal_answers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_equal_answers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the two answers of an alternative, if it has two, do not set the same numbers."""
     for alternative in spec.alternatives:
         answers = list(alternative.values.items())

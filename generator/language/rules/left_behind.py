@@ -35,7 +35,7 @@ _BRACES = re.compile(r"\{(\w+)\}")
 _Numbers = Mapping[str, int | None]
 
 
-def start_values(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_start_values(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a start value in the note of a CRC, or in an erratum about it, is the ``init`` of the CRC."""
     for crc in spec.crcs:
         own_value = {crc.part.name: crc.part.init}
@@ -43,16 +43,16 @@ def start_values(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
     # Reversed, so that the first of several CRCs with one name counts.
     start_values = {crc.part.name: crc.part.init for crc in reversed(spec.crcs)}
     for erratum in spec.errata:
-        affected = _affected(erratum, "crcs", start_values, "init")
+        affected = _collect_affected(erratum, "crcs", start_values, "init")
         _check_words(erratum.place_of("used"), erratum.used, _START_VALUE, "init", affected, report)
 
 
-def defaults(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_defaults(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a default in the text of an erratum, or shown by an example, is the ``default`` of its register."""
     registers = by_name(spec.registers)
     defaults = {name: register.default for name, register in registers.items()}
     for erratum in spec.errata:
-        affected = _affected(erratum, "registers", defaults, "default")
+        affected = _collect_affected(erratum, "registers", defaults, "default")
         _check_words(erratum.place_of("used"), erratum.used, _DEFAULT, "default", affected, report)
     for example in spec.examples:
         register = registers.get(example.register)
@@ -71,7 +71,8 @@ def _shows_default(example: WrittenExample) -> bool:
 
 def _check_shown_default(example: WrittenExample, register: WrittenRegister, report: DocumentReport) -> None:
     """Check that the bytes of an example are the default of the register. Its byte order must be known for that."""
-    default_digits, shown_digits = _bytes_of(register), example.bytes.replace(" ", "").casefold()
+    default_digits = _bytes_of(register)
+    shown_digits = example.bytes.replace(" ", "").casefold()
     if not default_digits or shown_digits == default_digits:
         return
     message = f"the example shows the default of {quoted(example.register)}, which is {register.default:#x}"
@@ -82,7 +83,7 @@ def _check_shown_default(example: WrittenExample, register: WrittenRegister, rep
     report.add("left-behind", example.place_of("bytes"), message)
 
 
-def _affected(erratum: WrittenErratum, section: str, numbers: _Numbers, key: str) -> _Numbers:
+def _collect_affected(erratum: WrittenErratum, section: str, numbers: _Numbers, key: str) -> _Numbers:
     """Return the numbers of the parts of a section that an erratum affects as a whole or by the key.
 
     For the section ``crcs`` and the key ``init``, these are the paths ``crcs.word`` and ``crcs.word.init``.
@@ -107,7 +108,7 @@ def _check_words(
     if match is None:
         return
     for name, number in numbers.items():
-        if number is not None and number != _number(match["number"]):
+        if number is not None and number != _parse_number(match["number"]):
             message = (
                 f"the text says {quoted(match[0])}, but {quoted(key)} of {quoted(name)} is {number:#x}; "
                 "correct one of the two"
@@ -116,7 +117,7 @@ def _check_words(
             return
 
 
-def _number(text: str) -> int:
+def _parse_number(text: str) -> int:
     """Return the number written as ``10h`` or ``0x10``, both hexadecimal, or as decimal ``16``."""
     if text.endswith("h"):
         return int(text[:-1], 16)
@@ -128,7 +129,8 @@ def _bytes_of(register: WrittenRegister) -> str:
 
     The result is empty without a default, without a byte order for several bytes, or if the default does not fit.
     """
-    length, default = register.length, register.default
+    length = register.length
+    default = register.default
     if default is None or (length > 1 and not register.byte_order):
         return ""
     byte_order: Literal["little", "big"] = "little" if register.byte_order == "low_byte_first" else "big"
@@ -138,13 +140,14 @@ def _bytes_of(register: WrittenRegister) -> str:
         return ""
 
 
-def order_codes_in_texts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_order_codes_in_texts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that tables and other texts name no part of an order code that the order code does not have.
 
     A text may leave parts open, such as ``TV62-xxx-0050-...``, and may end after any part.
     """
     pattern = spec.order_code.pattern
-    starts, pieces = _starts(spec.order_code), _pieces(spec.order_code)
+    starts = _list_starts(spec.order_code)
+    pieces = _split_pattern(spec.order_code)
     # An older edition is derived with its own order codes and with today's texts, so the two need not agree.
     if not starts or report.document.family:
         return
@@ -163,7 +166,7 @@ def order_codes_in_texts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRe
                 break
 
 
-def _starts(order_code: WrittenOrderCode) -> list[str]:
+def _list_starts(order_code: WrittenOrderCode) -> list[str]:
     """Return expressions for the start of an order code: the text of the pattern, or the labels of its first part.
 
     If all labels begin and end with the same letters, an x may replace what is between: ENx10 for EN10 and ENB10. The
@@ -206,7 +209,7 @@ def _is_text(path: Path) -> bool:
     return path[0] not in _ELSEWHERE and (is_value or path[-1] in _TEXTS)
 
 
-def _pieces(order_code: WrittenOrderCode) -> list[tuple[str, re.Pattern[str] | None]]:
+def _split_pattern(order_code: WrittenOrderCode) -> list[tuple[str, re.Pattern[str] | None]]:
     """Return the literal text before each part of the pattern, and the expression that matches a label of the part.
 
     For ``X-{bits}-{output}`` these are ``("", <bits>)`` and ``("-", <output>)``: the text before the first part is
@@ -248,7 +251,8 @@ def _unknown_label(text: str, pieces: Sequence[tuple[str, re.Pattern[str] | None
         rest = text.removeprefix(before)
         match = expression.match(rest) or _LEFT_OPEN.match(rest)
         if match is not None:
-            is_left_open, text = rest[0] in "x.…_*", rest[match.end() :]
+            is_left_open = rest[0] in "x.…_*"
+            text = rest[match.end() :]
         elif before or not is_left_open:
             return _first_word(rest)
     return ""

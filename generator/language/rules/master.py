@@ -53,8 +53,9 @@ def check_master(data: dict[str, object], report: DocumentReport) -> None:
     """
     master = WrittenMaster(data)
     _check_name(master, report)
-    for path, node in _nodes(data, ()):
-        cited_part, condition = _CitedPart(node, path), WrittenCondition(node, path)
+    for path, node in _yield_maps(data, ()):
+        cited_part = _CitedPart(node, path)
+        condition = WrittenCondition(node, path)
         if cited_part.source:
             _check_source(cited_part.source, cited_part.place_of("source"), master, report)
         if condition.item:  # Only a map with this key is a condition or a limit.
@@ -98,15 +99,15 @@ def _check_name(master: WrittenMaster, report: DocumentReport) -> None:
         report.add("device-name", ("master",), message)
 
 
-def _nodes(node: object, path: Path) -> Iterator[tuple[Path, dict[str, object]]]:
+def _yield_maps(node: object, path: Path) -> Iterator[tuple[Path, dict[str, object]]]:
     """Yield every map in a value, and the value itself if it is a map, each with its path."""
     if isinstance(node, dict):
         yield path, node
         for key, value in node.items():
-            yield from _nodes(value, (*path, key))
+            yield from _yield_maps(value, (*path, key))
     elif isinstance(node, list):
         for index, value in enumerate(node):
-            yield from _nodes(value, (*path, index))
+            yield from _yield_maps(value, (*path, index))
 
 
 def _check_source(text: str, path: Path, master: WrittenMaster, report: DocumentReport) -> None:
@@ -133,7 +134,8 @@ def _is_item(name: str, path: Path, report: DocumentReport, valid_items: tuple[s
 
 def _check_limit(condition: WrittenCondition, report: DocumentReport) -> None:
     """Check that a condition or limit gives words for a word, and bounds or numbers for a number."""
-    name, path = condition.item, condition.path
+    name = condition.item
+    path = condition.path
     if not _is_item(name, condition.place_of("item"), report):
         return
     is_word = name in WORDS
@@ -239,7 +241,8 @@ def _check_object_and_bits(place: WrittenPlace, report: DocumentReport) -> None:
     has_index, has_subindex = place.index is not None, place.subindex is not None
     if has_index != has_subindex:
         report.add("setting-shape", place.path, "use 'index' and 'subindex' together or not at all")
-    is_bits, has_bit_range = place.type == "bits", place.at is not None
+    is_bits = place.type == "bits"
+    has_bit_range = place.at is not None
     if is_bits != has_bit_range:
         report.add("setting-shape", place.path, "use the type 'bits' and the key 'at' together or not at all")
     if has_bit_range and not _BITS.fullmatch(str(place.at)):

@@ -13,7 +13,7 @@ _ANGLE = ("counts_per_turn", "turns")
 _LENGTH = ("step_um", "step_nm", "per_counts", "modulus")
 
 
-def measurement_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_measurement_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a measurement matches the movement: of an angle if it is rotary, of a length if it is linear.
 
     Each needs the size of a count. ``highest`` needs ``turns`` or ``modulus``.
@@ -22,7 +22,8 @@ def measurement_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
     if not spec.has("movement"):
         return
     keys_of_movement, foreign_keys = (_ANGLE, _LENGTH) if movement == "rotary" else (_LENGTH, _ANGLE)
-    unit_key, total_key = keys_of_movement[0], keys_of_movement[-1]
+    unit_key = keys_of_movement[0]
+    total_key = keys_of_movement[-1]
     raw_measurements = {measurement.path: measurement for measurement in measurements(raw)}
     for measurement in measurements(spec):
         raw_measurement = raw_measurements[measurement.path]
@@ -43,7 +44,7 @@ def measurement_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
             report.add("measurement-shape", (*measurement.path, "highest"), problem, at_key=True)
 
 
-def position_range_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_position_range_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the range of one layout has a position to refer to, and matches the movement.
 
     The layout must carry the position that the measurement of its interface, or else of the device, names.

@@ -23,7 +23,7 @@ _OPPOSITES = {
 _SHORTEST, _MOST = 6, 300
 
 
-def names_and_meanings(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_names_and_meanings(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no meaning begins with the opposite of a word in the name, as "Write a byte" for ``read``."""
     for name, path, text in _named_texts(spec):
         first_word = text.partition(" ")[0]
@@ -36,7 +36,7 @@ def names_and_meanings(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
             report.add("words-contradict", path, f"{message}; correct one of the two")
 
 
-def numbers_of_leds(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_numbers_of_leds(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the numbers in the name of an LED, such as ``led_1``, are those in its title, if it has any."""
     for led in spec.leds:
         numbers_of_name, numbers_of_title = (re.findall(r"\d+", text) for text in (led.part.name, led.part.title))
@@ -62,22 +62,22 @@ def _named_texts(spec: WrittenSpec) -> Iterator[tuple[str, Path, str]]:
                 yield name, value.place_of("meaning"), value.meaning
 
 
-def misspelt_fields(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_misspelt_fields(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no field has the name of another one with a typo, such as ``posiion`` for ``position``.
 
     The rarer of the two names is reported, at its first field.
     """
-    places: dict[str, Path] = {}
+    path_by_name: dict[str, Path] = {}
     counts: Counter[str] = Counter()
     for field_list in field_lists(spec):
         for field in field_list.fields:
-            places.setdefault(field.name, field.place_of("name"))
+            path_by_name.setdefault(field.name, field.place_of("name"))
             counts[field.name] += 1
     for pair in combinations(list(counts)[:_MOST], 2):
         rarer, common = sorted(pair, key=lambda name: counts[name])
         if _lacks_a_letter(rarer.split("_"), common.split("_")):
             message = f"another field is {quoted(common)}; correct one of the two, or give them names that differ more"
-            report.add("misspelt-name", places[rarer], message)
+            report.add("misspelt-name", path_by_name[rarer], message)
 
 
 def _lacks_a_letter(words: Sequence[str], other_words: Sequence[str]) -> bool:

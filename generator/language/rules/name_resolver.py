@@ -23,14 +23,16 @@ class NameResolver:
 
     def __init__(self, raw: WrittenSpec, report: DocumentReport) -> None:
         self._report = report
-        interfaces, self.parameter_names = list(raw.interfaces.data), raw.names_in("parameters")
+        interfaces = list(raw.interfaces.data)
+        self.parameter_names = raw.names_in("parameters")
         # Names that are misspelt themselves: unknown interfaces, and those that the schema check rejected.
         self._broken = {name for name in interfaces if name not in INTERFACES}
         for path in report.faults():
             name = value_at(raw.data, path) if path[-1] == "name" else path[-1]
             if isinstance(name, str) and not _NAME.fullmatch(name):
                 self._broken.add(name)
-        self.groups, self.registers = by_name(raw.field_groups), by_name(raw.registers)
+        self.groups = by_name(raw.field_groups)
+        self.registers = by_name(raw.registers)
         self.procedures = by_name(raw.procedures)
         self._known: Mapping[str, Collection[str]] = {
             "CRC": by_part_name(raw.crcs),

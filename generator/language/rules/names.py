@@ -38,9 +38,10 @@ TAKEN = {
 Named = tuple[Path, object]
 
 
-def device_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_device_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a family and its file have the same name, and that no output reserves it."""
-    stem, name = report.document.family or family_of(report.document.file), spec.device
+    stem = report.document.family or family_of(report.document.file)
+    name = spec.device
     if name and name != stem:
         message = f"the device is called {quoted(name)}, but the file is called {quoted(stem)}"
         report.add("device-name", ("device",), f"{message}; use the same name for both")
@@ -48,23 +49,23 @@ def device_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
         report.add("device-name", ("device",), f"{quoted(name)} is the name of {TAKEN[name]}; rename the family")
 
 
-def duplicate_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_duplicate_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that names are unique among items of one kind, within the spec or within the item that contains them."""
     for word, parts in _named_parts(spec).items():
-        _check_unique(_labels(parts, "name"), word, report)
+        _check_unique(_yield_labels(parts, "name"), word, report)
     for word, facts in (("a timing", spec.timings), ("a characteristic", spec.characteristics)):
         _check_unique(_names_for_all_codes(facts), word, report)
     for _, interface in interfaces(spec):
         _check_unique(_names_for_all_codes(interface.timings), "a timing", report)
         data_ids = interface.data_ids if isinstance(interface, WrittenRs485) else ()
         for label, word in _DATA_ID_LABELS:
-            _check_unique(_labels(data_ids, label), word, report)
-    _check_unique(_labels(spec.manual.editions, "language"), "a language", report)
-    _check_unique(_labels(spec.manual.history, "revision"), "a revision", report)
+            _check_unique(_yield_labels(data_ids, label), word, report)
+    _check_unique(_yield_labels(spec.manual.editions, "language"), "a language", report)
+    _check_unique(_yield_labels(spec.manual.history, "revision"), "a revision", report)
     for register in spec.registers:
-        _check_unique(_labels(register.meanings, "name"), "a meaning", report)
+        _check_unique(_yield_labels(register.meanings, "name"), "a meaning", report)
     for procedure in spec.procedures:
-        _check_unique(_labels(procedure.arguments, "name"), "an argument", report)
+        _check_unique(_yield_labels(procedure.arguments, "name"), "an argument", report)
     for connector in spec.connectors:
         contacts = [contact.contact for contact in connector.part.contacts]
         _check_unique(_labels_in(connector.path, "contacts", "contact", contacts), "a contact", report)
@@ -92,7 +93,7 @@ def _named_parts(spec: WrittenSpec) -> dict[str, Sequence[PlacedPart]]:
     }
 
 
-def duplicate_title(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_duplicate_title(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two errata have the same title, because readers see only the title."""
     first_paths: dict[str, Path] = {}
     for erratum in spec.errata:
@@ -105,7 +106,7 @@ def duplicate_title(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
             report.add("duplicate-name", erratum.place_of("title"), message)
 
 
-def duplicate_field(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_duplicate_field(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that fields, joins and runs of digits of a layout or register have unique names.
 
     A decoder returns all of them.
@@ -124,7 +125,7 @@ def duplicate_field(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
         _check_unique(named_values, "a field", report)
 
 
-def duplicate_selection(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_duplicate_selection(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that each value of the selecting field identifies one frame of its sender and interface."""
     first_names: dict[tuple[str, str, int], str] = {}
     for frame in layouts(spec):
@@ -144,7 +145,7 @@ def duplicate_selection(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
                 report.add("duplicate-name", (*frame.owner.path, "when", selector, index), message)
 
 
-def duplicate_address(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_duplicate_address(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two registers of an interface and bank share a byte.
 
     A read-only and a write-only register may begin at the same address.
@@ -189,7 +190,7 @@ def _report_overlap(register: WrittenRegister, earlier_register: WrittenRegister
     report.add("duplicate-address", register.place_of("address"), message)
 
 
-def value_clash(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_value_clash(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two named values of a field have the same number, because a decoder could not choose."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -201,7 +202,7 @@ def value_clash(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
                     report.add("value-clash", value.place_of("value"), message)
 
 
-def _labels(parts: Sequence[PlacedPart], label: str) -> Iterator[Named]:
+def _yield_labels(parts: Sequence[PlacedPart], label: str) -> Iterator[Named]:
     """Yield the value under the key ``label`` of each part, with its path."""
     for part in parts:
         yield (*part.path, label), part.data[label]
@@ -209,7 +210,7 @@ def _labels(parts: Sequence[PlacedPart], label: str) -> Iterator[Named]:
 
 def _names_for_all_codes(parts: Sequence[PlacedPart]) -> Iterator[Named]:
     """Yield the names of the parts that apply to all order codes. Facts for others are compared by order code."""
-    return _labels([part for part in parts if "only" not in part.data], "name")
+    return _yield_labels([part for part in parts if "only" not in part.data], "name")
 
 
 def _labels_in(path: Path, key: str, label: str, values: Iterable[str]) -> Iterator[Named]:
@@ -240,5 +241,6 @@ def _address_space(register: WrittenRegister) -> tuple[str, int | None]:
 
 
 def _address_range(register: WrittenRegister) -> str:
-    first, last = register.address, last_address(register)
+    first = register.address
+    last = last_address(register)
     return f"address {first:#04x}" if first == last else f"addresses {first:#04x} to {last:#04x}"

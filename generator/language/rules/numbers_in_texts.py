@@ -33,7 +33,7 @@ _ELSEWHERE = frozenset(("documents", "editions", "evidence"))
 _QUOTED = frozenset(("printed", "title", "why"))
 
 
-def characters(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_characters(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the hexadecimal characters in the meaning of a text field are those of its ``equals``."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -49,7 +49,7 @@ def characters(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> N
                 report.add("printed-number", field.place_of("equals"), message)
 
 
-def constant_bits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_constant_bits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a fixed field whose meaning says ``always`` and a single number has this number."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -62,12 +62,13 @@ def constant_bits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -
                     report.add("printed-number", field.place_of(key), message)
 
 
-def counts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_counts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the counts or revolutions in the meaning of an order code value are those that it sets.
 
     They are computed by the formulas of the measurement, if the value sets all their parameters.
     """
-    formulas, definitions = dict(_formulas(spec)), _definitions(spec)
+    formulas = dict(_yield_formulas(spec))
+    definitions = _collect_definitions(spec)
     for part in spec.order_code.parts:
         for value in part.values.values():
             if value.meaning_differs:
@@ -75,7 +76,7 @@ def counts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
             parameters = resolve_parameters(value.sets, definitions)
             for number_text, words in _COUNTS.findall(value.meaning):
                 formula = formulas.get("counts" if words.startswith("counts") else "turns")
-                number = _value(formula, parameters) if formula is not None else None
+                number = _evaluate_formula(formula, parameters) if formula is not None else None
                 if number is not None and number_text not in (str(number), f"{number:,}"):
                     message = (
                         f"the meaning says {number_text} {words}, but the value sets {number}; one of the two is wrong."
@@ -84,22 +85,22 @@ def counts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
                     report.add("meaning-mismatch", value.place_of("meaning"), message)
 
 
-def _formulas(spec: WrittenSpec) -> Iterator[tuple[str, Expression]]:
+def _yield_formulas(spec: WrittenSpec) -> Iterator[tuple[str, Expression]]:
     """Yield the formulas of measurements, as ``("counts", 2^bits)`` per turn and ``("turns", 4096)``."""
     for measurement in measurements(spec):
         for kind, key in (("counts", "counts_per_turn"), ("turns", "turns")):
-            formula = _parsed(measurement.data[key]) if measurement.has(key) else None
+            formula = _parse_formula(measurement.data[key]) if measurement.has(key) else None
             if formula is not None:
                 yield kind, formula
 
 
-def _definitions(spec: WrittenSpec) -> dict[str, Expression]:
+def _collect_definitions(spec: WrittenSpec) -> dict[str, Expression]:
     """Return the formulas of the parameters that are calculated, by name."""
-    formulas = {name: _parsed(parameter.equals) for name, parameter in spec.parameters.items()}
+    formulas = {name: _parse_formula(parameter.equals) for name, parameter in spec.parameters.items()}
     return {name: formula for name, formula in formulas.items() if formula is not None}
 
 
-def _parsed(formula: object) -> Expression | None:
+def _parse_formula(formula: object) -> Expression | None:
     """Return a number or formula as an expression, or None for anything else. Another rule reports a wrong one."""
     if not isinstance(formula, (int, str)) or formula == "":
         return None
@@ -109,7 +110,7 @@ def _parsed(formula: object) -> Expression | None:
         return None
 
 
-def _value(formula: Expression, parameters: Mapping[str, int]) -> int | None:
+def _evaluate_formula(formula: Expression, parameters: Mapping[str, int]) -> int | None:
     """Return the number of a formula, or None if a parameter is missing or the number is out of range."""
     if not parameters.keys() >= set(formula.parameters):
         return None
@@ -119,13 +120,14 @@ def _value(formula: Expression, parameters: Mapping[str, int]) -> int | None:
         return None
 
 
-def widths(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_widths(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the only range of bits in the meaning of a parameter is that of the order codes.
 
     The order codes set the parameter, or those from which it is derived. Its bounds are those with all at their lowest
     and with all at their highest.
     """
-    ranges, definitions = _ranges_set(spec), _definitions(spec)
+    ranges = _ranges_set(spec)
+    definitions = _collect_definitions(spec)
     parameters_at_bounds = []
     for bound in (0, 1):
         set_numbers = {name: bounds_of_name[bound] for name, bounds_of_name in ranges.items()}
@@ -159,7 +161,7 @@ def _ranges_set(spec: WrittenSpec) -> dict[str, tuple[int, int]]:
     return {name: (min(set_numbers), max(set_numbers)) for name, set_numbers in numbers_by_parameter.items()}
 
 
-def equal_numbers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_equal_numbers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a text that gives a number in decimal and in hexadecimal gives the same number.
 
     A text that gives bits and their number, as in ``bits 7:4, which are 4 bits``, must agree as well.
@@ -190,7 +192,7 @@ def _own_texts(spec: WrittenSpec, report: DocumentReport) -> Iterator[tuple[Path
             yield path, text
 
 
-def standards(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_standards(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a text names a usual standard of lines, such as RS-485. Printed texts of errata may name any.
 
     Others are accepted by their full names, such as TIA-899.
@@ -205,7 +207,7 @@ def standards(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> No
             report.add("unknown-standard", path, message)
 
 
-def figures(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_figures(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a figure that a text names is one of those that the spec lists as lost, if it gives their numbers."""
     lost_numbers: set[int] = set()
     for figure in spec.lost_figures:
@@ -224,5 +226,6 @@ def _figure_numbers(text: str) -> Iterator[int]:
     for listed_numbers in _FIGURES.findall(text):
         for numbers in re.split(", | and ", listed_numbers):
             first_text, _, last_text = numbers.partition(" to ")
-            first, last = int(first_text), int(last_text or first_text)
+            first = int(first_text)
+            last = int(last_text or first_text)
             yield from range(first, last + 1) if last - first < _MOST_FIGURES else (first, last)

@@ -17,9 +17,10 @@ from .name_resolver import NameResolver
 from .parts import by_name, origins_of
 
 
-def order_code_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_order_code_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of order code values: parameters, interfaces, other parts and their labels."""
-    resolver, parts = NameResolver(raw, report), by_name(raw.order_code.parts)
+    resolver = NameResolver(raw, report)
+    parts = by_name(raw.order_code.parts)
     for part in spec.order_code.parts:
         other_parts = [name for name in parts if name != part.name]
         _check_combinations(resolver, part.place_of("open_only_with"), part.open_only_with, parts, other_parts)
@@ -82,7 +83,7 @@ class _Code:
         return names
 
 
-def parameter_cycle(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_parameter_cycle(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no parameter is defined by itself, directly or through others."""
     definitions: dict[str, tuple[str, ...]] = {}
     for name, parameter in spec.parameters.items():
@@ -120,7 +121,7 @@ def _find_cycle(start: str, definitions: Mapping[str, tuple[str, ...]], settled:
     return []
 
 
-def order_code_pattern(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_order_code_pattern(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that pattern and parts agree, and then that codes set each parameter once and select one interface."""
     if not is_whole(spec.data, raw.data):
         return
@@ -129,7 +130,7 @@ def order_code_pattern(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
     _check_values(spec, report)
     if len(report) > problems_before:
         return
-    codes = _codes(spec)
+    codes = _compose_codes(spec)
     if codes is None:
         message = f"the parts combine to more than {MAX_CODES} order codes; use 'open' for parts with open values"
         report.add("order-code-pattern", _PARTS, message, at_key=True)
@@ -140,7 +141,7 @@ def order_code_pattern(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
         _check_codes(spec, codes, report)
 
 
-def order_code_ambiguous(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_ambiguous_order_codes(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no text on a label can be read in two ways: as two codes, or as one code split in two ways."""
     if not is_whole(spec.data, raw.data):
         return
@@ -151,12 +152,12 @@ def order_code_ambiguous(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRe
     names_each_part_once = sorted(_BRACES.findall(pattern)) == sorted(part_names)
     if has_duplicate_names or has_invalid_expression or not names_each_part_once:
         return  # Other rules report these.
-    message = _ambiguity(spec)
+    message = _find_ambiguity(spec)
     if message:
         report.add("order-code-ambiguous", ("order_code", "pattern"), message)
 
 
-def _ambiguity(spec: WrittenSpec) -> str:
+def _find_ambiguity(spec: WrittenSpec) -> str:
     """Return the message about the first code that occurs twice or can be read in two ways. Empty if none is."""
     # Literals are at even indices, and names of parts at odd ones. Blanks on a label are ignored.
     parts = spec.order_code.parts
@@ -166,7 +167,7 @@ def _ambiguity(spec: WrittenSpec) -> str:
     has_fixed_lengths = all(map(_has_fixed_length, parts))
     value_tests = {part.name: _value_test(part) for part in parts}
     codes_by_label: dict[str, _Code] = {}  # The first code with each text.
-    for code in _codes(spec) or ():
+    for code in _compose_codes(spec) or ():
         label = _without_blanks(code.text)
         first_code = codes_by_label.setdefault(label, code)
         if first_code is not code:
@@ -174,7 +175,7 @@ def _ambiguity(spec: WrittenSpec) -> str:
             return f"the code {quoted(code.text)} occurs twice: {occurrences}"
         if has_fixed_lengths:
             continue
-        first_readings = list(itertools.islice(_readings(label, pieces, value_tests), 2))
+        first_readings = list(itertools.islice(_yield_readings(label, pieces, value_tests), 2))
         if len(first_readings) == 2:
             first, second = (_reading_text(pieces[1::2], reading) for reading in first_readings)
             return f"the code {quoted(code.text)} can be read as {first}, and as {second}"
@@ -189,7 +190,7 @@ def _reading_text(names: Sequence[str], reading: Sequence[str]) -> str:
     return ", ".join(f"{name} {text}" for name, text in zip(names, reading, strict=True))
 
 
-def also_written(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_also_written(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that an alternative spelling has every part exactly once, and that its texts represent listed labels."""
     if not is_whole(spec.data, raw.data):
         return
@@ -375,7 +376,7 @@ def _check_selected_interfaces(spec: WrittenSpec, codes: Sequence[_Code], report
             report.add("order-code-pattern", ("interfaces", interface), message, at_key=True)
 
 
-def _codes(spec: WrittenSpec) -> list[_Code] | None:
+def _compose_codes(spec: WrittenSpec) -> list[_Code] | None:
     """Return every code composed of listed labels that ``only_with`` allows, or None if there are too many."""
     parts = spec.order_code.parts
     if math.prod(len(part.values) for part in parts) > MAX_CODES:
@@ -414,7 +415,7 @@ def _value_test(part: WrittenCodePart) -> Callable[[str], bool]:
     return lambda text: text in listed_labels or expression.fullmatch(text) is not None
 
 
-def _readings(
+def _yield_readings(
     text: str, pieces: Sequence[str], value_tests: Mapping[str, Callable[[str], bool]], start: int = 0, index: int = 0
 ) -> Iterator[tuple[str, ...]]:
     """Yield every way to split ``text`` from ``start`` into the pattern's ``pieces`` from ``index``, as the labels.
@@ -434,7 +435,7 @@ def _readings(
     for end in range(label_start, len(text) + 1):
         label = text[label_start:end]
         if is_label(label):
-            for later_labels in _readings(text, pieces, value_tests, end, index + 2):
+            for later_labels in _yield_readings(text, pieces, value_tests, end, index + 2):
                 yield (label, *later_labels)
 
 

@@ -55,7 +55,7 @@ def kind_of_unit(unit: str) -> str:
     return _KIND_OF.get(unit, unit)
 
 
-def parameter_interface(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_parameter_interface(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that an expression of one interface uses no parameter of another, directly or through other parameters."""
     for path, interface, text in uses(spec, raw):
         for name in dict.fromkeys(all_parameters(text, raw.parameters)):
@@ -162,7 +162,7 @@ _MOST_TERMS = 256
 
 def all_parameters(text: object, parameters: Mapping[str, WrittenParameter]) -> Iterator[str]:
     """Yield the parameters in an expression, and those in the expressions that define them, each once."""
-    factors_to_visit = _factors(text)
+    factors_to_visit = _list_factors(text)
     visited_names: set[str] = set()
     # The list grows during the loop: parameters named directly come before those that define them.
     for factor in factors_to_visit:
@@ -170,10 +170,10 @@ def all_parameters(text: object, parameters: Mapping[str, WrittenParameter]) -> 
         if name not in visited_names and name in parameters:
             visited_names.add(name)
             yield name
-            factors_to_visit += _factors(parameters[name].equals)
+            factors_to_visit += _list_factors(parameters[name].equals)
 
 
-def _factors(text: object) -> list[Factor]:
+def _list_factors(text: object) -> list[Factor]:
     """Return the factors of all terms of an expression, or none if it is not valid."""
     if not isinstance(text, (int, str)):
         return []
@@ -184,7 +184,7 @@ def _factors(text: object) -> list[Factor]:
     return [factor for term in terms for factor in term.factors]
 
 
-def long_sums(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_long_sums(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no parameter becomes a long sum when the definitions of its parameters are inserted.
 
     Definitions that use others twice each would fill the memory: 30 of them are a sum of 2^30 terms.
@@ -192,7 +192,9 @@ def long_sums(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> No
     counts: dict[str, int] = {}
     for name, parameter in spec.parameters.items():
         count = _count_of_terms(name, spec.parameters, counts)
-        has_long_parameter = any(counts.get(factor.parameter, 0) > _MOST_TERMS for factor in _factors(parameter.equals))
+        has_long_parameter = any(
+            counts.get(factor.parameter, 0) > _MOST_TERMS for factor in _list_factors(parameter.equals)
+        )
         if count > _MOST_TERMS and not has_long_parameter:
             problem = f"{quoted(name)} is a sum of {count} terms with the definitions of its parameters"
             report.add("bad-expression", parameter.place_of("equals"), f"{problem}; the limit is {_MOST_TERMS}")
@@ -202,13 +204,13 @@ def _count_of_terms(name: str, parameters: Mapping[str, WrittenParameter], count
     """Return the number of terms of a parameter with all definitions inserted, which ``counts`` keeps by name."""
     if name not in counts:
         counts[name] = 1  # This ends a cycle, which another rule reports.
-        factors = _factors(parameters[name].equals) if name in parameters else []
+        factors = _list_factors(parameters[name].equals) if name in parameters else []
         if factors:
             counts[name] = sum(_count_of_terms(factor.parameter, parameters, counts) for factor in factors)
     return counts[name]
 
 
-def parameter_origin(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_parameter_origin(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the value of a parameter has at most one origin, and that ``by_code`` is next to ``read_from`` alone.
 
     ``by_code`` lists the value for each code in the register, so it excludes limits.
@@ -229,12 +231,13 @@ def parameter_origin(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
             report.add("parameter-origin", parameter.place_of(limit_keys[0]), problem, at_key=True)
 
 
-def alternative_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_alternative_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the answers of an alternative set the same parameters, and that these name the alternative.
 
     Parameters and examples must name alternatives that exist, and examples their answers.
     """
-    resolver, alternatives = NameResolver(raw, report), by_name(raw.alternatives)
+    resolver = NameResolver(raw, report)
+    alternatives = by_name(raw.alternatives)
     for alternative in spec.alternatives:
         parameters_as_read = raw.parameters.items()
         own_parameters = [name for name, parameter in parameters_as_read if parameter.alternative == alternative.name]
@@ -284,7 +287,7 @@ def _check_answers(alternative: WrittenAlternative, own_parameters: Sequence[str
                 resolver.report_problem(sets_path, problem)
 
 
-def alternative_use(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_alternative_use(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that alternatives affect only the places of fields, because generated code can use them only there.
 
     Those with a default affect only verdicts, which do not need a choice. So their parameters are in no expression.
@@ -294,7 +297,7 @@ def alternative_use(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
     used_texts = list(expressions(spec))
     used_texts += [(path, text) for path, _, text in uses(spec, raw) if path[-1] == "when"]
     for path, text in used_texts:
-        names = [factor.parameter for factor in _factors(text) if factor.parameter in set_by_alternative]
+        names = [factor.parameter for factor in _list_factors(text) if factor.parameter in set_by_alternative]
         if not names:
             continue
         alternative_name = set_by_alternative[names[0]].alternative
@@ -310,7 +313,7 @@ def alternative_use(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
             report.add("alternative-use", path, f"{problem}, whose default applies without a choice; {remedy}")
 
 
-def units(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_units(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check the units of fields that equal a parameter, and of the parameters in expressions.
 
     A field and its parameter have units of the same quantity, and an unknown unit is a quantity of its own. Exponents
@@ -324,7 +327,7 @@ def units(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
                 problem = f"{quoted(field.name)} is in {field.unit}, but it equals {quoted(field.equals)}"
                 report.add("unit-mismatch", field.place_of("unit"), f"{problem}, which is in {equal_unit}")
     for path, text in expressions(spec):
-        for factor in _factors(text):
+        for factor in _list_factors(text):
             if factor.parameter in raw.parameters:
                 _check_unit_of_factor(path, factor, raw.parameters[factor.parameter].unit, report)
 
@@ -340,7 +343,7 @@ def _check_unit_of_factor(path: Path, factor: Factor, unit: str, report: Documen
     kind = _KIND_OF.get(unit)
     if needed_kind is None or kind is None or kind == needed_kind:
         return
-    place = f"the exponent in 2^{factor.parameter}" if is_exponent else quoted(key)
+    quoted_place = f"the exponent in 2^{factor.parameter}" if is_exponent else quoted(key)
     needed_unit = "µm" if needed_kind == "micrometres" else needed_kind
-    message = f"{quoted(factor.parameter)} is in {unit}, but {place} must be in {needed_unit}"
+    message = f"{quoted(factor.parameter)} is in {unit}, but {quoted_place} must be in {needed_unit}"
     report.add("unit-mismatch", path, message)

@@ -189,10 +189,10 @@ def expanded(fields: FieldList, groups: Groups) -> Iterator[tuple[Path, WrittenF
 
     Another rule reports a list that is longer than its limit. Its other fields are omitted.
     """
-    return islice(_expanded(fields, groups), MAX_FIELDS)
+    return islice(_expand_groups(fields, groups), MAX_FIELDS)
 
 
-def _expanded(fields: FieldList, groups: Groups) -> Iterator[tuple[Path, WrittenField]]:
+def _expand_groups(fields: FieldList, groups: Groups) -> Iterator[tuple[Path, WrittenField]]:
     """Yield the fields with groups included, without a limit."""
     for field in fields.fields:
         group = groups.get(field.use)
@@ -348,5 +348,5 @@ def explained(document: Document, *keys: str) -> bool:
     """
     if is_second(document.file):
         return True
-    place = ".".join(keys)
-    return any(place in erratum.affects for erratum in WrittenSpec(document.data).errata)
+    affected_path = ".".join(keys)
+    return any(affected_path in erratum.affects for erratum in WrittenSpec(document.data).errata)

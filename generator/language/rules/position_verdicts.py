@@ -33,7 +33,7 @@ _FLAG_WORDS = ("active", "inactive")
 Fields = Mapping[str, WrittenField]
 
 
-def value_verdicts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_value_verdicts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a value has a verdict only where a frame with a position has it, and that an error has one there.
 
     A group is in such a frame if one of them uses it. An error is a value whose name says so.
@@ -100,7 +100,7 @@ def _has_position(spec: WrittenSpec, fields: FieldList, groups: Groups) -> bool:
     return not names.isdisjoint(position_names(spec, fields.interface))
 
 
-def combinations(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_combinations(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that combinations are in frames with a position, that their conditions exist, and that each can decide.
 
     A combination gives the verdict while several fields have certain values. It never decides if one of its conditions,
@@ -125,7 +125,7 @@ def combinations(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
             _check_can_decide(combination, verdicts_of_parts, report)
 
 
-def report_names(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_report_names(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the reports of values with a verdict and of combinations have names that are unique in the frame."""
     groups = by_name(raw.field_groups)
     for frame in layouts(spec):
@@ -272,7 +272,7 @@ def _is_part(other_combination: WrittenCombination, combination: WrittenCombinat
     return len(conditions) > 1 and conditions <= combination.when.items()
 
 
-def default_answers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_default_answers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a default is the first answer, and that the answers set one parameter that a flag uses.
 
     The default sets it to 0, and each other answer to 1. Flags use it in ``makes_position_if``.
@@ -315,7 +315,7 @@ def _check_settings(alternative: WrittenAlternative, report: DocumentReport) -> 
                 report.add("alternative-default", (*sets_path, parameter), f"{problem}; write {expected}")
 
 
-def verdicts_by_answer(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_verdicts_by_answer(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check the verdicts in ``makes_position_if``, which a flag has instead if an answer sets a parameter to 1.
 
     Each belongs to a parameter of an alternative with a default, and differs from the verdict without a choice.

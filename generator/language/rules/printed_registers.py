@@ -20,7 +20,7 @@ _WRITE = re.compile(
 )
 
 
-def addresses(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_addresses(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the printed addresses of a register, such as ``0x4B-0x4D``, match its address and length."""
     for register in spec.registers:
         if register.addresses is None:
@@ -41,14 +41,16 @@ def _address_text(first: int, last: int) -> str:
     return f"{first:#04x}" if first == last else f"{first:#04x} to {last:#04x}"
 
 
-def default_lists(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_default_lists(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the manual's list of defaults matches the registers, except for rows explained by an erratum.
 
     A row is about a whole register, given by ``bytes``, or about some bits of it, given by ``at`` and ``value``.
     """
     registers = by_name(spec.registers)
     for row in spec.printed_defaults:
-        has_bytes, has_place, has_value = bool(row.bytes), row.at is not None, row.value is not None
+        has_bytes = bool(row.bytes)
+        has_place = row.at is not None
+        has_value = row.value is not None
         has_whole_register = has_bytes and not has_place and not has_value
         has_some_bits = not has_bytes and has_place and has_value
         if not has_whole_register and not has_some_bits:
@@ -76,7 +78,8 @@ def _check_row(row: WrittenPrintedDefault, register: WrittenRegister, report: Do
 
 def _byte_faults(row: WrittenPrintedDefault, register: WrittenRegister) -> Iterator[tuple[str, str]]:
     """Yield the error of a row with the bytes of the whole register: the key to blame and the message. At most one."""
-    name, default = quoted(register.name), register.default
+    name = quoted(register.name)
+    default = register.default
     printed_bytes = bytes.fromhex(row.bytes)
     byte_order: Literal["little", "big"] = "little" if register.byte_order == "low_byte_first" else "big"
     number = int.from_bytes(printed_bytes, byte_order)
@@ -91,7 +94,7 @@ def _byte_faults(row: WrittenPrintedDefault, register: WrittenRegister) -> Itera
 def _bit_faults(row: WrittenPrintedDefault, register: WrittenRegister) -> Iterator[tuple[str, str]]:
     """Yield the errors of a row about some of the bits, each as the key to blame and the message."""
     name = quoted(register.name)
-    bounds = _bounds(row.at)
+    bounds = _parse_bit_range(row.at)
     if bounds is None:
         yield "at", f"{quoted(row.at)} is not a position; write a bit number, or a range such as 7:6"
         return
@@ -117,7 +120,7 @@ def _field_faults(
     field = by_name(register.fields).get(row.field)
     if field is None:  # Reported by the rule on references, or the field is in a group.
         return
-    if field.at is not None and _bounds(field.at) != bounds:
+    if field.at is not None and _parse_bit_range(field.at) != bounds:
         yield "at", f"{quoted(row.field)} is at {field.at}, but {row.at} is printed"
     names = [name for name, value in field.values.items() if value.value == row.value]
     if row.is_ and row.is_ not in names:
@@ -125,7 +128,7 @@ def _field_faults(
         yield "is", f"{row.value} {actual} in {quoted(row.field)}, but {quoted(row.is_)} is printed"
 
 
-def _bounds(at: int | str | None) -> tuple[int, int] | None:
+def _parse_bit_range(at: int | str | None) -> tuple[int, int] | None:
     """Return the highest and the lowest bit of a place such as ``7:6`` or 5, or None if it is not one."""
     if isinstance(at, int):
         return (at, at) if 0 <= at < 1024 else None
@@ -157,12 +160,13 @@ class _Write:
         return text
 
 
-def writes(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_writes(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the printed writes of a procedure match its steps.
 
     A procedure with a step whose write is not known is not checked.
     """
-    registers, groups = by_name(spec.registers), by_name(spec.field_groups)
+    registers = by_name(spec.registers)
+    groups = by_name(spec.field_groups)
     for procedure in spec.procedures:
         steps = [step for step in procedure.steps if step.do == "write"]
         step_writes = [_step_write(step, registers, groups) for step in steps]
@@ -217,12 +221,13 @@ def _step_write(step: WrittenStep, registers: Mapping[str, WrittenRegister], gro
     # The field that has the value. Without one, the value is an argument, whose number the caller supplies.
     fields_with_value = [field for field in possible_fields if step.value in field.values]
     number = fields_with_value[0].values[step.value].value if fields_with_value else None
-    first, last = register.address, last_address(register)
+    first = register.address
+    last = last_address(register)
     writes_whole_register = not step.field and (not fields_with_value or len(register_fields) == 1)
     if writes_whole_register:
         return _Write(first=first, last=last, bit=None, value=number)
     written_fields = fields_with_value or possible_fields
-    bounds = _bounds(written_fields[0].at) if written_fields else None
+    bounds = _parse_bit_range(written_fields[0].at) if written_fields else None
     if bounds is None:
         return None
     _, low_bit = bounds

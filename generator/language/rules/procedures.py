@@ -39,7 +39,7 @@ _STEPS: dict[str, KeysOfKind] = {
 _ALL_STEPS = frozenset(("do", "meaning", "source"))
 
 
-def step_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_step_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that each step has the keys of its kind, and conditions for several requests only if it sends several."""
     for procedure in spec.procedures:
         for step in procedure.steps:
@@ -59,12 +59,13 @@ def _check_repeated(step: WrittenStep, report: DocumentReport) -> None:
         report.add("step-shape", step.place_of(conditions[0]), problem, at_key=True)
 
 
-def step_access(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_step_access(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers that are written are writable, and that those that are read are readable.
 
     To write one field of a register with other bits, a step reads the register first.
     """
-    registers, groups = by_name(raw.registers), by_name(raw.field_groups)
+    registers = by_name(raw.registers)
+    groups = by_name(raw.field_groups)
     for procedure in spec.procedures:
         for step in procedure.steps:
             register = _register_of(step, registers)
@@ -118,7 +119,7 @@ def _check_read_registers(spec: WrittenSpec, write_only: Collection[str], report
             report.add("access-mismatch", (*alarm.path, "register"), message)
 
 
-def step_waits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_step_waits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure waits long enough after a write that takes time, until its next write or its end."""
     registers = by_name(spec.registers)
     for procedure in spec.procedures:
@@ -150,7 +151,7 @@ def _find_short_wait(write: WrittenStep, later_steps: Sequence[WrittenStep], nee
     return waits[0].place_of("at_least_ms"), f"the wait here is {sum(waits_ms)} ms"
 
 
-def step_opens(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_opening_steps(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure writes the value that opens a register before it writes the register.
 
     Only the last of its writes to the opener before counts. If there is none, another procedure may open the register.
@@ -162,7 +163,9 @@ def step_opens(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> N
             opener = _register_of(step, registers).opened_by
             if step.do != "write" or opener is None:
                 continue
-            values_before = [earlier.value for earlier in procedure.steps[:index] if _writes(earlier, opener)]
+            values_before = [
+                earlier.value for earlier in procedure.steps[:index] if _writes_opening_value(earlier, opener)
+            ]
             # An argument may be the value that opens the register.
             if values_before and values_before[-1] != opener.value and values_before[-1] not in arguments:
                 message = (
@@ -172,7 +175,7 @@ def step_opens(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> N
                 report.add("not-opened", step.place_of("register"), message)
 
 
-def _writes(step: WrittenStep, opener: WrittenOpenedBy) -> bool:
+def _writes_opening_value(step: WrittenStep, opener: WrittenOpenedBy) -> bool:
     """Return True if a step writes a value to the register, or the field of it, that opens another register."""
     if step.do != "write" or not step.value or not opener.value:
         return False
@@ -182,7 +185,7 @@ def _writes(step: WrittenStep, opener: WrittenOpenedBy) -> bool:
     return is_opening_register and is_opening_field
 
 
-def argument_written(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_written_arguments(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that some step of a procedure writes each of its arguments."""
     procedures = by_name(raw.procedures)
     for procedure in spec.procedures:
@@ -198,9 +201,10 @@ def argument_written(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
                 report.add("argument-not-written", argument.place_of("name"), message)
 
 
-def procedure_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_procedure_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure with the name of a value of a register writes this value if it writes named ones there."""
-    registers, groups = by_name(raw.registers), by_name(raw.field_groups)
+    registers = by_name(raw.registers)
+    groups = by_name(raw.field_groups)
     for procedure in spec.procedures:
         name = procedure.name
         writes_by_register: dict[str, list[WrittenStep]] = {}
@@ -221,7 +225,7 @@ _SAVE = re.compile(r"(?:save|store|burn)(?:_.*)?")
 _ANY_BANK = "any"
 
 
-def saved_before_written(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_saves_before_writes(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure writes its arguments before it saves, unless a note of the procedure explains it.
 
     The last write of a value called save, store or burn counts. Arguments in volatile registers need no saving.
@@ -237,7 +241,8 @@ def saved_before_written(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRe
         saves = [index for index, step in enumerate(writes) if step.register in registers and _is_save(step)]
         if not saves:
             continue
-        save, later_writes = writes[saves[-1]], writes[saves[-1] + 1 :]
+        save = writes[saves[-1]]
+        later_writes = writes[saves[-1] + 1 :]
         writes_to_other_registers = [step for step in later_writes if step.register != save.register]
         unsaved_register = _first_unsaved(writes_to_other_registers, arguments, registers)
         if unsaved_register:
@@ -260,7 +265,7 @@ def _first_unsaved(later_steps: Iterable[WrittenStep], arguments: set[str], regi
     return ""
 
 
-def bank_named(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_named_bank(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the interface of a register in a bank has banks and names the register that selects them."""
     biss = raw.interfaces.biss
     is_select_named = biss is not None and biss.has("bank_select")
@@ -281,12 +286,13 @@ def bank_named(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> N
             report.add("bank-not-selected", register.place_of("bank"), message)
 
 
-def bank_selected(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_selected_bank(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure selects the bank before it accesses a register in it. An argument may select any bank."""
-    registers, select = by_name(raw.registers), bank_select(raw)
+    registers = by_name(raw.registers)
+    select = bank_select(raw)
     if not select:
         return
-    bank_numbers = _numbers(registers.get(select, _NO_REGISTER), raw)
+    bank_numbers = _number_by_name(registers.get(select, _NO_REGISTER), raw)
     for procedure in spec.procedures:
         selected_bank: object = None
         for step in procedure.steps:
@@ -301,7 +307,7 @@ def bank_selected(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -
                 report.add("bank-not-selected", step.place_of("register"), message)
 
 
-def _numbers(register: WrittenRegister, raw: WrittenSpec) -> dict[str, int | None]:
+def _number_by_name(register: WrittenRegister, raw: WrittenSpec) -> dict[str, int | None]:
     """Return the numbers of all named values of a register by their names. Invalid ones are None."""
     numbers_by_name: dict[str, int | None] = {}
     for field in fields_of(register, by_name(raw.field_groups)):

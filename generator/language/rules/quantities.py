@@ -65,7 +65,7 @@ _CONVERTED: Mapping[tuple[str, str], Callable[[float], float]] = {
 _CELL = re.compile(r"(?:(?:above|at least|at most|below) |[<>≤≥] ?)?-?\d+(?:\.\d+)?")
 
 
-def quantity_text(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_quantity_text(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that quantities of a characteristic have possible units and bounds, and the same numbers as its text."""
     for characteristic in spec.characteristics:
         text = characteristic.part.value
@@ -138,7 +138,7 @@ def _possible_numbers(text: str, unit: str) -> Iterator[Decimal]:
             yield nominal + tolerance
 
 
-def quantity_repeated(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_quantities(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the supply ranges and the thresholds in texts match 'supply' of the spec and 'below_mv' of alarms."""
     supply_ranges = _supply_ranges(spec)
     for characteristic in spec.characteristics:
@@ -206,7 +206,7 @@ def _flags_of(spec: WrittenSpec, alarm: Alarm) -> list[WrittenField]:
     return [field for field in fields_of_owner if field.name == alarm.field]
 
 
-def time_repeated(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_times(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a text does not contradict the times of its item, nor an erratum those of the facts it affects.
 
     A text is compared with the times next to it, or else with those of its register, procedure, timing or input. It may
@@ -223,12 +223,12 @@ def time_repeated(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -
         parts_with.update(own_times)
     for part, own_times in zip(timed_parts, times_of_parts, strict=True):
         elsewhere = _Elsewhere(named_times, parts_with, own_times)
-        for place, text, nearby_times in _texts(part.data, part.path):
-            _compare_times(text, nearby_times or own_times, elsewhere, place, report)
+        for path, text, nearby_times in _yield_texts(part.data, part.path):
+            _compare_times(text, nearby_times or own_times, elsewhere, path, report)
     for _, interface in interfaces(spec):
         elsewhere = _Elsewhere(named_times, parts_with, set())
-        for place, text, nearby_times in _texts(interface.data, interface.path):
-            _compare_times(text, nearby_times, elsewhere, place, report)
+        for path, text, nearby_times in _yield_texts(interface.data, interface.path):
+            _compare_times(text, nearby_times, elsewhere, path, report)
     _compare_errata(spec, named_times, report)
     _compare_symbols(spec, report)
 
@@ -241,7 +241,7 @@ def _compare_symbols(spec: WrittenSpec, report: DocumentReport) -> None:
         times = set(_times(timing.data))
         pattern = rf"\b{re.escape(timing.part.symbol)} ?[<>=≤≥] ?{_TIME}"
         printed_times = list(re.finditer(pattern, timing.part.meaning))
-        if printed_times and times.isdisjoint(map(_nanoseconds, printed_times)):
+        if printed_times and times.isdisjoint(map(_to_nanoseconds, printed_times)):
             _report_time(printed_times[0], times, (*timing.path, "meaning"), report)
 
 
@@ -252,7 +252,7 @@ def _compare_errata(spec: WrittenSpec, named_times: set[int], report: DocumentRe
         used_matches = list(_ANY_TIME.finditer(erratum.used))
         if not used_matches:
             continue
-        used_times = set(map(_nanoseconds, used_matches))
+        used_times = set(map(_to_nanoseconds, used_matches))
         facts: list[object] = []
         for affected in dict.fromkeys(erratum.affects):
             facts += affected_places.at(affected)
@@ -304,19 +304,19 @@ class _Elsewhere:
 
 
 def _compare_times(
-    text: str, expected_times: set[int], elsewhere: _Elsewhere, place: Path, report: DocumentReport
+    text: str, expected_times: set[int], elsewhere: _Elsewhere, path: Path, report: DocumentReport
 ) -> None:
     """Report the first time to keep in a text that is neither expected nor elsewhere, if any times are expected."""
     if not expected_times:
         return
     for match in _KEPT_TIME.finditer(text):
-        time = _nanoseconds(match)
+        time = _to_nanoseconds(match)
         if time not in expected_times and not elsewhere.have(time):
-            _report_time(match, expected_times, place, report)
+            _report_time(match, expected_times, path, report)
             return
 
 
-def _report_time(match: re.Match[str], expected_times: set[int], place: Path, report: DocumentReport) -> None:
+def _report_time(match: re.Match[str], expected_times: set[int], path: Path, report: DocumentReport) -> None:
     """Report a time in a text, as matched by ``_TIME``, that is not one of the expected ones."""
     times_text = listed([nanoseconds(time) for time in sorted(expected_times)], "or")
     number, unit = match.group("number", "unit")
@@ -324,10 +324,10 @@ def _report_time(match: re.Match[str], expected_times: set[int], place: Path, re
         f"the text says {number} {unit}, but the time here is {times_text}; "
         "correct one of the two, or add the time to 'timings'"
     )
-    report.add("time-repeated", place, message)
+    report.add("time-repeated", path, message)
 
 
-def _nanoseconds(match: re.Match[str]) -> Decimal:
+def _to_nanoseconds(match: re.Match[str]) -> Decimal:
     return Decimal(match["number"].replace(",", "")) * _NANOSECONDS.get(match["unit"], _NANOSECONDS["s"])
 
 
@@ -339,7 +339,7 @@ def _times(node: object) -> Iterator[int]:
             yield value * _NANOSECONDS[unit]
 
 
-def _texts(node: object, path: Path) -> Iterator[tuple[Path, str, set[int]]]:
+def _yield_texts(node: object, path: Path) -> Iterator[tuple[Path, str, set[int]]]:
     """Yield every text below a place, with its path and the times in the same map."""
     if isinstance(node, dict):
         numbers_by_key = {key: value for key, value in node.items() if isinstance(value, int)}
@@ -348,13 +348,13 @@ def _texts(node: object, path: Path) -> Iterator[tuple[Path, str, set[int]]]:
             if isinstance(value, str) and key not in _NO_TEXTS:
                 yield (*path, key), value, nearby_times
             else:
-                yield from _texts(value, (*path, key))
+                yield from _yield_texts(value, (*path, key))
     elif isinstance(node, list):
         for index, value in enumerate(node):
-            yield from _texts(value, (*path, index))
+            yield from _yield_texts(value, (*path, index))
 
 
-def conversions(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_conversions(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that quantities that are given in two units are the same in both, in ``values`` and within texts."""
     for characteristic in spec.characteristics:
         indices_by_quantity: dict[tuple[str, str], list[int]] = {}
@@ -420,7 +420,7 @@ def _half_digit(number: Decimal | float) -> float:
     return 0.5 * 10.0**exponent if isinstance(exponent, int) else 0.0
 
 
-def column_units(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_column_units(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a table with units has one per column, and only numbers in the columns whose unit is not empty."""
     for table in spec.tables:
         units, columns = table.part.units, table.part.columns
@@ -438,7 +438,7 @@ def column_units(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
                     report.add("column-units", (*table.path, "rows", row_index, column_index), message)
 
 
-def table_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_table_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that each row of a table has one cell per column."""
     for table in spec.tables:
         column_count = len(table.part.columns)

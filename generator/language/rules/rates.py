@@ -33,7 +33,7 @@ _PRINTED = ".".join((*_TIMEOUT, "printed"))
 _NS_PER_S, _NS_PER_US = 1_000_000_000, 1000
 
 
-def round_rates(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_round_rates(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that rates have at most three significant digits, as in data sheets.
 
     Slow rates and standard baud rates are accepted, and so is a rate that a note of the interface gives.
@@ -41,7 +41,7 @@ def round_rates(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
     if is_second(report.document.file):  # It has no notes.
         return
     for _, interface in interfaces(spec):
-        for path, rate, unit in _rates(interface):
+        for path, rate, unit in _yield_rates(interface):
             digits = len(str(rate).rstrip("0"))
             is_standard = unit == "baud" and rate % _STANDARD_BAUD == 0
             is_high = rate >= _LOWEST_HZ
@@ -58,7 +58,7 @@ def _gives_rate(note: str, rate: int) -> bool:
     return str(rate) in note.replace(",", "")
 
 
-def _rates(interface: WrittenInterface) -> Iterator[tuple[Path, int, str]]:
+def _yield_rates(interface: WrittenInterface) -> Iterator[tuple[Path, int, str]]:
     """Yield the limits of the clock and for cables, or the baud rate, of an interface, with their places and units."""
     if isinstance(interface, WrittenRs485):
         if interface.port.is_valid("baud"):
@@ -74,7 +74,7 @@ def _rates(interface: WrittenInterface) -> Iterator[tuple[Path, int, str]]:
                 yield (*row.path, "below_hz"), row.part.below_hz, "Hz"
 
 
-def rates_of_lines(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_rates_of_lines(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no clock or baud rate over RS-422 or RS-485 is above 10 MHz, unless a note of the interface gives it.
 
     An interface has such lines if it is RS-485 or its signals say so. Clocks for cables have a rule of their own.
@@ -85,7 +85,7 @@ def rates_of_lines(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
         if isinstance(interface, WrittenSpi):
             continue
         has_such_lines = isinstance(interface, WrittenRs485) or _LINES.search(interface.signals) is not None
-        for path, rate, unit in _rates(interface) if has_such_lines else ():
+        for path, rate, unit in _yield_rates(interface) if has_such_lines else ():
             is_limit = path[-1] != "below_hz"
             if is_limit and rate > _HIGHEST_HZ and not _gives_rate(interface.note, rate):
                 message = (
@@ -95,7 +95,7 @@ def rates_of_lines(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
                 report.add("implausible-rate", path, message)
 
 
-def monoflop(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_monoflop(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the monoflop time of SSI is between half a period of the slowest clock and the pause.
 
     The shortest time that a timing gives counts, for the pause only a guaranteed one. An erratum explains others.
@@ -110,11 +110,11 @@ def monoflop(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> Non
 
 def _check_monoflop(timing: Located[Timing], ssi: WrittenSsi, report: DocumentReport) -> None:
     """Check a monoflop time against the clocks and pauses of the same order codes."""
-    time_us, key = _shortest(timing)
-    place = ".".join(map(str, (*timing.path[:-1], _MONOFLOP, key)))
-    if explained(report.document, place) or not time_us:
+    time_us, key = _find_shortest(timing)
+    affected_path = ".".join(map(str, (*timing.path[:-1], _MONOFLOP, key)))
+    if explained(report.document, affected_path) or not time_us:
         return
-    remedy = f"If this is what the manual says, add an erratum that affects {place}"
+    remedy = f"If this is what the manual says, add an erratum that affects {affected_path}"
     for clock in ssi.clock:
         lowest_hz = clock.part.min_hz
         if not lowest_hz or not share_codes(clock.part, timing.part):
@@ -136,7 +136,7 @@ def _check_monoflop(timing: Located[Timing], ssi: WrittenSsi, report: DocumentRe
             report.add("monoflop", (*pause.path, "at_least_us"), f"{message}. {remedy}")
 
 
-def _shortest(timing: Located[Timing]) -> tuple[int | None, str]:
+def _find_shortest(timing: Located[Timing]) -> tuple[int | None, str]:
     """Return the shortest guaranteed or else the typical time of a timing, with its key, or ``(None, "")``."""
     part = timing.part
     for key, time_us in (("at_least_us", part.at_least_us), ("typical_us", part.typical_us)):
@@ -145,7 +145,7 @@ def _shortest(timing: Located[Timing]) -> tuple[int | None, str]:
     return None, ""
 
 
-def cable_clocks(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_cable_clocks(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that each clock limit for cables is within the limits of the clock, unless an erratum explains it."""
     ssi = spec.interfaces.ssi
     if ssi is None:
@@ -158,7 +158,9 @@ def cable_clocks(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
 
 def _check_cable_clock(row: Located[CableLength], clock: Clock, report: DocumentReport) -> None:
     """Report a clock limit for cables that is outside the limits of a clock."""
-    below_hz, lowest_hz, highest_hz = row.part.below_hz, clock.min_hz or 0, clock.max_hz
+    below_hz = row.part.below_hz
+    lowest_hz = clock.min_hz or 0
+    highest_hz = clock.max_hz
     is_too_high = highest_hz is not None and below_hz > highest_hz
     place = "interfaces.ssi.clock.max_hz" if is_too_high else "interfaces.ssi.clock.min_hz"
     if explained(report.document, place) or not (below_hz < lowest_hz or is_too_high):
@@ -173,7 +175,7 @@ def _check_cable_clock(row: Located[CableLength], clock: Clock, report: Document
     report.add("clock-range", (*row.path, "below_hz"), f"{message}; {remedy} {place}")
 
 
-def timeouts_and_clocks(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_timeouts_and_clocks(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a BiSS time-out is longer than half a clock period and, if it follows the clock, in half periods.
 
     Printed time-outs without a rule are then whole numbers of half periods, apart from rounding to nanoseconds.
@@ -216,7 +218,7 @@ def _check_longest_timeout(biss: WrittenBiss, timeout: Located[Timeout], remedy:
             report.add("timeout-mismatch", (*timeout.path, "at_most_ns"), message)
 
 
-def timeout_mismatch(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_timeout_mismatch(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the time-outs of BiSS that the manual calculates match its rule, and are at possible clocks."""
     biss = spec.interfaces.biss
     for timeout in biss.timeout if biss is not None else ():
@@ -234,7 +236,8 @@ def _check_clocks_of_timeouts(timeout: Located[Timeout], clock: Clock, report: D
     """Report printed time-outs at clocks that an encoder does not support."""
     if clock.max_hz is None or explained(report.document, *_TIMEOUT):
         return
-    lowest_hz, highest_hz = clock.min_hz or 0, clock.max_hz
+    lowest_hz = clock.min_hz or 0
+    highest_hz = clock.max_hz
     for index, printed in enumerate(timeout.part.printed):
         if not lowest_hz <= printed.clock_hz <= highest_hz:
             problem = f"the clock is {lowest_hz} to {highest_hz} Hz, so there is no time-out at {printed.clock_hz} Hz"
@@ -269,7 +272,8 @@ def _check_timeout_rule(timeout: Located[Timeout], report: DocumentReport) -> No
 def _check_calculated_timeouts(timeout: Located[Timeout], half_periods: int, report: DocumentReport) -> None:
     """Check that each printed time-out is the given number of half clock periods, to the nearest nanosecond."""
     for index, printed in enumerate(timeout.part.printed):
-        clock_hz, printed_ns = printed.clock_hz, printed.timeout_ns
+        clock_hz = printed.clock_hz
+        printed_ns = printed.timeout_ns
         # Half a period of the clock is 10**9 / (2 * clock_hz) ns.
         exact_ns = Fraction(half_periods * 10**9, 2 * clock_hz)
         if abs(exact_ns - printed_ns) > Fraction(1, 2):

@@ -35,7 +35,7 @@ from .shapes import KINDS
 _NUMBER = "digits"
 
 
-def field_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_field_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of fields and layouts: groups, CRCs, sibling fields, joined numbers, parameters, data IDs.
 
     A group may use data IDs, because its interface is not known.
@@ -63,7 +63,8 @@ def _check_layout(fields: FieldList, names: Sequence[str], resolver: NameResolve
 
     ``names`` are its fields, with those of groups.
     """
-    layout, path = fields.layout, fields.owner.path
+    layout = fields.layout
+    path = fields.owner.path
     gray = layout.gray if layout is not None else None
     if gray is not None:
         number_names = [*names, *fields.joins]
@@ -91,7 +92,7 @@ def _check_field(field: WrittenField, names: Sequence[str], joins: Sequence[str]
         resolver.refer_to_bit((*field.path, "explained_by", index), text)
 
 
-def register_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_register_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of registers: their interface, their opener, the field that their limits apply to."""
     resolver = NameResolver(raw, report)
     for register in spec.registers:
@@ -136,7 +137,7 @@ def _check_meaning(meaning: WrittenRegisterMeaning, resolver: NameResolver) -> N
         resolver.refer_if_given(meaning.place_of("is"), kind, meaning.is_, resolver.values(name, field))
 
 
-def device_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_device_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of parameters, hardware inputs, measurements and the register that selects banks.
 
     A measurement names a field or joined number that some frame has.
@@ -169,7 +170,8 @@ def _check_measured_field(
 
     For the measurement of an interface, only its frames count.
     """
-    name, path = measurement.part.of, measurement.path
+    name = measurement.part.of
+    path = measurement.path
     is_of_device = path == ("measurement",)
     kinds_in_frames = []
     for frame in layouts(raw):
@@ -190,11 +192,12 @@ def _kind_of(field: WrittenField) -> str:
     return kinds[0] if kinds else _NUMBER
 
 
-def alarm_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_alarm_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of alarms: the flag in a field group or register, and the procedures that clear them."""
     resolver = NameResolver(raw, report)
     for located_alarm in spec.alarms:
-        alarm, path = located_alarm.part, located_alarm.path
+        alarm = located_alarm.part
+        path = located_alarm.path
         resolver.refer_if_given((*path, "group"), "field group", alarm.group)
         resolver.refer_if_given((*path, "register"), "register", alarm.register)
         if alarm.field and not alarm.group and not alarm.register:
@@ -212,7 +215,7 @@ def _check_flag(alarm: Alarm, path: Path, resolver: NameResolver) -> None:
         resolver.refer_if_given(path, f"field of {quoted(owner_name)} called", alarm.field, by_name(owner.fields))
 
 
-def by_hand_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_by_hand_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that manual remedies name characteristics whose text has numbered steps."""
     resolver = NameResolver(raw, report)
     characteristics = by_part_name(raw.characteristics).items()
@@ -233,7 +236,7 @@ def _remedies_by_hand(spec: WrittenSpec) -> Iterator[tuple[Path, Sequence[str]]]
             yield field.path, field.by_hand
 
 
-def procedure_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_procedure_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of procedures: interface, registers of arguments and steps, their values, data IDs."""
     resolver = NameResolver(raw, report)
     for procedure in spec.procedures:
@@ -271,7 +274,8 @@ def _check_written_value(
 
     Without a field, the step writes the whole register. Then a named value of one of several fields is an error.
     """
-    name, path = step.register, step.place_of("value")
+    name = step.register
+    path = step.place_of("value")
     possible_values = [*resolver.values(name, step.field), *arguments]
     resolver.refer_if_given(path, f"argument, or value of {quoted(name)}, called", step.value, possible_values)
     # The value of one field, written to the whole register, would change its other bits.
@@ -283,7 +287,7 @@ def _check_written_value(
         resolver.report_problem(path, f"{quoted(name)} has other bits, too; {remedy}")
 
 
-def example_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_example_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of examples: their subject, the arguments and fields with values, and errata."""
     resolver = NameResolver(raw, report)
     known_layouts = {frame.name: frame for frame in layouts(raw) if frame.name}
@@ -318,7 +322,7 @@ def _check_example_values(
 _LISTS = ("layouts", "fields", "combinations")
 
 
-def erratum_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_erratum_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that each path affected by an erratum exists and omits the lists of layouts, fields and combinations.
 
     A path such as ``interfaces.biss.word.crc`` is followed step by step. The first missing step is reported.
@@ -374,7 +378,7 @@ def _named_items(items: list[object]) -> Iterator[tuple[str, object]]:
             yield str(list_item["name"]), list_item
 
 
-def expressions(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_expressions(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that every expression is valid, and that every parameter in it exists."""
     resolver = NameResolver(raw, report)
     for path, text in parameters.expressions(spec):
@@ -390,7 +394,7 @@ def expressions(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
             resolver.refer(path, "parameter", name)
 
 
-def printed_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_printed_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers, fields and errata named in the manual's list of defaults exist."""
     resolver = NameResolver(raw, report)
     for printed in spec.printed_defaults:
@@ -401,14 +405,14 @@ def printed_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
         resolver.refer_if_given(printed.place_of("erratum"), "erratum", printed.erratum)
 
 
-def connector_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_connector_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the interfaces that a connector is wired for exist."""
     resolver = NameResolver(raw, report)
     for connector in spec.connectors:
         resolver.refer_to_each((*connector.path, "interfaces"), "interface", connector.part.interfaces)
 
 
-def unused_crc(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_unused_crc(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that each CRC is that of a field in some list of fields, or has a note."""
     used_crcs: set[str] = set()
     for field_list in field_lists(raw):
@@ -424,12 +428,14 @@ def unused_crc(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> N
             report.add("unused-crc", (*crc.path, "name"), f"{problem}; {remedy}")
 
 
-def evidence_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_evidence_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check the names of documents, implementations and examples in the evidence.
 
     The manual is a document too, under ``manual`` and the language of each edition.
     """
-    resolver, evidence, documents = NameResolver(raw, report), spec.evidence, raw.names_in("documents")
+    resolver = NameResolver(raw, report)
+    evidence = spec.evidence
+    documents = raw.names_in("documents")
     languages = [edition.part.language for edition in raw.manual.editions]
     for key in evidence.part.documents:
         resolver.refer((*evidence.path, "documents", key), "document", key, ("manual", *languages, *documents))

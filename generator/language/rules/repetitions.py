@@ -23,7 +23,7 @@ _SETS = frozenset(
 _MAPS_OF_SETS = frozenset(("only_with", "open_only_with"))
 
 
-def repeated_item(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_items(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no item of a list that is a set, by its key, occurs twice."""
     for path, set_items in _unique_lists((), spec.data):
         for index, set_item in enumerate(set_items):
@@ -62,7 +62,7 @@ class _NamedText(NamedTuple):
     path: Path
 
 
-def repeated_text(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_text(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers of a bank, fields of a frame, and values of a field do not have the text of a neighbour."""
     registers_by_bank: dict[object, list[WrittenRegister]] = {}
     for register in spec.registers:
@@ -78,7 +78,8 @@ def repeated_text(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -
 
 def _check_values(field: WrittenField, report: DocumentReport) -> None:
     """Check that the values of a field do not have the same printed name or the same meaning of several words."""
-    printed_names, meanings = [], []
+    printed_names = []
+    meanings = []
     for name, value in field.values.items():
         printed_names.append(_NamedText(value.printed_name, name, value.place_of("printed_name")))
         is_long = value.meaning.count(" ") > 1  # Several values can be "not used".

@@ -56,7 +56,7 @@ def check_exchanges(
             report.add(rule, exchange.place_of("purpose"), message)
 
 
-def _frame(exchange: WrittenRs485Exchange | WrittenSpiExchange, key: str) -> str:
+def _frame_name(exchange: WrittenRs485Exchange | WrittenSpiExchange, key: str) -> str:
     """Return the name of the frame under a key of an exchange: its request or its reply."""
     return exchange.request if key == "request" else exchange.reply
 
@@ -66,7 +66,7 @@ def _check_layouts(exchanges: Exchanges, layouts: Layouts, report: DocumentRepor
     for sender, key in KEYS.items():
         names = [name for name, layout in layouts.items() if layout.from_ == sender]
         for exchange in exchanges:
-            name = _frame(exchange, key)
+            name = _frame_name(exchange, key)
             if name and name not in names:
                 message = f"there is no layout {quoted(name)} from the {sender}"
                 report.add("undefined-reference", exchange.place_of(key), message + suggestion(name, names))
@@ -75,7 +75,7 @@ def _check_layouts(exchanges: Exchanges, layouts: Layouts, report: DocumentRepor
 def report_unused(layout: WrittenLayout, exchanges: Exchanges, rule: str, report: DocumentReport) -> None:
     """Report a frame that no exchange contains: one of the master as request, one of the encoder as reply."""
     key = KEYS.get(layout.from_, "")
-    if key and layout.name not in [_frame(exchange, key) for exchange in exchanges]:
+    if key and layout.name not in [_frame_name(exchange, key) for exchange in exchanges]:
         message = f"no exchange has {quoted(layout.name)} as its {key}; add one under 'exchanges'"
         report.add(rule, layout.path, message)
 
@@ -85,7 +85,7 @@ _RULE = "rs485-exchange"
 _OF_DATA_IDS = ("data_ids", "memory_access")
 
 
-def requests(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_requests(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that an RS-485 interface describes its requests: by data IDs, or by exchanges of a request and its reply.
 
     A character of a frame has 8 data bits.
@@ -134,7 +134,7 @@ def _check_frames_of_rs485(interface: WrittenRs485, report: DocumentReport) -> N
 _NEEDED = {"read": (("address",), ("data",)), "write": (("address", "data"), ())}
 
 
-def exchanges(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_spi_exchanges(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that each frame over SPI is a request or its reply, and that accesses to registers have their fields."""
     interface, raw_interface = spec.interfaces.spi, raw.interfaces.spi
     if interface is None or raw_interface is None or not interface.data:
@@ -259,7 +259,8 @@ def _check_accesses(interface: WrittenSpi, raw_interface: WrittenSpi, raw: Writt
 
     Only one exchange may read registers.
     """
-    groups, layouts = by_name(raw.field_groups), by_name(raw_interface.layouts)
+    groups = by_name(raw.field_groups)
+    layouts = by_name(raw_interface.layouts)
     spi_registers = [register for register in raw.registers if interface_of(register) == Spi.name]
     for purpose, needed in _NEEDED.items():
         accesses = [exchange for exchange in interface.exchanges if exchange.purpose == purpose]
@@ -297,11 +298,12 @@ def _check_fields(
         return
     field_names_of_frames: set[str] = set()
     for exchange in accesses:
-        layout = layouts.get(_frame(exchange, key))
+        layout = layouts.get(_frame_name(exchange, key))
         field_names_of_frames |= field_names(_as_fields(layout), groups).keys() if layout is not None else set()
     missing_names = [field_name for field_name in needed if field_name not in field_names_of_frames]
     if missing_names:
-        frame_name, place = _frame(accesses[0], key), accesses[0].place_of(key)
+        frame_name = _frame_name(accesses[0], key)
+        place = accesses[0].place_of(key)
         message = f"{quoted(frame_name)} is for a register, so it needs the field {quoted(missing_names[0])}"
         report.add("spi-exchange", place, message)
     elif key == "request":
@@ -318,7 +320,7 @@ def _as_fields(layout: WrittenLayout) -> FieldList:
     return FieldList(Has.LAYOUT, layout, Spi.name)
 
 
-def requests_that_write(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_requests_that_write(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that constants distinguish each request from those that write, unless a note of its layout explains it.
 
     Two words can be equal if they have the same length and no constant bit differs. Only a write with constants and an
@@ -329,7 +331,8 @@ def requests_that_write(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
     # A second reading repeats printed facts, without the notes that may explain them.
     if interface is None or is_second(report.document.file):
         return
-    groups, layouts = by_name(raw.field_groups), by_name(interface.layouts)
+    groups = by_name(raw.field_groups)
+    layouts = by_name(interface.layouts)
     bits_by_layout = {name: _constant_bits(layout, groups) for name, layout in layouts.items()}
     write_requests = [exchange.request for exchange in interface.exchanges if exchange.purpose == "write"]
     distinguishable_writes = []

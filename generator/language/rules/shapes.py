@@ -60,7 +60,7 @@ _EXAMPLES: dict[str, KeysOfKind] = {
 _ALL_EXAMPLES = frozenset(("name", "kind", "source", "erratum", "note"))
 
 
-def layout_keys(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_layout_keys(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that fields and layouts have valid combinations of keys. A field with ``use`` only includes a group."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -288,7 +288,8 @@ def _is_one_byte(layout: WrittenLayout, raw: WrittenSpec) -> bool:
     if len(layout.fields) > 1:
         return False
     field = layout.fields[0]
-    group, crc = by_name(raw.field_groups).get(field.use), by_part_name(raw.crcs).get(field.crc)
+    group = by_name(raw.field_groups).get(field.use)
+    crc = by_part_name(raw.crcs).get(field.crc)
     width = (group.bits if group is not None else 0) or (crc.part.width if crc is not None else 0)
     return (width or field.padded_to or constant_width(field)) == 8
 
@@ -300,7 +301,7 @@ def _top_bit(field: WrittenField) -> int:
     return int(top_bit) if top_bit.isdecimal() else 0
 
 
-def byte_order_missing(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_missing_byte_orders(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers of several bytes with addresses have a byte order, because no default is safe."""
     for register in spec.registers:
         interface = INTERFACES.get(interface_of(register))
@@ -314,10 +315,11 @@ def byte_order_missing(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
             report.add("byte-order-missing", register.path, message)
 
 
-def example_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_example_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that each example has the keys of its kind, and that a frame is complete."""
     for example in spec.examples:
-        subject, keys_of_kind = f"a {example.kind} example", _EXAMPLES[example.kind]
+        subject = f"a {example.kind} example"
+        keys_of_kind = _EXAMPLES[example.kind]
         check_keys("example-shape", subject, example.path, example.data, keys_of_kind, _ALL_EXAMPLES, report)
         if example.kind == "frame":
             _check_frame(example, report)
@@ -328,7 +330,9 @@ def _check_frame(example: WrittenExample, report: DocumentReport) -> None:
 
     That is ``values``, or ``refused`` with an explanation. A refused frame of bytes needs no layout.
     """
-    has_bytes, has_bits, is_refused = bool(example.bytes), bool(example.bits), bool(example.refused)
+    has_bytes = bool(example.bytes)
+    has_bits = bool(example.bits)
+    is_refused = bool(example.refused)
     if has_bytes and has_bits:
         message = "a frame example needs 'bytes' or 'bits'; this one has both; keep one of them"
         report.add("example-shape", example.path, message)
@@ -345,7 +349,7 @@ def _check_frame(example: WrittenExample, report: DocumentReport) -> None:
         report.add("example-shape", example.path, "a refused example needs 'erratum' or 'note' to explain it")
 
 
-def example_arguments(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_example_arguments(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that an example of a procedure has a value for each argument of the procedure."""
     procedures = by_name(raw.procedures)
     for example in spec.examples:

@@ -39,7 +39,7 @@ class _LaterPage:
 _Spans = Mapping[str, Mapping[str, tuple[int, int]]]
 
 
-def cited_place(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_cited_place(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that every cited section of the manual is in its contents, and every cited page in its section.
 
     In a spec whose sources cite the pages on which sections and entries begin, a source with only later pages is
@@ -48,12 +48,12 @@ def cited_place(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
     contents = raw.manual.contents
     if not contents:
         return
-    spans = _spans(contents)
+    spans = _find_spans(contents)
     first_page_count = 0
     later_pages: list[_LaterPage] = []
     for path, source in sources(leaves_of(spec.data, report)):
         own_names, enclosing_names = _printed_names(spec.data, path)
-        citations = _citations(source)
+        citations = _find_citations(source)
         for citation in citations:
             section = citation["section"]
             if not _is_in_section(section, citation["page"], path, spans, enclosing_names, report):
@@ -79,7 +79,7 @@ def _report_later_pages(later_pages: list[_LaterPage], report: DocumentReport) -
         report.add("cited-place", later.path, f"{problem}; {remedy}")
 
 
-def _citations(source: str) -> list[re.Match[str]]:
+def _find_citations(source: str) -> list[re.Match[str]]:
     """Return the matches of ``_CITED`` for the sections of the manual that a source cites, each perhaps with a page.
 
     Sources in other documents, which have a key before a colon, and placeholders are left out.
@@ -105,7 +105,7 @@ def _first_pages(spans: Mapping[str, tuple[int, int]], own_names: list[str]) -> 
     return {start for start, _ in spans.values()}
 
 
-def _spans(contents: Mapping[str, WrittenSection]) -> dict[str, dict[str, tuple[int, int]]]:
+def _find_spans(contents: Mapping[str, WrittenSection]) -> dict[str, dict[str, tuple[int, int]]]:
     """Return the first and the last page of each section, under an empty name, and of its entries by name.
 
     For a section 4 with the entry Preset these are ``{"4": {"": (12, 24), "preset": (13, 15)}}``. The last page is the
@@ -117,10 +117,10 @@ def _spans(contents: Mapping[str, WrittenSection]) -> dict[str, dict[str, tuple[
         after = sections[index + 1 :]
         subsections = [inner for inner_name, inner in after if inner_name.startswith(f"{name}.")]
         later_sections = [later for later_name, later in after if not later_name.startswith(f"{name}.")]
-        last_page = _page(later_sections[0], _END) if later_sections else _END
-        page_spans[name] = {_WHOLE_SECTION: (_page(section, _FIRST), last_page)}
+        last_page = _page_of_section(later_sections[0], _END) if later_sections else _END
+        page_spans[name] = {_WHOLE_SECTION: (_page_of_section(section, _FIRST), last_page)}
         # The entries of a section come before its subsections.
-        end_of_entries = _page(subsections[0], last_page) if subsections else last_page
+        end_of_entries = _page_of_section(subsections[0], last_page) if subsections else last_page
         entries = list(section.entries.items())
         starts_after = [*(page for _, page in entries[1:]), end_of_entries]
         for (title, page), next_page in zip(entries, starts_after, strict=False):
@@ -128,7 +128,7 @@ def _spans(contents: Mapping[str, WrittenSection]) -> dict[str, dict[str, tuple[
     return page_spans
 
 
-def _page(section: WrittenSection, default: int) -> int:
+def _page_of_section(section: WrittenSection, default: int) -> int:
     """Return the page of a section, or a default if the contents do not give it."""
     return default if section.page is None else section.page
 
@@ -190,7 +190,7 @@ _WHOLE = "all pages"
 _SOURCE = re.compile(r"\s*(?:([a-z][a-z0-9_]*):\s)?(.*?)\s*", re.DOTALL)
 
 
-def evidence(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_evidence(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the evidence supports the grade and lists each source once, and that each fact cites enough of them.
 
     Only the grades ``quoted`` and ``corroborated`` make demands on the source of each fact.
@@ -203,7 +203,7 @@ def evidence(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> Non
     _check_vectors(stated, by_name(raw.examples), report)
     if not spec.evidence.is_valid("grade"):
         return
-    for problem in _missing(stated):
+    for problem in _yield_missing_support(stated):
         report.add("evidence-grade", ("evidence", "grade"), f"the grade {quoted(stated.grade)} {problem}")
     if stated.grade == "quoted" or stated.grade in _CORROBORATED:
         _check_sources(spec, report)
@@ -226,9 +226,11 @@ def _check_vectors(stated: Evidence, examples: Mapping[str, WrittenExample], rep
         report.add("evidence-grade", ("evidence", "vectors", 0), f"{problem}: {remedy}, {_OR} without 'vectors'")
 
 
-def _missing(stated: Evidence) -> Iterator[str]:
+def _yield_missing_support(stated: Evidence) -> Iterator[str]:
     """Yield each reason that the evidence does not support its grade, such as what it needs, with the remedy."""
-    grade, documents_read, implementations = stated.grade, stated.documents, stated.implementations
+    grade = stated.grade
+    documents_read = stated.documents
+    implementations = stated.implementations
     has_source = bool(documents_read) or bool(implementations)
     if grade == "manual" and documents_read.get("manual") != _WHOLE:
         yield f"needs the whole manual: write 'documents: {{manual: {_WHOLE}}}', or another grade"
@@ -252,7 +254,8 @@ def _check_sources(spec: WrittenSpec, report: DocumentReport) -> None:
 
     A source without a key cites the manual. Errata and examples are not checked.
     """
-    grade, documents_read = spec.evidence.part.grade, spec.evidence.part.documents
+    grade = spec.evidence.part.grade
+    documents_read = spec.evidence.part.documents
     implementations = spec.evidence.part.implementations
     is_corroborated = grade in _CORROBORATED
     can_cite_two_implementations = is_corroborated and len(implementations) > 1
@@ -273,10 +276,10 @@ def _check_sources(spec: WrittenSpec, report: DocumentReport) -> None:
             problem = f"the grade {quoted(grade)} needs {', or '.join(needed_sources)} for each fact"
             places_without_key = [place for key, place in keys_and_places if not key]
             first_place = places_without_key[0] if places_without_key else ""
-            report.add("evidence-grade", path, problem + _remedy(first_place, spec.documents))
+            report.add("evidence-grade", path, problem + _suggest_source(first_place, spec.documents))
 
 
-def _remedy(place: str, documents: Collection[str]) -> str:
+def _suggest_source(place: str, documents: Collection[str]) -> str:
     """Return how to write a source whose place has no key of a document, or an empty string without such a place."""
     if not place:
         return ""
@@ -329,15 +332,16 @@ _CABLE = _LimitKeys(("below_hz",), "leave the table out")
 _SUPPLY = _LimitKeys(("min_mv", "max_mv"), "list the voltage in use under 'characteristics'")
 
 
-def limit_source(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_limit_sources(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that limits cite a document of the manufacturer if the grade does not demand it of every fact."""
-    grade, documents_read = spec.evidence.part.grade, spec.evidence.part.documents
+    grade = spec.evidence.part.grade
+    documents_read = spec.evidence.part.documents
     if not spec.evidence.is_valid("grade") or grade in _IN_THE_MANUFACTURERS_WORDS:
         return
     needed_source = "a document of the manufacturer under 'evidence'"
     if documents_read:
         needed_source = f"a source in {listed(documents_read, 'or')}"
-    for limited in _limits(spec):
+    for limited in _yield_limited(spec):
         cited_keys = set()
         for piece in limited.source.split(";"):
             document = _DOCUMENT.match(piece)
@@ -350,15 +354,15 @@ def limit_source(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
             report.add("limit-source", (*limited.part.path, given_limits[0]), message, at_key=True)
 
 
-def _limits(spec: WrittenSpec) -> Iterator[_Limited]:
+def _yield_limited(spec: WrittenSpec) -> Iterator[_Limited]:
     """Yield each part of a spec that can have limits, with its own source or else that of its interface."""
     if spec.supply is not None:
-        yield _Limited(spec.supply, _source(spec.supply), _SUPPLY)
+        yield _Limited(spec.supply, _source_of_part(spec.supply), _SUPPLY)
     for timing in spec.timings:
-        yield _Limited(timing, _source(timing), _TIMING)
+        yield _Limited(timing, _source_of_part(timing), _TIMING)
     for _, interface in interfaces(spec):
         for part, kind in _limited_parts(interface):
-            yield _Limited(part, _source(part) or interface.source, kind)
+            yield _Limited(part, _source_of_part(part) or interface.source, kind)
 
 
 def _limited_parts(interface: WrittenInterface) -> Iterator[tuple[Located[object], _LimitKeys]]:
@@ -373,12 +377,12 @@ def _limited_parts(interface: WrittenInterface) -> Iterator[tuple[Located[object
         yield cable_length, _CABLE
 
 
-def _source(part: Located[object]) -> str:
+def _source_of_part(part: Located[object]) -> str:
     """Return the source of a part, or an empty string if it has none."""
     return str(part.source or "")
 
 
-def revision_in_history(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_revision_in_history(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the history of a manual lists its own revision, unless an erratum explains it."""
     # A revision that is not text is reported by the schema, and can still be the right one.
     revisions = [str(history_row.data.get("revision")) for history_row in raw.manual.history]
@@ -393,7 +397,7 @@ def revision_in_history(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
     report.add("revision-not-in-history", ("manual", "revision"), f"{problem}; {remedy}")
 
 
-def open_quotation(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_open_quotation(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that double quotation marks in the printed text of an erratum come in pairs."""
     for erratum in spec.errata:
         if erratum.printed.count('"') % 2:

@@ -41,7 +41,7 @@ _TEXTS = (PROSE | {"used"}) - {"title", "why", "changes", "source"}
 _ELSEWHERE = frozenset(("documents", "manual", "editions", "evidence", "lost_figures"))
 
 
-def erratum_quantities(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_erratum_quantities(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the quantities that an erratum uses are those of the facts that it affects.
 
     An erratum without quantities under 'used' uses those that are printed. A quantity is compared with all of its kind
@@ -64,7 +64,8 @@ def erratum_quantities(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
             stated_by_kind.setdefault(kind, {})[number] = stated_text
         for match in matches:
             number_text, unit = match.group("number", "unit")
-            kind, number = _KIND_OF_UNIT[unit], _in_smallest_unit(number_text, unit)
+            kind = _KIND_OF_UNIT[unit]
+            number = _in_smallest_unit(number_text, unit)
             if kind in stated_by_kind and number not in stated_by_kind[kind]:
                 texts = listed(list(stated_by_kind[kind].values()), "or")
                 message = (
@@ -96,7 +97,7 @@ def _in_smallest_unit(number: str, unit: str) -> Decimal:
     return Decimal(number.replace(",", "").replace("−", "-")) * _UNITS[_KIND_OF_UNIT[unit]][unit]
 
 
-def waits_given_twice(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_waits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a timing about writes to a register, by its printed name, has the wait of this register."""
     waiting_registers: dict[str, WrittenRegister] = {}
     for register in by_name(spec.registers).values():
@@ -125,7 +126,7 @@ def _check_wait(timing: Located[Timing], registers: Mapping[str, WrittenRegister
         report.add("left-behind", (*timing.path, "at_least_us"), message)
 
 
-def quoted_names(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_quoted_names(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a bit, register, command, alarm or input that a text names in quotes has this printed name.
 
     Names are compared without regard to capitals and punctuation. Overlays and older editions change names without
@@ -134,14 +135,14 @@ def quoted_names(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
     if report.document.family or report.document.other_files:
         return
     names_in_spec = _printed_names(spec, report)
-    folded_names = {_folded(name) for name in names_in_spec}
+    folded_names = {_fold_name(name) for name in names_in_spec}
     for path, text in leaves_of(spec.data, report):
         if not isinstance(text, str) or path[0] in _ELSEWHERE or path[-1] not in _TEXTS:
             continue
         for match in _QUOTED_NAME.finditer(text):
             before, after = match.group("before", "after")
             name = before or after
-            if _folded(name) not in folded_names:
+            if _fold_name(name) not in folded_names:
                 message = f"nothing here is called {quoted(name)}{suggestion(name, names_in_spec)}; correct the text"
                 report.add("left-behind", path, message, cause=name)
 
@@ -157,7 +158,7 @@ def _printed_names(spec: WrittenSpec, report: DocumentReport) -> list[str]:
     return list(names)
 
 
-def _folded(name: str) -> str:
+def _fold_name(name: str) -> str:
     """Return a name in lower case, with one space for all other characters between letters and digits."""
     return re.sub(r"[\W_]+", " ", name).strip().casefold()
 
@@ -165,7 +166,7 @@ def _folded(name: str) -> str:
 _LABEL = re.compile(r"(?<![\w/-])[A-Z][A-Z0-9]+(?![\w/-])")
 
 
-def labels_in_errata(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_labels_in_errata(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that an erratum about order codes uses only existing labels next to another label of the same shape.
 
     Labels have the same shape if they have letters and digits at the same places, such as ``A12`` and ``B07``.
@@ -177,9 +178,9 @@ def labels_in_errata(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
         if not any(affected.split(".")[0] == "order_code" for affected in erratum.affects):
             continue
         words_in_capitals = _LABEL.findall(erratum.used)
-        shapes_of_labels = {_shape(word) for word in words_in_capitals if word in known_labels}
+        shapes_of_labels = {_shape_of_label(word) for word in words_in_capitals if word in known_labels}
         unknown_labels = [
-            word for word in words_in_capitals if word not in known_labels and _shape(word) in shapes_of_labels
+            word for word in words_in_capitals if word not in known_labels and _shape_of_label(word) in shapes_of_labels
         ]
         if unknown_labels:
             message = f"{quoted(unknown_labels[0])} is not in the order code; correct the text"
@@ -197,7 +198,7 @@ def _known_labels(spec: WrittenSpec) -> set[str]:
     return known_labels
 
 
-def _shape(label: str) -> str:
+def _shape_of_label(label: str) -> str:
     """Return a label with each letter as A and each digit as 0."""
     return re.sub("[0-9]", "0", re.sub("[A-Z]", "A", label))
 
@@ -206,7 +207,7 @@ def _shape(label: str) -> str:
 _NAMED_ERROR = re.compile(r"\b([A-Z]{2,}) (error|alarm|flag|warning)\b")
 
 
-def alarm_names(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_alarm_names(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a name such as ``ST error`` in a text has a word in capitals that is in some printed name of the spec.
 
     This holds if an alarm of the spec has such a name. Specs with overlays and older editions are not checked.

@@ -19,7 +19,7 @@ _FREQUENCIES = frozenset(("Hz", "kHz", "MHz"))
 _NANOMETRES = {"nm": 1, "µm": 1_000, "mm": 1_000_000}
 
 
-def edges_and_periods(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_edges_and_periods(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a table with frequencies of periods and of edges has four edges a period.
 
     The signals A and B have two edges each in one period. An erratum about the table that has both numbers explains
@@ -31,18 +31,18 @@ def edges_and_periods(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
             continue
         numbers_of_errata = _numbers_of_errata(spec, f"tables.{table.part.name}")
         for index, row in enumerate(table.part.rows):
-            period_frequency, edge_frequency = _number(row, periods), _number(row, edges)
+            period_frequency, edge_frequency = _number_in_cell(row, periods), _number_in_cell(row, edges)
             if period_frequency is None or edge_frequency is None or edge_frequency == _EDGES * period_frequency:
                 continue
             if not {row[periods], row[edges]} <= numbers_of_errata:
                 message = f"{row[edges]} edges are not {_EDGES} times {row[periods]} periods"
-                place = (*table.path, "rows", index, edges)
-                report.add("table-arithmetic", place, f"{message}; correct one of the two")
+                path = (*table.path, "rows", index, edges)
+                report.add("table-arithmetic", path, f"{message}; correct one of the two")
 
 
-def _numbers_of_errata(spec: WrittenSpec, place: str) -> set[str]:
+def _numbers_of_errata(spec: WrittenSpec, affected_path: str) -> set[str]:
     """Return the numbers in the texts of the errata that affect a place."""
-    texts = [f"{erratum.printed} {erratum.used}" for erratum in spec.errata if place in erratum.affects]
+    texts = [f"{erratum.printed} {erratum.used}" for erratum in spec.errata if affected_path in erratum.affects]
     return set(_NUMBER.findall(" ".join(texts)))
 
 
@@ -57,12 +57,12 @@ def _frequency_column(table: Table, word: str) -> int | None:
     return columns[0] if len(columns) == 1 and len(frequency_units) == 1 else None
 
 
-def _number(row: tuple[str, ...], column: int) -> Decimal | None:
+def _number_in_cell(row: tuple[str, ...], column: int) -> Decimal | None:
     cell = row[column] if column < len(row) else ""
     return Decimal(cell) if _NUMBER.fullmatch(cell) else None
 
 
-def order_codes_in_rows(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_order_codes_in_rows(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a row about an order code has the quantity that the meaning of its label gives.
 
     For example, the label ``0050`` means ``50 µm``, so its row has 50 in the column ``Resolution µm``. The column
@@ -84,9 +84,9 @@ def _compare_rows(table: Located[Table], column: int, meanings: dict[str, str], 
     """Report each row whose quantity is not the meaning of the only label of ``meanings`` in its other cells."""
     unit = table.part.units[column]
     for index, row in enumerate(table.part.rows):
-        other_cells = " ".join(cell for place, cell in enumerate(row) if place != column)
+        other_cells = " ".join(cell for cell_index, cell in enumerate(row) if cell_index != column)
         labels = {word for word in re.split(r"[^A-Za-z0-9]+", other_cells) if word in meanings}
-        if len(labels) != 1 or _number(row, column) is None:
+        if len(labels) != 1 or _number_in_cell(row, column) is None:
             continue
         label = labels.pop()
         quantity = re.fullmatch(rf"({_NUMBER.pattern}) {re.escape(unit)}", meanings[label]) if unit else None
@@ -98,7 +98,7 @@ def _compare_rows(table: Located[Table], column: int, meanings: dict[str, str], 
             report.add("table-arithmetic", (*table.path, "rows", index, column), message)
 
 
-def order_codes_in_tables(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_order_codes_in_tables(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the order codes in a column named after them begin as the pattern does, and have its numbers.
 
     A number between two hyphens is a label of a part of the order code, or one that an open part accepts.
@@ -129,7 +129,7 @@ def _wrong_code(code: str, start: str, spec: WrittenSpec) -> str:
     return ""
 
 
-def reserved_addresses(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_reserved_addresses(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no register is in a range of addresses that a table calls reserved."""
     for table in spec.tables:
         headings = [heading.casefold() for heading in table.part.columns]
@@ -149,12 +149,12 @@ def reserved_addresses(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
                     break
 
 
-def lengths_of_errata(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_lengths_of_errata(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the lengths that an erratum about a table uses are in this table, if it has a column of lengths."""
     tables = {f"tables.{table.part.name}": table.part for table in spec.tables}
     for erratum in spec.errata:
         lengths = {
-            length for affected in erratum.affects if affected in tables for length in _lengths(tables[affected])
+            length for affected in erratum.affects if affected in tables for length in _yield_lengths(tables[affected])
         }
         for number, unit in re.findall(r"(\d[\d,]*(?:\.\d+)?) (nm|µm|mm)\b", erratum.used) if lengths else ():
             if Decimal(number.replace(",", "")) * _NANOMETRES[unit] not in lengths:
@@ -163,10 +163,10 @@ def lengths_of_errata(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
                 break
 
 
-def _lengths(table: Table) -> Iterator[Decimal]:
+def _yield_lengths(table: Table) -> Iterator[Decimal]:
     """Yield the numbers in the columns of lengths of a table, in nanometres."""
     for row in table.rows:
         for column, unit in enumerate(table.units):
-            number = _number(row, column)
+            number = _number_in_cell(row, column)
             if unit in _NANOMETRES and number is not None:
                 yield number * _NANOMETRES[unit]

@@ -41,7 +41,7 @@ _PAGE = r"p\.[0-9]+(?:-[0-9]+)?"
 _PLACE = re.compile(rf"(?:{_SECTION})(?: {_PAGE})?|{_PAGE}")
 
 
-def field_count(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_field_count(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no list of fields has more than ``MAX_FIELDS`` if the groups in it are written out."""
     counts_by_group = {name: len(group.fields) for name, group in by_name(raw.field_groups).items()}
     for field_list in field_lists(spec):
@@ -51,10 +51,11 @@ def field_count(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
             report.add("too-long", field_list.owner.place_of("fields"), problem)
 
 
-def crc_impossible(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_crc_numbers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that polynomial, start value and final XOR of a CRC fit its width, and that the polynomial is odd."""
     for crc in spec.crcs:
-        width, poly = crc.part.width, crc.part.poly
+        width = crc.part.width
+        poly = crc.part.poly
         bits_above_width = poly >> width
         if bits_above_width:
             # The polynomial may be written with its top bit, which is implied.
@@ -81,7 +82,7 @@ def _numbers_in(field: WrittenField) -> Iterator[tuple[Path, str, int]]:
             yield field.place_of(key), f"{quoted(key)} is", number
 
 
-def value_too_wide(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_value_widths(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the numbers of a field are not negative and fit into it, if its width is the same for all codes."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -97,23 +98,26 @@ def value_too_wide(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
                     report.add("value-too-wide", path, message)
 
 
-def register_range(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_register_range(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a register is within the addresses of its interface, or of a bank if it is in one."""
     for register in spec.registers:
         interface = INTERFACES[interface_of(register)]
         if register.bank is not None and interface.highest_in_bank is not None:
-            area_text, highest_address = f"a bank of {interface.short}", interface.highest_in_bank
+            area_text = f"a bank of {interface.short}"
+            highest_address = interface.highest_in_bank
         elif interface.highest_address is not None:
-            area_text, highest_address = f"the address range of {interface.short}", interface.highest_address
+            area_text = f"the address range of {interface.short}"
+            highest_address = interface.highest_address
         else:
-            area_text, highest_address = "the range of register addresses", 0xFFFF
+            area_text = "the range of register addresses"
+            highest_address = 0xFFFF
         last = last_address(register)
         if last > highest_address:
             message = f"{quoted(register.name)} extends to {last:#x}, but {area_text} ends at {highest_address:#x}"
             report.add("register-range", register.place_of("address"), message)
 
 
-def timing_bounds(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_timing_bounds(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a timing has a lowest, a typical or a highest value, and that these are in ascending order."""
     for timing in timings(spec):
         part = timing.part
@@ -132,7 +136,7 @@ def timing_bounds(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -
                 report.add("timing-order", (*timing.path, high_key), message)
 
 
-def clock_range(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_clock_range(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a clock has a highest limit or clocks in use, in ascending order and within the limits."""
     raw_clocks = {name: clocks_of(interface) for name, interface in interfaces(raw)}
     for name, interface in interfaces(spec):
@@ -172,7 +176,7 @@ def _report_missing_limit(clock: Located[Clock], report: DocumentReport) -> None
         report.add("missing-key", clock.path, f"{missing(['max_hz'], 'a clock')}; {remedy}", at_key=True)
 
 
-def cable_order(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_cable_order(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that longer cables have slower clocks, and that no two rows of the table have the same length.
 
     An erratum that affects the clocks of the table explains a different order.
@@ -188,7 +192,9 @@ def cable_order(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
                 _check_cable_order(shorter.part, longer, f"interfaces.{name}.cable_lengths", report)
 
 
-def _check_cable_order(shorter: CableLength, row: Located[CableLength], place: str, report: DocumentReport) -> None:
+def _check_cable_order(
+    shorter: CableLength, row: Located[CableLength], affected_path: str, report: DocumentReport
+) -> None:
     """Report the row of a longer cable whose clock is not slower than that of a shorter one."""
     longer = row.part
     is_slower = longer.below_hz < shorter.below_hz
@@ -196,12 +202,12 @@ def _check_cable_order(shorter: CableLength, row: Located[CableLength], place: s
         problem = (
             f"the clock must be below {longer.below_hz} Hz for cables shorter than {longer.shorter_than_m} m, but below"
             f" {shorter.below_hz} Hz for cables shorter than {shorter.shorter_than_m} m; a longer cable needs a slower"
-            f" clock. If this is what the manual says, add an erratum that affects {place}"
+            f" clock. If this is what the manual says, add an erratum that affects {affected_path}"
         )
         report.add("cable-order", (*row.path, "below_hz"), problem)
 
 
-def dates(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_dates(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that dates exist, that revisions are in order, and that the transcribed one has the manual's date."""
     manual = spec.manual
     dated_parts = [(manual.path, manual.date)]
@@ -210,9 +216,9 @@ def dates(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     for path, date in dated_parts:
         # A date may be empty or only a year.
         is_only_a_year = len(date) <= len("2024")
-        if not is_only_a_year and _date(date) is None:
+        if not is_only_a_year and _parse_date(date) is None:
             report.add("date", (*path, "date"), f"{quoted(date)} is not a valid date")
-    dated_history = [revision for revision in manual.history if _date(revision.part.date)]
+    dated_history = [revision for revision in manual.history if _parse_date(revision.part.date)]
     for earlier, later in pairwise(dated_history):
         if later.part.date < earlier.part.date:
             problem = f"revision {later.part.revision} is dated {later.part.date}"
@@ -221,12 +227,12 @@ def dates(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     dates_of_transcribed = [
         revision.part.date for revision in dated_history if revision.part.revision == manual.revision
     ]
-    if dates_of_transcribed and _date(manual.date) and dates_of_transcribed[-1] != manual.date:
+    if dates_of_transcribed and _parse_date(manual.date) and dates_of_transcribed[-1] != manual.date:
         problem = f"revision {manual.revision} is dated {manual.date}, but {dates_of_transcribed[-1]} in 'history'"
         report.add("date", manual.place_of("date"), problem)
 
 
-def _date(text: str) -> datetime.date | None:
+def _parse_date(text: str) -> datetime.date | None:
     """Return the date that a text gives as 2024-05-31, or None."""
     try:
         return datetime.date.fromisoformat(text)
@@ -234,7 +240,7 @@ def _date(text: str) -> datetime.date | None:
         return None
 
 
-def supply_range(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_supply_range(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that not both the device and order code values have a supply, and that each has its voltages in order."""
     supplies: list[Located[Supply]] = []
     if spec.supply is not None and spec.supply.data:
@@ -254,7 +260,7 @@ def supply_range(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
             report.add("supply-range", (*supply.path, "min_mv"), problem)
 
 
-def bad_source(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_source_format(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that sources are well-formed, and that cited editions and documents are listed.
 
     A source has one or more places, separated by semicolons, each with an optional document: ``6.4 p.35; errata: 2``.
@@ -311,7 +317,7 @@ _LIKELY_MEGA = 50
 _STANDARD_BAUDS = (9600, 19_200, 38_400, 57_600, 115_200, 230_400, 460_800, 921_600)
 
 
-def plausible_rate(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_plausible_rates(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no clock or baud rate is too low for an encoder, unless the interface has a note."""
     if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
         return
@@ -352,7 +358,7 @@ _DECIMAL = re.compile("[0-9]{2,}")
 _LEADING_ZERO = re.compile("[-+]?0[0-9]+")
 
 
-def number_base(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_number_base(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that numbers printed in hexadecimal are written with 0x, and that no number has leading zeros.
 
     A JSON file may use decimal numbers, because JSON has no others. A single digit is the same in both bases.
@@ -379,7 +385,7 @@ def number_base(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
             report.add("number-base", path, message)
 
 
-def typographic_quotes(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_typographic_quotes(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no text begins and ends with typographic quotes, which YAML treats as part of the text."""
     for path, value in leaves_of(spec.data, report):
         if isinstance(value, str) and len(value) > 1 and (value[0], value[-1]) in _TYPOGRAPHIC:

@@ -105,7 +105,10 @@ class Part:
         is_sourced: bool = True,
     ) -> None:
         self.identity = tuple(identity.split())
-        self.name, self.about, self.members, self.is_sourced = name, about, members, is_sourced
+        self.name = name
+        self.about = about
+        self.members = members
+        self.is_sourced = is_sourced
         camel = "".join(word.capitalize() for word in name.split("_"))
         self.classes = tuple((camel if of is None else of).split())
         #: The members by their names in the model.

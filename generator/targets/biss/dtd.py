@@ -23,7 +23,9 @@ class _OneFile(etree.Resolver):
 
     def __init__(self, path: str, text: bytes) -> None:
         super().__init__()
-        self.path, self.text, self.refused = path, text, ""
+        self.path = path
+        self.text = text
+        self.refused = ""
         self.answered = False
 
     def resolve(self, *request: Any, **_: Any) -> Any:

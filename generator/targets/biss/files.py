@@ -60,7 +60,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
             file_name = identifier_name(maker.biss_id)
             identifiers.append(f"`{file_name}`")
             about = [f"{maker.title}: encoders with a BiSS C interface."]
-            files[f"biss/{file_name}"] = _identifier(maker, maker.biss_id, about, nodes, library, left_out)
+            files[f"biss/{file_name}"] = _render_identifier(maker, maker.biss_id, about, nodes, library, left_out)
         for device in devices:
             files |= library.files_of(_family, device, options)
     if files:
@@ -123,7 +123,9 @@ def _of_encoders(biss_id: int, device: Device, library: Library) -> Iterator[tup
 
     There are none if a master cannot identify the family, or if it has no single cycle data.
     """
-    ids, layout, maker = device_bits(device), single_cycle_data(device), device.manufacturer
+    ids = device_bits(device)
+    layout = single_cycle_data(device)
+    maker = device.manufacturer
     if not ids or layout is None:
         return
     open_questions = device.alternatives_of(layout)
@@ -147,7 +149,7 @@ def _encoder_xml(
     about = [f"{maker.title}: {variant.code}.", _ONE_ENCODER_NOTE]
     questions = {question.name: question for question in device.alternatives}
     about += [_about_answer(questions[name], answer) for name, answer in decided.items()]
-    return _identifier(maker, biss_id, about, [node] if node is not None else [], library)
+    return _render_identifier(maker, biss_id, about, [node] if node is not None else [], library)
 
 
 def _encoder_name(variant: Variant, answers: Iterable[Answer]) -> str:
@@ -172,7 +174,7 @@ def _about_answer(question: Alternative, answer: Answer) -> str:
     )
 
 
-def _identifier(
+def _render_identifier(
     maker: Manufacturer, biss_id: int, about: Sequence[str], nodes: Sequence[Node], library: Library, left_out: str = ""
 ) -> str:
     """Return the file that describes these encoders from one manufacturer. ``about`` begins its first comment."""

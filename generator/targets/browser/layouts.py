@@ -337,20 +337,27 @@ def _check_message(layout: Layout, check: Check) -> Data:
     ``always`` is 1 if the bits have one valid value in every such frame, so that they tell it from other frames.
     """
     field_name = check.field.name
-    always, highest_digit, covered_names = False, 0, ""
+    always = False
+    highest_digit = 0
+    covered_names = ""
     match check:
         case AlwaysIs():
-            message, always = "constant", True
+            message = "constant"
+            always = True
         case ZerosAbove(padding=padding):
-            message, always, field_name = "constant", True, padding.name
+            message = "constant"
+            always = True
+            field_name = padding.name
         case ParityIs():
-            message, always = "parity", True
+            message = "parity"
+            always = True
             covered_names = ", ".join(field.name for field in check.of)
         case IsOneOf(field=field):
             always = field.name == layout.selector
             message = "of_other_frame" if always else "no_value"
         case AtMost():
-            message, highest_digit = "digits", check.digits
+            message = "digits"
+            highest_digit = check.digits
         case NotAbove():
             message = "too_high"
         case IsBetween():

@@ -104,7 +104,7 @@ def about_word_crc(device: Device, crc: Crc, folds: bool) -> list[Paragraph]:
     return [
         f"Compute CRC {crc.name} over a whole word. {use}",
         *map(S.sentence, say_crc.crc(device, crc)),
-        _derivation(crc) if folds else "",
+        _explain_derivation(crc) if folds else "",
     ]
 
 
@@ -113,18 +113,19 @@ def about_bits_crc(device: Device, crc: Crc) -> list[Paragraph]:
     return [f"Return CRC {crc.name} of a frame, bit by bit.", *map(S.sentence, say_crc.crc(device, crc))]
 
 
-def _derivation(crc: Crc) -> str:
+def _explain_derivation(crc: Crc) -> str:
     """Explain why the straight-line code leaves the remainder of a polynomial with two or three terms.
 
     Without a middle term, the polynomial is x^width + 1.
     """
-    width, middle = crc.width, (crc.poly >> 1).bit_length()
+    width = crc.width
+    middle = (crc.poly >> 1).bit_length()
     if not middle:
         return (
             f"How it folds: the remainder of x^{width} is 1, so the bits from {width} up are XORed into those "
             f"{width} places lower, until {width} bits are left."
         )
-    powers = [f"of {_power(width << up)} is {_power(middle << up)} + 1" for up in range(3)]
+    powers = [f"of {_format_power(width << up)} is {_format_power(middle << up)} + 1" for up in range(3)]
     return (
         f"How it folds: the remainder {powers[0]}. By squaring, the remainder {powers[1]}, and {powers[2]}. "
         f"With h = v >> {4 * width}, v becomes (v mod 2^{4 * width}) ^ h ^ (h << {4 * middle}). The same is done with "
@@ -132,7 +133,7 @@ def _derivation(crc: Crc) -> str:
     )
 
 
-def _power(exponent: int) -> str:
+def _format_power(exponent: int) -> str:
     return f"x^{exponent}" if exponent > 1 else "x"
 
 

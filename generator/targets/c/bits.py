@@ -101,7 +101,8 @@ class Reader:
         At a place that depends on the order code, the runtime extracts them, or a shift if no bits are above them.
         """
         if bits.are_fixed:
-            low, width = bits.low.constant, bits.width.constant
+            low = bits.low.constant
+            width = bits.width.constant
             return masked(shifted_right(self.lower(low + width), low), (1 << width) - 1)
         if not bits.on_top:
             return Call("cw_field", (self.word, self.scope.of(bits.low), self.scope.of(bits.width)))
@@ -192,7 +193,8 @@ class Unused:
     """The member ``unused`` of a struct. It is false if the layout has no unused bits."""
 
     def __init__(self, reader: Reader) -> None:
-        self.reader, self.plan = reader, reader.plan
+        self.reader = reader
+        self.plan = reader.plan
         self.width = self.plan.layout.unused_width
         are_fixed = all(reserved.bits.are_fixed for reserved in self.plan.reserved)
         #: Unused fields that are extracted one by one: all of them if the place of one depends on the order code.
@@ -221,7 +223,7 @@ class Unused:
         The bits come from the word, or from bytes if the fields are extracted one by one.
         """
         all_bits = (*map(self._moved_bits, self.moved), *map(self._single_bits, self.single))
-        documented = _documented(sum(moved.value for moved in self.moved))
+        documented = _express_documented_value(sum(moved.value for moved in self.moved))
         return Cast(self.type, _with_inverted(joined("|", all_bits), documented))
 
     def at_place(self, moved: ShiftedBits, byte: Expr) -> Expr:
@@ -231,7 +233,7 @@ class Unused:
     def member_from(self, bits: Expr) -> Expr:
         """Return the member from bytes that ``at_place`` shifted, without their other bits."""
         mask = sum(moved.mask for moved in self.moved)
-        documented = _documented(sum(moved.value for moved in self.moved))
+        documented = _express_documented_value(sum(moved.value for moved in self.moved))
         differing_bits = _with_inverted(masked(bits, mask), documented)
         return differing_bits if self.type == self.work else Cast(self.type, differing_bits)
 
@@ -251,7 +253,7 @@ class Unused:
     def _single_bits(self, reserved: Reserved) -> Expr:
         """Return the bits of one unused field that differ from the manual, shifted to their place in the member."""
         _, bits = self.reader.value(reserved.bits)
-        documented = self._documented(reserved)
+        documented = self._express_documented(reserved)
         if not reserved.place:
             return _with_inverted(bits, documented)
         differing_bits = _with_inverted(Cast(self.work, bits), documented)
@@ -289,11 +291,13 @@ class Unused:
         is_all = len(self.moved) + len(self.single) == 1
         for moved in self.moved:
             differing_bits = _MEMBER if is_all else masked(_MEMBER, moved.mask)
-            bits = _with_inverted(differing_bits, _documented(moved.value))
+            bits = _with_inverted(differing_bits, _express_documented_value(moved.value))
             # Bit 0 of the member is bit ``shift`` of the word.
-            yield _shifted(Cast(self.reader.encoded_type, bits), -moved.shift)
+            yield _shift_bits(Cast(self.reader.encoded_type, bits), -moved.shift)
         for reserved in self.single:
-            bits = _with_inverted(_MEMBER, self._documented(reserved)) if is_all else self._bits_to_send(reserved)
+            bits = (
+                _with_inverted(_MEMBER, self._express_documented(reserved)) if is_all else self._bits_to_send(reserved)
+            )
             low = reserved.bits.low
             distance = low.constant if low.is_constant else self.reader.scope.of(low)
             yield shifted_left(Cast(self.reader.encoded_type, bits), distance)
@@ -307,7 +311,7 @@ class Unused:
         for reserved in self.single:
             for piece in reserved.bits.pieces:
                 bits = shifted_right(self._bits_to_send(reserved), piece.left)
-                yield piece.byte, _shifted(_masked_byte(bits, piece.mask), -piece.right)
+                yield piece.byte, _shift_bits(_masked_byte(bits, piece.mask), -piece.right)
 
     def _moved_bits_to_send(self, moved: ShiftedBits) -> Expr:
         """Return bits of the member, shifted to their places in the frame and combined with the documented ones."""
@@ -316,7 +320,7 @@ class Unused:
         is_wider_than_byte = bits is _MEMBER and self.width > 8
         if is_wider_than_byte:
             bits = Cast("uint8_t", bits)
-        return _with_inverted(bits, _documented(moved.value >> -moved.shift))
+        return _with_inverted(bits, _express_documented_value(moved.value >> -moved.shift))
 
     def bits_of(self, field: Field) -> Expr:
         """Return the bits to send for one unused field, shifted to bit 0."""
@@ -326,13 +330,13 @@ class Unused:
     def _bits_to_send(self, reserved: Reserved) -> Expr:
         """Return the documented bits of an unused field at bit 0, with those inverted that are 1 in the member."""
         differing_bits = shifted_right(masked(_MEMBER, reserved.mask), reserved.place)
-        return _with_inverted(differing_bits, self._documented(reserved))
+        return _with_inverted(differing_bits, self._express_documented(reserved))
 
     # -- both
 
-    def _documented(self, reserved: Reserved) -> Expr | None:
+    def _express_documented(self, reserved: Reserved) -> Expr | None:
         """Return the value in the manual of a field that may be narrower with this order code, or None if it is 0."""
-        value = _documented(reserved.value)
+        value = _express_documented_value(reserved.value)
         width = reserved.bits.width
         if value is None or width.is_constant:
             return value
@@ -344,7 +348,7 @@ def _masked_byte(bits: Expr, mask: int) -> Expr:
     return bits if mask == 0xFF else masked(bits, mask)
 
 
-def _documented(value: int) -> Expr | None:
+def _express_documented_value(value: int) -> Expr | None:
     """Return the value in the manual, or None if that is 0."""
     return Number(value, hexadecimal=True) if value else None
 
@@ -354,6 +358,6 @@ def _with_inverted(bits: Expr, inverted: Expr | None) -> Expr:
     return Operation("^", (bits, inverted)) if inverted is not None else bits
 
 
-def _shifted(bits: Expr, distance: int) -> Expr:
+def _shift_bits(bits: Expr, distance: int) -> Expr:
     """Return ``bits`` shifted to the right, or to the left if ``distance`` is negative."""
     return shifted_left(bits, -distance) if distance < 0 else shifted_right(bits, distance)

@@ -17,7 +17,8 @@ class ChannelCode:
     """
 
     def __init__(self, context: Context, frame: ChannelFrame, codecs: Sequence[StructCodec]) -> None:
-        self._context, self._frame = context, frame
+        self._context = context
+        self._frame = frame
         self.type = f"{context.prefix}_channels"
         codec_by_layout = {codec.struct.layout.name: codec for codec in codecs}
         self.codecs = [codec_by_layout[layout.name] for layout in frame.layouts]

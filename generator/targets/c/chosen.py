@@ -84,13 +84,14 @@ class Chosen:
     """
 
     def __init__(self, device: Device, interface: Interface) -> None:
-        self.device, self.interface = device, interface
+        self.device = device
+        self.interface = interface
         self.measurement = device.measurement_of(interface.name)
         self.variant = chosen_variant(device, interface)
         examples = (example for example in device.examples if _is_over_interface(device, interface, example))
         #: The examples for the chosen order code. One without an order code is for the first of the family.
         self.examples = [example for example in examples if example_variant(device, example).code == self.variant.code]
-        self.frame = self._frame()
+        self.frame = self._choose_frame()
 
     @property
     def registers(self) -> Mapping[str, tuple[Register, RegisterExample]]:
@@ -112,7 +113,7 @@ class Chosen:
         for example in examples:
             procedure = self.device.procedure(example.procedure)
             # The simulated encoder is never done, so that a poll would not end.
-            if not _polls(procedure):
+            if not _has_poll(procedure):
                 procedures_and_examples.append((procedure, example))
         if procedures_and_examples:
             return max(procedures_and_examples, key=_number_of_writes)
@@ -131,7 +132,7 @@ class Chosen:
 
     # -- the frame
 
-    def _frame(self) -> Frame:
+    def _choose_frame(self) -> Frame:
         """Return a worked frame, or a made-up one if there is none.
 
         A frame used as printed is preferred, and then a frame from the manual to one from another source.
@@ -139,7 +140,7 @@ class Chosen:
         worked_frames = [example for example in self.examples if isinstance(example, FrameExample)]
         if not worked_frames:
             return self._made_up_frame()
-        example = min(worked_frames, key=_unreliability)
+        example = min(worked_frames, key=_rate_unreliability)
         layout = self.device.layout(example.layout)
         return Frame(
             layout=layout,
@@ -175,7 +176,7 @@ class Chosen:
         return self.measurement is not None and self.measurement.of in layout.member_names
 
 
-def _unreliability(example: FrameExample) -> tuple[bool, bool]:
+def _rate_unreliability(example: FrameExample) -> tuple[bool, bool]:
     """Return a key that is lower for examples used as printed, and then for those from the manual."""
     return bool(example.erratum), any(source.document for source in example.source)
 
@@ -185,5 +186,5 @@ def _number_of_writes(procedure_and_example: tuple[Procedure, ProcedureExample])
     return len(example.writes)
 
 
-def _polls(procedure: Procedure) -> bool:
+def _has_poll(procedure: Procedure) -> bool:
     return any(isinstance(step, PollStep) for step in procedure.steps)

@@ -81,7 +81,8 @@ class CodeFacts:
     """
 
     def __init__(self, context: Context, interface: Interface, rows: Sequence[CodeRow]) -> None:
-        self._context, self._interface = context, interface
+        self._context = context
+        self._interface = interface
         self.clock_limits: list[ClockLimitFunction] = []
         self.timeouts: list[TimeoutFunction] = []
         self._times = [*_repeated_times(interface.timings), *_repeated_times(context.device.timings)]
@@ -106,7 +107,8 @@ class CodeFacts:
 
     def _macros_of(self, row: CodeRow) -> Iterator[Macro]:
         """Yield the macros of an order code, such as ``ACME_X_24_A_CLOCK_MAX_HZ``."""
-        interface, code = self._interface, row.variant.code
+        interface = self._interface
+        code = row.variant.code
         if isinstance(interface, Clocked) and interface.clocks_by_code:
             for name, clock_hz, note in clock_limits(interface.clock_of(code)):
                 yield Macro(f"{row.macro}_{name}", number(clock_hz), note)

@@ -26,7 +26,8 @@ class StructCodec:
         self.struct = struct
         self.plan = struct.plan
         self.scope = struct.scope
-        self.name, self.type = struct.name, struct.type
+        self.name = struct.name
+        self.type = struct.type
         self.length_macro = struct.length_macro
         self.about = tuple(about)
         self.decoder = Decoder(struct)
@@ -42,10 +43,10 @@ class StructCodec:
             self.reports = struct.context.reports.of(struct.layout, self.name, self.type)
 
     def declared(self) -> Iterator[Declared]:
-        for name in self._names():
+        for name in self._yield_names():
             yield name, self.struct.path
 
-    def _names(self) -> Iterator[str]:
+    def _yield_names(self) -> Iterator[str]:
         """Yield the names of the type, its functions and its macros."""
         yield self.type
         yield f"{self.name}_decode"
@@ -78,7 +79,8 @@ class StructCodec:
 
         A frame has it if its verdict is known.
         """
-        context, layout = self.struct.context, self.struct.layout
+        context = self.struct.context
+        layout = self.struct.layout
         measurement = context.device.measurement_of(context.interface.name)
         has_verdict = self.reports is not None and bool(self.reports.verdict)
         if measurement is None or layout.sender != "encoder" or not has_verdict:
@@ -174,7 +176,8 @@ class StructCodec:
     @cached_property
     def word_crc(self) -> WordCrc | None:
         """The function that computes the CRC of a whole word, or None if the layout has no such CRC."""
-        crc, bits = self.plan.only_crc, self.plan.layout.widest
+        crc = self.plan.only_crc
+        bits = self.plan.layout.widest
         # The shift register of the function has 32 bits.
         if crc is None or not crc.divides or crc.crc.width > 32:
             return None
@@ -286,7 +289,8 @@ class StructCodec:
 
     def _has_expected_value(self, field: Field) -> Iterator[Expr]:
         """Yield the conditions that a member has the value of the manual. A string has one per character."""
-        member, macro = f"in->{c_name(field.name)}", self.expected_macro(field)
+        member = f"in->{c_name(field.name)}"
+        macro = self.expected_macro(field)
         match field.equals:
             case str(characters):
                 for index in range(len(characters)):

@@ -159,11 +159,11 @@ def documented(text: str) -> str:
         elif line == "/*" and not lines:
             lines.append("/** @file")
         else:
-            lines += _documented(line)
+            lines += _mark_for_doxygen(line)
     return "".join(f"{line}\n" for line in lines)
 
 
-def _documented(line: str) -> Iterator[str]:
+def _mark_for_doxygen(line: str) -> Iterator[str]:
     """Yield a line with the mark of Doxygen in its comment, if it has one: ``/**`` before it, or ``/**<`` at its end.
 
     A comment that gets too long at the end goes above the line, as ``/**``.
@@ -245,15 +245,17 @@ def _broken_code(code: str, margin: str, further_margin: str) -> Sequence[str]:
     two_lines = [margin + code[: second_start - 1], further_margin + code[second_start:]]
     if mark and " | " not in without_strings and _all_fit(two_lines):
         return two_lines
-    lines = _split(code, without_strings, margin, further_margin, _CONDITIONS)
-    return lines if _all_fit(lines) else _split(code, without_strings, margin, further_margin, _ANYWHERE)
+    lines = _break_code(code, without_strings, margin, further_margin, _CONDITIONS)
+    return lines if _all_fit(lines) else _break_code(code, without_strings, margin, further_margin, _ANYWHERE)
 
 
 def _all_fit(lines: Sequence[str]) -> bool:
     return max(map(len, lines)) <= COLUMNS
 
 
-def _split(code: str, without_strings: str, margin: str, further_margin: str, breaks: re.Pattern[str]) -> list[str]:
+def _break_code(
+    code: str, without_strings: str, margin: str, further_margin: str, breaks: re.Pattern[str]
+) -> list[str]:
     """Break code as late as possible at the spaces that ``breaks`` finds in ``without_strings``, which is as long."""
     break_indices = [space.start() for space in breaks.finditer(without_strings)]
     lines: list[str] = []

@@ -23,7 +23,8 @@ class Context:
     """
 
     def __init__(self, device: Device, passing: Passing = BY_VALUE) -> None:
-        self.device, self.passing = device, passing
+        self.device = device
+        self.passing = passing
         self.maker = device.manufacturer
         # The device was narrowed to one interface.
         (self.interface,) = device.interfaces
@@ -142,7 +143,8 @@ def timing_macros(timing: Timing, stem: str) -> Iterator[Macro]:
 def scale_macros(layout: Layout, stem: str) -> Iterator[Macro]:
     """Yield the numbers of each scale. They have 64 bits, so that no product overflows."""
     for field in layout.fields:
-        scale, name = field.scale, f"{stem}_{field.name}".upper()
+        scale = field.scale
+        name = f"{stem}_{field.name}".upper()
         if scale is not None:
             note = f"{field.name} in {scale.unit}: ({field.name} * NUMERATOR + OFFSET) / DENOMINATOR"
             yield Macro(f"{name}_NUMERATOR", f"INT64_C({scale.numerator})", note)

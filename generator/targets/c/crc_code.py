@@ -73,7 +73,7 @@ class CrcCode:
 
 def crc_code(context: Context, function: CrcFunction, codecs: Sequence[StructCodec]) -> CrcCode:
     """Return the function of a CRC, with a table if a codec uses it. A codec with a CRC for words does not call it."""
-    users = [codec for codec in codecs if _uses(codec, function)]
+    users = [codec for codec in codecs if _uses_function(codec, function)]
     return CrcCode(
         name=context.crc_name(function.crc, function.carrier.value),
         function=function,
@@ -90,7 +90,7 @@ def _data_type(function: CrcFunction, users: Sequence[StructCodec]) -> str:
     return "uint32_t" if all(map(covers_32_bits, crcs)) else "uint64_t"
 
 
-def _uses(codec: StructCodec, function: CrcFunction) -> bool:
+def _uses_function(codec: StructCodec, function: CrcFunction) -> bool:
     """Return whether a codec uses this function or its table. Bits in bytes have their own functions, ``bits_crcs``."""
     has_crc = any(frame_crc.crc == function.crc for frame_crc in codec.plan.crcs)
     if not has_crc or codec.bits_crcs:

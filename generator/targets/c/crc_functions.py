@@ -114,11 +114,11 @@ class WordCrc:
     def one_by_one(self) -> tuple[HalfByte, ...]:
         """The bytes after them, in the order received, for the table."""
         places = range(self._bytes - self.at_once - 1, -1, -1)
-        return tuple(_half_byte(place) for place in places)
+        return tuple(_locate_half_byte(place) for place in places)
 
     @property
     def first(self) -> HalfByte:
-        return _half_byte(self._bytes - 1)
+        return _locate_half_byte(self._bytes - 1)
 
     @property
     def needs_high(self) -> bool:
@@ -141,5 +141,5 @@ class WordCrc:
         return (self.bits + 7) // 8
 
 
-def _half_byte(place: int) -> HalfByte:
-    return HalfByte("high", 8 * (place - 4)) if place > 3 else HalfByte("low", 8 * place)
+def _locate_half_byte(byte_index: int) -> HalfByte:
+    return HalfByte("high", 8 * (byte_index - 4)) if byte_index > 3 else HalfByte("low", 8 * byte_index)

@@ -52,7 +52,7 @@ class Declaration:
         code = self.plain_code
         if code.startswith("#if"):
             inner_lines = [line for line in self.code.splitlines(keepends=True) if not _CONDITION.match(line)]
-            return tuple(sorted(names_of(_declarations(inner_lines))))
+            return tuple(sorted(names_of(_parse_declarations(inner_lines))))
         macros = tuple(_DEFINED.findall(code))
         if macros:
             return macros
@@ -84,10 +84,10 @@ class Declaration:
 def declarations_in(header: str) -> list[Declaration]:
     """Return the declarations of a header in their order: those between the braces of ``extern "C"``."""
     body = header.partition(_OPENS_C)[2].rpartition(_CLOSES_C)[0]
-    return list(_declarations(body.splitlines(keepends=True)))
+    return list(_parse_declarations(body.splitlines(keepends=True)))
 
 
-def _declarations(lines: Sequence[str]) -> Iterator[Declaration]:
+def _parse_declarations(lines: Sequence[str]) -> Iterator[Declaration]:
     """Yield the declarations in these lines, each with the comment directly above it.
 
     A comment with a blank line or another comment below it is an item of its own, without code.
@@ -204,10 +204,10 @@ def needed_by(roots: Iterable[str], declarations: Sequence[Declaration]) -> list
             declaration = declaration_by_name[name]
             needed_names.update(declaration.names)
             unvisited += [used_name for used_name in declaration.used_names if used_name in declaration_by_name]
-    return list(_titled(declarations, needed_names))
+    return list(_select_titled(declarations, needed_names))
 
 
-def _titled(declarations: Iterable[Declaration], needed_names: Set[str]) -> Iterator[Declaration]:
+def _select_titled(declarations: Iterable[Declaration], needed_names: Set[str]) -> Iterator[Declaration]:
     """Yield the needed declarations, and each title that has one of them below it."""
     title: Declaration | None = None
     for declaration in declarations:

@@ -168,21 +168,24 @@ class Decoder:
         if self.plan.by_word or len(bytes_of_pieces) != 1:
             return self._selector_or_parity_differs(parity, parity.known_parity)
         (byte,) = bytes_of_pieces
-        mask, expected_value = 0, 0
+        mask = 0
+        expected_value = 0
         # The other constants in it have been checked.
         for constant in _constant_bytes(self.plan.checks):
             if constant.byte == byte:
-                mask, expected_value = constant.mask, constant.value
+                mask = constant.mask
+                expected_value = constant.value
         for piece, number in pieces:
             mask |= piece.mask << piece.right
-            expected_value |= (number >> piece.left & piece.mask) << piece.right
+            expected_value |= ((number >> piece.left) & piece.mask) << piece.right
         whole_byte = Name(f"bytes[{byte}]")
         compared_bits = masked(whole_byte, mask) if mask != 0xFF else whole_byte
         return Operation("!=", (compared_bits, Number(expected_value, hexadecimal=True)))
 
     def _selector_or_parity_differs(self, parity: ParityIs, known_parity: int) -> Expr:
         """Return the condition that the local of the selector or that of its parity bit has another value."""
-        selects, selector = self.plan.layout.selects, parity.selector
+        selects = self.plan.layout.selects
+        selector = parity.selector
         other_value = self.struct.is_none_of(selector, self.local(selector), selects, is_raw=True)
         other_parity = Operation("!=", (self.local(parity.field), Number(known_parity)))
         return joined("||", (other_value, other_parity))
@@ -278,7 +281,8 @@ class Decoder:
 
     def members(self, part: Part) -> Iterator[tuple[str, Expr]]:
         """Yield the members that a part fills, each with its value, such as ``error`` and ``(flags & 0x80U) != 0U``."""
-        name, bits = c_name(part.field.name), self.local(part.field)
+        name = c_name(part.field.name)
+        bits = self.local(part.field)
         type_ = self.struct.type_of(part.field)
         match part.meaning:
             case Raw() | Named():
@@ -341,10 +345,10 @@ def _constant_bytes(checks: Iterable[Check]) -> list[ByteIs]:
                 for piece in bits.pieces:
                     # Bit ``left`` of the number is bit ``right`` of the byte.
                     earlier = constant_bytes.get(piece.byte, ByteIs(piece.byte, mask=0, value=0, reasons=()))
-                    value_in_byte = (constant >> piece.left & piece.mask) << piece.right
+                    value_in_byte = ((constant >> piece.left) & piece.mask) << piece.right
                     constant_bytes[piece.byte] = ByteIs(
                         piece.byte,
-                        mask=earlier.mask | piece.mask << piece.right,
+                        mask=earlier.mask | (piece.mask << piece.right),
                         value=earlier.value | value_in_byte,
                         reasons=tuple(dict.fromkeys((*earlier.reasons, name))),
                     )

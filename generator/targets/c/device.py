@@ -78,9 +78,15 @@ class DeviceView:
     def __init__(self, device: Device, passing: Passing = BY_VALUE) -> None:
         self.device = device
         self.context = context = Context(device, passing)
-        self.parameter, self.argument, self.member = passing.parameter, passing.argument, passing.member
-        self.maker, self.prefix, self.PREFIX, self.stem = context.maker, context.prefix, context.PREFIX, context.stem
-        self.reports, self.alternatives = context.reports, context.alternatives
+        self.parameter = passing.parameter
+        self.argument = passing.argument
+        self.member = passing.member
+        self.maker = context.maker
+        self.prefix = context.prefix
+        self.PREFIX = context.PREFIX
+        self.stem = context.stem
+        self.reports = context.reports
+        self.alternatives = context.alternatives
         self.variants = VariantCode(context)
         self.interface = _with_path(
             partial(InterfaceCode, context, context.interface), "interfaces", context.interface.name
@@ -91,7 +97,7 @@ class DeviceView:
         self.code_facts = CodeFacts(context, context.interface, self.variants.rows)
         self.channels = channel_code(context, self.interface.codecs)
         self.positions = positions(context)
-        self.registers = [self._register(register) for register in _bank_selectors_first(device)]
+        self.registers = [self._build_register(register) for register in _bank_selectors_first(device)]
         self.crcs = list(self._crc_codes())
         codes = {code.register.name: code for code in self.registers}
         self.takers = [Taker(context, group, codes[group.register.name].access) for group in held_parameters(device)]
@@ -101,7 +107,7 @@ class DeviceView:
         self.initial = initial(device)
         self.read_state = f"{self.prefix}_read_state" if state_registers(device) else ""
         self.identities = list(identity_codes(context, codes))
-        self.procedures = [self._procedure(procedure, codes) for procedure in device.procedures]
+        self.procedures = [self._build_procedure(procedure, codes) for procedure in device.procedures]
         self.alarms = [AlarmCode(context, alarm) for alarm in device.alarms]
         repeated_times = repeated_names(device.timings)
         common_times = [timing for timing in device.timings if timing.name not in repeated_times]
@@ -121,10 +127,10 @@ class DeviceView:
         """The parameter of functions that receive an order code."""
         return self.parameter(self.prefix, "variant")
 
-    def _register(self, register: Register) -> RegisterCode:
+    def _build_register(self, register: Register) -> RegisterCode:
         return _with_path(partial(RegisterCode, self.context, register), "registers", register.name)
 
-    def _procedure(self, procedure: Procedure, codes: Mapping[str, RegisterCode]) -> ProcedureCode:
+    def _build_procedure(self, procedure: Procedure, codes: Mapping[str, RegisterCode]) -> ProcedureCode:
         build = partial(ProcedureCode, self.context, codes, self.read_state, procedure)
         return _with_path(build, "procedures", procedure.name)
 
@@ -136,23 +142,29 @@ class DeviceView:
     @property
     def parts(self) -> list[Part]:
         """The other headers. Each includes the first one, and what else it needs."""
-        first_header, encoder_header, transport_header = self.header, "codewheel/encoder.h", "codewheel/transport.h"
+        first_header = self.header
+        encoder_header = "codewheel/encoder.h"
+        transport_header = "codewheel/transport.h"
         label_headers = (f"{self.maker.name}/{self.stem}_labels.h",) if self.identities else ()
         registers_header = f"{self.maker.name}/{self.stem}_registers.h" if self.registers else first_header
-        parts = [self._part("labels", "find the order code that a label shows", encoder_header, first_header)]
+        parts = [self._build_part("labels", "find the order code that a label shows", encoder_header, first_header)]
         if self.reports.all or self.alarms or self.timings:
             parts.append(
-                self._part("reports", "texts that describe reports, alarms and times", encoder_header, first_header)
+                self._build_part(
+                    "reports", "texts that describe reports, alarms and times", encoder_header, first_header
+                )
             )
         if self.registers:
             about = "registers, and identification of encoders"
-            parts.append(self._part("registers", about, encoder_header, transport_header, first_header, *label_headers))
+            parts.append(
+                self._build_part("registers", about, encoder_header, transport_header, first_header, *label_headers)
+            )
         if self.procedures:
-            parts.append(self._part("procedures", "procedures, step by step", transport_header, registers_header))
-        parts.append(self._part("simulate", "the encoder's side, for simulators and tests", first_header))
+            parts.append(self._build_part("procedures", "procedures, step by step", transport_header, registers_header))
+        parts.append(self._build_part("simulate", "the encoder's side, for simulators and tests", first_header))
         return parts
 
-    def _part(self, name: str, about: str, *includes: str) -> Part:
+    def _build_part(self, name: str, about: str, *includes: str) -> Part:
         return Part(name=name, file=f"{self.stem}_{name}.h", about=about, includes=includes)
 
     @property
@@ -172,9 +184,9 @@ class DeviceView:
 
     @cached_property
     def names(self) -> Names:
-        return Names(self._declared())
+        return Names(self._yield_declared())
 
-    def _declared(self) -> Iterator[Declared]:
+    def _yield_declared(self) -> Iterator[Declared]:
         """Yield all names in the headers, each with the part of the spec that it comes from."""
         yield f"{self.PREFIX}_H", ()
         yield f"{self.PREFIX}_HPP", ()

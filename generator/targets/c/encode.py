@@ -120,7 +120,8 @@ class Encoder:
 
     def _term_in_word(self, term: Term) -> Expr:
         """Return a term shifted to its place in the word."""
-        value, low = self._value(term), term.field.low
+        value = self._express_value(term)
+        low = term.field.low
         is_at_bit_0 = low.is_constant and low.constant == 0
         # A member of a small type would be promoted to a signed one.
         if is_at_bit_0:
@@ -134,7 +135,7 @@ class Encoder:
 
     # -- values of terms, with their lowest bit at bit 0
 
-    def _value(self, term: Term) -> Expr:
+    def _express_value(self, term: Term) -> Expr:
         """Return the value of a term, with its lowest bit at bit 0: a literal, a parity, or the bits of a member."""
         match term.value:
             case Fixed(number):
@@ -239,7 +240,7 @@ class Encoder:
             if isinstance(term.value, Fixed):
                 for piece in term.field.pieces:
                     # Bit ``left`` of the number is bit ``right`` of the byte.
-                    bits_of_piece = term.value.number >> piece.left & piece.mask
+                    bits_of_piece = (term.value.number >> piece.left) & piece.mask
                     constants[piece.byte] |= bits_of_piece << piece.right
         return constants
 
@@ -265,7 +266,7 @@ class Encoder:
                 yield from self._bits_in_bytes(term, field)
             case ParityOf():
                 for piece in term.field.pieces:
-                    parity = shifted_right(self._value(term), piece.left)
+                    parity = shifted_right(self._express_value(term), piece.left)
                     yield piece.byte, shifted_left(parity, piece.right)
             case _:
                 assert_never(term.value)
@@ -282,7 +283,7 @@ class Encoder:
                     yield piece.byte, _flag_in_byte(member, piece, low_is_active=low)
             case TwosComplement():
                 # Copies of the sign must not reach the zeros above the field.
-                bits = self._value(term) if field.name in self._padded_names else Cast("uint64_t", member)
+                bits = self._express_value(term) if field.name in self._padded_names else Cast("uint64_t", member)
                 for piece in field.pieces:
                     yield piece.byte, self._piece_in_byte(field, piece, bits, may_be_wider=True)
             case Raw() | ZeroMeans() | Named() | DigitRuns():
@@ -291,7 +292,10 @@ class Encoder:
                 for piece in field.pieces:
                     # Bits above the type of the member are 0.
                     if piece.left < size_of(widest_value(field)):
-                        yield piece.byte, self._piece_in_byte(field, piece, self._value(term), may_be_wider=is_split)
+                        yield (
+                            piece.byte,
+                            self._piece_in_byte(field, piece, self._express_value(term), may_be_wider=is_split),
+                        )
             case meaning:
                 assert_never(meaning)
 

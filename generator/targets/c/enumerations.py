@@ -78,19 +78,19 @@ class Enumerations:
             path = ("interfaces", interface.name, "layouts", layout.name)
             for field in layout.fields:
                 if isinstance(meaning_of(field), Named):
-                    self._add(layout.name, field, path)
+                    self._add_enumeration(layout.name, field, path)
         for register in device.registers:
             for field in register.layout.fields:
                 if isinstance(meaning_of(field), Named):
                     # The title of a register whose only field it is.
                     sole = title(register) if len(register.layout.fields) == 1 else ""
-                    self._add(f"reg_{register.name}", field, ("registers", register.name), sole)
+                    self._add_enumeration(f"reg_{register.name}", field, ("registers", register.name), sole)
 
     def of(self, *path: str) -> list[Enumeration]:
         """Return those declared with this part of the spec, such as ``("registers", "status")``, or one inside it."""
         return [enumeration for enumeration in self.all if enumeration.path[: len(path)] == path]
 
-    def _add(self, owner: str, field: Field, path: Path, sole: str = "") -> None:
+    def _add_enumeration(self, owner: str, field: Field, path: Path, sole: str = "") -> None:
         """Add the enumeration of a field, or share an earlier one of a field with the same name and the same values.
 
         The first one is ``PREFIX_FIELD``. With other values it is ``PREFIX_OWNER_FIELD``. ``sole`` is the title of a
@@ -116,7 +116,9 @@ class Enumerations:
             type=type_,
             about=S.paragraph(statements) or f"Values of {sole or title(field)}.",
             statements=statements,
-            entries=tuple(Entry(f"{type_}_{value.name}".upper(), value.value, _note(value)) for value in field.values),
+            entries=tuple(
+                Entry(f"{type_}_{value.name}".upper(), value.value, _describe_constant(value)) for value in field.values
+            ),
             # A hexadecimal digit for each 4 bits, rounded up.
             digits=(field.widest + 3) // 4,
             path=path,
@@ -126,7 +128,7 @@ class Enumerations:
         return enumeration
 
 
-def _note(value: Value) -> str:
+def _describe_constant(value: Value) -> str:
     """Return the comment on a constant: the meaning of the value with its source, or else its name in words."""
     # Omit a printed name of one word that the constant already has. Keep longer ones, for readers who search for them.
     has_printed_name = printed(value).lower() == value.name
@@ -168,27 +170,27 @@ class AlternativeCode:
             type=self.type,
             about=about,
             statements=(),
-            entries=tuple(self._constant(index, answer) for index, answer in enumerate(alternative.answers)),
+            entries=tuple(self._build_constant(index, answer) for index, answer in enumerate(alternative.answers)),
             digits=1,
             path=("alternatives", alternative.name),
         )
         dependent = (parameter for parameter in device.parameters if parameter.alternative == alternative.name)
-        self.functions = tuple(self._function(prefix, parameter) for parameter in dependent)
+        self.functions = tuple(self._build_function(prefix, parameter) for parameter in dependent)
 
-    def _constant(self, index: int, answer: Answer) -> Entry:
+    def _build_constant(self, index: int, answer: Answer) -> Entry:
         note = S.sentence(statement(answer.meaning, source=answer.source))
         return Entry(f"{self.type}_{answer.name}".upper(), index, note)
 
-    def _function(self, prefix: str, parameter: Parameter) -> AnsweredBy:
+    def _build_function(self, prefix: str, parameter: Parameter) -> AnsweredBy:
         about = S.sentence(statement(parameter.meaning, source=parameter.source))
-        return AnsweredBy(f"{prefix}_{parameter.name}", about, self._value(parameter.name))
+        return AnsweredBy(f"{prefix}_{parameter.name}", about, self._express_parameter(parameter.name))
 
     def declared(self) -> Iterator[Declared]:
         """Yield its declarations at file scope."""
         yield from self.enumeration.declared()
         yield from ((function.name, self.enumeration.path) for function in self.functions)
 
-    def _value(self, parameter: str) -> Expr:
+    def _express_parameter(self, parameter: str) -> Expr:
         """Return the parameter as a function of the answer, such as ``code == CODE_GRAY ? 1U : 0U``.
 
         The last answer is the default branch.
@@ -225,10 +227,13 @@ class FrameReports:
         type_: str,
         choices: Mapping[tuple[str, str], Enumeration],
     ) -> None:
-        self.family, self.reporting, self.frame, self.type = family, reporting, frame, type_
+        self.family = family
+        self.reporting = reporting
+        self.frame = frame
+        self.type = type_
         self._choices = choices
         #: Returns the condition on a parameter of the order code.
-        self._holds = partial(_holds, family.scope)
+        self._holds = partial(_express_condition, family.scope)
         self.judgement = reporting.judgement
         self.verdict = f"{frame}_verdict" if reporting.judgement is not None else ""
         self.reports = f"{frame}_reports" if reporting.causes else ""
@@ -335,7 +340,9 @@ class Reports:
     def __init__(
         self, device: Device, prefix: str, choices: Mapping[tuple[str, str], Enumeration], scope: Scope
     ) -> None:
-        self.all, self._choices, self.scope = reports_of(device), choices, scope
+        self.all = reports_of(device)
+        self._choices = choices
+        self.scope = scope
         if len(self.all) > 64:
             problem = f"the frames have {len(self.all)} flags, values and fields of unused bits to report"
             raise TargetError(f"{problem}; the C target supports at most 64", ("interfaces",))
@@ -364,7 +371,7 @@ class Reports:
         if self.all:
             yield self.text, ()
         for report, constant in zip(self.all, self.enumeration.entries, strict=True):
-            yield constant.name, self._path(report)
+            yield constant.name, self._find_path(report)
 
     def of(self, layout: Layout, name: str, type_: str) -> FrameReports | None:
         """Return the functions of a frame, or None. ``name`` and ``type_`` are those of its struct."""
@@ -378,7 +385,7 @@ class Reports:
         name = Name(self.enumeration.entries[report.number].name)
         return Cast(self.mask, name) if self.enumeration.is_enum else name
 
-    def _path(self, report: Report) -> Path:
+    def _find_path(self, report: Report) -> Path:
         """Return the path of the first frame with this report."""
         frames = (reporting for reporting in self._by_frame.values() if _has_report(reporting, report))
         first_frame = first_of(frames, f"frame with the report '{report.name}'")
@@ -409,7 +416,7 @@ def _report_note(device: Device, report: Report) -> str:
     return S.sentence(statement(title(field), unused, source=source(field, alarm_of(device, field))))
 
 
-def _holds(scope: Scope, only: Only) -> Expr:
+def _express_condition(scope: Scope, only: Only) -> Expr:
     """Return the condition on a parameter of the order code, such as ``variant.has_warning != 0U``."""
     return Operation("!=" if only.holds else "==", (scope.member(only.parameter), Number(0)))
 

@@ -126,14 +126,15 @@ class ExampleCode:
     """
 
     def __init__(self, view: DeviceView) -> None:
-        self.view, self.interface = view, view.context.interface
+        self.view = view
+        self.interface = view.context.interface
         self._chosen = chosen = Chosen(view.device, self.interface)
         self.name = view.stem
         self.row: CodeRow = view.variants.rows[view.device.variants.index(chosen.variant)]
         self.frame: Frame = chosen.frame
         self.run = self._shown_run()
-        self.reads = [self._read(register) for register, _ in chosen.registers.values()]
-        self.memory = list(self._memory())
+        self.reads = [self._show_register(register) for register, _ in chosen.registers.values()]
+        self.memory = list(self._yield_memory())
 
     # -- the frame
 
@@ -212,7 +213,7 @@ class ExampleCode:
         frame = frames[0]
         bits_macro, bytes_macro = self.view.lengths.macros_of(frame)
         # A 1, the word, and a 0. In the buffer, the first bit received is the highest of the first byte.
-        bits_on_line = (1 << frame.bits | self.frame.wire) << 1
+        bits_on_line = ((1 << frame.bits) | self.frame.wire) << 1
         unused_bits = 8 * frame.bytes - frame.bits - SSI_AROUND
         return ReceivedBytes(
             bits=bits_macro.name,
@@ -254,7 +255,7 @@ class ExampleCode:
         numbers: dict[str, int] = {}
         for placed_field in self.frame.layout.place(parameters).fields:
             if isinstance(meaning_of(placed_field.field), Raw):
-                numbers[placed_field.name] = self.frame.wire >> placed_field.low & placed_field.mask
+                numbers[placed_field.name] = (self.frame.wire >> placed_field.low) & placed_field.mask
         for whole in self.struct.plan.wholes:
             if all(field.name in numbers for field in whole.fields):
                 numbers[whole.join.name] = whole.joined(numbers, parameters)
@@ -370,7 +371,7 @@ class ExampleCode:
             values=tuple(argument_values.values()),
         )
 
-    def _read(self, register: Register) -> ShownRegister:
+    def _show_register(self, register: Register) -> ShownRegister:
         """Return a register that the program reads, with the source of its worked example."""
         _, example = self._chosen.registers[register.name]
         candidates = (code for code in self.view.registers if code.register is register)
@@ -383,7 +384,7 @@ class ExampleCode:
             struct=code.struct,
         )
 
-    def _memory(self) -> Iterator[Memory]:
+    def _yield_memory(self) -> Iterator[Memory]:
         """Yield the registers that are shown, by address, with the bytes of their worked examples.
 
         Those that the procedure writes have their factory default instead, or 0 if the manual gives none.

@@ -78,7 +78,7 @@ TESTS = tests_for(
 )
 
 
-def _hex(value: int, digits: int = 2) -> str:
+def _format_hex(value: int, digits: int = 2) -> str:
     """Return a number as a hexadecimal constant of at least this many digits."""
     return number(value, hexadecimal=True, digits=digits)
 
@@ -88,7 +88,7 @@ def _refuse_operation(op: object) -> NoReturn:
     raise AssertionError(f"no case for {op!r}")
 
 
-def _md(text: object) -> str:
+def _format_markdown(text: object) -> str:
     """Return text of a spec as Markdown."""
     return markdown_text(in_comment(text))
 
@@ -103,7 +103,7 @@ def _made_of(join: Join) -> str:
     return BY_TITLE.sentence(said_of_join(join))
 
 
-def _bytes(count: int) -> str:
+def _count_bytes(count: int) -> str:
     """Return a number of bytes as text."""
     return f"{count} byte{'s' if count > 1 else ''}"
 
@@ -111,18 +111,18 @@ def _bytes(count: int) -> str:
 FILTERS: dict[str, Callable[..., object]] = {
     "addresses": addresses,
     "end_comment": end_comment,
-    "bytes": _bytes,
+    "bytes": _count_bytes,
     "c_name": c_name,
     "comment": comment,
     "comment_lines": comment_lines,
     "digits_of": digits,
     "digits_type": _digits_type,
-    "hex": _hex,
+    "hex": _format_hex,
     "in_lines": in_lines,
     "in_words": words,
     "literals": literals,
     "mask": mask,
-    "md": _md,
+    "md": _format_markdown,
     "never": _refuse_operation,
     "number": number,
     "made_of": _made_of,
@@ -195,9 +195,9 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
         devices = narrowed_to(library.devices, options.get(ONLY.name, ""))
     except UnknownName as error:
         raise OptionError(f"c.{ONLY.name}: {error}") from None
-    passing = _passing(options)
+    passing = _choose_passing(options)
     for device in devices:
-        files |= library.files_of(_family, device, options)
+        files |= library.files_of(_yield_family_files, device, options)
     if options.get(FORM.name) == "single":
         return files
     views = [view for device in devices for view in views_of(device, passing)]
@@ -219,7 +219,7 @@ def _shared_files(
     """Return the self-test, the package and the pages that all families share, by their path in the C folder."""
 
     def render(template: str, values: Mapping[str, object]) -> str:
-        return _render(library, template, values)
+        return _render_template(library, template, values)
 
     tests = [test for test in map(SelfTest, views) if test.checks]
     files = selftest_files(views, tests, render)
@@ -231,29 +231,29 @@ def _shared_files(
     return files
 
 
-def _passing(options: Options) -> Passing:
+def _choose_passing(options: Options) -> Passing:
     return BY_ADDRESS if options.get(PASSING.name) == "address" else BY_VALUE
 
 
-def _family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
+def _yield_family_files(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the path of each header, self-test and example program of a family, and a function for its text.
 
     Form ``single`` has only the headers for order codes. Passing by address has only the headers for C.
     """
 
     def later(template: str, values: Mapping[str, object]) -> Callable[[], str]:
-        return partial(_render, library, template, values)
+        return partial(_render_template, library, template, values)
 
-    passing = _passing(options)
+    passing = _choose_passing(options)
     if options.get(FORM.name) == "single":
         yield from _single_headers(device, library, passing)
         return
     for view in views_of(device, passing):
-        for path, text_function in _headers(library, view):
+        for path, text_function in _yield_headers(library, view):
             yield f"c/include/{path}", text_function
         if passing.by_address:
             continue
-        yield f"c/include/{view.cpp_header}", later("device.hpp.jinja", _values(view))
+        yield f"c/include/{view.cpp_header}", later("device.hpp.jinja", _template_values(view))
         for path, text_function in own_test(view, later):
             yield f"c/{path}", text_function
         for path, text_function in own_programs(view, later):
@@ -276,12 +276,12 @@ def problems(library: Library) -> Iterator[TargetProblem]:
         yield TargetProblem(device, rule="c-name", place=clash.path, message=message, other=other_place)
 
 
-def _headers(library: Library, view: DeviceView) -> Iterator[tuple[str, Callable[[], str]]]:
+def _yield_headers(library: Library, view: DeviceView) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the include path of each header of an interface, and a function for its text."""
-    values = _values(view)
-    yield view.header, partial(_render, library, "device.h.jinja", values | {"runtime": runtime_version()})
+    values = _template_values(view)
+    yield view.header, partial(_render_template, library, "device.h.jinja", values | {"runtime": runtime_version()})
     for part in view.parts:
-        text_function = partial(_render, library, "part.h.jinja", values | {"further": part})
+        text_function = partial(_render_template, library, "part.h.jinja", values | {"further": part})
         yield f"{view.maker.name}/{part.file}", text_function
 
 
@@ -290,18 +290,18 @@ def _single_headers(device: Device, library: Library, passing: Passing) -> Itera
 
     def text(view: DeviceView) -> str:
         # The functions for the texts of the other headers are not called.
-        header = next(text for path, text in _headers(library, view) if path == view.header)
-        return single_header(view, partial(_render, library), header())
+        header = next(text for path, text in _yield_headers(library, view) if path == view.header)
+        return single_header(view, partial(_render_template, library), header())
 
     for view in single_views(device, passing):
         yield f"c/{single_path(view.maker, view.device.variants[0].code)}", partial(text, view)
 
 
-def _values(view: DeviceView) -> Family:
+def _template_values(view: DeviceView) -> Family:
     return {"maker": view.maker, "PREFIX": view.maker.name.upper(), "d": view}
 
 
-def _render(library: Library, template: str, values: Mapping[str, object]) -> str:
+def _render_template(library: Library, template: str, values: Mapping[str, object]) -> str:
     """Render a template. C files get their long lines broken, and headers also the marks of Doxygen."""
     text = TEMPLATES.render(template, values, library.own_templates)
     if template.endswith((".h.jinja", ".hpp.jinja")):
@@ -309,7 +309,7 @@ def _render(library: Library, template: str, values: Mapping[str, object]) -> st
     return break_lines(text) if template.endswith((".c.jinja", ".ino.jinja")) else text
 
 
-def _json(value: object) -> str:
+def _format_json(value: object) -> str:
     """Return text of a spec as a JSON string."""
     return json.dumps(plain(value))
 
@@ -335,7 +335,7 @@ TEMPLATES = Templates(
     },
     filters=FILTERS,
     tests=TESTS,
-    functions={"json": _json},
+    functions={"json": _format_json},
 )
 TARGET = Target(
     name="c",
@@ -344,5 +344,5 @@ TARGET = Target(
     problems=problems,
     options=(ONLY, PASSING, FORM),
     templates=TEMPLATES,
-    family=_family,
+    family=_yield_family_files,
 )

@@ -91,20 +91,21 @@ class InterfaceCode:
     """The values that the templates print for an interface. ``frames`` are those selected by a field."""
 
     def __init__(self, context: Context, interface: Interface) -> None:
-        self.device, self.interface = context.device, interface
+        self.device = context.device
+        self.interface = interface
         self.prefix = context.prefix
         self.upper = self.prefix.upper()
         #: Functions for all order codes, at most one of each kind.
         self.clock_limits = list(self._clock_limits())
-        self.timeouts = list(self._timeouts())
+        self.timeouts = list(self._yield_timeout_functions())
         #: Statements that are comments on macros. Building the macros fills it, and the comment leaves them out.
         self._macro_statements: list[Statement] = []
-        self.macros = tuple(self._macros())
-        self.controls = tuple(self._controls())
-        self.about = list(self._about())
+        self.macros = tuple(self._yield_macros())
+        self.controls = tuple(self._yield_control_macros())
+        self.about = list(self._yield_comment())
         self.enumerations = context.enumerations.of("interfaces", interface.name)
         self.tellers = tuple(FrameTeller(context, self.prefix, dispatch) for dispatch in dispatches(interface.layouts))
-        self.codecs = tuple(self._codec(context, layout) for layout in interface.layouts)
+        self.codecs = tuple(self._build_codec(context, layout) for layout in interface.layouts)
 
     def declared(self) -> Iterator[Declared]:
         """Yield the names at file scope, each with its path in the spec. The codecs yield those of their layouts."""
@@ -130,7 +131,7 @@ class InterfaceCode:
         if isinstance(interface, Ssi) and interface.cable_lengths and not has_cables_by_code(interface):
             yield ClockLimitFunction(f"{self.prefix}_clock_limit_hz", interface.cable_lengths)
 
-    def _timeouts(self) -> Iterator[TimeoutFunction]:
+    def _yield_timeout_functions(self) -> Iterator[TimeoutFunction]:
         """Yield the function for the time-out, if all order codes have the same and it depends on the clock."""
         timeout = self.interface.timeout if isinstance(self.interface, Biss) else None
         product = timeout_product(timeout)
@@ -193,7 +194,7 @@ class InterfaceCode:
     def frame_name(self, layout: Layout) -> str:
         return f"{self.upper}_FRAME_{layout.name}".upper()
 
-    def _codec(self, context: Context, layout: Layout) -> StructCodec:
+    def _build_codec(self, context: Context, layout: Layout) -> StructCodec:
         """Return the struct, decoder and encoder of a frame."""
         # The functions of the only frame of an interface need no further name.
         is_only_frame = len(self.interface.layouts) == 1 and not self.tellers
@@ -201,7 +202,7 @@ class InterfaceCode:
         struct = Struct(context, layout, name, context.length_macro(layout))
         return StructCodec(struct, about_layout(self.device, self.interface, struct))
 
-    def _about(self) -> Iterator[Paragraph]:
+    def _yield_comment(self) -> Iterator[Paragraph]:
         """Yield the comment on the interface. Statements and errata on macros and layouts are in comments of those."""
         interface = self.interface
         statements = said_of(self.device, interface)
@@ -210,7 +211,7 @@ class InterfaceCode:
                 yield S.sentence(statement)
         if any(layout.sender == "master" and layout.data_fields for layout in interface.layouts):
             yield "Set all members of a request, because those that an initial value leaves out are 0."
-        yield from self._receiving()
+        yield from self._explain_receiving()
         path = f"interfaces.{interface.name}"
         layout_paths = [f"{path}.{layout.name}" for layout in interface.layouts]
         group_paths: set[str] = set()
@@ -221,7 +222,7 @@ class InterfaceCode:
             if correction not in errata_of_layouts:
                 yield S.sentence(erratum(correction))
 
-    def _receiving(self) -> Iterator[Paragraph]:
+    def _explain_receiving(self) -> Iterator[Paragraph]:
         """Yield one paragraph on how to send a request and receive its reply in bytes, if there are such replies."""
         requests_by_function: dict[str, list[str]] = {}
         for exchanged in exchanges(self.interface):
@@ -238,14 +239,14 @@ class InterfaceCode:
 
     # -- constants
 
-    def _macro(self, name: str, value: int, about: Statement | str = "", hexadecimal: bool = False) -> Macro:
+    def _define_macro(self, name: str, value: int, about: Statement | str = "", hexadecimal: bool = False) -> Macro:
         """Return a macro, and note a statement in its comment, so that the comment on the interface leaves it out."""
         if isinstance(about, Statement):
             self._macro_statements.append(about)
         note = about if isinstance(about, str) else S.sentence(about)
         return Macro(f"{self.upper}_{name}".upper(), number(value, hexadecimal), note)
 
-    def _macros(self) -> Iterator[Macro]:
+    def _yield_macros(self) -> Iterator[Macro]:
         """Yield the constants of the interface: clock, time-out, port, words and times."""
         interface = self.interface
         for fact, about in zip(interface.facts(), settings(self.device, interface), strict=True):
@@ -263,52 +264,52 @@ class InterfaceCode:
             return
         match fact:
             case Clock():
-                yield from self._clock(fact, about)
+                yield from self._yield_clock_macros(fact, about)
             case CableLength():
                 if self.clock_limits:
                     self._macro_statements.append(about)  # A function states it.
             case Timeout():
-                yield from self._timeout(fact, about)
+                yield from self._yield_timeout_macros(fact, about)
             case Port():
-                yield from self._port(fact, about)
+                yield from self._yield_port_macros(fact, about)
             case WordFormat():
-                yield self._macro("MODE", fact.mode, about)
+                yield self._define_macro("MODE", fact.mode, about)
                 if len(fact.lengths) == 1 and fact.lengths[0].is_constant:
-                    yield self._macro("WORD_BITS", fact.lengths[0].constant, "number of bits of a word")
+                    yield self._define_macro("WORD_BITS", fact.lengths[0].constant, "number of bits of a word")
                 late = int(fact.reply == "next_word")
-                yield self._macro("REPLY_WORDS", late, "number of words from a request to its reply")
+                yield self._define_macro("REPLY_WORDS", late, "number of words from a request to its reply")
             case _:
                 pass  # Code needs no number from it.
 
-    def _clock(self, clock: Clock, about: Statement) -> Iterator[Macro]:
+    def _yield_clock_macros(self, clock: Clock, about: Statement) -> Iterator[Macro]:
         """Yield the limits, and the fastest clock in use. The first macro has the comment on all of them."""
         has_comment_on_all = False
         for name, clock_hz, note in clock_limits(clock):
-            yield self._macro(name, clock_hz, note if has_comment_on_all else about)
+            yield self._define_macro(name, clock_hz, note if has_comment_on_all else about)
             has_comment_on_all = True
 
-    def _port(self, port: Port, about: Statement) -> Iterator[Macro]:
-        yield self._macro("BAUD", port.baud, about)
-        yield self._macro("DATA_BITS", port.data_bits, "number of data bits")
+    def _yield_port_macros(self, port: Port, about: Statement) -> Iterator[Macro]:
+        yield self._define_macro("BAUD", port.baud, about)
+        yield self._define_macro("DATA_BITS", port.data_bits, "number of data bits")
         yield Macro(f"{self.upper}_PARITY", _PARITIES[port.parity], f"parity: {port.parity}")
-        yield self._macro("STOP_BITS", port.stop_bits, "number of stop bits")
+        yield self._define_macro("STOP_BITS", port.stop_bits, "number of stop bits")
 
     def _control_data(self, interface: Biss) -> Iterator[Macro]:
         """Yield the widths and the named values of the fields in the control data."""
         for field in interface.control_data:
-            yield self._macro(f"CONTROL_{field.name}_BITS", field.bits, control_field(field))
+            yield self._define_macro(f"CONTROL_{field.name}_BITS", field.bits, control_field(field))
             for value in field.values:
                 name = f"CONTROL_{field.name}_{value.name}"
-                yield self._macro(name, value.value, f"{title(field)}: {title(value)}", hexadecimal=True)
+                yield self._define_macro(name, value.value, f"{title(field)}: {title(value)}", hexadecimal=True)
 
-    def _timeout(self, timeout: Timeout, about: Statement) -> Iterator[Macro]:
+    def _yield_timeout_macros(self, timeout: Timeout, about: Statement) -> Iterator[Macro]:
         """Yield the typical and the longest time-out. The first macro has the comment on all of them.
 
         If the time-out is not a number of clock periods, those printed for each clock follow.
         """
         for name, time_ns in timeout_limits(timeout):
             is_above = about in self._macro_statements
-            yield self._macro(name, time_ns, "see above" if is_above else about)
+            yield self._define_macro(name, time_ns, "see above" if is_above else about)
 
     @property
     def exchanged(self) -> str:
@@ -319,15 +320,17 @@ class InterfaceCode:
                 return f"{self.upper}_REQUEST_{spi_exchange.request}".upper()
         return ""
 
-    def _controls(self) -> Iterator[Macro]:
+    def _yield_control_macros(self) -> Iterator[Macro]:
         """Yield the macros of requests: the control field over RS-485, or a number over SPI."""
         if isinstance(self.interface, Rs485):
             for rs485_id in self.interface.data_ids:
-                yield self._macro(f"CONTROL_{rs485_id.name}", rs485_id.control, data_id(rs485_id), hexadecimal=True)
+                yield self._define_macro(
+                    f"CONTROL_{rs485_id.name}", rs485_id.control, data_id(rs485_id), hexadecimal=True
+                )
         if isinstance(self.interface, Spi):
             # 0 means that there is none.
             for request_number, spi_exchange in enumerate(self.interface.exchanges, 1):
-                yield self._macro(f"REQUEST_{spi_exchange.request}", request_number, exchange(spi_exchange))
+                yield self._define_macro(f"REQUEST_{spi_exchange.request}", request_number, exchange(spi_exchange))
 
     @property
     def controls_title(self) -> str:

@@ -31,13 +31,13 @@ def errata_page_name(maker: str) -> str:
 @cache
 def runtime_headers() -> dict[str, str]:
     """Return the texts of the headers by their file names."""
-    return _texts(FOLDER)
+    return _read_texts(FOLDER)
 
 
 @cache
 def runtime_tests() -> dict[str, str]:
     """Return the texts of the self-tests of the headers by their file names."""
-    return _texts("selftest")
+    return _read_texts("selftest")
 
 
 @cache
@@ -48,7 +48,7 @@ def runtime_version() -> tuple[int, int]:
     return int(numbers["MAJOR"]), int(numbers["MINOR"])
 
 
-def _texts(folder: str) -> dict[str, str]:
+def _read_texts(folder: str) -> dict[str, str]:
     texts_folder = resources.files("codewheel.runtime") / "c" / folder
     paths = sorted(texts_folder.iterdir(), key=lambda path: path.name)
     return {path.name: path.read_text(encoding="utf-8") for path in paths}
@@ -166,10 +166,10 @@ _PLAIN = frozenset(letter for letter in map(chr, range(0x20, 0x7F)) if letter no
 
 def string(text: object) -> str:
     """Return ``text`` as a string literal."""
-    return '"' + "".join(map(_character, str(text).encode("utf-8"))) + '"'
+    return '"' + "".join(map(_escape_character, str(text).encode("utf-8"))) + '"'
 
 
-def _character(byte: int) -> str:
+def _escape_character(byte: int) -> str:
     """Return a byte as a character of a string literal, in octal if C or a trigraph gives it another meaning."""
     return chr(byte) if chr(byte) in _PLAIN else f"\\{byte:03o}"
 
@@ -340,7 +340,8 @@ class Passing:
         return f"{parameter}{'->' if self.by_address else '.'}{member}"
 
 
-BY_VALUE, BY_ADDRESS = Passing(), Passing(by_address=True)
+BY_VALUE = Passing()
+BY_ADDRESS = Passing(by_address=True)
 
 
 @dataclass(frozen=True)
@@ -384,8 +385,8 @@ class Scope:
                 # 2 to the power of the parameter, minus 1.
                 return Call("cw_mask", (self.atom(exponent),))
         # Terms with positive multiples come first, so that no intermediate result is negative.
-        added = [self._term(term) for term in expression.terms if term.multiple > 0]
-        subtracted = [self._term(term) for term in expression.terms if term.multiple < 0]
+        added = [self._express_term(term) for term in expression.terms if term.multiple > 0]
+        subtracted = [self._express_term(term) for term in expression.terms if term.multiple < 0]
         is_single_operand = len(expression.terms) == 1 and expression.constant >= 0
         if expression.constant > 0 or not added:
             added.insert(0, Number(max(expression.constant, 0)))
@@ -411,7 +412,7 @@ class Scope:
                 (exponent,) = term.factors
                 product: Expr = Call("cw_mask", (self.atom(exponent.parameter),))
             else:
-                product = self._term(term)
+                product = self._express_term(term)
             signs_and_products.append((sign, Cast("int64_t", product)))
         if not signs_and_products:
             return Number(constant, signed=True)
@@ -423,12 +424,12 @@ class Scope:
             total = Operation(sign, (total, product))
         return total
 
-    def _term(self, term: Term) -> Expr:
+    def _express_term(self, term: Term) -> Expr:
         """Return the product of a term without its sign, in 64 bits if 32 may be too few.
 
         A single parameter keeps its own type. A power of two has 64 bits already.
         """
-        first, *further = (self._factor(factor) for factor in term.factors)
+        first, *further = (self._express_factor(factor) for factor in term.factors)
         if abs(term.multiple) != 1:
             further.append(Number(abs(term.multiple)))
         if not further:
@@ -439,6 +440,6 @@ class Scope:
             first = Cast("uint64_t" if term.is_power or largest >> 32 else "uint32_t", first)
         return Operation("*", (first, *further))
 
-    def _factor(self, factor: Factor) -> Expr:
+    def _express_factor(self, factor: Factor) -> Expr:
         name = self.atom(factor.parameter)
         return Operation("<<", (Cast("uint64_t", Number(1)), name)) if factor.power else name

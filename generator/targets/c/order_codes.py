@@ -69,12 +69,13 @@ def written_out(expression: str) -> tuple[str, ...]:
     patterns: list[str] = []
     for alternative in expression.split("|"):
         # An atom is a unit with its repetitions, as the tuple of its patterns.
-        atoms, start = [], 0
+        atoms = []
+        start = 0
         while start < len(alternative):
             match = _ATOM.match(alternative, start)
             if match is None:
                 return ()
-            atoms.append(_repetitions(match, is_last=match.end() == len(alternative)))
+            atoms.append(_repeat_unit(match, is_last=match.end() == len(alternative)))
             start = match.end()
         if not all(atoms):
             return ()
@@ -84,7 +85,7 @@ def written_out(expression: str) -> tuple[str, ...]:
     return tuple(sorted(patterns, key=len, reverse=True))
 
 
-def _repetitions(match: re.Match[str], *, is_last: bool) -> tuple[str, ...]:
+def _repeat_unit(match: re.Match[str], *, is_last: bool) -> tuple[str, ...]:
     """Return one unit with its repetitions, the longest first, or nothing if its kind has no mark.
 
     ``[0-9]{1,2}`` gives ``##`` and ``#``, or the single pattern ``#~`` at the end of an expression.
@@ -124,7 +125,7 @@ def open_codes(device: Device) -> tuple[OpenCode, ...]:
     pattern comes before it.
     """
     order_code = device.order_code
-    spellings = [_Spelling(order_code.pattern, [_choices(part) for part in order_code.parts], is_listed=True)]
+    spellings = [_Spelling(order_code.pattern, [_list_choices(part) for part in order_code.parts], is_listed=True)]
     for spelling in order_code.also_written:
         choices = [_choices_in(part, spelling) for part in order_code.parts]
         endings = written_out(spelling.then) if spelling.then else ("",)
@@ -233,10 +234,10 @@ def _choices_in(part: CodePart, spelling: Spelling) -> list[_Choice]:
         choices = [_Choice(value, is_open=False, label=text) for text, value in texts_on_label]
         if choices:
             return choices
-    return _choices(part)
+    return _list_choices(part)
 
 
-def _choices(part: CodePart) -> list[_Choice]:
+def _list_choices(part: CodePart) -> list[_Choice]:
     """Return the listed values of a part, and its patterns if it is open."""
     choices = [_Choice(value.text, is_open=False) for value in part.values]
     if part.open:
@@ -272,9 +273,9 @@ def _wider_choices(choice: _Choice, patterns: Sequence[_Choice]) -> list[_Choice
     """Return a choice, and the patterns that match its text if it is a listed value."""
     if choice.is_open:
         return [choice]
-    return [choice, *(pattern for pattern in patterns if _expression(pattern.text).fullmatch(choice.text))]
+    return [choice, *(pattern for pattern in patterns if _compile_pattern(pattern.text).fullmatch(choice.text))]
 
 
 @functools.cache
-def _expression(pattern: str) -> re.Pattern[str]:
+def _compile_pattern(pattern: str) -> re.Pattern[str]:
     return re.compile("".join(_FITS.get(letter, re.escape(letter)) for letter in pattern), re.IGNORECASE)

@@ -52,9 +52,9 @@ def assumptions_files(
         interfaces = [interface for device in devices for interface in device.interfaces]
         values: Assumptions = {
             "maker": maker,
-            "frames": list(_frames(devices)),
+            "frames": list(_yield_frames(devices)),
             "silent": list(_without_verdict(devices)),
-            "unprotected": list(_unprotected(devices)),
+            "unprotected": list(_yield_unprotected(devices)),
             "interfaces": frozenset(interface.name for interface in interfaces),
             "later": any(isinstance(interface, Spi) and interface.reply == "next_word" for interface in interfaces),
             "parity": list(_with_parity(devices)),
@@ -63,7 +63,7 @@ def assumptions_files(
         yield f"ASSUMPTIONS-{maker.name}.md", render(TEMPLATE, values)
 
 
-def _frames(devices: tuple[Device, ...]) -> Iterator[Frames]:
+def _yield_frames(devices: tuple[Device, ...]) -> Iterator[Frames]:
     """Yield the frames with the same CRC and the same length, with the errors that this CRC does not detect."""
     crcs_by_width_poly_and_bits: dict[tuple[int, int, int], dict[str, Crc]] = {}
     for device in devices:
@@ -103,7 +103,7 @@ def _without_verdict(devices: tuple[Device, ...]) -> Iterator[str]:
                 yield _frame_name(device, reporting.interface.title, reporting.codec.layout)
 
 
-def _unprotected(devices: tuple[Device, ...]) -> Iterator[str]:
+def _yield_unprotected(devices: tuple[Device, ...]) -> Iterator[str]:
     """Yield the frames over SSI with a position that have no CRC, at least with some order codes."""
     for device in devices:
         for interface, layout in device.layouts():
@@ -145,8 +145,10 @@ class ReceiverCode:
 
     def __init__(self, example: ExampleCode) -> None:
         view = example.view
-        self.view, self.example = view, example
-        self.name, self.sketch = f"{view.stem}_dma", f"{view.stem}_arduino"
+        self.view = view
+        self.example = example
+        self.name = f"{view.stem}_dma"
+        self.sketch = f"{view.stem}_arduino"
         self.struct = example.struct
         self.verdict = example.reports.verdict if example.reports is not None else ""
         self.member = example.counts
@@ -290,7 +292,8 @@ def own_programs(
     view: DeviceView, later: Callable[[str, Mapping[str, object]], Callable[[], str]]
 ) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the path in the C folder of each example program of an interface, and a function for its text."""
-    maker, examples = view.maker, list(example_codes(view))
+    maker = view.maker
+    examples = list(example_codes(view))
     programs: list[ExampleCode | ReceiverCode] = [*examples, *receiver_codes(examples)]
     for program in programs:
         values = {"maker": maker, "PREFIX": maker.name.upper(), "d": view, "e": program}

@@ -90,10 +90,10 @@ Positions = AnglePositions | LengthPositions
 def positions(context: Context) -> Positions | None:
     """Return the functions that convert the positions of the interface, if the manual gives their unit."""
     measurement = context.device.measurement_of(context.interface.name)
-    return _positions(context, measurement) if measurement is not None else None
+    return _build_positions(context, measurement) if measurement is not None else None
 
 
-def _positions(context: Context, measurement: Measurement) -> Positions | None:
+def _build_positions(context: Context, measurement: Measurement) -> Positions | None:
     """Return the conversions to angles or to lengths, or None if the manual gives no unit."""
     if measurement.counts_per_turn is not None:
         return _angle_positions(context, measurement, measurement.counts_per_turn)
@@ -134,11 +134,11 @@ def _length_positions(
         where=f"[{cite(measurement.source)}]",
         is_signed=any(position_range.signed_field is not None for position_range in ranges),
         ranges=tuple(_range_functions(context, ranges)),
-        step=_signed(context.scope, step),
+        step=_cast_to_signed(context.scope, step),
         step_varies=not all(expression.is_constant for expression in measurement.steps),
         unit=unit,
         per_mm=per_mm,
-        per_counts=_signed(context.scope, per_counts) if per_counts is not None else None,
+        per_counts=_cast_to_signed(context.scope, per_counts) if per_counts is not None else None,
     )
 
 
@@ -167,16 +167,17 @@ def _functions_of_range(
         scope=scope,
         is_signed=position_range.signed_field is not None,
         never_wraps=position_range.never_wraps,
-        modulus=_modulus(context, position_range, f"{context.prefix}_{scope}modulus"),
+        modulus=_build_modulus(context, position_range, f"{context.prefix}_{scope}modulus"),
         turns=context.scope.of(turns) if turns is not None else None,
         one_turn=turns == Expression(1),
         layouts=layouts,
     )
 
 
-def _modulus(context: Context, position_range: PositionRange, name: str) -> Function | None:
+def _build_modulus(context: Context, position_range: PositionRange, name: str) -> Function | None:
     """Return the function for the number of counts after which a length wraps around, or None if there is no number."""
-    measurement, is_signed = position_range.measurement, position_range.signed_field is not None
+    measurement = position_range.measurement
+    is_signed = position_range.signed_field is not None
     if measurement.modulus is None:
         return None
     wraps = "wraps around" if is_signed else "wraps around to 0"
@@ -188,6 +189,6 @@ def _modulus(context: Context, position_range: PositionRange, name: str) -> Func
     return wide_number_of(context.scope, name, measurement.modulus, about)
 
 
-def _signed(scope: Scope, value: Expression) -> Expr:
+def _cast_to_signed(scope: Scope, value: Expression) -> Expr:
     """Return an expression as a number with a sign, such as ``(int64_t)variant.step``."""
     return Number(value.constant, signed=True) if value.is_constant else Cast("int64_t", scope.of(value))

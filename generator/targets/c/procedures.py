@@ -134,13 +134,13 @@ class ProcedureCode:
         self._wholes = dict(self._whole_numbers())
         #: Registers with parameters on which the limits of later steps depend.
         self._teaching = {step.register.name for step in run.operations if isinstance(step, Writes) and step.teaches}
-        self.arguments = [self._argument(parameter) for parameter in run.arguments]
-        self.rows = list(self._rows())
+        self.arguments = [self._build_argument(parameter) for parameter in run.arguments]
+        self.rows = list(self._yield_rows())
         self.count = sum(map(_number_of_rows, run.operations))
         self.reads = list(self._read_members())
         self.about = about_procedure(context.device, procedure)
         #: The comment on the function that carries it out.
-        self.whole_about = [*self.about, *about_run(context.device, run, read_state), *self._parameters()]
+        self.whole_about = [*self.about, *about_run(context.device, run, read_state), *self._document_parameters()]
 
     @property
     def filled(self) -> list[FilledRegister]:
@@ -192,7 +192,7 @@ class ProcedureCode:
             if name:
                 yield name, ("procedures", self.run.procedure.name)
 
-    def _parameters(self) -> Iterator[Paragraph]:
+    def _document_parameters(self) -> Iterator[Paragraph]:
         """Yield the parameters of the function that carries it out, or nothing if the procedure has no arguments."""
         if self.arguments:
             yield "@param transport ", "Your bus access functions."
@@ -204,7 +204,7 @@ class ProcedureCode:
 
     # -- arguments
 
-    def _argument(self, parameter: CheckedArgument) -> ArgumentCode:
+    def _build_argument(self, parameter: CheckedArgument) -> ArgumentCode:
         """Return an argument with the reasons to refuse it, each once. Those that its type excludes are left out."""
         all_refusals = list(parameter.refusals)
         for write in parameter.written:
@@ -287,7 +287,7 @@ class ProcedureCode:
 
     # -- steps
 
-    def _rows(self) -> Iterator[Row | FilledRows]:
+    def _yield_rows(self) -> Iterator[Row | FilledRows]:
         """Yield the steps with their index in the list. One on several bytes of a register takes several indices."""
         index = 0
         for step in self.run.operations:
@@ -315,10 +315,10 @@ class ProcedureCode:
         _refuse_unsupported(step)
         for index, piece in enumerate(step.pieces):
             value = self._byte_value(step, piece)
-            yield self._row(first_index + index, step, note if index == 0 else "", piece, value)
+            yield self._build_row(first_index + index, step, note if index == 0 else "", piece, value)
 
     @staticmethod
-    def _row(index: int, step: Writes | Reads | Polls | Verifies, note: str, piece: Piece, value: Expr) -> Row:
+    def _build_row(index: int, step: Writes | Reads | Polls | Verifies, note: str, piece: Piece, value: Expr) -> Row:
         """Return the step on one byte of a register. ``value`` has the bits at their places in the byte."""
         return Row(
             at=index,
@@ -341,7 +341,7 @@ class ProcedureCode:
             written_byte = Name(f"{filled_register.bytes}[{piece.byte}]")
             # A mask of 0 is a byte of reserved bits, which is read but not compared.
             expected = masked(written_byte, piece.mask) if piece.mask else _ZERO
-            yield self._row(first_index + index, step, note if index == 0 else "", piece, expected)
+            yield self._build_row(first_index + index, step, note if index == 0 else "", piece, expected)
 
     def _filled_by(self, step: Writes | Reads | Polls | Verifies) -> FilledRegister | None:
         """Return the register whose struct a step writes or reads back, or None if it has no struct."""
@@ -358,7 +358,7 @@ class ProcedureCode:
         # Bit ``left`` of the number is bit ``right`` of the byte.
         value = FixedNumber(write.step.value) if isinstance(write, Polls) else write.value
         if isinstance(value, FixedNumber):
-            bits_of_piece = value.number >> piece.left & piece.mask
+            bits_of_piece = (value.number >> piece.left) & piece.mask
             return Number(bits_of_piece << piece.right, hexadecimal=True)
         bits = shifted_right(Name(self._names[value.argument.name]), piece.left)
         if piece.mask != 0xFF:

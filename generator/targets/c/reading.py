@@ -22,7 +22,8 @@ class ReadCode:
     def __init__(self, context: Context, frame: StructCodec | None, lengths: LengthCode, *, twice: bool) -> None:
         self.frame = frame
         self.twice = twice
-        self._context, self._lengths = context, lengths
+        self._context = context
+        self._lengths = lengths
         self.macro = f"{context.PREFIX}_READ"
 
     def declared(self) -> Iterator[Declared]:

@@ -42,12 +42,15 @@ class Access:
     """
 
     def __init__(self, layout: Struct, *, has_struct: bool, outside: Sequence[OutsideLimits]) -> None:
-        context, register = layout.context, layout.register
+        context = layout.context
+        register = layout.register
         assert register is not None
-        self.register, self.outside = register, outside
+        self.register = register
+        self.outside = outside
         self.stem = layout.name.upper()
         self.struct = layout.name if has_struct else ""
-        self._layout, self._field = layout, register.layout.fields[0]
+        self._layout = layout
+        self._field = register.layout.fields[0]
         #: The named values of the byte, empty if it can have any value.
         self.values: tuple[int, ...] = ()
         for check in layout.plan.checks:
@@ -58,8 +61,8 @@ class Access:
         is_written = register.writable and not register.reserved
         self.read = f"{context.prefix}_read_{register.name}" if register.readable else ""
         self.write = f"{context.prefix}_write_{register.name}" if is_written else ""
-        self.read_about = self._about(writes=False)
-        self.write_about = self._about(writes=True)
+        self.read_about = self._build_comment(writes=False)
+        self.write_about = self._build_comment(writes=True)
         #: The macro of the address that selects its bank, empty if it is in no bank, and the byte to write there.
         self.bank_address, self.bank = "", 0
         selector_name = context.device.bank_selector(register)
@@ -71,7 +74,7 @@ class Access:
         choice = self._layout.choice(self._field)
         return choice.type if choice is not None else "uint8_t"
 
-    def _about(self, *, writes: bool) -> tuple[Paragraph, ...]:
+    def _build_comment(self, *, writes: bool) -> tuple[Paragraph, ...]:
         """Return the comment on the function that reads, or on the one that writes.
 
         If the register holds a part of the variant, the latter tells users to read that part again.
@@ -201,17 +204,17 @@ class RegisterCode:
         self.codec = None if self.is_plain else StructCodec(self.struct, outside=refused)
         self.access = Access(self.struct, has_struct=self.codec is not None, outside=refused)
         #: Its own limits, and those of each of its meanings.
-        self.limits = tuple(self._limits(meaning) for meaning in (None, *register.meanings))
-        self.explained = tuple(self._explained())
+        self.limits = tuple(self._find_limits(meaning) for meaning in (None, *register.meanings))
+        self.explained = tuple(self._yield_explaining_bits())
 
     def declared(self) -> Iterator[Declared]:
         """Yield the names at file scope, each with its path in the spec."""
-        for name in self._names():
+        for name in self._yield_names():
             yield name, ("registers", self.register.name)
         if self.codec is not None:
             yield from self.codec.declared()
 
-    def _names(self) -> Iterator[str]:
+    def _yield_names(self) -> Iterator[str]:
         """Yield the names of its macros and functions, except those of its codec."""
         yield f"{self.stem}_ADDRESS"
         yield f"{self.stem}_LENGTH"
@@ -307,7 +310,7 @@ class RegisterCode:
         """The fields with masks whose place depends on the order code."""
         return tuple(field for field in self._with_masks if field not in self.masked)
 
-    def _explained(self) -> Iterator[ExplainingBits]:
+    def _yield_explaining_bits(self) -> Iterator[ExplainingBits]:
         """Yield the bits of other registers that give the reason why a field of this one is set.
 
         For ``explained_by: [errors.crc, errors.parity]`` these are both bits of ``errors``, as one mask.
@@ -328,7 +331,7 @@ class RegisterCode:
 
     # -- limits
 
-    def _limits(self, meaning: RegisterMeaning | None) -> Bounds:
+    def _find_limits(self, meaning: RegisterMeaning | None) -> Bounds:
         """Return the limits of the register, or of one of its meanings, under names that end in ``min`` and ``max``.
 
         A limit that the manual does not give is left out.

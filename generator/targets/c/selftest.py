@@ -152,7 +152,10 @@ class SelfTest:
         for data_id in data_ids:
             if data_id.id in CONTROL_FIELDS:
                 macro = f"{self.view.PREFIX}_CONTROL_{data_id.name}".upper()
-                yield f"control field of data ID {data_id.id}", ConstantCheck(macro, _hex(CONTROL_FIELDS[data_id.id]))
+                yield (
+                    f"control field of data ID {data_id.id}",
+                    ConstantCheck(macro, _format_hex(CONTROL_FIELDS[data_id.id])),
+                )
 
     def _checks_of_example(self, example: Example) -> Iterator[Work]:
         """Yield the checks for one worked example, none if the headers have no function for it."""
@@ -180,7 +183,7 @@ class SelfTest:
             written_bytes += self._written_bytes(write)
         return ProcedureCheck(
             code=code,
-            variant=self._variant(example.order_code),
+            variant=self._find_variant(example.order_code),
             arguments=tuple(number(example.arguments[name]) for name in argument_names),
             writes=tuple(written_bytes),
         )
@@ -197,21 +200,21 @@ class SelfTest:
             registers = (register for register in writable if register.address == write.address)
             length = first_of(registers, f"writable register at {write.address:#x}").length
         for byte in write.value.to_bytes(length, "big"):
-            yield _hex(write.address), _hex(byte)
+            yield _format_hex(write.address), _format_hex(byte)
 
     @property
     def writes_whole(self) -> bool:
         """True if a write has all bytes of a register."""
         return not self.view.context.interface.byte_addresses
 
-    def _variant(self, order_code: str) -> str:
+    def _find_variant(self, order_code: str) -> str:
         """Return the macro of an order code, or of the first one if the family does not list the code."""
         device = self.view.device
         order_codes = [variant.code for variant in device.variants]
         index = order_codes.index(order_code) if order_code in order_codes else 0
         return self.view.variants.rows[index].macro
 
-    def _codecs(self, example: FrameExample) -> Iterator[StructCodec]:
+    def _yield_codecs(self, example: FrameExample) -> Iterator[StructCodec]:
         """Yield the codec of the example's layout, or all of its sender if it has no layout."""
         for codec in self.view.interface.codecs:
             layout = codec.struct.layout
@@ -227,7 +230,7 @@ class SelfTest:
         has_wrong_length = example.refused == "length"
         if not example.layout and not has_wrong_length:
             return
-        for codec in self._codecs(example):
+        for codec in self._yield_codecs(example):
             if codec.plan.in_bytes:
                 is_in_form_of_codec = bool(example.bytes)
             else:
@@ -243,26 +246,26 @@ class SelfTest:
         layout = codec.struct.layout
         return FrameCheck(
             codec=codec,
-            variant=self._variant(example.order_code),
-            answers=self._answers(codec.alternatives, example),
-            data=_bytes(example.bytes) if codec.plan.in_bytes else (),
-            word="" if codec.plan.in_bytes else _hex(word, 64),
-            length=self._length(codec, example) if codec.word_has_length else "",
+            variant=self._find_variant(example.order_code),
+            answers=self._format_answers(codec.alternatives, example),
+            data=_format_bytes(example.bytes) if codec.plan.in_bytes else (),
+            word="" if codec.plan.in_bytes else _format_hex(word, 64),
+            length=self._express_length(codec, example) if codec.word_has_length else "",
             expected=() if fault else tuple(self._expected_members(codec, layout.name, example.values)),
             fault=fault,
         )
 
-    def _length(self, codec: StructCodec, example: FrameExample) -> str:
+    def _express_length(self, codec: StructCodec, example: FrameExample) -> str:
         """Return the number of bits in the word of an example, as C.
 
         It is a literal if the example gives bits, or else a call such as ``acme_x24_bits(variant, WIDE)``.
         """
         if example.bits:
             return number(len(example.bits))
-        arguments = self._answers(codec.length_alternatives, example).removesuffix(", ")
+        arguments = self._format_answers(codec.length_alternatives, example).removesuffix(", ")
         return f"{codec.name}_bits({', '.join(filter(None, ('variant', arguments)))})"
 
-    def _answers(self, questions: Sequence[AlternativeCode], example: FrameExample) -> str:
+    def _format_answers(self, questions: Sequence[AlternativeCode], example: FrameExample) -> str:
         """Return the answers for the example as arguments, such as ``CODE_GRAY, ``. The default is the first."""
         arguments = ""
         for question in questions:
@@ -279,9 +282,9 @@ class SelfTest:
         if code.codec is not None:
             yield FrameCheck(
                 codec=code.codec,
-                variant=self._variant(example.order_code),
+                variant=self._find_variant(example.order_code),
                 answers="",
-                data=_bytes(example.bytes),
+                data=_format_bytes(example.bytes),
                 word="",
                 length="",
                 expected=tuple(self._expected_members(code.codec, f"reg_{example.register}", example.values)),
@@ -327,7 +330,9 @@ class SelfTest:
         """Yield the checks of a CRC over the bytes of the example, and over them as a word that ends in its CRC."""
         for function in self.view.crcs:
             if function.crc.name == example.crc and function.is_called and function.in_bytes:
-                yield CrcCheck(function.name, data=_bytes(example.bytes), word="", crc=_hex(example.check))
+                yield CrcCheck(
+                    function.name, data=_format_bytes(example.bytes), word="", crc=_format_hex(example.check)
+                )
         data = int.from_bytes(example.bytes, "big")
         for word_crc in (codec.word_crc for codec in self.view.interface.codecs):
             if word_crc is not None and word_crc.crc.name == example.crc:
@@ -338,7 +343,7 @@ class SelfTest:
         if isinstance(self.view.positions, LengthPositions):
             yield MeasureCheck(
                 function=f"{self.view.prefix}_micrometres",
-                variant=self._variant(example.order_code),
+                variant=self._find_variant(example.order_code),
                 counts=number(example.counts),
                 micrometres=number(example.micrometres),
             )
@@ -353,16 +358,16 @@ def _member_names(codec: StructCodec) -> Iterator[str]:
 
 def _word_check(crc: WordCrc, data: int, check: int) -> Iterator[Work]:
     """Yield the check that the CRC function returns 0 for a word that ends in its CRC, if a frame can be as long."""
-    word = data << crc.crc.width | check
+    word = (data << crc.crc.width) | check
     if word.bit_length() <= crc.bits:
-        yield CrcCheck(crc.name, data=(), word=_hex(word, 64), crc=_hex(0))
+        yield CrcCheck(crc.name, data=(), word=_format_hex(word, 64), crc=_format_hex(0))
 
 
-def _bytes(data: bytes) -> tuple[str, ...]:
-    return tuple(_hex(byte) for byte in data)
+def _format_bytes(data: bytes) -> tuple[str, ...]:
+    return tuple(_format_hex(byte) for byte in data)
 
 
-def _hex(value: int, bits: int = 32) -> str:
+def _format_hex(value: int, bits: int = 32) -> str:
     return f"UINT64_C(0x{value:X})" if bits == 64 else f"0x{value:02X}U"
 
 

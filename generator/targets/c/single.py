@@ -71,7 +71,7 @@ class SingleCode:
         headers = [runtime_headers()[name].replace("\nCW_INLINE\n", "\n") for name in _RECEIVING]
         runtime_declarations = list(chain.from_iterable(map(declarations_in, headers)))
         declarations = [*runtime_declarations, *declarations_in(without_settings(header, settings))]
-        needed = needed_by(self._roots(names_of(declarations)), declarations)
+        needed = needed_by(self._yield_roots(names_of(declarations)), declarations)
         self.declarations = [declaration for declaration in needed if not declaration.is_title]
         kept_names = names_of(self.declarations)
         self._runtime_names = names_of(runtime_declarations) & kept_names
@@ -131,7 +131,7 @@ class SingleCode:
         texts: list[str] = []
         follows_macro = False
         for declaration in self.declarations:
-            declaration_text = self._text(declaration)
+            declaration_text = self._format_declaration(declaration)
             is_short_function = declaration_text.startswith("/** ") and declaration.is_function
             if texts and not is_short_function and not (follows_macro and declaration_text.startswith("#define")):
                 texts.append("\n")
@@ -149,7 +149,7 @@ class SingleCode:
 
     # -- what is needed
 
-    def _roots(self, known_names: Collection[str]) -> Iterator[str]:
+    def _yield_roots(self, known_names: Collection[str]) -> Iterator[str]:
         """Yield the names of the tree that a program uses to read positions. Some may not exist.
 
         They are the macros of the interface, except those for registers and times, the functions of the frames with
@@ -221,7 +221,7 @@ class SingleCode:
 
     # -- texts
 
-    def _text(self, declaration: Declaration) -> str:
+    def _format_declaration(self, declaration: Declaration) -> str:
         """Return a declaration with its comment, with the names of this header and its lines broken anew."""
         comment, code = declaration.comment, declaration.code
         if self._is_helper(declaration):
@@ -230,7 +230,7 @@ class SingleCode:
             comment, code = self._without_argument(comment, code)
         # The pattern is a comment on the lines above a member.
         clear_code = re.sub(r"^ +/\*\*\n.*?\*/\n", self._member_comment, code, flags=re.MULTILINE | re.DOTALL)
-        new_code = "".join(map(self._pasted, clear_code.splitlines(keepends=True)))
+        new_code = "".join(map(self._rename_pasted, clear_code.splitlines(keepends=True)))
         # The marks for Doxygen come back with those of the whole header.
         unmarked_code = new_code.replace("/**< ", "/* ").replace("/**", "/*")
         named_code = self.named(unmarked_code)
@@ -250,7 +250,7 @@ class SingleCode:
         # In MACRO##_BITS nothing is left to paste. MACRO##_##name still pastes another parameter.
         return comment, re.sub(rf"({self.view.row.macro})##(?=_\w)(?!_##)", r"\1", bound)
 
-    def _pasted(self, line: str) -> str:
+    def _rename_pasted(self, line: str) -> str:
         """Return a line with the new prefix in names that a macro pastes together: ``ACME_X_`` in ``ACME_X_##name``."""
         # A prefix that is followed by letters and ##.
         pattern = rf"\b(?:{self.view.row.macro}|{self.view.PREFIX})_(?=\w*##)"
@@ -259,10 +259,10 @@ class SingleCode:
     def _in_comment(self, comment: str) -> str:
         """Return a comment up to its first ``@param``, with new names, without sentences on what the header lacks."""
         lines: list[str] = []
-        for paragraph in _paragraphs(_comment_lines(comment)):
+        for paragraph in _split_paragraphs(_comment_lines(comment)):
             if paragraph[0].startswith("@"):
                 break
-            lines += self._paragraph(paragraph)
+            lines += self._shorten_paragraph(paragraph)
         return _as_comment(lines)
 
     def _member_comment(self, comment: re.Match[str]) -> str:
@@ -273,7 +273,7 @@ class SingleCode:
         kept_sentences = [sentence for sentence in sentences if not self._is_about_absent(sentence)]
         return _member_comment(self.named(" ".join(kept_sentences)), margin)
 
-    def _paragraph(self, lines: list[str]) -> list[str]:
+    def _shorten_paragraph(self, lines: list[str]) -> list[str]:
         """Return the lines of a paragraph without sentences about what the header lacks, none if nothing is left.
 
         In an indented line, such as one of a picture, only the names change.
@@ -287,7 +287,7 @@ class SingleCode:
         new_text = self.named(" ".join(sentences))
         if new_text == paragraph:
             return lines
-        return _wrapped(new_text)
+        return _wrap_text(new_text)
 
     def _is_about_absent(self, sentence: str) -> bool:
         """Return True if a sentence mentions another header, the argument of a macro, or a name left out.
@@ -396,15 +396,15 @@ def _first_paragraph(comment: str) -> str:
     """
     text_before_picture, _, picture = "\n".join(_comment_lines(comment)).partition(":\n\n")
     if picture and "cw_" in picture.partition("\n\n")[0]:
-        return _as_comment(_wrapped(text_before_picture.replace("\n", " ") + "."))
+        return _as_comment(_wrap_text(text_before_picture.replace("\n", " ") + "."))
     if picture:
         picture_lines = picture.partition("\n\n")[0].splitlines()
-        return _as_comment([*_wrapped(text_before_picture.replace("\n", " ") + ":"), "", *picture_lines])
+        return _as_comment([*_wrap_text(text_before_picture.replace("\n", " ") + ":"), "", *picture_lines])
     sentences = _SENTENCE_END.split(text_before_picture.partition("\n\n")[0].partition("\n@")[0].replace("\n", " "))
-    return _as_comment(_wrapped(sentences[0]))
+    return _as_comment(_wrap_text(sentences[0]))
 
 
-def _wrapped(text: str) -> list[str]:
+def _wrap_text(text: str) -> list[str]:
     """Return the lines of a text. Each will have `` * `` before it."""
     return textwrap.wrap(text, COLUMNS - 3, break_long_words=False, break_on_hyphens=False)
 
@@ -417,7 +417,7 @@ def _comment_lines(comment: str) -> list[str]:
     return [line.strip().removeprefix("*").removeprefix(" ") for line in lines]
 
 
-def _paragraphs(lines: Iterable[str]) -> Iterator[list[str]]:
+def _split_paragraphs(lines: Iterable[str]) -> Iterator[list[str]]:
     """Yield the lines of each paragraph. Lines that begin with a space or @ are paragraphs of their own.
 
     A line ends a paragraph if the first word of the next line would have fit.

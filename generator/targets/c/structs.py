@@ -65,7 +65,8 @@ class Struct:
 
     def _check_supported(self) -> None:
         """Raise an error if the C target does not support the layout."""
-        layout, name = self.layout, f"'{self.layout.name}'"
+        layout = self.layout
+        name = f"'{self.layout.name}'"
         if self.plan.by_word and layout.widest > 64:
             raise TargetError(
                 f"{name} has {layout.widest} bits and fields whose place depends on the order code; the C target "

@@ -31,7 +31,8 @@ class HeldValue:
     """A parameter held by a register, and its local."""
 
     def __init__(self, context: Context, parameter_in_register: HeldParameter) -> None:
-        parameter, field = parameter_in_register.parameter, parameter_in_register.field
+        parameter = parameter_in_register.parameter
+        field = parameter_in_register.field
         if not field.pieces:
             problem = f"the place of '{parameter.read_from}' depends on the order code; the C target cannot read it"
             raise TargetError(problem)
@@ -41,7 +42,7 @@ class HeldValue:
         self.member_type = context.member_type(parameter)
         self.is_coded = bool(parameter.by_code)
         #: Locals in the order of their declarations, the last one with the value: type, name and initial value.
-        self.locals = tuple(self._locals())
+        self.locals = tuple(self._yield_locals())
         #: Type of the value, and the local with its code.
         self.type, self.code, _ = self.locals[-1]
 
@@ -51,7 +52,7 @@ class HeldValue:
         assert value is not None
         return str(Number(value))
 
-    def _locals(self) -> Iterator[tuple[str, str, Expr]]:
+    def _yield_locals(self) -> Iterator[tuple[str, str, Expr]]:
         """Yield the type, the name and the initial value of each local, such as ``("uint8_t", "turns", bytes[0])``.
 
         If 0 stands for a number, a local with the bits as read comes first. A code has a local that ends in ``_code``.
@@ -93,7 +94,7 @@ class CodeSwitch:
     cases: tuple[tuple[str, tuple[tuple[str, str], ...]], ...]
 
 
-def _switches(values: Sequence[HeldValue]) -> Iterator[CodeSwitch]:
+def _yield_switches(values: Sequence[HeldValue]) -> Iterator[CodeSwitch]:
     """Yield a switch for each field that holds a code of one or several parameters.
 
     It has a case for each code for which all of these parameters have a value.
@@ -126,16 +127,16 @@ class Taker:
         parameter_names = listed(parameter.parameter.name for parameter in register_parameters.parameters)
         self.about = f"Update {parameter_names} in a variant from the content of the {title(register)} register."
         self.values = tuple(HeldValue(context, parameter) for parameter in register_parameters.parameters)
-        self.switches = tuple(_switches(self.values))
+        self.switches = tuple(_yield_switches(self.values))
         #: Locals that the bits are read into: type, name and initial value.
-        self.locals = tuple(self._locals())
+        self.locals = tuple(self._yield_locals())
         self.bytes = c_name(register.name, _TAKEN)
         self.access = access
 
     def declared(self) -> Iterator[Declared]:
         yield self.name, ()
 
-    def _locals(self) -> Iterator[tuple[str, str, Expr]]:
+    def _yield_locals(self) -> Iterator[tuple[str, str, Expr]]:
         """Yield the locals of all values: type, name and initial value.
 
         Values that one field holds as a code share the local of its switch, that of the first value.
@@ -162,13 +163,14 @@ class VariantCode:
     """The order codes of a family over one interface, and the functions for parameters that follow from others."""
 
     def __init__(self, context: Context) -> None:
-        self.context, self.device = context, context.device
+        self.context = context
+        self.device = context.device
         self.parameters = self.device.set_parameters
         #: Without those that the functions of positions return.
         measured = parameters_in_measurement(self.device)
         self._named = [parameter for parameter in self._in_order_of_use() if parameter.name not in measured]
-        self.derived: Sequence[Function] = [self._derived(parameter) for parameter in self._named]
-        self.rows = [self._row(variant) for variant in self.device.variants]
+        self.derived: Sequence[Function] = [self._build_derived(parameter) for parameter in self._named]
+        self.rows = [self._build_row(variant) for variant in self.device.variants]
         #: A macro with one bit for each open part of the order code.
         self.unlisted = list(self._unlisted_macros())
         self.patterns = open_codes(self.device)
@@ -218,18 +220,19 @@ class VariantCode:
             ordered.append(waiting.pop(parameter.name))
         return ordered
 
-    def _derived(self, parameter: Parameter) -> Function:
+    def _build_derived(self, parameter: Parameter) -> Function:
         """Return the function that computes a derived parameter."""
         assert parameter.equals is not None
         name = f"{self.context.prefix}_{parameter.name}"
         return number_of(self.context.scope, name, parameter.equals, parameter.largest, self.about_parameter(parameter))
 
-    def _row(self, variant: Variant) -> CodeRow:
+    def _build_row(self, variant: Variant) -> CodeRow:
         """Return an order code with its name in C, such as ``24_A`` for ``X-24/A`` of the family X.
 
         The name of the family is only left out if all order codes begin with it.
         """
-        family, order_code = self.device.name.upper(), variant.code.upper()
+        family = self.device.name.upper()
+        order_code = variant.code.upper()
         if all(other.code.upper().startswith(family) for other in self.device.variants):
             order_code = order_code.removeprefix(family) or order_code
         constant_name = re.sub("[^A-Z0-9]+", "_", order_code).strip("_")
@@ -343,7 +346,8 @@ def _register_access(device: Device, interface: Interface, frames: Sequence[Fram
     """
     if not isinstance(interface, Biss) or not frames:
         return
-    shortest_bits, clock = min(frame.bits for frame in frames), interface.clock or Clock(source=())
+    shortest_bits = min(frame.bits for frame in frames)
+    clock = interface.clock or Clock(source=())
     delay_text = f"{shortest_bits} clock periods after its CDS"
     if any(frame.depends_on_registers for frame in frames):
         delay_text += f" with {initial(device)}"

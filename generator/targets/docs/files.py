@@ -111,7 +111,8 @@ def _pages(
     codes: order_code_page.OrderCodes, masters: tuple[Master, ...]
 ) -> Iterator[tuple[str, str, Callable[[], Mapping[str, Any]]]]:
     """Yield the name of each page, its template, and a function for its values."""
-    device, folder = codes.device, codes.device.name
+    device = codes.device
+    folder = codes.device.name
     kinds = [interface.name for interface in device.interfaces]
     kinds_with_masters = masters_page.kinds_with_masters(device)
     yield f"{folder}.md", "device.md.jinja", partial(family_pages.index_values, codes)

@@ -210,7 +210,8 @@ def byte_stack(caption: str, placed_layout: PlacedLayout) -> Stack:
     """
     runs = _runs_with_groups_merged(placed_layout)
     is_low_byte_first = placed_layout.layout.byte_order == "low_byte_first"
-    byte_rows, descriptions = [], []
+    byte_rows = []
+    descriptions = []
     for index, byte_low in enumerate(_lowest_bits(placed_layout.bits, is_low_byte_first)):
         boxes = tuple(_box_in_byte(run, byte_low) for run in runs if run.is_in_byte(byte_low))
         byte_rows.append(ByteRow(f"byte {index}", boxes))
@@ -370,7 +371,8 @@ def _row_elements(row: ByteRow, top: float) -> Iterator[str]:
         yield text(_MARGIN, top + _BOX / 2 + 4, row.label, _SMALL, "start", faint=True)
     for box in row.boxes:
         # Bit 7 is at the left.
-        left, box_width = _MARGIN + _LABELS + (7 - box.high) * _BIT, _width(box)
+        left = _MARGIN + _LABELS + (7 - box.high) * _BIT
+        box_width = _width(box)
         yield rect(left, top, box_width, _BOX, box.fill)
         name_lines = _lines_inside(box)
         number_of_lines = len(name_lines) + bool(box.place)

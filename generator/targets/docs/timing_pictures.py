@@ -114,7 +114,8 @@ def _ssi_diagram(interface: Ssi) -> TimingDiagram:
         Part(up, 150),
     )
     # The word ends at 212 pixels, data is low until 272, and the next word begins at 374.
-    monoflop, pause = _symbol_with_times(interface, "Tm"), _symbol_with_times(interface, "Tp")
+    monoflop = _symbol_with_times(interface, "Tm")
+    pause = _symbol_with_times(interface, "Tp")
     return TimingDiagram(
         title="SSI: a word",
         lines=(("Clock", clock_line), ("Data", data_line)),

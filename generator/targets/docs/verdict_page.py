@@ -65,7 +65,8 @@ def _deciding_rows(device: Device, reporting_frames: Sequence[Reporting]) -> Ite
     layouts_by_rows: dict[tuple[str, tuple[Row, ...]], list[Layout]] = {}
     for reporting in reporting_frames:
         if reporting.judgement is not None:
-            layout, judgement = reporting.codec.layout, reporting.judgement
+            layout = reporting.codec.layout
+            judgement = reporting.judgement
             rows_of_frame = tuple(_rows_of_frame(device, reporting.interface, layout, judgement))
             layouts_by_rows.setdefault((reporting.interface.title, rows_of_frame), []).append(layout)
     for (interface_title, rows_of_frame), layouts in layouts_by_rows.items():

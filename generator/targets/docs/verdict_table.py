@@ -69,7 +69,7 @@ def _cause_rows(
             else:
                 field = cause.by.field
                 active_level = deciding(field) + _while_inactive(cause)
-                yield _row(device, placed, field, active_level, EFFECTS[verdict])
+                yield _build_row(device, placed, field, active_level, EFFECTS[verdict])
 
 
 def _indices_with_content(rows: Iterable[Row]) -> list[int]:
@@ -97,10 +97,10 @@ def _rows_of_other_flags(
     for placed_field in placed.fields:
         field = placed_field.field
         if isinstance(meaning_of(field), Active) and field.name not in names_of_causes:
-            yield _row(device, placed, field, deciding(field), effect)
+            yield _build_row(device, placed, field, deciding(field), effect)
 
 
-def _row(device: Device, placed: PlacedLayout, field: Field, level: str, effect: str) -> Row:
+def _build_row(device: Device, placed: PlacedLayout, field: Field, level: str, effect: str) -> Row:
     """Return a row of place, name, active level, effect on the position, remedy."""
     return _place(placed, field.name), _name(field), level, effect, _remedy_cell(device, field)
 

@@ -66,9 +66,11 @@ def _frame_elements(placed_layout: PlacedLayout, stack: Stack, top: float) -> tu
     """Return the elements of one frame below ``top``, and the top of the next one."""
     box_top = top + _RULER
     if placed_layout.layout.in_bytes:
-        cells, marks = list(_byte_cells(stack)), list(_byte_marks(stack))
+        cells = list(_byte_cells(stack))
+        marks = list(_byte_marks(stack))
     else:
-        cells, marks = list(_bit_cells(placed_layout)), list(_bit_marks(placed_layout))
+        cells = list(_bit_cells(placed_layout))
+        marks = list(_bit_marks(placed_layout))
     elements = [text(x, top + 12, mark_text, _SIZE, anchor, faint=True) for x, mark_text, anchor in marks]
     for cell in cells:
         elements += _cell_elements(cell, box_top)
@@ -177,7 +179,8 @@ def _names_below(cells: Sequence[_Cell], top: float) -> Iterator[tuple[float, st
             width_with_box = 16 + width(cell.about, _SIZE) + 16
             is_line_full = left + width_with_box > WIDE - _MARGIN
             if is_line_full and left > _MARGIN:
-                left, top = _MARGIN, top + _LINE
+                left = _MARGIN
+                top += _LINE
             bottom = top + _LINE
             yield bottom, rect(left, top + 4, 10, 10, cell.fill)
             yield bottom, text(left + 16, top + 13, cell.about, _SIZE, "start")

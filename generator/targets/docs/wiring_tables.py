@@ -61,7 +61,7 @@ def wiring(device: Device, order_codes: Sequence[str]) -> Wiring:
         about_columns.append(f"{head}: {', or '.join(map(_anchored_title, column))}")
     return Wiring(
         head=(*heads, "Signal"),
-        rows=tuple(_row(columns, signal, order_codes) for signal in signals),
+        rows=tuple(_build_row(columns, signal, order_codes) for signal in signals),
         about=tuple(about_columns),
         notes=tuple(_common_sentences(device.connectors)),
         errata=tuple(f"connectors.{connector.name}" for connector in device.connectors),
@@ -85,7 +85,7 @@ def _word_for_contact(connector: Connector) -> str:
     return "Wire" if connector.kind == "cable" else "Pin"
 
 
-def _row(columns: Sequence[Sequence[Connector]], signal: str, order_codes: Sequence[str]) -> Row:
+def _build_row(columns: Sequence[Sequence[Connector]], signal: str, order_codes: Sequence[str]) -> Row:
     return (*(_contacts_cell(column, signal, order_codes) for column in columns), signal)
 
 

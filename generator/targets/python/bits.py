@@ -20,7 +20,9 @@ class Maker:
     """Expressions of joined numbers. They use the attributes of a class."""
 
     def __init__(self, scope: Scope, codec: Codec, names: ClassNames) -> None:
-        self.scope, self.codec, self.names = scope, codec, names
+        self.scope = scope
+        self.codec = codec
+        self.names = names
 
     def _bits(self, field: Field) -> Expr:
         """Return the bits of a field, with a check of its value like that of ``encode``.
@@ -28,7 +30,8 @@ class Maker:
         An example is ``check_width("turns", self.turns, 12)``.
         """
         attribute = Atom(f"self.{self.names.attribute(field.name)}")
-        quoted_name, width = f'"{field.name}"', str(self.scope.of(field.width))
+        quoted_name = f'"{field.name}"'
+        width = str(self.scope.of(field.width))
         match meaning_of(field):
             case Raw() | Named():
                 return call("check_width", quoted_name, attribute, width)
@@ -115,7 +118,9 @@ class Reader:
     """Expressions for bits in ``decode``, read from ``number`` or ``word``, or from single bytes of ``data``."""
 
     def __init__(self, scope: Scope, codec: Codec, byte: str = "data[{}]") -> None:
-        self.scope, self.codec, self._byte = scope, codec, byte
+        self.scope = scope
+        self.codec = codec
+        self._byte = byte
         self.source = "number" if codec.in_bytes else "word"
 
     def as_sent(self) -> Reader:
@@ -161,11 +166,13 @@ class Reader:
     def bit(self, bits: Bits, word: str = "") -> Expr:
         """Return an expression that is not 0 if the bit is set. ``word`` is the number to read it from, if given."""
         if self.codec.by_word:
-            source, low = Atom(word or self.source), bits.low
+            source = Atom(word or self.source)
+            low = bits.low
         else:
             # A single bit has one piece. Bit numbers are now those in its byte.
             piece = bits.pieces[0]
-            source, low = self._byte_variable(piece.byte), Expression(piece.right)
+            source = self._byte_variable(piece.byte)
+            low = Expression(piece.right)
         if low.is_constant:
             return Operation(source, "&", Atom(f"0x{1 << low.constant:02X}"))
         return Operation(moved(source, ">>", self.scope.of(low)), "&", number(1))
@@ -195,7 +202,8 @@ class Reader:
     def _unused_at_fixed_place(self, bits: ShiftedBits) -> Expr:
         """Return the differing bits among those of the word, or of a byte, that are shifted by the same distance."""
         source = Atom(self.source) if bits.byte is None else self._byte_variable(bits.byte)
-        right_shift, left_shift = max(bits.shift, 0), max(-bits.shift, 0)
+        right_shift = max(bits.shift, 0)
+        left_shift = max(-bits.shift, 0)
         # The mask and the value are those after the shift.
         mask_in_source, value_in_source = bits.mask >> left_shift, bits.value >> left_shift
         expression = moved(source, ">>", number(right_shift))
@@ -299,7 +307,8 @@ def from_pieces(pieces: Sequence[Piece], length: int = 0, byte: str = "data[{}]"
     ascending = pieces if low_byte_first else pieces[::-1]
     # From four bytes on, int.from_bytes is shorter than shifts.
     if len(pieces) > 3 and _are_adjacent_whole_bytes(ascending):
-        first, stop = ascending[0].byte, ascending[-1].byte + 1
+        first = ascending[0].byte
+        stop = ascending[-1].byte + 1
         slice_of_data = "data" if (first, stop) == (0, length) else f"data[{first}:{stop}]"
         return call("int.from_bytes", slice_of_data, '"little"' if low_byte_first else '"big"')
     return joined("|", (_from_piece(piece, byte) for piece in ascending))

@@ -29,7 +29,10 @@ class Decoder:
     """
 
     def __init__(self, scope: Scope, codec: Codec, names: ClassNames, enum: Callable[[Field], str]) -> None:
-        self.scope, self.codec, self.names, self.enum = scope, codec, names, enum
+        self.scope = scope
+        self.codec = codec
+        self.names = names
+        self.enum = enum
         is_short_frame = isinstance(scope, NamedValues) and 1 < codec.length <= _MAX_BYTE_VARIABLES
         #: True if each byte of the frame has a variable, ``b0`` and so on.
         self.is_unpacked = is_short_frame and codec.in_bytes and not codec.by_word
@@ -217,7 +220,8 @@ class Decoder:
 
         ``valid_first_bytes`` maps the first byte to the selector. A variable holds the member of a named value.
         """
-        field, bits = part.field, self.bits(part)
+        field = part.field
+        bits = self.bits(part)
         if self.selects(field) and self.disagreement:
             return [Atom("valid_first_bytes[b0]")]
         match meaning_of(field):
@@ -236,11 +240,11 @@ class Decoder:
             case DigitRuns(runs):
                 return [run_value for _, run_value in digits(bits, runs)]
             case Characters():
-                return [self._text(part)]
+                return [self._decode_text(part)]
             case meaning:
                 assert_never(meaning)
 
-    def _text(self, part: Part) -> Expr:
+    def _decode_text(self, part: Part) -> Expr:
         """Return the characters of a field, such as ``data[2:6].decode("latin-1")``."""
         adjacent_bytes = self.read.characters(part.bits)
         if adjacent_bytes:

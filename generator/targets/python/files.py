@@ -280,7 +280,8 @@ def _biss_procedure(modules: Iterable[Module]) -> ReadmeExample | None:
 
 def _family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the path of each module of a family, and a function for its text: its device, facts and shapes module."""
-    package, module = device.manufacturer.python_package, Module(device)
+    package = device.manufacturer.python_package
+    module = Module(device)
     for folder, template in (("", "device"), ("facts/", "facts"), ("_shapes/", "shapes")):
         text = partial(_module_text, module, package, template, library.own_templates)
         yield f"{package}/{folder}{module.name}.py", text

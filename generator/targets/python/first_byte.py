@@ -20,7 +20,8 @@ class FirstByte:
     """
 
     def __init__(self, codec: Codec, enum: Callable[[Field], str]) -> None:
-        self.codec, self.enum = codec, enum
+        self.codec = codec
+        self.enum = enum
 
     @property
     def checks(self) -> list[Check]:
@@ -124,9 +125,9 @@ def _expected_parity(check: ParityIs, first_byte: int) -> int:
             ones &= check.mask
         number_of_ones += ones.bit_count()
     # The lowest bit of the count is 1 for an odd number, and & binds more tightly than ^.
-    return number_of_ones & 1 ^ check.odd
+    return (number_of_ones & 1) ^ check.odd
 
 
 def _bits_in_byte(pieces: Iterable[Piece], byte: int) -> int:
     """Return the number that these pieces of a byte form."""
-    return sum((byte >> piece.right & piece.mask) << piece.left for piece in pieces)
+    return sum(((byte >> piece.right) & piece.mask) << piece.left for piece in pieces)

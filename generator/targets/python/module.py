@@ -118,7 +118,8 @@ class Module:
     """All parts of a device module."""
 
     def __init__(self, device: Device) -> None:
-        self.device, self.context = device, Context(device)
+        self.device = device
+        self.context = Context(device)
         self.name = self.context.module
         self.sections = [self._section(interface) for interface in device.interfaces]
         self.registers = [self._register(register) for register in device.registers]
@@ -137,7 +138,8 @@ class Module:
         steps_by_name = {steps.procedure.name: steps for steps in self.procedures}
         self.readme = Readme(self.context, kinds, coders, steps_by_name)
         self.identities = list(identities(device))
-        self.family, self.manual = facts.family(device), record_of("Manual", device.manual)
+        self.family = facts.family(device)
+        self.manual = record_of("Manual", device.manual)
         self.order_code = facts.order_code(device.order_code)
         self.crcs = records_of("Crc", device.crcs)
 

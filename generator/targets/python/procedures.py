@@ -49,7 +49,9 @@ class Steps:
     """Function for one procedure. ``coders`` are the classes of the registers that have one."""
 
     def __init__(self, context: Context, coders: Mapping[str, Coder], procedure: Procedure) -> None:
-        self.context, self.coders, self.procedure = context, coders, procedure
+        self.context = context
+        self.coders = coders
+        self.procedure = procedure
         self.run = run_of(context.device, procedure)
         self.name = context.procedures[procedure.name]
         self.interface, self.encoder = interface_name(procedure.interface), encoder_name(procedure.interface)

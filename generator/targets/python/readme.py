@@ -133,7 +133,8 @@ class Readme:
         coders: Mapping[str, Coder],
         procedures: Mapping[str, Steps],
     ) -> None:
-        self.context, self.device = context, context.device
+        self.context = context
+        self.device = context.device
         self._kinds, self._coders, self._procedures = kinds, coders, procedures
 
     @cached_property
@@ -200,7 +201,8 @@ class Readme:
             flag=spoiling_flag.name,
             flag_attribute=coder.names.attribute(spoiling_flag.name),
         )
-        crc_field, numbers = placed_layout.crc_field, _numbers_of(coder, sample)
+        crc_field = placed_layout.crc_field
+        numbers = _numbers_of(coder, sample)
         if crc_field is None or coder.layout.in_bytes or coder.measured not in numbers:
             return example
         position = str(numbers[coder.measured])

@@ -30,7 +30,8 @@ class FrameReports:
     ) -> None:
         self._report_causes = reporting.causes if reporting is not None else ()
         self._judgement = reporting.judgement if reporting is not None else None
-        self._reserved, self._names = codec.reserved, names
+        self._reserved = codec.reserved
+        self._names = names
         self._variant = attribute_of("variant")
         self._variant_attributes = parameters
         self._attribute_of = attribute_of

@@ -46,7 +46,8 @@ class Shape:
     rows = ("columns", *(_RUNTIME_NAMES.get(name, name) for name in _PLANNED_ROWS))
 
     def __init__(self, coder: Coder, reporting: Reporting | None) -> None:
-        self.coder, self.plan = coder, coder.plan
+        self.coder = coder
+        self.plan = coder.plan
         self._description = describe(coder.plan, reporting)
         prefix = "register_" if coder.register is not None else ""
         self.name = f"shape_of_{prefix}{coder.layout.name}"
@@ -58,7 +59,8 @@ class Shape:
 
     def _members(self) -> Iterator[tuple[str, Literal]]:
         """Yield all members of the shape by name, also empty ones."""
-        description, coder = self._description, self.coder
+        description = self._description
+        coder = self.coder
         yield "bits", self._literal_of(description.bits)
         yield "length", description.length
         yield "order", description.order
@@ -166,7 +168,8 @@ class Shape:
 
     def _crc(self, frame_crc: FrameCrc) -> Call:
         """Return the CRC with the function that compares it, and the means to compute it for many frames."""
-        crc, coder = frame_crc.crc, self.coder
+        crc = frame_crc.crc
+        coder = self.coder
         members: dict[str, Literal] = {"low": self._literal_of(frame_crc.bits.low), "width": crc.width}
         if coder.layout.crc_covers_bytes:
             place_arguments = f'length={self.plan.length}, width={crc.width // 8}, order="{byte_order(coder.layout)}"'

@@ -51,15 +51,16 @@ class Variants:
     """Order codes of one module, as used by the template."""
 
     def __init__(self, context: Context, frame_kinds: tuple[FrameKind, ...], coders: tuple[Coder, ...]) -> None:
-        self.context, self.device = context, context.device
+        self.context = context
+        self.device = context.device
         self.frame_kinds = frame_kinds
         self.sent = [coder for coder in coders if coder.layout.sender == "encoder"]
         #: True if any frame has a verdict.
         self.has_verdict = any(coder.reports is not None and coder.reports.otherwise for coder in coders)
         self._scope = context.scope_of("self")
-        self.rows = [self._row(variant) for variant in self.device.variants]
+        self.rows = [self._build_row(variant) for variant in self.device.variants]
 
-    def _row(self, variant: Variant) -> Call:
+    def _build_row(self, variant: Variant) -> Call:
         """Return the object of an order code, such as ``SsiEncoder("X-13", ("X", "13"), bits=13)``."""
         texts_of_parts = tuple(variant.parts[part.name] for part in self.device.order_code.parts)
         arguments: list[tuple[str, Literal]] = [("", variant.code), ("", texts_of_parts)]
@@ -121,7 +122,8 @@ class Variants:
 
         Those that always equal a quantity of the measurement are left out, since the class has that quantity.
         """
-        derived, names_in_measurement = [], parameters_in_measurement(self.device)
+        derived = []
+        names_in_measurement = parameters_in_measurement(self.device)
         for parameter in self.device.parameters:
             if parameter.equals is not None and parameter.name not in names_in_measurement:
                 meaning = docstrings.of_parameter(self.device, parameter)
@@ -267,7 +269,7 @@ class Variants:
             return lowest, highest, modulus
         width = position_range.signed_field.width
         if width.is_constant:
-            return number(-1 << width.constant - 1), highest, modulus
+            return number(-1 << (width.constant - 1)), highest, modulus
         # The lowest number in two's complement is -highest - 1.
         return Operation(number(-1), "-", highest), highest, modulus
 
@@ -279,12 +281,13 @@ class Variants:
 
     def _highest_signed(self, position_range: PositionRange) -> Expr:
         """Return the highest signed position: that of the spec, or else the highest that fits in the field."""
-        field, stated_highest = position_range.signed_field, position_range.measurement.highest
+        field = position_range.signed_field
+        stated_highest = position_range.measurement.highest
         assert field is not None
         if stated_highest is not None:
             return self._scope.of(stated_highest)
         if field.width.is_constant:
-            return number((1 << field.widest - 1) - 1)
+            return number((1 << (field.widest - 1)) - 1)
         return Operation(self._power(field.width - Expression(1)), "-", number(1))
 
     @cached_property

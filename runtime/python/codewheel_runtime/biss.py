@@ -116,12 +116,13 @@ def crc(value: int, bits: int) -> int:
     Returns:
         The CRC, 4 bits.
     """
-    value, register = index(value), 0
+    value = index(value)
+    register = 0
     # The bits pass through a shift register of 4 bits, the highest bit first.
     for bit in range(bits - 1, -1, -1):
-        feedback = (register >> 3 ^ value >> bit) & 1
+        feedback = ((register >> 3) ^ (value >> bit)) & 1
         # The polynomial x^4 + x + 1 without its highest term is 0b0011.
-        register = register << 1 & 0xF ^ feedback * 0x3
+        register = ((register << 1) & 0xF) ^ (feedback * 0x3)
     # The CRC is sent inverted.
     return register ^ 0xF
 
@@ -139,7 +140,7 @@ def encode_byte(value: int) -> int:
         RangeError: ``value`` is not 0 to 255.
     """
     value = check_width("value", value, 8)
-    return value << 4 | crc(value, 8)
+    return (value << 4) | crc(value, 8)
 
 
 def decode_byte(bits: int) -> int:
@@ -189,9 +190,9 @@ class Request:
         """
         slave_id = check_width("slave_id", self.slave_id, 3)
         # CTS, ID and ADR: 11 bits. The comment in decode() shows the whole word.
-        head = 0x400 | slave_id << 7 | check_width("address", self.address, 7)
-        access = _READS if self.value is None else _WRITES | encode_byte(self.value) << 2
-        return head << 21 | crc(head, 11) << 17 | access
+        head = 0x400 | (slave_id << 7) | check_width("address", self.address, 7)
+        access = _READS if self.value is None else _WRITES | (encode_byte(self.value) << 2)
+        return (head << 21) | (crc(head, 11) << 17) | access
 
     @classmethod
     def decode(cls, word: int) -> Request:
@@ -215,10 +216,12 @@ class Request:
         #      CTS  ID      ADR     CRC     R W S   DATA   CRC   P and 0
         #      `------- head ----'
         # To read, bits 13 to 0 are all 0.
-        head, received, access = word >> 21, word >> 17 & 0xF, word & (_READS | _WRITES)
+        head = word >> 21
+        received = (word >> 17) & 0xF
+        access = word & (_READS | _WRITES)
         if received != crc(head, 11):
             raise CrcError(received, crc(head, 11))
-        value = decode_byte(word >> 2 & 0xFFF) if access == _WRITES else None
+        value = decode_byte((word >> 2) & 0xFFF) if access == _WRITES else None
         if not head >> 10:
             raise ConstantError("CTS", 0, 1)
         if access not in (_READS, _WRITES):
@@ -226,17 +229,17 @@ class Request:
         trailing_bits = word & (0x3FFF if value is None else 0x3)
         if trailing_bits:
             raise ConstantError("the zeros at the end", trailing_bits, 0)
-        return cls(head >> 7 & 0x7, head & 0x7F, value)
+        return cls((head >> 7) & 0x7, head & 0x7F, value)
 
     def bits(self) -> tuple[int, ...]:
         """Return the CDM bits of the whole access, one for each BiSS frame, for a slave that is never busy."""
         word = self.encode()
-        return (0,) * ZEROS + (1,) + tuple(word >> bit & 1 for bit in range(31, -1, -1))
+        return (0,) * ZEROS + (1,) + tuple((word >> bit) & 1 for bit in range(31, -1, -1))
 
     def _check_echo(self, answers: int) -> Outcome:
         """Return the outcome of 18 answers, from IDL0 in bit 17 to W in bit 0. RUNNING if the slave participates."""
         # With all answers 1, CDS never changes. With the IDL bit of the ID at 0, no slave has taken this ID.
-        if answers == 0x3FFFF or not answers >> 17 - self.slave_id & 1:
+        if answers == 0x3FFFF or not (answers >> (17 - self.slave_id)) & 1:
             return Outcome.NO_ANSWER
         # R and W, the last two answers:   accepted   refused (W inverted)
         #                        to read   10         11
@@ -303,9 +306,9 @@ class Answer:
         echo = request._check_echo(cds >> 14)
         if echo is not Outcome.RUNNING:
             return cls(echo, slaves)
-        if not cds >> 13 & 1:
+        if not (cds >> 13) & 1:
             return cls(Outcome.BUSY, slaves)
-        outcome, value = request._check_data(cds >> 1 & 0xFFF)
+        outcome, value = request._check_data((cds >> 1) & 0xFFF)
         return cls(outcome, slaves, value)
 
 
@@ -394,13 +397,16 @@ class Master:
 
     def _begin_frame(self, slave_id: int, address: int, values: list[int | None], busy_limit: int) -> None:
         """Start a control frame, and forget the state of the previous one."""
-        slave_id, address = whole_number("slave_id", slave_id), whole_number("address", address)
+        slave_id = whole_number("slave_id", slave_id)
+        address = whole_number("address", address)
         head = Request(slave_id, address, values[0] if values else None).encode()
         count_limit = REGISTERS - (address & 0x3F)
         if not 0 < len(values) <= count_limit:
             raise RangeError("the number of registers", len(values), f"1 to {count_limit} from address {address:02X}h")
         self.outcome = Outcome.RUNNING
-        self.slaves, self.done, self.data = 0, 0, b""
+        self.slaves = 0
+        self.done = 0
+        self.data = b""
         self._bit_count = self._answer_bits = 0
         self._phase = _Phase.WAIT
         self._requests = tuple(Request(slave_id, address + index, value) for index, value in enumerate(values))
@@ -447,11 +453,11 @@ class Master:
 
     def _follow_header(self, cds: int) -> int:
         """Return the bits of steps 2 and 3 (CTS to W), then S once R W is answered."""
-        self._answer_bits = self._answer_bits << 1 | cds
+        self._answer_bits = (self._answer_bits << 1) | cds
         self._bit_count += 1
         if self._bit_count <= HEADER_BITS:
             # The first call, with one answer, returns CTS, the highest bit.
-            return self._bits_to_send >> HEADER_BITS - self._bit_count & 1
+            return (self._bits_to_send >> (HEADER_BITS - self._bit_count)) & 1
         self.slaves = _count_slaves(self._answer_bits >> 2)
         echo = self._requests[0]._check_echo(self._answer_bits)
         if echo is not Outcome.RUNNING:
@@ -478,17 +484,17 @@ class Master:
         self._bit_count = self._answer_bits = 0
         value = self._requests[self.done].value
         self._bits_to_send = 0 if value is None else encode_byte(value)
-        return self._bits_to_send >> 11 & 1
+        return (self._bits_to_send >> 11) & 1
 
     def _follow_byte(self, cds: int) -> int:
         """Return the bits of steps 5 to 7: the rest of DATA and CRC, P, and S if a register follows."""
         if self._bit_count == BYTE_BITS:
             # This answer is that to P: 1 refuses the next register.
             return self._end_access(Outcome.REFUSED) if cds else self._request_register()
-        self._answer_bits = self._answer_bits << 1 | cds
+        self._answer_bits = (self._answer_bits << 1) | cds
         self._bit_count += 1
         if self._bit_count < BYTE_BITS:
-            return self._bits_to_send >> BYTE_BITS - 1 - self._bit_count & 1
+            return (self._bits_to_send >> (BYTE_BITS - 1 - self._bit_count)) & 1
         outcome, value = self._requests[self.done]._check_data(self._answer_bits)
         if outcome is not Outcome.DONE:
             return self._end_access(outcome)
@@ -509,7 +515,8 @@ class AccessError(RuntimeError):
 
     def __init__(self, outcome: Outcome, address: int) -> None:
         super().__init__(outcome, address)
-        self.outcome, self.address = outcome, address
+        self.outcome = outcome
+        self.address = address
 
     def __str__(self) -> str:
         return f"access to registers from {self.address:02X}h failed: {self.outcome.value}"
@@ -529,8 +536,11 @@ class RegisterBus:
     def __init__(
         self, exchange: Callable[[int], int | tuple[int, ...]], *, slave_id: int = 0, busy_limit: int = 0
     ) -> None:
-        self.slave_id, self.busy_limit = slave_id, busy_limit
-        self._exchange, self._master, self._cdm = exchange, Master(), 0
+        self.slave_id = slave_id
+        self.busy_limit = busy_limit
+        self._exchange = exchange
+        self._master = Master()
+        self._cdm = 0
 
     def read(self, address: int, length: int, /) -> bytes:
         """Read registers.
@@ -641,7 +651,8 @@ class Slave:
         Returns:
             The CDS bit of this frame.
         """
-        cdm, upstream = int(cdm & 1), int(upstream & 1)
+        cdm = int(cdm & 1)
+        upstream = int(upstream & 1)
         # A control frame begins with a 1 after enough zeros.
         may_begin = self._zeros >= ZEROS
         self._zeros = 0 if cdm else self._zeros + 1
@@ -704,15 +715,16 @@ class Slave:
 
     def _follow_header(self, cdm: int, upstream: int) -> int:
         """Return the answer of steps 2 and 3 to a bit: first the IDL bits up to the CRC, then R and W."""
-        self._received = self._received << 1 | cdm
+        self._received = (self._received << 1) | cdm
         self._bit_count += 1
         if self._bit_count <= ADDRESS_BITS:
             cds = self._answer_id_bit(upstream)
             if self._bit_count < ADDRESS_BITS:
                 return cds
             # All 15 bits are here: CTS, ID and ADR, then the CRC. Other slaves and commands are not for this slave.
-            head, received = self._received >> 4, self._received & 0xF
-            if not head >> 10 or received != crc(head, 11) or head >> 7 & 0x7 != self.slave_id:
+            head = self._received >> 4
+            received = self._received & 0xF
+            if not head >> 10 or received != crc(head, 11) or (head >> 7) & 0x7 != self.slave_id:
                 self._leave_frame()
                 return cds
             self._register_address = head & 0x7F
@@ -720,7 +732,7 @@ class Slave:
         if self._bit_count == HEADER_BITS - 1:
             return cdm
         self._is_write = bool(cdm)
-        if self._received >> 1 & 1 == cdm:
+        if (self._received >> 1) & 1 == cdm:
             # R W is neither 10 nor 01. It is echoed as received, to inform the master.
             self._leave_frame()
             return cdm
@@ -748,7 +760,7 @@ class Slave:
         In a read, it is a bit of the byte and its CRC, in a write the received bit. Then P is 1 to refuse the next
         register.
         """
-        self._received = self._received << 1 | cdm
+        self._received = (self._received << 1) | cdm
         self._bit_count += 1
         if self._bit_count > BYTE_BITS:
             # This bit is P. A control frame cannot go beyond 3Fh or 7Fh.
@@ -760,7 +772,7 @@ class Slave:
             self._await_start()
             return 0
         if self._byte_to_send is not None:
-            return self._byte_to_send >> BYTE_BITS - self._bit_count & 1
+            return (self._byte_to_send >> (BYTE_BITS - self._bit_count)) & 1
         if self._bit_count == BYTE_BITS:
             try:
                 self.value = decode_byte(self._received)

@@ -113,7 +113,7 @@ def _try_changed_bytes(encoder: Sender, data: bytes) -> Iterator[tuple[str, obje
     """Yield each mistake that could have changed a frame of bytes in words, with the frame without this mistake."""
     number = int.from_bytes(data, "big")
     # Bit 0 of the number is bit 0 of the last byte.
-    flipped_frames = ((number ^ 1 << bit).to_bytes(len(data), "big") for bit in range(8 * len(data)))
+    flipped_frames = ((number ^ (1 << bit)).to_bytes(len(data), "big") for bit in range(8 * len(data)))
     yield from _try_flipped_bits(
         encoder, flipped_frames, lambda bit: f"bit {bit % 8} of byte {len(data) - 1 - bit // 8}"
     )
@@ -130,19 +130,19 @@ def _try_changed_words(encoder: Sender, frame: int, bits: int) -> Iterator[tuple
     """Yield each mistake that could have changed a frame of bits in words, with the frame without this mistake."""
     highest = (1 << bits) - 1
     if frame <= highest:
-        yield from _try_flipped_bits(encoder, (frame ^ 1 << bit for bit in range(bits)), lambda bit: f"bit {bit}")
-    yield "with all bits inverted: check for swapped wires of the data line", frame & highest ^ highest
+        yield from _try_flipped_bits(encoder, (frame ^ (1 << bit) for bit in range(bits)), lambda bit: f"bit {bit}")
+    yield "with all bits inverted: check for swapped wires of the data line", (frame & highest) ^ highest
     if frame <= highest:
         yield "with its bits in reverse order: the most significant bit is sent first", _reverse_bits(frame, bits)
         for crc_bits in (6, 4, 16):
-            yield f"with the {crc_bits} bits of its CRC inverted, as BiSS sends them", frame ^ (1 << crc_bits) - 1
+            yield f"with the {crc_bits} bits of its CRC inverted, as BiSS sends them", frame ^ ((1 << crc_bits) - 1)
     else:
         yield f"with only its last {bits} bits: leave out bits before the data", frame & highest
     for count in (1, 2, 3):
         yield f"without its last {_count_units(count, 'bit')}: send fewer clocks, or shift right", frame >> count
         for appended in range(1 << count):
             change = f"with {_count_units(count, 'more bit')} at its end, {appended:0{count}b}: send more clocks"
-            yield change, (frame << count | appended) & highest
+            yield change, ((frame << count) | appended) & highest
 
 
 def _try_flipped_bits(

@@ -72,7 +72,7 @@ class ChannelFrame:
         """Return the frame as it is sent, with the CRC of each channel."""
         number = 0
         for channel, bits in zip(self.channels, self._layout.channel_bits, strict=True):
-            number = number << bits | channel.encode()
+            number = (number << bits) | channel.encode()
         return number
 
     def to_dict(self) -> dict[str, Any]:
@@ -125,11 +125,16 @@ class ChannelLayout:
         compared_bits: int = 0,
         tolerance: int = 0,
     ) -> None:
-        self.encoder, self.kinds, self.position = encoder, tuple(kinds), position
-        self.compared, self.compared_bits, self.tolerance = tuple(compared), compared_bits, tolerance
-        self._arguments = [_encoder_if_needed(kind, encoder) for kind in self.kinds]
+        self.encoder = encoder
+        self.kinds = tuple(kinds)
+        self.position = position
+        self.compared = tuple(compared)
+        self.compared_bits = compared_bits
+        self.tolerance = tolerance
+        self._arguments = [_encoder_if_needed(frame_class, encoder) for frame_class in self.kinds]
         self.channel_bits: tuple[int, ...] = tuple(
-            kind.frame_bits(*arguments) for kind, arguments in zip(self.kinds, self._arguments, strict=True)
+            frame_class.frame_bits(*arguments)
+            for frame_class, arguments in zip(self.kinds, self._arguments, strict=True)
         )
 
     @property
@@ -156,12 +161,12 @@ class ChannelLayout:
             raise too_long_error(number, self.bits)
         channels = []
         low_bit = self.bits
-        for kind, arguments, channel_bits in zip(self.kinds, self._arguments, self.channel_bits, strict=True):
+        for frame_class, arguments, channel_bits in zip(self.kinds, self._arguments, self.channel_bits, strict=True):
             low_bit -= channel_bits
             try:
-                channels.append(kind.decode(number >> low_bit & (1 << channel_bits) - 1, *arguments))
+                channels.append(frame_class.decode((number >> low_bit) & ((1 << channel_bits) - 1), *arguments))
             except FrameError as error:
-                error.channel = kind.__name__
+                error.channel = frame_class.__name__
                 raise
         return ChannelFrame(self, tuple(channels))
 
@@ -190,7 +195,7 @@ class ChannelLayout:
         """Return whether the compared fields of the channels agree."""
         numbers = [getattr(channels[field.channel], field.field) for field in self.compared]
         highest = [
-            number >> field.width - self.compared_bits for number, field in zip(numbers, self.compared, strict=True)
+            number >> (field.width - self.compared_bits) for number, field in zip(numbers, self.compared, strict=True)
         ]
         modulus = 1 << self.compared_bits
         # The difference is taken the shorter way around, because the lowest and the highest number are adjacent.
@@ -198,8 +203,8 @@ class ChannelLayout:
         return all(min(difference, modulus - difference) <= self.tolerance for difference in differences)
 
 
-def _encoder_if_needed(kind: Any, encoder: Encoder) -> tuple[Encoder, ...]:
+def _encoder_if_needed(frame_class: Any, encoder: Encoder) -> tuple[Encoder, ...]:
     """Return the arguments of the methods of a class of frames: the encoder if its bits depend on it, or none."""
     from .frames.base import Fixed
 
-    return () if issubclass(kind, Fixed) else (encoder,)
+    return () if issubclass(frame_class, Fixed) else (encoder,)

@@ -148,10 +148,12 @@ def as_word(frame: Word, length: int, bits: int | None) -> int:
         if bits is not None and bits != len(text):
             raise LengthError(bits, len(text), "bits")
         # From here on, the frame is a number. A text also shows how many bits were received.
-        frame, bits = int(text or "0", 2), len(text)
+        frame = int(text or "0", 2)
+        bits = len(text)
     elif isinstance(frame, (bytes, bytearray, memoryview)):
         # As in files: as few bytes as possible, padded with zeros in front.
-        data, size = as_bytes(frame), (length + 7) // 8
+        data = as_bytes(frame)
+        size = (length + 7) // 8
         if len(data) != size:
             raise LengthError(size, len(data))
         frame = int.from_bytes(data, "big")
@@ -233,7 +235,7 @@ def check_limits(field: str, value: SupportsIndex, limits: tuple[int, int]) -> i
 def check_signed(field: str, value: SupportsIndex, bits: int) -> int:
     """Return ``value`` as an int. Raises RangeError unless it fits into ``bits`` bits as two's complement."""
     number = value if type(value) is int else whole_number(field, value)
-    sign_bit = 1 << bits >> 1
+    sign_bit = (1 << bits) >> 1
     # A field without bits has only the value 0.
     highest = max(sign_bit, 1) - 1
     if not -sign_bit <= number <= highest:
@@ -276,7 +278,7 @@ def text_number(field: str, text: str, length: int) -> int:
 
 def signed(value: int, bits: int) -> int:
     """Interpret ``bits`` bits as a two's complement number."""
-    return value - (1 << bits) if value & (1 << bits >> 1) else value
+    return value - (1 << bits) if value & ((1 << bits) >> 1) else value
 
 
 def zero_for(field: str, value: SupportsIndex, zero_means: int, bits: int) -> int:
@@ -294,21 +296,21 @@ def zero_for(field: str, value: SupportsIndex, zero_means: int, bits: int) -> in
 def from_gray(number: int, low: int, width: int, excess: int = 0) -> int:
     """Convert the ``width`` bits of ``number`` that start at bit ``low`` from Gray code to binary, minus ``excess``."""
     mask = (1 << width) - 1
-    gray = number >> low & mask
+    gray = (number >> low) & mask
     # Each bit of the binary number is the XOR of all Gray bits from it up to the highest.
     binary = gray
     while gray := gray >> 1:
         binary ^= gray
     other_bits = number & ~(mask << low)
-    return other_bits | (binary - excess & mask) << low
+    return other_bits | (((binary - excess) & mask) << low)
 
 
 def to_gray(number: int, low: int, width: int, excess: int = 0) -> int:
     """Convert the ``width`` bits of ``number`` that start at bit ``low``, plus ``excess``, from binary to Gray code."""
     mask = (1 << width) - 1
-    binary = (number >> low) + excess & mask
+    binary = ((number >> low) + excess) & mask
     other_bits = number & ~(mask << low)
-    return other_bits | (binary ^ binary >> 1) << low
+    return other_bits | ((binary ^ (binary >> 1)) << low)
 
 
 def unwrap(
@@ -319,7 +321,8 @@ def unwrap(
     ``lowest`` and ``highest`` are the limits of ``position``, by default 0 and ``modulus - 1``.
     """
     limits = (lowest, modulus - 1 if highest is None else highest)
-    previous, position = whole_number("previous", previous), check_limits("position", position, limits)
+    previous = whole_number("previous", previous)
+    position = check_limits("position", position, limits)
     # The difference modulo ``modulus`` is moved to minus half to half of it, which is the nearest count.
     return previous + (position - previous + modulus // 2) % modulus - modulus // 2
 
@@ -366,12 +369,13 @@ def crc_of_bits(
     the CRC, and ``xorout`` inverts some of them.
     """
     number = check_width("number", number, bits)
-    top, mask = 1 << (width - 1), (1 << width) - 1
+    top = 1 << (width - 1)
+    mask = (1 << width) - 1
     register = init
     for bit in range(bits - 1, -1, -1):
         # The highest bit of the register that is shifted out, XORed with the next bit of the number.
-        feedback = bool(register & top) != bool(number >> bit & 1)
-        register = register << 1 & mask
+        feedback = bool(register & top) != bool((number >> bit) & 1)
+        register = (register << 1) & mask
         if feedback:
             register ^= poly
     return (_reverse_bits(register, width) if refout else register) ^ xorout
@@ -382,9 +386,10 @@ def crc_of_bytes(data: Data, *, width: int, poly: int, init: int, refin: bool, r
 
     See ``crc_of_bits`` for the other arguments.
     """
-    data, number = as_bytes(data), 0
+    data = as_bytes(data)
+    number = 0
     for byte in data:
-        number = number << 8 | (_reverse_bits(byte, 8) if refin else byte)
+        number = (number << 8) | (_reverse_bits(byte, 8) if refin else byte)
     return crc_of_bits(number, 8 * len(data), width=width, poly=poly, init=init, refout=refout, xorout=xorout)
 
 
@@ -407,9 +412,9 @@ def make_crc_tables(
     """
     zero_crc = crc(0, covered)
     # The change of the XOR by each bit of the word, lowest first: bits of the CRC, of the gap, and those covered.
-    changes = [1 << place for place in range(width)]
+    changes = [1 << bit for bit in range(width)]
     changes += [0] * gap
-    changes += [crc(1 << place, covered) ^ zero_crc for place in range(covered)]
+    changes += [crc(1 << bit, covered) ^ zero_crc for bit in range(covered)]
     changes += [0] * (16 * count - len(changes))
     tables: list[Sequence[int]] = []
     for low in range(0, 16 * count, 16):

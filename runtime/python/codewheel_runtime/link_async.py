@@ -47,7 +47,8 @@ class StreamTransport:
     """Line over asyncio streams, such as those of ``asyncio.open_connection``."""
 
     def __init__(self, reader: StreamReader, writer: StreamWriter) -> None:
-        self._reader, self._writer = reader, writer
+        self._reader = reader
+        self._writer = writer
 
     async def write(self, data: bytes, /) -> None:
         """Send bytes."""
@@ -129,7 +130,8 @@ class AsyncLink:
         retries: int = 3,
         settle_s: float | None = None,
     ) -> None:
-        self.encoder, self.transport = encoder, transport
+        self.encoder = encoder
+        self.transport = transport
         self.session = Session(encoder, timeout_s=timeout_s, retries=retries, settle_s=settle_s)
         self._lock = Lock()
 

@@ -67,7 +67,11 @@ class StepError(RuntimeError):
 
     def __init__(self, step: Step, at: int, done: tuple[Step, ...], left_open: tuple[str, ...], reason: str) -> None:
         super().__init__(step, at, done, left_open, reason)
-        self.step, self.at, self.done, self.left_open, self.reason = step, at, done, left_open, reason
+        self.step = step
+        self.at = at
+        self.done = done
+        self.left_open = left_open
+        self.reason = reason
 
     def __str__(self) -> str:
         meaning = f" ({self.step.meaning})" if self.step.meaning else ""
@@ -90,10 +94,15 @@ class VerifyError(ValueError):
 
     def __init__(self, register: str, address: int, written: bytes, found: bytes, mask: int) -> None:
         super().__init__(register, address, written, found, mask)
-        self.register, self.address, self.written, self.found, self.mask = register, address, written, found, mask
+        self.register = register
+        self.address = address
+        self.written = written
+        self.found = found
+        self.mask = mask
 
     def __str__(self) -> str:
-        found, written = self.found.hex(" ").upper(), self.written.hex(" ").upper()
+        found = self.found.hex(" ").upper()
+        written = self.written.hex(" ").upper()
         return f"register {self.register} at {self.address:02X}h holds {found}, but {written} was written"
 
 
@@ -101,7 +110,9 @@ class _Procedure:
     """Procedure that is carried out, with the values to restore if it fails."""
 
     def __init__(self, bus: object, poll_s: float, wait: Callable[[float], object]) -> None:
-        self.bus, self.poll_s, self.wait = bus, poll_s, wait
+        self.bus = bus
+        self.poll_s = poll_s
+        self.wait = wait
         self.readings: list[Reading] = []
         #: Addresses to which steps have written.
         self._written: set[int] = set()
@@ -115,7 +126,8 @@ class _Procedure:
         """Carry out steps. If one fails, the encoder is put back as far as possible."""
         from logging import getLogger
 
-        logger, count = getLogger("codewheel_runtime"), len(steps)
+        logger = getLogger("codewheel_runtime")
+        count = len(steps)
         for index, step in enumerate(steps):
             logger.debug("step %d of %d: %r", index + 1, count, step)
             try:
@@ -146,7 +158,7 @@ class _Procedure:
             self.readings.append(Reading(step, self._read(step)))
         elif isinstance(step, Modify):
             data = self._read(step)
-            number = int.from_bytes(data, step.order) & ~step.mask | step.value
+            number = (int.from_bytes(data, step.order) & ~step.mask) | step.value
             # Of several changes, the first one has the original bytes.
             self._before.setdefault(step.address, (step.register, data))
             changed = number.to_bytes(step.length, step.order)

@@ -262,7 +262,8 @@ class Session:
         fields = getattr(pending.request, "_fields", ())
         joins = find_any_shape(pending.request.__class__, self.encoder).joins if fields else ()
         for name in (*fields, *(join.name for join in joins)):
-            reply_value, sent_value = getattr(frame, name, None), getattr(pending.request, name)
+            reply_value = getattr(frame, name, None)
+            sent_value = getattr(pending.request, name)
             if name not in pending.answers and reply_value is not None and reply_value != sent_value:
                 return f"the reply of {self.encoder.code} has {name} {reply_value}, but {sent_value} was sent"
         return ""
@@ -282,7 +283,8 @@ class Session:
 
     def pause(self, seconds: float) -> Work[None]:
         """Wait, and discard all bytes that arrive. The last ones are searched for extra replies."""
-        deadline, discarded = self.clock() + seconds, b""
+        deadline = self.clock() + seconds
+        discarded = b""
         while (remaining_s := deadline - self.clock()) > 0:
             discarded = (discarded + (yield Ask(b"", remaining_s)))[-_MOST_BYTES:]
         self._discard(discarded)
@@ -306,7 +308,8 @@ class Session:
                 if not attempts_left:
                     raise
                 # The request of another kind that follows also ends the count of the encoder.
-                attempts_left, done = attempts_left - 1, 0
+                attempts_left -= 1
+                done = 0
 
     def _send_with_retries(self, pending: PendingRequest) -> Work[bytes]:
         """Send a request, again after each failure, and return the reply."""
@@ -386,7 +389,8 @@ class Session:
         Bytes that arrive after a reply start the search again, because they can belong to it or be another reply.
         """
         begin = self.clock()
-        deadline, is_measured = begin + self.timeout_s, False
+        deadline = begin + self.timeout_s
+        is_measured = False
         received = yield Ask(pending.data, self.timeout_s)
         while True:
             found = find_reply(received, pending, self.kinds)
@@ -468,7 +472,8 @@ class Session:
         self._foreign_replies += len(replies)
         # Without a time to settle, one copy can cause several of them.
         if replies and self._foreign_replies >= limit and self.settle_s != 0:
-            count, code = self._foreign_replies, self.encoder.code
+            count = self._foreign_replies
+            code = self.encoder.code
             text = f"{count} extra replies with other values came from the line to {code}, the last one"
             advice = "check whether a second device on the line answers, too"
             raise SecondDeviceError(f"{text} {_format_hex(replies[-1])}; {advice}", received)
@@ -476,7 +481,8 @@ class Session:
     def _discard_waiting(self) -> Work[None]:
         """Discard the bytes that have arrived since the last request. Raises an error if a second device answers."""
         # Bytes that have arrived are taken at once. If there are any, the line must then be quiet.
-        waiting, quiet_s = b"", 0.0
+        waiting = b""
+        quiet_s = 0.0
         for _ in range(_MOST_BYTES):
             more = yield Ask(b"", quiet_s)
             if not more:
@@ -518,7 +524,8 @@ class Session:
         It is NoReplyError if nothing, only the echo or only another reply has arrived, WrongEncoderError if two
         replies in a row look like those of another encoder, and otherwise DisturbedError.
         """
-        kind, request_text = pending.kind, f"the request {_format_hex(pending.data)} to {self.encoder.code}"
+        kind = pending.kind
+        request_text = f"the request {_format_hex(pending.data)} to {self.encoder.code}"
         bytes_text = _format_hex(received[:24]) + (" ..." if len(received) > 24 else "")
         if not received:
             milliseconds = f"{1000 * self.timeout_s:g} ms"
@@ -621,7 +628,8 @@ class Session:
             name = exchange.request.__name__
             if exchange.reply is None:
                 raise LinkError(f"{self.encoder.code} does not answer {name}: send its bytes with 'send'")
-            shape, data = find_any_shape(exchange.reply, self.encoder), request.encode()
+            shape = find_any_shape(exchange.reply, self.encoder)
+            data = request.encode()
             kind = ReplyKind(
                 name=name,
                 control=data[0],

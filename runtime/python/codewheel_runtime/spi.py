@@ -76,11 +76,14 @@ class Pipeline:
         write: Sequence[Any] = (),
         registers: Mapping[type, tuple[int, int]],
     ) -> None:
-        self._encoder, self._late = encoder, late
+        self._encoder = encoder
+        self._late = late
         self._replies = {
             kind: cached_decoder(reply._make_decoder, encoder, raise_error) for kind, reply in replies.items()
         }
-        self._read, self._write, self._registers = read, tuple(write), registers
+        self._read = read
+        self._write = tuple(write)
+        self._registers = registers
         #: Request whose word is on the bus: its received word has not been taken. None between ``take`` and ``ask``.
         self._sent: _Sent | None = None
         #: Request before that one, to which a late reply belongs.
@@ -163,7 +166,8 @@ class Pipeline:
         # A late reply belongs to the request before the last one.
         answered_request = self._before if self._late else self._sent
         length = self._sent.bits
-        self._before, self._sent = self._sent, None
+        self._before = self._sent
+        self._sent = None
         number = as_word(word, length, bits)
         # A word of another length cannot hold a late reply.
         if answered_request is None or answered_request.bits != length:
@@ -236,7 +240,8 @@ class RegisterBus:
     """
 
     def __init__(self, line: Pipeline, exchange: Callable[[int], int]) -> None:
-        self._line, self._exchange = line, exchange
+        self._line = line
+        self._exchange = exchange
 
     def read(self, address: int, length: int, /) -> bytes:
         """Return the bytes of the register at an address, most significant first.

@@ -30,7 +30,8 @@ def require(package: str, needed: str) -> str:
     Raises:
         ImportError: The runtime has another major version, or is older.
     """
-    installed, lowest = _parse_numbers(__version__), _parse_numbers(needed)
+    installed = _parse_numbers(__version__)
+    lowest = _parse_numbers(needed)
     if installed[0] != lowest[0] or installed < lowest:
         message = f"{package} needs codewheel-runtime {needed} or a later {lowest[0]}.x, but {__version__} is installed"
         raise ImportError(message, name="codewheel_runtime")

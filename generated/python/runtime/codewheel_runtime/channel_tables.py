@@ -77,10 +77,10 @@ def decode_channels(layout: Any, frames: object) -> ChannelTable:
     rows, is_wrong_length = _read(frames, layout.bits, length)
     low_bit = layout.bits
     tables = []
-    for kind, bits in zip(layout.kinds, layout.channel_bits, strict=True):
+    for frame_class, bits in zip(layout.kinds, layout.channel_bits, strict=True):
         low_bit -= bits
         words = _words_in(rows, low_bit, bits)
-        tables.append(decode_many(words, kind, variant=layout.encoder))
+        tables.append(decode_many(words, frame_class, variant=layout.encoder))
     return ChannelTable(layout, tuple(tables), is_wrong_length)
 
 
@@ -111,8 +111,8 @@ def _words_in(rows: Any, low_bit: int, bits: int) -> Any:
     words = np.zeros(len(rows), np.uint64)
     for index in range(low_bit // 8, (low_bit + bits + 7) // 8):
         byte = rows[:, rows.shape[1] - 1 - index].astype(np.uint64)
-        place = 8 * index - low_bit
-        words |= byte << np.uint64(place) if place >= 0 else byte >> np.uint64(-place)
+        shift = 8 * index - low_bit
+        words |= byte << np.uint64(shift) if shift >= 0 else byte >> np.uint64(-shift)
     return words & np.uint64((1 << bits) - 1)
 
 

@@ -183,7 +183,7 @@ class Encoder:
     def _facts(self) -> Any:
         """Return the facts about the interface for this order code, such as ``SsiFacts``."""
         # The generated class of the family's encoders has the family.
-        family_class = next(kind for kind in type(self).__mro__ if "family" in vars(kind))
+        family_class = next(base_class for base_class in type(self).__mro__ if "family" in vars(base_class))
         facts: Any = load_fact(family_class.__module__, self.interface.name)
         return facts.for_code(self.code)
 
@@ -332,9 +332,9 @@ class _BoundDecoder:
         return decode
 
 
-def _restore(kind: type[_Same], state: dict[str, Any]) -> _Same:
+def _restore(encoder_class: type[_Same], state: dict[str, Any]) -> _Same:
     """Recreate an encoder from its attributes, for copying and unpickling."""
-    return kind(**state)
+    return encoder_class(**state)
 
 
 def load_fact(module: str, name: str) -> object:

@@ -61,7 +61,9 @@ class FrameError(ValueError):
 
     def add(self, frame: object, encoder: Sender) -> None:
         """Record the frame and the encoder."""
-        self.frame, self.encoder, self.order_code = frame, encoder, encoder.code
+        self.frame = frame
+        self.encoder = encoder
+        self.order_code = encoder.code
 
     def to_dict(self) -> dict[str, str]:
         """Return the error as plain values for JSON.
@@ -172,7 +174,9 @@ class InputError(ValueError):
 
     def __init__(self, file: str, place: str, message: str) -> None:
         super().__init__(file, place, message)
-        self.file, self.place, self.message = file, place, message
+        self.file = file
+        self.place = place
+        self.message = message
 
     def __str__(self) -> str:
         return f"{self.file}{', ' if self.place else ''}{self.place}: {self.message}"

@@ -92,7 +92,9 @@ class Link:
         retries: int = 3,
         settle_s: float | None = None,
     ) -> None:
-        self.encoder, self.transport, self.lock = encoder, transport, RLock()
+        self.encoder = encoder
+        self.transport = transport
+        self.lock = RLock()
         self.session = Session(encoder, timeout_s=timeout_s, retries=retries, settle_s=settle_s)
 
     @property
@@ -160,7 +162,8 @@ class Link:
 
     def receive(self, length: int, /) -> bytes:
         """Return ``length`` bytes, or fewer after a time-out."""
-        data, deadline = b"", monotonic() + self.session.timeout_s
+        data = b""
+        deadline = monotonic() + self.session.timeout_s
         # After the time-out, ``read`` returns what has arrived, without a wait. If that is nothing, the loop ends.
         with self.lock:
             while len(data) < length and (further_bytes := self.transport.read(max(0.0, deadline - monotonic()))):

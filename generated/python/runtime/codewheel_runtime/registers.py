@@ -64,7 +64,7 @@ class RegisterParameter(NamedTuple):
         Raises:
             RangeError: The register holds a code that is not allowed.
         """
-        bits = int.from_bytes(data, self.order) >> self.low & ((1 << self.width) - 1)
+        bits = (int.from_bytes(data, self.order) >> self.low) & ((1 << self.width) - 1)
         # Bits of 0 stand for ``zero_means``, which is 0 itself if 0 has no other meaning.
         if not self.codes:
             return bits or self.zero_means
@@ -82,7 +82,7 @@ class RegisterParameter(NamedTuple):
             bits = next((code for code, stands_for in self.codes if stands_for == value), 0)
         else:
             bits = 0 if value == self.zero_means else value
-        return (number | bits << self.low).to_bytes(len(self.default), self.order)
+        return (number | (bits << self.low)).to_bytes(len(self.default), self.order)
 
 
 def read_parameters(

@@ -22,7 +22,8 @@ class Chunk:
     """
 
     def __init__(self, limbs: list[Any], bits: int) -> None:
-        self.limbs, self.bits = limbs, bits
+        self.limbs = limbs
+        self.bits = bits
         self._before_ungray: Chunk | None = None
         self._bytes: dict[int, Any] = {}
 
@@ -32,18 +33,19 @@ class Chunk:
         # A chunk that stored itself would stay in memory until the next run of the garbage collector.
         return self._before_ungray or self
 
-    def byte(self, place: int) -> Any:
+    def byte(self, index: int) -> Any:
         """Return the eight bits of each frame that start at bit ``8 * place``."""
-        if place not in self._bytes:
-            limb, shift = self.limbs[place // 8], 8 * (place % 8)
-            self._bytes[place] = (limb >> np.uint64(shift) if shift else limb).astype(np.uint8)
-        return self._bytes[place]
+        if index not in self._bytes:
+            limb = self.limbs[index // 8]
+            shift = 8 * (index % 8)
+            self._bytes[index] = (limb >> np.uint64(shift) if shift else limb).astype(np.uint8)
+        return self._bytes[index]
 
     def small(self, low: int, mask: int) -> Any:
         """Return the bits that start at ``low``, limited to ``mask``. All of them are in one byte."""
         bits = self.byte(low // 8)
         bits = bits >> np.uint8(low % 8) if low % 8 else bits
-        return bits if mask == 0xFF >> low % 8 else bits & np.uint8(mask)
+        return bits if mask == 0xFF >> (low % 8) else bits & np.uint8(mask)
 
     def take(self, low: int, width: int, out: Any = None) -> Any:
         """Return the ``width`` bits of each frame that start at ``low``.
@@ -72,7 +74,7 @@ class Chunk:
         if not width:
             out[:] = False
             return
-        bit = self.byte(low // 8) & np.uint8(1 << low % 8)
+        bit = self.byte(low // 8) & np.uint8(1 << (low % 8))
         (np.not_equal if active else np.equal)(bit, 0, out=out)
 
     def ungray(self, low: int, width: int, excess: int) -> None:
@@ -80,12 +82,13 @@ class Chunk:
         mask = np.uint64(((1 << width) - 1) << low)
         gray = self.limbs[0] & mask
         # Bit n is the XOR of all Gray bits from n on, which doubling shifts collect.
-        binary, shift = gray, 1
+        binary = gray
+        shift = 1
         while shift < width:
-            binary = binary ^ binary >> np.uint64(shift) & mask
+            binary = binary ^ ((binary >> np.uint64(shift)) & mask)
             shift *= 2
         if excess:
-            binary = binary - np.uint64(excess << low) & mask
+            binary = (binary - np.uint64(excess << low)) & mask
         self._before_ungray = Chunk(self.limbs, self.bits)
         self.limbs = [self.limbs[0] ^ gray ^ binary]
         self._bytes.clear()
@@ -99,9 +102,9 @@ def limbs_of(rows: Any, shape: Shape) -> list[Any]:
     rows = np.ascontiguousarray(rows)
     count, length = rows.shape
     is_little = shape.order == "little"
-    kind = "<u8" if is_little else ">u8"
+    dtype = "<u8" if is_little else ">u8"
     if length < 8:
-        return [_take_from_bytes(rows, kind, is_little)]
+        return [_take_from_bytes(rows, dtype, is_little)]
     limbs: list[Any] = []
     for low in range(0, length, 8):
         # Number of bytes of the highest limb that belong to the limb below.
@@ -110,14 +113,14 @@ def limbs_of(rows: Any, shape: Shape) -> list[Any]:
         # In the other byte order, the lowest byte is the last one of the row.
         offset = first_byte if is_little else length - 8 - first_byte
         # A view: one number of eight bytes in each row, from this offset on.
-        limb = np.ndarray((count,), kind, rows, offset, (length,)).astype(np.uint64)
+        limb = np.ndarray((count,), dtype, rows, offset, (length,)).astype(np.uint64)
         if overlap:
             limb >>= np.uint64(8 * overlap)
         limbs.append(limb)
     return limbs
 
 
-def _take_from_bytes(rows: Any, kind: str, is_little: bool) -> Any:
+def _take_from_bytes(rows: Any, dtype: str, is_little: bool) -> Any:
     """Return rows of fewer than eight bytes as numbers.
 
     Eight bytes are read for each row. Those of the last rows would be outside the array, so these rows are copied.
@@ -127,13 +130,13 @@ def _take_from_bytes(rows: Any, kind: str, is_little: bool) -> Any:
     direct_count = max(count - 8, 0)
     limb = np.empty(count, np.uint64)
     if direct_count:
-        limb[:direct_count] = np.ndarray((direct_count,), kind, rows, 0, (length,))
+        limb[:direct_count] = np.ndarray((direct_count,), dtype, rows, 0, (length,))
     padded = np.zeros((count - direct_count, 8), np.uint8)
     padded[:, :length] = rows[direct_count:]
-    limb[direct_count:] = padded.view(kind)[:, 0]
+    limb[direct_count:] = padded.view(dtype)[:, 0]
     # The bytes of the next row are the high ones in little-endian order, otherwise the low ones.
     if is_little:
-        limb &= np.uint64((1 << 8 * length) - 1)
+        limb &= np.uint64((1 << (8 * length)) - 1)
     else:
         limb >>= np.uint64(8 * (8 - length))
     return limb
@@ -141,11 +144,12 @@ def _take_from_bytes(rows: Any, kind: str, is_little: bool) -> Any:
 
 def are_within(bits: Any, check: Check, limit: int) -> Any:
     """Return whether each number is from ``lowest`` to ``limit``. Negative ones are in two's complement."""
-    kind, mask = bits.dtype.type, (1 << check.width) - 1
+    bits_type = bits.dtype.type
+    mask = (1 << check.width) - 1
     # Modulo 2**width, the numbers from ``lowest`` to ``limit`` become those from 0 on.
     if check.lowest:
-        bits = bits - kind(check.lowest & mask) & kind(mask)
-    return bits <= kind(limit - check.lowest)
+        bits = (bits - bits_type(check.lowest & mask)) & bits_type(mask)
+    return bits <= bits_type(limit - check.lowest)
 
 
 def compute_parity(chunk: Chunk, check: Check) -> Any:
@@ -163,13 +167,13 @@ def compute_parity(chunk: Chunk, check: Check) -> Any:
     width = max(width for _, width in check.parity_of)
     bits_type = bits.dtype.type
     if check.mask:
-        bits = bits & bits_type(check.mask & (1 << width) - 1)
+        bits = bits & bits_type(check.mask & ((1 << width) - 1))
     # Fold the upper half of the bits onto the lower half until one bit is left.
     half = (1 << max(width - 1, 0).bit_length()) // 2
     while half:
-        bits = bits ^ bits >> bits_type(half)
+        bits = bits ^ (bits >> bits_type(half))
         half //= 2
-    return bits & bits_type(1) ^ bits_type(check.odd)
+    return (bits & bits_type(1)) ^ bits_type(check.odd)
 
 
 def compare_crc(chunk: Chunk, crc: CrcOf) -> Any:
@@ -179,7 +183,7 @@ def compare_crc(chunk: Chunk, crc: CrcOf) -> Any:
     if crc.is_xor:
         # The XOR of all bytes, with the CRC among them: 64, 32, 16, then 8 bits.
         number = reduce(np.bitwise_xor, chunk.limbs)
-        half = (number ^ number >> np.uint64(32)).astype(np.uint32)
+        half = (number ^ (number >> np.uint64(32))).astype(np.uint32)
         half ^= half >> np.uint32(16)
         half ^= half >> np.uint32(8)
         difference = half.astype(np.uint8)
@@ -187,8 +191,8 @@ def compare_crc(chunk: Chunk, crc: CrcOf) -> Any:
     # For other CRCs, each byte of the frame contributes an entry of its table.
     tables = _tables_of_folds(crc.differs, chunk.bits)
     difference = tables[0][chunk.byte(0)]
-    for place, table in enumerate(tables[1:], 1):
-        difference ^= table[chunk.byte(place)]
+    for index, table in enumerate(tables[1:], 1):
+        difference ^= table[chunk.byte(index)]
     return difference
 
 
@@ -209,7 +213,9 @@ def _fold(number: Any, crc: CrcOf, bits: int) -> Any:
         bits = max(step.shift, bits - step.shift + step.back)
         # Operations on 32 bits take half the time.
         if word_type is np.uint64 and bits <= 32:
-            remainder, high, word_type = remainder.astype(np.uint32), high.astype(np.uint32), np.uint32
+            remainder = remainder.astype(np.uint32)
+            high = high.astype(np.uint32)
+            word_type = np.uint32
         remainder ^= high
         if step.back:
             high <<= word_type(step.back)
@@ -228,8 +234,8 @@ def _tables_of_folds(differs: Callable[[int], int], bits: int) -> tuple[Any, ...
     for low in range(0, bits, 8):
         table = np.array([zero_difference if low == 0 else 0], np.uint64)
         # Each bit doubles the table: its second half has the entries with this bit set.
-        for place in range(low, low + 8):
-            change = differs(1 << place) ^ zero_difference if place < bits else 0
+        for bit in range(low, low + 8):
+            change = differs(1 << bit) ^ zero_difference if bit < bits else 0
             table = np.concatenate([table, table ^ np.uint64(change)])
         tables.append(table)
     return tuple(tables)

@@ -84,13 +84,15 @@ def _allocate_columns(count: int, wanted: Mapping[str, str]) -> dict[str, Any]:
 
     The system uses larger pages for one block than for many small ones.
     """
-    size = {name: np.dtype(kind).itemsize for name, kind in wanted.items()}
+    size = {name: np.dtype(dtype).itemsize for name, dtype in wanted.items()}
     space = np.empty(count * sum(size.values()), np.uint8)
-    columns, start = {}, 0
+    columns = {}
+    start = 0
     # The largest types come first, to align the columns of numbers.
     for name in sorted(wanted, key=lambda name: -size[name]):
         end = start + count * size[name]
-        columns[name], start = space[start:end].view(wanted[name]), end
+        columns[name] = space[start:end].view(wanted[name])
+        start = end
     return {name: columns[name] for name in wanted}
 
 
@@ -202,9 +204,9 @@ def _find_doubtful_frames(chunk: Chunk, shape: Shape) -> list[Any]:
     failures: list[Any] = []
     for limb, (mask, value) in zip(chunk.limbs, checks.fixed, strict=False):
         if mask:
-            failures.append(limb & np.uint64(mask) ^ np.uint64(value))
-    for place, allowed_values in checks.bytes:
-        byte = chunk.byte(place)
+            failures.append((limb & np.uint64(mask)) ^ np.uint64(value))
+    for index, allowed_values in checks.bytes:
+        byte = chunk.byte(index)
         is_allowed = reduce(np.logical_or, (byte == np.uint8(value) for value in allowed_values))
         failures.append(~is_allowed)
     for check in checks.remaining:
@@ -226,9 +228,9 @@ def _find_faults(source: Any, limbs: list[Any], shape: Shape) -> Any:
         errors.append((ErrorKind.LENGTH, source >> np.uint64(shape.bits) != 0))
     fault = np.zeros(len(source), np.uint8)
     # The highest kind comes first, so that lower ones replace it.
-    for kind, where in sorted(errors, key=lambda error: -error[0]):
+    for error_kind, where in sorted(errors, key=lambda error: -error[0]):
         fault *= np.logical_not(where)
-        fault += where * np.uint8(kind)
+        fault += where * np.uint8(error_kind)
     return fault
 
 
@@ -266,20 +268,20 @@ def _write(chunk: Chunk, shape: Shape, out: Mapping[str, Any]) -> None:
 def _write_join(chunk: Chunk, shape: Shape, join: Join, columns: Mapping[str, Column], number: Any) -> None:
     """Write a number that consists of several fields into the array ``number``. The first has its lowest bits.
 
-    ``low`` is a place in the frame, and ``place`` one in the joined number.
+    ``low`` is a place in the frame, and ``offset`` one in the joined number.
     """
     first_name, _ = join.fields[0]
     first = columns[first_name]
-    are_adjacent = all(columns[name].low == first.low + place for name, place in join.fields)
+    are_adjacent = all(columns[name].low == first.low + offset for name, offset in join.fields)
     if are_adjacent:
         # The fields have the same order in the frame, so they are one number there.
         chunk.take(first.low, find_width(shape, join), number)
         return
     chunk.take(first.low, first.width, number)
-    for name, place in join.fields[1:]:
+    for name, offset in join.fields[1:]:
         column = columns[name]
         part = chunk.take(column.low, column.width).astype(np.uint64, copy=False)
-        number |= part << np.uint64(place)
+        number |= part << np.uint64(offset)
 
 
 def _write_unused(chunk: Chunk, shape: Shape, out: Any) -> None:
@@ -287,8 +289,8 @@ def _write_unused(chunk: Chunk, shape: Shape, out: Any) -> None:
 
     Groups of bits are moved from ``low`` in the frame to ``place`` in ``out``, in as few bytes as possible.
     """
-    kind = np.dtype(choose_smallest_type(count_unused_bits(shape))).type
-    number = kind(0)
+    bits_type = np.dtype(choose_smallest_type(count_unused_bits(shape))).type
+    number = bits_type(0)
     for group in group_unused_bits(shape):
         width = group.mask.bit_length()
         # Within a byte of the frame, the bits are taken from the byte.
@@ -298,9 +300,9 @@ def _write_unused(chunk: Chunk, shape: Shape, out: Any) -> None:
             differing = chunk.take(group.low, width) & np.uint64(group.mask)
         if group.value:
             differing = differing ^ differing.dtype.type(group.value)
-        differing = differing.astype(kind, copy=False)
+        differing = differing.astype(bits_type, copy=False)
         if group.place:
-            differing = differing << kind(group.place)
+            differing = differing << bits_type(group.place)
         number = number | differing
     out[:] = number
 
@@ -328,7 +330,7 @@ def _write_column(chunk: Chunk, column: Column, out: Mapping[str, Any]) -> None:
             chunk.take(column.low, column.width, number)
             if column.width:
                 # In two's complement, this extends the sign to 64 bits: n ^ top - top.
-                top = np.uint64(1 << column.width - 1)
+                top = np.uint64(1 << (column.width - 1))
                 number ^= top
                 number -= top
         case _:
@@ -351,7 +353,8 @@ def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
     met, unless the default is UNKNOWN. Otherwise it is the default. The computation has no branches, so the time does
     not depend on the frames.
     """
-    default, verdicts = VERDICTS.index(shape.default_verdict), out["verdict"]
+    default = VERDICTS.index(shape.default_verdict)
+    verdicts = out["verdict"]
     unused: Any = out.get("unused")
     any_unused_differs = bool(shape.unused) and unused.any()
     # For each verdict, an array for each condition that can apply: True for the frames to which it does.
@@ -365,7 +368,7 @@ def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
                 # For bools, this is "where and not out[name]".
                 is_active = np.greater(is_active, out[name])
         elif any_unused_differs:
-            is_active = unused & unused.dtype.type(condition.mask & (1 << 8 * unused.itemsize) - 1) != 0
+            is_active = unused & unused.dtype.type(condition.mask & ((1 << (8 * unused.itemsize)) - 1)) != 0
         else:
             continue
         active_by_verdict.setdefault(condition.verdict, []).append(is_active)

@@ -46,7 +46,8 @@ class FirstError:
             return
         row = int(is_wrong.argmax())
         if self.row is None or row < self.row:
-            self.row, self._error = row, (field, values[row].item(), allowed)
+            self.row = row
+            self._error = (field, values[row].item(), allowed)
 
     def raise_first(self, start: int) -> None:
         """Raise RowError if there is an error. ``start`` is the index of the first of these rows among all rows."""
@@ -58,7 +59,8 @@ def encode_many(columns: Mapping[str, Any] | Table, shape: Shape) -> Any:
     """Encode the frames in ``columns``. For the arguments, see ``encode_many`` of the frame's class."""
     other_names: Iterable[str] = ()
     if isinstance(columns, Table):
-        other_names, columns = columns.others, columns.columns
+        other_names = columns.others
+        columns = columns.columns
     arrays = _read_arrays(columns, shape, other_names)
     # All arrays have the same length.
     count = max(map(len, arrays.values()), default=0)
@@ -94,12 +96,12 @@ def _read_arrays(columns: Mapping[str, Any], shape: Shape, other_names: Iterable
     # Single values become arrays without dimensions.
     row_count = max((array.size for array in arrays.values() if array.ndim), default=1)
     for name, array in arrays.items():
-        kind = fields[name].kind if name in fields else "number"
-        _check_array(name, array, columns[name], kind, row_count)
+        field_kind = fields[name].kind if name in fields else "number"
+        _check_array(name, array, columns[name], field_kind, row_count)
     return {name: np.broadcast_to(array, (row_count,)) for name, array in arrays.items()}
 
 
-def _check_array(name: str, array: Any, cells: Any, kind: str, row_count: int) -> None:
+def _check_array(name: str, array: Any, cells: Any, field_kind: str, row_count: int) -> None:
     """Raise an error if a column does not have ``row_count`` rows, or if its type does not fit a field of this kind.
 
     ``array`` has been made from ``cells``, which are the column as the caller passed it.
@@ -112,10 +114,10 @@ def _check_array(name: str, array: Any, cells: Any, kind: str, row_count: int) -
     if not is_single_value and array.shape != (row_count,):
         raise ValueError(f"column {name} has the shape {array.shape}, but others have {row_count} rows")
     # An empty list has no type.
-    if array.size and array.dtype.kind not in ARRAY_KINDS.get(kind, "ui"):
+    if array.size and array.dtype.kind not in ARRAY_KINDS.get(field_kind, "ui"):
         raise TypeError(f"column {name} has the type {array.dtype}, which does not fit the field")
     # NumPy converts bools to numbers if the list also has numbers, so the type of the array does not show them.
-    if not kind.endswith("flag") and isinstance(cells, (list, tuple)) and _has_bool(cells):
+    if not field_kind.endswith("flag") and isinstance(cells, (list, tuple)) and _has_bool(cells):
         raise TypeError(f"column {name} contains bools, which do not fit the field")
 
 
@@ -161,7 +163,7 @@ def _encode_rows(arrays: Mapping[str, Any], shape: Shape, first_error: FirstErro
     Each array has an element for each frame. Errors in the values are added to ``first_error``.
     """
     count = len(next(iter(arrays.values())))
-    limbs = [np.full(count, shape.fixed >> low & (1 << 64) - 1, np.uint64) for low in range(0, shape.bits, 64)]
+    limbs = [np.full(count, (shape.fixed >> low) & ((1 << 64) - 1), np.uint64) for low in range(0, shape.bits, 64)]
     if "fault" in arrays:
         first_error.add(arrays["fault"] != 0, "fault", arrays["fault"], "0 (a frame with an error has no values)")
     for column in shape.columns:
@@ -212,7 +214,7 @@ def _encode_field(arrays: Mapping[str, Any], column: Column, first_error: FirstE
         case "text":
             yield from _encode_text(values, column, first_error)
         case "signed":
-            sign_bit = 1 << column.width >> 1
+            sign_bit = (1 << column.width) >> 1
             # A field without bits has only the value 0.
             highest = max(sign_bit, 1) - 1
             is_wrong = values > highest if sign_bit else values != 0
@@ -289,11 +291,11 @@ def _insert_join(
     width = find_width(shape, join)
     joined_numbers = _check_unsigned(arrays[join.name], first_error, join.name, (1 << width) - 1)
     by_name = {column.name: column for column in shape.columns}
-    for name, place in join.fields:
+    for name, offset in join.fields:
         column = by_name[name]
         if not column.width:
             continue
-        bits = joined_numbers >> np.uint64(place) & np.uint64((1 << column.width) - 1)
+        bits = (joined_numbers >> np.uint64(offset)) & np.uint64((1 << column.width) - 1)
         if all(field_name in arrays for field_name in list_names(column)):
             separate_bits = Chunk(limbs, shape.bits).take(column.low, column.width)
             first_error.add(separate_bits != bits, join.name, arrays[join.name], "equal to its fields")
@@ -309,7 +311,7 @@ def _insert_unused(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, fi
     values = arrays.get("unused", np.zeros(len(limbs[0]), np.uint8))
     bits = values.astype(np.uint64)
     unused_mask = sum(((1 << unused.width) - 1) << unused.place for unused in shape.unused)
-    is_outside = bits & np.uint64(~unused_mask & (1 << 64) - 1) != 0
+    is_outside = bits & np.uint64(~unused_mask & ((1 << 64) - 1)) != 0
     first_error.add(is_outside, "unused", values, f"within the mask {unused_mask:#x}")
     for unused in shape.unused:
         differing = bits >> np.uint64(unused.place)
@@ -347,8 +349,8 @@ def _finish(limbs: list[Any], shape: Shape) -> None:
         if shape.excess:  # No position and its excess together are wider than the bits.
             limbs[0] += np.uint64(shape.excess << low)
         # The Gray code of n is n ^ n >> 1.
-        number = limbs[0] >> np.uint64(low) & np.uint64((1 << width) - 1)
-        limbs[0] ^= number >> np.uint64(1) << np.uint64(low)
+        number = (limbs[0] >> np.uint64(low)) & np.uint64((1 << width) - 1)
+        limbs[0] ^= (number >> np.uint64(1)) << np.uint64(low)
     chunk = Chunk(limbs, shape.bits)
     for check in shape.parities:
         _insert(limbs, check.low, check.width, compute_parity(chunk, check).astype(np.uint64))

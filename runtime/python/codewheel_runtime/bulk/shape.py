@@ -57,13 +57,13 @@ class Check(NamedTuple):
     def parity(self, number: int) -> int:
         """Return the parity bit for a frame, or 0 if the encoder does not send it."""
         # A mask of 0 stands for all bits.
-        ones = ((number >> low & (1 << width) - 1 & (self.mask or -1)).bit_count() for low, width in self.parity_of)
-        return (sum(ones) & 1 ^ self.odd) & self.width
+        ones = (((number >> low) & ((1 << width) - 1) & (self.mask or -1)).bit_count() for low, width in self.parity_of)
+        return ((sum(ones) & 1) ^ self.odd) & self.width
 
     def is_within(self, bits: int) -> bool:
         """Return whether the bits are at most ``limit``, and if they are signed, at least ``lowest``."""
         # Modulo 2**width, the numbers from ``lowest`` to ``limit`` become those from 0 on.
-        return self.limit is None or bits - self.lowest & (1 << self.width) - 1 <= self.limit - self.lowest
+        return self.limit is None or (bits - self.lowest) & ((1 << self.width) - 1) <= self.limit - self.lowest
 
 
 class Fold(NamedTuple):
@@ -112,7 +112,7 @@ def compare_bits(function: Callable[[int, int], int], covered: int, width: int, 
     number with a number of bits.
     """
     ones = (1 << covered) - 1
-    return lambda number: function(number >> width + gap & ones, covered) ^ number & ((1 << width) - 1)
+    return lambda number: function((number >> (width + gap)) & ones, covered) ^ (number & ((1 << width) - 1))
 
 
 class Join(NamedTuple):
@@ -281,9 +281,9 @@ def group_unused_bits(shape: Shape) -> tuple[UnusedGroup, ...]:
         mask = value = 0
         for unused in group:
             offset = unused.low - first.low
-            unused_mask = (1 << unused.width) - 1 << offset
+            unused_mask = ((1 << unused.width) - 1) << offset
             mask |= unused_mask
-            value |= unused_mask & unused.value << offset
+            value |= unused_mask & (unused.value << offset)
         groups.append(UnusedGroup(low=first.low, mask=mask, value=value, place=first.place))
     return tuple(groups)
 
@@ -369,22 +369,22 @@ def find_quick_checks(shape: Shape) -> QuickChecks:
         else:
             remaining.append(check)
     byte_values: list[tuple[int, tuple[int, ...]]] = []
-    for place, checks in by_byte.items():
-        allowed = [byte for byte in range(256) if _are_all_met(byte << 8 * place, checks)]
+    for index, checks in by_byte.items():
+        allowed = [byte for byte in range(256) if _are_all_met(byte << (8 * index), checks)]
         # Bits that are the same in all allowed values.
         constant_bits = 255
         for byte in allowed:
             constant_bits &= ~(byte ^ allowed[0])
         # If the other bits can have any value, the constant bits are the whole condition.
-        if allowed and len(allowed) == 1 << 8 - constant_bits.bit_count():
-            mask |= constant_bits << 8 * place
-            values |= (allowed[0] & constant_bits) << 8 * place
+        if allowed and len(allowed) == 1 << (8 - constant_bits.bit_count()):
+            mask |= constant_bits << (8 * index)
+            values |= (allowed[0] & constant_bits) << (8 * index)
         elif len(allowed) <= 8:
-            byte_values.append((place, tuple(allowed)))
+            byte_values.append((index, tuple(allowed)))
         else:
             remaining += checks
     limbs = range(0, shape.bits, 64)
-    fixed = tuple((mask >> low & (1 << 64) - 1, values >> low & (1 << 64) - 1) for low in limbs)
+    fixed = tuple(((mask >> low) & ((1 << 64) - 1), (values >> low) & ((1 << 64) - 1)) for low in limbs)
     return QuickChecks(fixed=fixed, bytes=tuple(byte_values), remaining=tuple(remaining))
 
 
@@ -403,7 +403,7 @@ def _are_all_met(number: int, checks: list[Check]) -> bool:
 
 def holds(number: int, check: Check) -> bool:
     """Return whether the condition holds for one frame."""
-    bits = number >> check.low & (1 << check.width) - 1
+    bits = (number >> check.low) & ((1 << check.width) - 1)
     if check.parity_of:
         return bits == check.parity(number)
     return check.is_within(bits) if check.limit is not None else bits in check.values

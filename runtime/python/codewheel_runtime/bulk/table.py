@@ -119,11 +119,17 @@ class Table(_TableOf[_Name, _Unit]):
         # _scales: for each column of quantities, the column of its numbers, and their scale.
         # _position_columns: names of the position and its parts, which are hidden where the position is not usable.
         # Copies as dictionaries, so that a table can be pickled.
-        self._others, self._scales = dict(other_columns), dict(scales)
-        self.encoder, self._position_columns = encoder, position_columns
+        self._others = dict(other_columns)
+        self._scales = dict(scales)
+        self.encoder = encoder
+        self._position_columns = position_columns
         self._report_causes = report_causes
-        self._columns, self._frame = columns, frame
-        self._fault, self._verdict, self._position, self._parts = fault, verdict, position, parts
+        self._columns = columns
+        self._frame = frame
+        self._fault = fault
+        self._verdict = verdict
+        self._position = position
+        self._parts = parts
         verdict_names = ["verdict"] if verdict is not None else []
         self._names = [*other_columns, *parts, *columns, *scales, *verdict_names, "fault"]
 
@@ -194,7 +200,7 @@ class Table(_TableOf[_Name, _Unit]):
             return self._find_column(condition.flag)
         unused: Any = self._find_column("unused")
         # The mask is limited to the width of the column, as NumPy requires.
-        return unused & (condition.mask & (1 << 8 * unused.itemsize) - 1) != 0
+        return unused & (condition.mask & ((1 << (8 * unused.itemsize)) - 1)) != 0
 
     @property
     def others(self) -> Mapping[str, Any]:
@@ -323,7 +329,7 @@ class Table(_TableOf[_Name, _Unit]):
         if name in self._parts and name not in self._columns:
             # The part is computed once, and kept as a column.
             whole, low, width = self._parts[name]
-            self._columns[name] = self._columns[whole] >> low & ((1 << width) - 1)
+            self._columns[name] = (self._columns[whole] >> low) & ((1 << width) - 1)
         if name not in self._columns:
             raise KeyError(self._unknown_column_error(name))
         return self._columns[name]
@@ -457,11 +463,13 @@ class Table(_TableOf[_Name, _Unit]):
         usable_rows = np.flatnonzero(self.usable)
         rows_with_speed = usable_rows[1:]
         previous_position = previous[0] if previous is not None else None
-        positions, times = self.unwrapped(previous_position)[usable_rows], times[usable_rows]
+        positions = self.unwrapped(previous_position)[usable_rows]
+        times = times[usable_rows]
         if previous is not None:
             # The earlier frame comes first, so even the first usable row has a speed.
             rows_with_speed = usable_rows
-            positions, times = np.insert(positions, 0, previous[0]), np.insert(times, 0, previous[1])
+            positions = np.insert(positions, 0, previous[0])
+            times = np.insert(times, 0, previous[1])
         numerator, denominator = self._find_unit_size("turns" if unit == "rpm" else unit)
         per_minute = 60 if unit == "rpm" else 1
         elapsed = np.diff(times)

@@ -69,14 +69,16 @@ class Accesses:
     def __init__(self) -> None:
         self._zeros = self._bit_count = self._sent = self._answers = 0
         self._state = self._follow_idle
-        self._time, self._head = 0.0, 0
+        self._time = 0.0
+        self._head = 0
         self._is_write, self._is_free = False, True
 
     def feed(self, bits: ControlBits) -> Iterator[Access]:
         """Yield the accesses that end in the cycles of these bits."""
         times, cds, cdm = bits
         ones = np.flatnonzero(cdm)
-        cycle, count = 0, len(cdm)
+        cycle = 0
+        count = len(cdm)
         while cycle < count:
             if self._is_free:
                 # Nothing happens until a bit is 1. ``next_one`` is its index in ``ones``.
@@ -105,13 +107,15 @@ class Accesses:
 
     def _begin_access(self, time: float) -> None:
         """Start a control frame at this time."""
-        self._time, self._is_free = time, False
+        self._time = time
+        self._is_free = False
         self._bit_count = self._sent = self._answers = self._head = 0
         self._state = self._follow_header
 
     def _end_access(self) -> None:
         """End the control frame."""
-        self._is_free, self._state = True, self._follow_idle
+        self._is_free = True
+        self._state = self._follow_idle
 
     def _follow_cycle(self, cds: int, cdm: int) -> Iterator[Access]:
         """Follow one cycle within a control frame. Yield the access if it ends.
@@ -145,7 +149,7 @@ class Accesses:
         head = self._head if is_head_complete else self._sent >> 4
         return Access(
             time=self._time,
-            slave_id=head >> 7 & 7,
+            slave_id=(head >> 7) & 7,
             address=head & 0x7F,
             is_write=self._is_write,
             value=value,
@@ -159,9 +163,9 @@ class Accesses:
         The CDS bit of a cycle answers the CDM bit of the cycle before, so the header ends one cycle after W.
         """
         self._bit_count += 1
-        self._answers = self._answers << 1 | cds
+        self._answers = (self._answers << 1) | cds
         if self._bit_count <= HEADER_BITS:
-            self._sent = self._sent << 1 | cdm
+            self._sent = (self._sent << 1) | cdm
         if self._bit_count == ADDRESS_BITS:
             self._head = self._sent >> 4
             # Commands have no registers, and a damaged header reaches no slave.
@@ -171,7 +175,7 @@ class Accesses:
             self._is_write = self._sent & 0b11 == 0b01
         elif self._bit_count == HEADER_BITS + 1:
             # The value is not known yet. Any value makes it a write.
-            request = Request(self._head >> 7 & 7, self._head & 0x7F, 0 if self._is_write else None)
+            request = Request((self._head >> 7) & 7, self._head & 0x7F, 0 if self._is_write else None)
             outcome = request._check_echo(self._answers)
             if outcome is not Outcome.RUNNING:
                 yield self._make_access(None, outcome.value)
@@ -187,7 +191,9 @@ class Accesses:
         if cds:
             # This CDM bit is the first one of the byte.
             self._state = self._follow_byte
-            self._bit_count, self._sent, self._answers = 0, cdm, 0
+            self._bit_count = 0
+            self._sent = cdm
+            self._answers = 0
         elif not cdm:
             yield self._make_access(None, Outcome.BUSY.value)
             self._end_access()
@@ -199,9 +205,10 @@ class Accesses:
         """
         self._bit_count += 1
         if self._bit_count < BYTE_BITS:
-            self._answers, self._sent = self._answers << 1 | cds, self._sent << 1 | cdm
+            self._answers = (self._answers << 1) | cds
+            self._sent = (self._sent << 1) | cdm
         elif self._bit_count == BYTE_BITS:
-            self._answers = self._answers << 1 | cds
+            self._answers = (self._answers << 1) | cds
             value = _decode_value(self._sent if self._is_write else self._answers)
             if self._is_write:
                 is_repeated = self._answers == self._sent

@@ -264,8 +264,8 @@ class _CycleFinder:
         front_bits = 1 if self._is_biss else 0
         levels = self._read_levels(cycles, bits, good, front_bits + self._bits)
         words = np.zeros(len(good), np.uint64)
-        for place in range(front_bits, front_bits + self._bits):
-            words = words << np.uint64(1) | levels[:, place].astype(np.uint64)
+        for column in range(front_bits, front_bits + self._bits):
+            words = (words << np.uint64(1)) | levels[:, column].astype(np.uint64)
         lost = self._list_lost_cycles(cycles, bits)
         is_cut_off = is_last and bits.reasons[-1] and self._end - cycles.last[-1] < self._rest
         if lost and is_cut_off:
@@ -397,7 +397,7 @@ class _CycleFinder:
         times = timing.edges + (timing.delay + timing.half_bit)[:, None]
         # An odd number of edges before a time inverts the first level.
         edge_counts = np.searchsorted(data, times.ravel(), "right").reshape(times.shape)
-        return edge_counts & 1 ^ self._levels[1]
+        return (edge_counts & 1) ^ self._levels[1]
 
     def _refine(self, timing: _Timing, has_edge: Any) -> _Timing:
         """Return the timing of cycles with few samples per period, exact to a fraction of a sample.

@@ -129,7 +129,7 @@ def _read_session(stack: ExitStack, file: BinaryIO, path: str, names: Names, rat
         data=_find_numbered_probe(names.data, probes, numbers, path),
     )
     # Places are those in ``channels``. The lowest bit is probe 1.
-    masks = tuple(1 << numbers[place] - 1 for place in numbered_names.places(channels, path))
+    masks = tuple(1 << (numbers[place] - 1) for place in numbered_names.places(channels, path))
     entries = _list_sample_files(archive, stem)
     if not entries:
         raise InputError(path, "", "this sigrok session has no samples")
@@ -177,7 +177,8 @@ def _unpack_samples(
 
     A sample has ``size`` bytes, and can begin in one file and end in the next.
     """
-    done, remainder = 0, b""
+    done = 0
+    remainder = b""
     try:
         for info in entries:
             with archive.open(info) as file:
@@ -218,52 +219,52 @@ def _read_array_form(file: BinaryIO, path: str) -> _ArrayForm:
     try:
         version = form.read_magic(file)
         read_header = form.read_array_header_1_0 if version == (1, 0) else form.read_array_header_2_0
-        shape, is_fortran, kind = read_header(file)
+        shape, is_fortran, dtype = read_header(file)
     except Exception:  # The parser of the header raises many types.
         raise InputError(path, "", "this is not a valid NumPy file") from None
     has_rows = len(shape) == 2
-    are_whole_numbers = kind.kind in "uib" and kind.itemsize <= 8
+    are_whole_numbers = dtype.kind in "uib" and dtype.itemsize <= 8
     # In Fortran order, the samples of a channel follow each other.
     if not are_whole_numbers or len(shape) not in (1, 2) or (is_fortran and has_rows):
-        raise InputError(path, "", f"expected whole numbers, one row per sample, got {kind} {shape}")
+        raise InputError(path, "", f"expected whole numbers, one row per sample, got {dtype} {shape}")
     if has_rows and not 0 < shape[1] <= 1024:
         raise InputError(path, "", f"expected 1 to 1024 channels, got {shape[1]}")
-    return _ArrayForm(kind, shape[1] if has_rows else None)
+    return _ArrayForm(dtype, shape[1] if has_rows else None)
 
 
 def _read_array_file(file: BinaryIO, path: str, names: Names, rate: float | None) -> Signals:
     """Return the signals of a ``.npy`` file."""
-    kind, channels = _read_array_form(file, path)
-    channel_count = 8 * kind.itemsize if channels is None else channels
+    dtype, channels = _read_array_form(file, path)
+    channel_count = 8 * dtype.itemsize if channels is None else channels
     places = names.places([str(number) for number in range(1, channel_count + 1)], path)
     # Bits of the signals in a sample. The chosen columns of rows are packed, so their bits are numbered from 0.
     bits = places if channels is None else range(len(places))
-    parts = _read_array_parts(file, kind, channels, places)
+    parts = _read_array_parts(file, dtype, channels, places)
     edges = read_samples(parts, tuple(1 << bit for bit in bits))
     return Signals(edges, 1 / rate if rate else None, True)
 
 
 def _read_array_parts(
-    file: BinaryIO, kind: Any, channels: int | None, places: Sequence[int]
+    file: BinaryIO, dtype: Any, channels: int | None, places: Sequence[int]
 ) -> Generator[tuple[Any, int, Any], None, None]:
     """Yield the samples of some rows as unsigned numbers, the amount read, and None, because samples have no times.
 
     ``places`` are the columns of the signals. Only these are read, unless ``channels`` is None.
     """
     row_width = 1 if channels is None else channels
-    row_bytes = row_width * kind.itemsize
+    row_bytes = row_width * dtype.itemsize
     done = 0
     while data := file.read(max(SAMPLES // row_width, 1) * row_bytes):
         done += len(data)
         # An incomplete row at the end is ignored.
-        samples = np.frombuffer(data, kind, len(data) // row_bytes * row_width)
+        samples = np.frombuffer(data, dtype, len(data) // row_bytes * row_width)
         if channels is not None:
             yield pack_bits(samples.reshape(-1, row_width)[:, places]), done, None
             continue
-        byte_order = kind.byteorder if kind.itemsize > 1 else ""
+        byte_order = dtype.byteorder if dtype.itemsize > 1 else ""
         # Signed numbers are read as unsigned ones of the same bits, and then in the byte order of this machine.
-        samples = samples.view(f"{byte_order}u{kind.itemsize}")
-        yield samples.astype(f"u{kind.itemsize}", copy=False), done, None
+        samples = samples.view(f"{byte_order}u{dtype.itemsize}")
+        yield samples.astype(f"u{dtype.itemsize}", copy=False), done, None
 
 
 def _read_array_archive(archive: zipfile.ZipFile, path: str, names: Names, rate: float | None) -> Signals:
@@ -276,7 +277,8 @@ def _read_array_archive(archive: zipfile.ZipFile, path: str, names: Names, rate:
         raise InputError(path, "", f"the samples have {total / 1e9:.1f} GB unpacked: save a shorter capture")
     arrays: dict[str, Any] = {}
     for file_name in archive.namelist():
-        name, array = file_name.removesuffix(".npy"), _read_array_in(archive, file_name, path)
+        name = file_name.removesuffix(".npy")
+        array = _read_array_in(archive, file_name, path)
         # An array without dimensions is a single number.
         if array.ndim:
             arrays[name] = array
@@ -321,17 +323,19 @@ class _Saleae:
     """
 
     def __init__(self, file: BinaryIO, path: str) -> None:
-        self._file, self._path = file, path
+        self._file = file
+        self._path = path
         # Eight bytes of identification, then two numbers. Kind 0 is a digital channel.
-        version, kind = struct.unpack("<8xii", self._read_exactly(16))
-        if kind != 0:
+        version, channel_kind = struct.unpack("<8xii", self._read_exactly(16))
+        if channel_kind != 0:
             raise InputError(path, "", "this Saleae file has analog values: export the digital channels")
         if version not in (0, 1):
             raise InputError(path, "", f"Saleae's binary format {version} is not supported: export as CSV")
         self._has_rate = version == 1
         self.chunks = struct.unpack("<Q", self._read_exactly(8))[0] if version == 1 else 1
         # The latest end of a chunk so far, in seconds. The first level and the number of edges of the first chunk.
-        self.end, self._ready = 0.0, (0, 0)
+        self.end = 0.0
+        self._ready = (0, 0)
         if self.chunks:
             self._ready = self._read_chunk()
 
@@ -349,7 +353,8 @@ class _Saleae:
         level, *_, begin, end, count = header.unpack(self._read_exactly(header.size))
         if not (np.isfinite(begin) and np.isfinite(end)) or level > 1:
             raise InputError(self._path, "", "this Saleae file is damaged")
-        self._start, self.end = begin, max(self.end, end)
+        self._start = begin
+        self.end = max(self.end, end)
         return int(level), int(count)
 
     def edges(self) -> Generator[tuple[int, Any, int], None, None]:
@@ -357,13 +362,15 @@ class _Saleae:
 
         The first one has no edges, but shows the level at the beginning.
         """
-        last_time, level = -np.inf, self._ready[0]
+        last_time = -np.inf
+        level = self._ready[0]
         yield level, np.zeros(0), self._file.tell()
         for chunk_index in range(self.chunks):
             first_level, count = self._ready if not chunk_index else self._read_chunk()
             if first_level != level:
                 # The signal changed in the gap before this chunk.
-                level, last_time = first_level, self._start
+                level = first_level
+                last_time = self._start
                 # One edge at the beginning of the chunk, with the other level before it.
                 yield level ^ 1, np.array([self._start]), self._file.tell()
             while count:
@@ -375,7 +382,9 @@ class _Saleae:
                     raise InputError(self._path, "", "the times of this Saleae file are not in ascending order")
                 yield level, edge_times, self._file.tell()
                 # An odd number of edges inverts the level.
-                count, last_time, level = count - len(edge_times), float(edge_times[-1]), level ^ (len(edge_times) & 1)
+                count -= len(edge_times)
+                last_time = float(edge_times[-1])
+                level = level ^ (len(edge_times) & 1)
 
 
 def _read_saleae(files: Sequence[BinaryIO], paths: Sequence[str]) -> Signals:

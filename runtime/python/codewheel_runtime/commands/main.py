@@ -267,7 +267,7 @@ def _parse_frame(text: str, encoder: Encoder) -> int | bytes | str | None:
     if re.fullmatch("0b[01]+", packed):
         return packed
     # Frames of more than 64 bits are decoded from bytes.
-    in_bytes = all(find_any_shape(kind, encoder).length for kind in find_kinds(encoder))
+    in_bytes = all(find_any_shape(frame_class, encoder).length for frame_class in find_kinds(encoder))
     if in_bytes and re.fullmatch("([0-9a-fA-F]{2})+", packed):
         return bytes.fromhex(packed)
     return int(packed, 16) if re.fullmatch("(0x)?[0-9a-fA-F]{1,64}", packed) else None
@@ -277,28 +277,30 @@ def _list_other_frames(encoder: Encoder, frame: int | bytes | str, result: Any) 
     """Return the other frames that a frame can be, in words, or an empty string. ``result`` can be its error."""
     # Its return type is a union of the classes of frames that it decodes, and of FrameError.
     hint = get_type_hints(type(encoder).try_decode)["return"]
-    decoded_kinds = [kind for kind in get_args(hint) or (hint,) if not issubclass(kind, FrameError)]
+    decoded_kinds = [
+        frame_class for frame_class in get_args(hint) or (hint,) if not issubclass(frame_class, FrameError)
+    ]
     # An encoder with several classes identifies its frames by a field.
     if len(decoded_kinds) != 1:
         return ""
     (decoded_kind,) = decoded_kinds
     names: list[str] = []
-    for kind in find_kinds(encoder):
+    for frame_class in find_kinds(encoder):
         # Hex digits imply leading zeros, so without this, a short frame would be valid as a long one.
-        has_same_length = find_any_shape(kind, encoder).bits == find_any_shape(decoded_kind, encoder).bits
+        has_same_length = find_any_shape(frame_class, encoder).bits == find_any_shape(decoded_kind, encoder).bits
         may_fit = has_same_length or isinstance(result, LengthError)
-        if kind is not decoded_kind and may_fit and _is_valid_as(kind, encoder, frame):
-            names.append(kind.__name__)
+        if frame_class is not decoded_kind and may_fit and _is_valid_as(frame_class, encoder, frame):
+            names.append(frame_class.__name__)
     if not names:
         return ""
     words = "This can be another frame" if isinstance(result, FrameError) else "This can also be another frame"
     return f"{words}: {', '.join(names)} (decode it with the class in {type(encoder).__module__})"
 
 
-def _is_valid_as(kind: Any, encoder: Encoder, frame: int | bytes | str) -> bool:
-    """Return whether a frame is a valid frame of the class ``kind``."""
+def _is_valid_as(frame_class: Any, encoder: Encoder, frame: int | bytes | str) -> bool:
+    """Return whether a frame is a valid frame of the class ``frame_class``."""
     try:
-        cached_decoder(kind._make_decoder, encoder, raise_error)(frame)
+        cached_decoder(frame_class._make_decoder, encoder, raise_error)(frame)
     except (FrameError, TypeError):
         return False
     return True
@@ -349,7 +351,7 @@ def _add_answers(encoder: Encoder, frame: int | bytes | str, answers: dict[str, 
     open_answers: dict[str, Any] = {}
     hints = get_type_hints(encoder.try_decode)
     for name, answer in answers.items():
-        kinds = [kind for kind in get_args(hints.get(name)) if kind is not type(None)]
+        kinds = [answer_class for answer_class in get_args(hints.get(name)) if answer_class is not type(None)]
         if not kinds:
             raise Failed(f"--choose {name} does not apply to the frames of {encoder.code}", USAGE)
         try:

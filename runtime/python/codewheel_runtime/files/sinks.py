@@ -115,12 +115,12 @@ class Texts:
 
     def _find_type(self, texts: Any) -> Any:
         """Return the first type that fits all texts: integers, floats or texts. Without any text, it is texts."""
-        for kind in (self._pa.int64(), self._pa.float64()) if texts.null_count < len(texts) else ():
+        for arrow_type in (self._pa.int64(), self._pa.float64()) if texts.null_count < len(texts) else ():
             try:
-                texts.cast(kind)
+                texts.cast(arrow_type)
             except self._pa.ArrowInvalid:
                 continue
-            return kind
+            return arrow_type
         return self._pa.string()
 
     def _cast_cell(self, cell: Any) -> Any:
@@ -136,7 +136,10 @@ class ArrowSink:
 
     def __init__(self, file: Any, plan: Plan, parquet: bool) -> None:
         self._pa: Any = load("pyarrow")
-        self._file, self._plan, self._parquet, self._writer = file, plan, parquet, cast(Any, None)
+        self._file = file
+        self._plan = plan
+        self._parquet = parquet
+        self._writer = cast(Any, None)
         self._texts = {name: Texts() for name, column in plan.source_columns.items() if isinstance(column, list)}
 
     def __enter__(self) -> ArrowSink:
@@ -195,7 +198,8 @@ class CsvSink:
 
     def __init__(self, file: Any, plan: Plan) -> None:
         # CSV keeps every cell as text, so none is ever lost.
-        self._plan, self.lost = plan, 0
+        self._plan = plan
+        self.lost = 0
         # Without a file, the rows go to standard output.
         self._own_file = io.TextIOWrapper(file, "utf-8", newline="") if file is not None else None
         self._out = self._own_file or sys.stdout
@@ -315,8 +319,11 @@ class _ArrowFormatter:
 
         Integers, bools and texts of Arrow stay as they are. Others become texts, as without pyarrow.
         """
-        kinds, kind = self._pa.types, getattr(column, "type", None)
-        if kind is not None and (kinds.is_integer(kind) or kinds.is_boolean(kind) or kinds.is_string(kind)):
+        kinds = self._pa.types
+        arrow_type = getattr(column, "type", None)
+        if arrow_type is not None and (
+            kinds.is_integer(arrow_type) or kinds.is_boolean(arrow_type) or kinds.is_string(arrow_type)
+        ):
             return column
         return self._format_texts(_convert_to_plain(column))
 

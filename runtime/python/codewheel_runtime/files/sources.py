@@ -96,7 +96,8 @@ def _read_binary(
     Raises:
         InputError: The frames fit another form, or the file ends within a frame and ``stored.cut`` is False.
     """
-    length, done = shape.length or _check_length(stored.words, shape), 0
+    length = shape.length or _check_length(stored.words, shape)
+    done = 0
     while data := _read(file, length * inputs.CHUNK):
         if not done and not shape.length:
             # Enough for the first 1000 frames in every form.
@@ -130,7 +131,8 @@ def _read(file: BinaryIO, size: int) -> bytes:
     data = file.read(size)
     if len(data) == size or not data:
         return data
-    pieces, missing = [data], size - len(data)
+    pieces = [data]
+    missing = size - len(data)
     while missing and (data := file.read(missing)):
         pieces.append(data)
         missing -= len(data)

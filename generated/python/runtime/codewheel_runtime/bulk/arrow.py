@@ -48,23 +48,24 @@ def read_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, done: 
     kinds = pa.types
     if isinstance(array, pa.ChunkedArray):
         array = array.combine_chunks()
-    kind = array.type
-    if kinds.is_dictionary(kind):
-        array, kind = array.dictionary_decode(), kind.value_type
-    if (view := str(kind)) in ("string_view", "binary_view"):
+    arrow_type = array.type
+    if kinds.is_dictionary(arrow_type):
+        array = array.dictionary_decode()
+        arrow_type = arrow_type.value_type
+    if (view := str(arrow_type)) in ("string_view", "binary_view"):
         # As polars gives text and bytes. Old versions of pyarrow have no function to test for it.
         array = array.cast(pa.large_string() if view == "string_view" else pa.large_binary())
-        kind = array.type
-    if kinds.is_null(kind):
+        arrow_type = array.type
+    if kinds.is_null(arrow_type):
         return [None] * len(array)
-    if kinds.is_integer(kind):
+    if kinds.is_integer(arrow_type):
         return _read_integers(array, shape)
-    if kinds.is_float64(kind) and not shape.length:
+    if kinds.is_float64(arrow_type) and not shape.length:
         return read_floats(array.to_numpy(zero_copy_only=False), shape.bits, done)
-    if kinds.is_string(kind) or kinds.is_large_string(kind):
+    if kinds.is_string(arrow_type) or kinds.is_large_string(arrow_type):
         return _read_each(array.to_pylist(), shape, digits, not done)
-    if not (kinds.is_binary(kind) or kinds.is_large_binary(kind) or kinds.is_fixed_size_binary(kind)):
-        raise TypeError(f"expected numbers, bytes or text, got items of the type {kind}")
+    if not (kinds.is_binary(arrow_type) or kinds.is_large_binary(arrow_type) or kinds.is_fixed_size_binary(arrow_type)):
+        raise TypeError(f"expected numbers, bytes or text, got items of the type {arrow_type}")
     length = shape.length or (shape.bits + 7) // 8
     rows = _read_rows(array, length) if not array.null_count else None
     if rows is not None:
@@ -84,22 +85,25 @@ def _read_integers(array: Any, shape: Shape) -> Any:
 
 def _read_rows(array: Any, length: int) -> Any:
     """Return byte strings as rows of an array, without copying them, or None if one has the wrong length."""
-    kind, count = array.type, len(array)
+    arrow_type = array.type
+    count = len(array)
     if not count:
         return np.zeros((0, length), np.uint8)
     # Arrow stores the bytes of all strings in one buffer. Without a fixed size, another one has their offsets.
     buffers = array.buffers()
-    if load("pyarrow").types.is_fixed_size_binary(kind):
-        if kind.byte_width != length:
+    if load("pyarrow").types.is_fixed_size_binary(arrow_type):
+        if arrow_type.byte_width != length:
             return None
         # The first byte of the first string, and the buffer. An array can be a slice of a longer one.
-        start, data = array.offset * length, buffers[1]
+        start = array.offset * length
+        data = buffers[1]
     else:
-        wide = load("pyarrow").types.is_large_binary(kind)
+        wide = load("pyarrow").types.is_large_binary(arrow_type)
         offsets = np.frombuffer(buffers[1], np.int64 if wide else np.int32)[array.offset : array.offset + count + 1]
         if (np.diff(offsets) != length).any():
             return None
-        start, data = int(offsets[0]), buffers[2]
+        start = int(offsets[0])
+        data = buffers[2]
     return np.frombuffer(data, np.uint8, count * length, start).reshape(count, length)
 
 

@@ -76,7 +76,8 @@ class Cells:
             if text.strip().lower() in _MISSING:
                 return None
             if not self.unread:
-                self.place, self.error = place, str(error)
+                self.place = place
+                self.error = str(error)
             self.seen += 1
             self.unread += 1
             return None

@@ -52,7 +52,8 @@ def arrow_columns(table: Columns, names: Iterable[str], raw: bool = False) -> di
     pa: Any = load("pyarrow")
     arrays: dict[str, Any] = {}
     for name in names:
-        column, hidden = table[name], None if raw else table.hidden(name)
+        column = table[name]
+        hidden = None if raw else table.hidden(name)
         if name in WORDS:
             # The numbers of the column are indices of its words. They are small, so int8 is enough.
             arrays[name] = pa.DictionaryArray.from_arrays(pa.array(column.view("i1")), pa.array(WORDS[name]))
@@ -79,7 +80,8 @@ def pandas_columns(table: Columns, names: Iterable[str], raw: bool = False) -> d
     pd: Any = load("pandas")
     columns: dict[str, Any] = {}
     for name in names:
-        column, hidden = table[name], None if raw else table.hidden(name)
+        column = table[name]
+        hidden = None if raw else table.hidden(name)
         if name in WORDS:
             columns[name] = pd.Categorical.from_codes(column.view("i1"), WORDS[name])
         elif table.scale(name) is not None:
@@ -95,5 +97,5 @@ def pandas_columns(table: Columns, names: Iterable[str], raw: bool = False) -> d
 
 def _is_text(column: Any) -> bool:
     """Return whether a column is an array of byte strings. Other columns of a file may have no type of NumPy."""
-    kind = getattr(column, "dtype", None)
-    return getattr(kind, "kind", "") == "S"
+    dtype = getattr(column, "dtype", None)
+    return getattr(dtype, "kind", "") == "S"

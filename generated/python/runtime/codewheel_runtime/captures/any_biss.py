@@ -150,7 +150,8 @@ def _make_shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tupl
     unused_width = 0
     low = bits = sum(field.width for field in fields)
     for field in fields:
-        name, width = field.name, field.width
+        name = field.name
+        width = field.width
         # The first field has the highest bits.
         low -= width
         if name == "crc":
@@ -212,7 +213,8 @@ def _parse_crc_field(text: str, width: int, numbers: Sequence[int]) -> _Field:
     top_bit = 1 << width
     poly = numbers[0] if numbers else 0
     init = numbers[1] if len(numbers) > 1 else 0
-    is_odd, is_narrow = bool(poly & 1), width <= 32
+    is_odd = bool(poly & 1)
+    is_narrow = width <= 32
     if numbers and is_narrow and not is_odd:
         reason = f"the last term of its polynomial must be 1, so {poly:#x} needs bit 0 set"
         raise UsageError(f"{short(text)} is not a CRC: {reason}")
@@ -220,7 +222,7 @@ def _parse_crc_field(text: str, width: int, numbers: Sequence[int]) -> _Field:
     fits = poly < 2 * top_bit and init < top_bit
     if not is_narrow or not is_odd or not fits or len(numbers) > 2:
         raise UsageError(f"{short(text)} is not a CRC: expected crc=BITS:POLYNOMIAL, such as crc=6:0x43")
-    return _Field("crc", width, poly & top_bit - 1, init)
+    return _Field("crc", width, poly & (top_bit - 1), init)
 
 
 def _parse_number(text: str) -> int:

@@ -53,7 +53,8 @@ def _read_blocks(file: BinaryIO, path: str, kind: str) -> Generator[tuple[bytes,
 
     ``kind`` is the format, for the error about a line that is longer than a block.
     """
-    remainder, done = b"", 0
+    remainder = b""
+    done = 0
     while data := file.read(_BLOCK):
         done += len(data)
         data = remainder + data
@@ -206,7 +207,8 @@ def _read_table_parts(
 
 def _find_first_row(head: bytes, header_count: int) -> int:
     """Return the offset in bytes of the first row of a table, after its headers, comments and empty lines."""
-    offset, headers_left = 0, header_count
+    offset = 0
+    headers_left = header_count
     for line in io.BytesIO(head):
         # A byte order mark can precede the first line.
         is_comment = not line.strip() or line.lstrip(b"\xef\xbb\xbf")[:1] in (b";", b"#")
@@ -260,7 +262,9 @@ class _RowReader:
     """
 
     def __init__(self, form: _TableForm, columns: list[int], path: str) -> None:
-        self._form, self._columns, self._path = form, columns, path
+        self._form = form
+        self._columns = columns
+        self._path = path
         self._first_stamp: Any = None
         self._voltages: _Voltages | None = None
 
@@ -286,7 +290,8 @@ class _RowReader:
         """Yield blocks of rows without the headers, the number of their first line, and the amount read."""
         line = 1
         for data, done in _read_blocks(file, self._path, "CSV"):
-            block, first_line = data, line
+            block = data
+            first_line = line
             # The headers are in the first block.
             if line == 1 and self._form.skipped:
                 block = data.split(b"\n", self._form.skipped)[-1]
@@ -373,7 +378,8 @@ class _Voltages:
     def levels(self, cells: Any) -> Any:
         """Return the level of each voltage, 0 or 1. Successive calls must have successive rows."""
         count = len(cells)
-        is_high, is_low = cells > self._threshold + self._margin, cells < self._threshold - self._margin
+        is_high = cells > self._threshold + self._margin
+        is_low = cells < self._threshold - self._margin
         if self._last is None:
             self._last = cells[0] > self._threshold
         # A voltage near the threshold has the level of the last one that is not. Rows are numbered from 1, and 0 stands
@@ -469,7 +475,8 @@ class _ValueChanges:
 
     def edges_in(self, block: bytes, done: int) -> Edges:
         """Return the edges in a block of whole lines. The first level of a signal is not an edge."""
-        changes, levels = self._changes, self._levels
+        changes = self._changes
+        levels = self._levels
         first_levels = [level or 0 for level in levels]
         times: list[list[int]] = [[] for _ in levels]
         self._begin = self._now

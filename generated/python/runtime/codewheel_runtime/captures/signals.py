@@ -153,30 +153,36 @@ def read_samples(parts: Iterable[tuple[Any, int, Any]], masks: tuple[int, ...]) 
     """
     signals_mask = sum(masks)
     # The number of the first sample of a part, and the last sample of the previous part.
-    first_number, last_sample = 0, None
+    first_number = 0
+    last_sample = None
     for samples, done, times in parts:
         if not len(samples):
             continue
-        kind = samples.dtype.type
+        sample_type = samples.dtype.type
         changes = np.bitwise_xor(samples[1:], samples[:-1])
-        changes &= kind(signals_mask)
+        changes &= sample_type(signals_mask)
         # Index i shows the change from sample i to i + 1, whose edge is at sample i + 1.
         places = np.flatnonzero(changes != 0)
-        changed_bits, places = changes[places], places + 1
+        changed_bits = changes[places]
+        places = places + 1
         # The bits before the first edge of this part.
         levels = int(samples[0]) if last_sample is None else last_sample
         changed_between = (levels ^ int(samples[0])) & signals_mask
         if changed_between:
             # Signals also change between the last sample of a part and the first one of the next.
-            places, changed_bits = np.insert(places, 0, 0), np.insert(changed_bits, 0, kind(changed_between))
-        places_by_signal = [places[(changed_bits & kind(mask)) != 0] for mask in masks]
+            places = np.insert(places, 0, 0)
+            changed_bits = np.insert(changed_bits, 0, sample_type(changed_between))
+        places_by_signal = [places[(changed_bits & sample_type(mask)) != 0] for mask in masks]
         if times is None:
             edge_times = [(signal_places + first_number).astype(np.float64) for signal_places in places_by_signal]
-            begin, end = float(first_number), float(first_number + len(samples))
+            begin = float(first_number)
+            end = float(first_number + len(samples))
         else:
             edge_times = [times[signal_places] for signal_places in places_by_signal]
-            begin, end = float(times[0]), float(times[-1])
-        first_number, last_sample = first_number + len(samples), int(samples[-1])
+            begin = float(times[0])
+            end = float(times[-1])
+        first_number += len(samples)
+        last_sample = int(samples[-1])
         first_levels = tuple(int(levels & mask != 0) for mask in masks)
         yield Edges(first_levels, tuple(edge_times), begin, end, done)
 

@@ -69,10 +69,10 @@ def read_serial_bytes(signals: Signals, baud: float) -> Generator[_Bytes, None, 
         # The stop bit lasts at least half a bit, and the next byte may follow at once.
         next_places = np.searchsorted(falls, falls + (_BITS - 0.5) * bit, "left").tolist()
         start_places: list[int] = []
-        place = int(np.searchsorted(falls, earliest_start, "left"))
-        while place < complete_count:
-            start_places.append(place)
-            place = next_places[place]
+        index = int(np.searchsorted(falls, earliest_start, "left"))
+        while index < complete_count:
+            start_places.append(index)
+            index = next_places[index]
         if not start_places:
             continue
         starts = falls[start_places]
@@ -123,7 +123,8 @@ def read_exported_bytes(file: BinaryIO, path: str, columns: tuple[int, int]) -> 
     line = 1
     # Rows with their line numbers, without empty rows.
     while numbered_rows := [numbered_row for numbered_row in islice(rows, _ROWS) if numbered_row[1]]:
-        values, times = np.zeros(len(numbered_rows), np.uint8), np.zeros(len(numbered_rows))
+        values = np.zeros(len(numbered_rows), np.uint8)
+        times = np.zeros(len(numbered_rows))
         has_stop_bit = np.ones(len(numbered_rows), bool)
         for index, (line, row) in enumerate(numbered_rows):
             if len(row) <= max(time, value):
@@ -220,9 +221,13 @@ class _Replies:
     """
 
     def __init__(self, kinds: Kinds, duration: float) -> None:
-        self._kinds, self._pause = kinds, _PAUSE * duration
-        self._values, self._times, self._has_stop_bit = np.zeros(0, np.uint8), np.zeros(0), np.zeros(0, bool)
-        self.wanted, self._done = kinds.wanted, 0
+        self._kinds = kinds
+        self._pause = _PAUSE * duration
+        self._values = np.zeros(0, np.uint8)
+        self._times = np.zeros(0)
+        self._has_stop_bit = np.zeros(0, bool)
+        self.wanted = kinds.wanted
+        self._done = 0
 
     def feed(self, part: _Bytes) -> CapturedFrames:
         """Return the replies that further bytes complete."""
@@ -253,7 +258,8 @@ class _Replies:
 
         A valid frame has no error and no pause between its bytes, and each byte has its stop bit.
         """
-        count, length = len(self._values), shape.length
+        count = len(self._values)
+        length = shape.length
         is_valid = np.zeros(count + 1, bool)
         if count < length:
             return is_valid
@@ -278,7 +284,8 @@ class _Replies:
         if not self.wanted:
             self.wanted = self._choose_kind(places.starts)
         frames = self._collect_frames(places, request_lengths)
-        self._values, self._times = self._values[places.end :], self._times[places.end :]
+        self._values = self._values[places.end :]
+        self._times = self._times[places.end :]
         self._has_stop_bit = self._has_stop_bit[places.end :]
         return frames
 
@@ -316,21 +323,21 @@ class _Replies:
         count = len(self._values)
         starts: dict[str, list[int]] = {name: [] for name in names}
         gaps: list[tuple[int, int]] = []
-        place = gap_start = 0
-        while place < until:
+        index = gap_start = 0
+        while index < until:
             # A reply after a request takes precedence over one that seems to begin at the request, such as its echo.
-            reply_start = place + request_lengths[place]
-            if not (place < reply_start < count and reply_kinds[reply_start] >= 0):
-                reply_start = place
+            reply_start = index + request_lengths[index]
+            if not (index < reply_start < count and reply_kinds[reply_start] >= 0):
+                reply_start = index
             if reply_kinds[reply_start] < 0:
-                place += 1
+                index += 1
                 continue
-            if gap_start < place:
-                gaps.append((gap_start, place))
+            if gap_start < index:
+                gaps.append((gap_start, index))
             name = names[reply_kinds[reply_start]]
             starts[name].append(reply_start)
-            gap_start = place = reply_start + self._kinds.replies[name].length
-        end = min(max(place, gap_start), count)
+            gap_start = index = reply_start + self._kinds.replies[name].length
+        end = min(max(index, gap_start), count)
         # The last bytes may begin a reply that is not complete yet, unless the capture ends.
         if until != count and gap_start < end <= gap_start + 4 * _KEPT:
             end = gap_start

@@ -155,7 +155,9 @@ class Progress:
     RATE: Final = 10
 
     def __init__(self, out: TextIO) -> None:
-        self._out, self._started, self._shown = out, monotonic(), 0.0
+        self._out = out
+        self._started = monotonic()
+        self._shown = 0.0
 
     def show(self, done: int, total: int | None, frames: int) -> None:
         """Show the progress, at most ``RATE`` times per second. Without a total, there is no bar."""

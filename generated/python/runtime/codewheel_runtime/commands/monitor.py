@@ -96,7 +96,10 @@ class _Screen:
     """Last readings, and the lines that show them."""
 
     def __init__(self, encoder: Encoder, place: str, out: TextIO, recorder: Recorder | None, is_shown: bool) -> None:
-        self._encoder, self._place, self._out, self._recorder = encoder, place, out, recorder
+        self._encoder = encoder
+        self._place = place
+        self._out = out
+        self._recorder = recorder
         self._is_live = is_shown and out.isatty()
         self._frame: Any = None
         #: Last unwrapped position, and the range with which it was unwrapped.
@@ -123,7 +126,8 @@ class _Screen:
     def add(self, frame: Any) -> None:
         """Add a frame, record it, and show it."""
         self.frames += 1
-        self._frame, now = frame, monotonic()
+        self._frame = frame
+        now = monotonic()
         position = frame.usable_position
         if position is not None:
             self._count = self._unwrap(frame.__class__, position)
@@ -138,7 +142,8 @@ class _Screen:
     def fail(self, error: RuntimeError) -> None:
         """Add a failure, record it, and show it."""
         self.failures += 1
-        kind, now = _name_error(error), monotonic()
+        kind = _name_error(error)
+        now = monotonic()
         self._errors[kind] += 1
         self._last_error = str(error)
         if self._recorder is not None:
@@ -154,13 +159,13 @@ class _Screen:
             self._out.write(f"{self._count_failures()}{last_error}\n")
             self._out.flush()
 
-    def _unwrap(self, kind: type, position: int) -> int:
-        """Return the count of a position in a frame of class ``kind``, which continues when the position wraps around.
+    def _unwrap(self, frame_class: type, position: int) -> int:
+        """Return the count of a position in a frame of ``frame_class``, which continues when the position wraps around.
 
         It starts again if the range of the positions has changed. Without a known range, it is the position.
         """
         try:
-            valid = self._encoder.range_of(kind)
+            valid = self._encoder.range_of(frame_class)
         except ValueError:
             return position
         is_first = self._count is None or valid != self._range

@@ -163,7 +163,8 @@ def _draw_line(axes: Any, times: Any, values: Any, wraps: bool) -> None:
     if wraps and len(values):
         # Degrees jump by up to 360 where they wrap around. A NaN there interrupts the line.
         wraps_at = np.flatnonzero(np.abs(np.diff(values)) > 180) + 1
-        times, values = np.insert(times, wraps_at, times[wraps_at]), np.insert(values, wraps_at, np.nan)
+        times = np.insert(times, wraps_at, times[wraps_at])
+        values = np.insert(values, wraps_at, np.nan)
     markers = {"marker": ".", "markersize": 4} if len(values) < 200 else {}
     axes.plot(times, values, linewidth=1, **markers)
 
@@ -174,7 +175,8 @@ def _thin_out(times: Any, values: Any) -> tuple[Any, Any]:
     Values that are NaN are left out.
     """
     is_finite = np.isfinite(values)
-    times, values = times[is_finite], values[is_finite]
+    times = times[is_finite]
+    values = values[is_finite]
     if len(values) <= _POINTS:
         return times, values
     # Each stretch has two points.

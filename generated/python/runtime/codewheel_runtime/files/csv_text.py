@@ -93,7 +93,10 @@ class _SlowReader:
     def __init__(
         self, lines: _Lines, delimiter: str, place: int, columns: list[tuple[int, str]], skips_header: bool
     ) -> None:
-        self.lines, self.delimiter, self.place, self.columns = lines, delimiter, place, columns
+        self.lines = lines
+        self.delimiter = delimiter
+        self.place = place
+        self.columns = columns
         self._skips_header = skips_header
         # Cells take memory, so more columns mean fewer rows at once.
         self.count = max(inputs.ROWS // (1 + len(columns)), 1)
@@ -116,7 +119,8 @@ class _SlowReader:
         # Only cells are kept, because rows are lists, which the garbage collector would traverse repeatedly.
         other_columns: dict[str, list[str]] = {name: [] for _, name in self.columns}
         appenders = [(index, other_columns[name].append) for index, name in self.columns]
-        lines, place = self.lines, self.place
+        lines = self.lines
+        place = self.place
         for row in islice(self._rows, self.count):
             cells.append(row[place] if len(row) > place else "")
             line_numbers.append(lines.number)
@@ -158,12 +162,14 @@ def _read_parts(
     ``read_fast`` reads a block, or is None without pyarrow. It returns None for blocks with unusual content.
     ``slow_reader`` reads these, and the rest of the file with them if a row may continue in the next block.
     """
-    cells, is_first = Cells(csv_file.shape, csv_file.stored.digits), True
+    cells = Cells(csv_file.shape, csv_file.stored.digits)
+    is_first = True
     for block in blocks:
         is_whole = block.endswith(b"\n")
         parsed = read_fast(block) if read_fast is not None and is_whole and has_a_row_per_line(block) else None
         if parsed is not None:
-            lines, done = lines + parsed.lines, done + len(block)
+            lines += parsed.lines
+            done += len(block)
             cells.seen += len(parsed.frames)
             if is_first and len(parsed.frames):
                 _check_first_cells(cells, parsed.first, csv_file)
@@ -214,8 +220,11 @@ class _Lines:
     """
 
     def __init__(self, file: io.TextIOWrapper, name: str, number: int = 0, read: int = 0) -> None:
-        self._file, self.name = file, name
-        self.number, self.read, self.is_cut = number, read, False
+        self._file = file
+        self.name = name
+        self.number = number
+        self.read = read
+        self.is_cut = False
 
     def __iter__(self) -> Iterator[str]:
         """Yield the lines. Raises InputError if one is too long."""

@@ -75,7 +75,8 @@ class JoinedBlocks(io.RawIOBase):
 
     def __init__(self, blocks: Iterable[bytes]) -> None:
         super().__init__()
-        self._blocks, self._data = iter(blocks), b""
+        self._blocks = iter(blocks)
+        self._data = b""
 
     def readable(self) -> bool:
         """Return True."""
@@ -85,7 +86,8 @@ class JoinedBlocks(io.RawIOBase):
         """Put bytes into the buffer, and return their number: 0 at the end of the blocks."""
         if not self._data:
             self._data = next(self._blocks, b"")
-        part, self._data = self._data[: len(buffer)], self._data[len(buffer) :]
+        part = self._data[: len(buffer)]
+        self._data = self._data[len(buffer) :]
         buffer[: len(part)] = part
         return len(part)
 
@@ -172,4 +174,4 @@ def _read_bytes(cells: Any, length: int, pc: Any) -> Any:
     # 255 stands for a character that is not a hexadecimal digit.
     if digits.max() > 15:
         return None
-    return (digits[::2] << 4 | digits[1::2]).reshape(count, length)
+    return ((digits[::2] << 4) | digits[1::2]).reshape(count, length)

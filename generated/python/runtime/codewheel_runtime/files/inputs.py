@@ -104,15 +104,15 @@ def find_column(names: list[str], wanted: str, file: str) -> str:
             return wanted
         problem = "several columns" if wanted in names else "no column"
         raise InputError(file, "", f"{problem} {short(wanted)}; the columns are {listed(names)}")
-    place = find_usual_column(names)
-    if place is None:
+    index = find_usual_column(names)
+    if index is None:
         raise InputError(file, "", f"choose the column with the frames; the columns are {listed(names)}")
-    return names[place]
+    return names[index]
 
 
 def find_usual_column(names: list[str]) -> int | None:
     """Return the index of the only column, or of the only one named ``frame`` or ``word``. None if there is none."""
-    named = [place for place, name in enumerate(names) if len(names) == 1 or name.lower() in _NAMES]
+    named = [index for index, name in enumerate(names) if len(names) == 1 or name.lower() in _NAMES]
     return named[0] if len(named) == 1 else None
 
 

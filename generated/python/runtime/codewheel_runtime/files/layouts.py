@@ -87,11 +87,11 @@ def find_shape(encoder: Encoder, layout: str, answers: Mapping[str, Any]) -> Sha
             needed = f"it accepts {', '.join(frame_layout.answers)}" if frame_layout.answers else "it needs no answers"
             raise UsageError(f"{frame_layout.name} does not accept the answer '{name[:40]}': {needed}")
     chosen_answers: dict[str, object] = {}
-    for name, kind in frame_layout.answers.items():
+    for name, answer_class in frame_layout.answers.items():
         answer = answers.get(name)
-        members = [member for member in kind if answer in (member, member.name, member.name.lower())]
+        members = [member for member in answer_class if answer in (member, member.name, member.name.lower())]
         if len(members) != 1:
-            words = " or ".join(member.name.lower() for member in kind)
+            words = " or ".join(member.name.lower() for member in answer_class)
             raise UsageError(f"the manual leaves the {name} of {frame_layout.name} open: choose {words}")
         chosen_answers[name] = members[0]
     return frame_layout.shape(encoder, chosen_answers)

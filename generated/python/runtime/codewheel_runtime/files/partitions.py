@@ -40,14 +40,15 @@ class PartitionDecoder(NamedTuple):
 
     def decode(self, partition: Any) -> Any:
         """Return the partition with the fields in place of the column of frames. Raises TypeError for other objects."""
-        library, kind = type(partition).__module__.partition(".")[0], type(partition).__name__
-        if library == "pyarrow" and kind in ("Table", "RecordBatch"):
+        library = type(partition).__module__.partition(".")[0]
+        class_name = type(partition).__name__
+        if library == "pyarrow" and class_name in ("Table", "RecordBatch"):
             return self._decode_arrow(partition)
-        if library == "pandas" and kind == "DataFrame":
+        if library == "pandas" and class_name == "DataFrame":
             return self._decode_pandas(partition)
         if hasattr(partition, "__arrow_c_stream__") or hasattr(partition, "__arrow_c_array__"):
             return self._decode_arrow(load("pyarrow").table(partition))
-        raise TypeError(f"expected a table of Arrow, pandas, polars or DuckDB, got {kind}")
+        raise TypeError(f"expected a table of Arrow, pandas, polars or DuckDB, got {class_name}")
 
     def _decode_arrow(self, partition: Any) -> Any:
         """Return a table of Arrow: the columns other than that of the frames, then the decoded ones."""

@@ -326,7 +326,8 @@ class Derived:
     """
 
     def __init__(self, time: str, source: str) -> None:
-        self._time, self._source = time, source
+        self._time = time
+        self._source = source
         self._last: tuple[int, float] | None = None
 
     def check(self, empty: Table) -> Table:

@@ -77,7 +77,8 @@ class Coded:
 
     def _arguments(self) -> tuple[Any, ...]:
         """Return the encoder and the answers: the first fields."""
-        kind, values = cast(Any, type(self)), cast("tuple[Any, ...]", self)
+        kind = cast(Any, type(self))
+        values = cast("tuple[Any, ...]", self)
         return values[: len(find_description(kind)[1])]
 
     def _encoder(self) -> Encode:

@@ -37,7 +37,7 @@ def encode_number(fields: Any, shape: Shape, arguments: tuple[Any, ...]) -> int:
     for column in shape.columns:
         number |= _encode_field(fields, column) << column.low
     for check in shape.checks:
-        bits = number >> check.low & (1 << check.width) - 1
+        bits = (number >> check.low) & ((1 << check.width) - 1)
         if not check.is_within(bits):
             raise _limit_error(shape, check, bits)
     # A register can keep bits that belong to no field, at their places. Other unused bits are as in the manual.
@@ -72,18 +72,19 @@ def _encode_unused_bits(differing: Any, places: tuple[Unused, ...]) -> int:
 
     ``differing`` has all unused bits side by side: ``place`` is a position in it, and ``low`` one in the frame.
     """
-    mask = sum((1 << unused.width) - 1 << unused.place for unused in places)
+    mask = sum(((1 << unused.width) - 1) << unused.place for unused in places)
     differing_bits = check_bits("unused", differing, mask)
     number = 0
     for unused in places:
-        bits = (differing_bits >> unused.place ^ unused.value) & (1 << unused.width) - 1
+        bits = ((differing_bits >> unused.place) ^ unused.value) & ((1 << unused.width) - 1)
         number |= bits << unused.low
     return number
 
 
 def _encode_field(fields: Any, column: Column) -> int:
     """Return the bits of a field. Raises RangeError if its value does not fit."""
-    name, width = column.field or column.name, column.width
+    name = column.field or column.name
+    width = column.width
     if column.kind == "digits":
         number = 0
         for run, divisor, modulus in column.runs:
@@ -100,7 +101,7 @@ def _encode_field(fields: Any, column: Column) -> int:
         case "text":
             return text_number(name, value, width // 8)
         case "signed":
-            return check_signed(name, value, width) & (1 << width) - 1
+            return check_signed(name, value, width) & ((1 << width) - 1)
         case "number" | "choice":
             return _encode_number(name, value, column)
         case _:
@@ -132,7 +133,7 @@ def compute_crc(number: int, crc: CrcOf) -> int:
     # Each step folds the high bits of the number onto lower ones. The remainder is the CRC.
     for step in crc.steps:
         high = number >> step.shift
-        number = number & step.mask ^ high
+        number = (number & step.mask) ^ high
         if step.back:
             number ^= high << step.back
     return number ^ crc.xorout

@@ -34,7 +34,8 @@ def find_class_encoder(frame: Any) -> Encode:
     needed = find_description(kind)[1]
     # The answers are frame[first:count]. frame[:first] is the encoder, which is the same in all frames that the
     # function encodes, or empty if the class needs none.
-    first, count = sum(issubclass(argument_type, Encoder) for argument_type in needed), len(needed)
+    first = sum(issubclass(argument_type, Encoder) for argument_type in needed)
+    count = len(needed)
     # Raises an error if a field is not an encoder or an answer.
     encode_first = make_encoder(kind, frame[:count])
     if count == first:
@@ -105,7 +106,7 @@ def _describe_usual_bits(column: Column) -> _Bits | None:
             return _Bits("type({0}) is bool", "(not {0})") if width else _Bits("{0} is False", "0")
         case "signed" if width:
             # The double braces leave {0} in the text.
-            top = 1 << width >> 1
+            top = (1 << width) >> 1
             return _Bits(f"type({{0}}) is int and {-top} <= {{0}} < {top}", f"({{0}} & {(1 << width) - 1:#x})")
         case "number" if not column.values:
             return _Bits(f"type({{0}}) is int and not {{0}} >> {width}", "{0}")
