@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import fields, is_dataclass
 from enum import Enum
-from functools import cache
 from typing import Any, NamedTuple
 
 from ..language.document import Path
@@ -292,9 +291,9 @@ class Subject:
         The table of members gives the class of a fact in ``read``. Members without a class, and those in ``without``,
         have no fact.
         """
-        part_class: Any = type(model_part)
-        for member in _members_with_facts(part_class):
-            if member.name in without:
+        attributes = {member_field.name for member_field in fields(model_part)}
+        for member in PARTS_BY_CLASS[type(model_part).__name__].members:
+            if not member.read or member.attribute not in attributes or member.name in without:
                 continue
             member_value = getattr(model_part, member.attribute)
             if member.is_stated(member_value):
@@ -320,14 +319,6 @@ class Subject:
                         values[case] = str(_value_text(self.reading, member, member_value, self.interface))
             if values:
                 yield self.detail_fact(Sort(member.read), member.name, values, member.noun or member.words, self.place)
-
-
-@cache
-def _members_with_facts(model_class: Any) -> tuple[Member, ...]:
-    """Return the members of a class that have a fact, which is those with a class of facts in the table of members."""
-    attributes = {member_field.name for member_field in fields(model_class)}
-    members = PARTS_BY_CLASS[model_class.__name__].members
-    return tuple(member for member in members if member.read and member.attribute in attributes)
 
 
 def _value_text(reading: Reading, member: Member, value: Any, interface: str) -> Value:

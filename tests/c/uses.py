@@ -64,14 +64,14 @@ def _emptied(match: re.Match[str]) -> str:
 
 def without_nodiscard(code: str) -> str:
     """Return the code without the mark for results that must not be ignored. Its spelling depends on the compiler."""
-    word = r"^#ifndef (\w+_NODISCARD)\n.*?^#endif\n#endif\n|^(\w+_NODISCARD|CW_CONSTEXPR)\n"
+    word = r"^#ifndef (\w+_NODISCARD)\n.*?^#endif\n#endif\n|^(\w+_NODISCARD|CW_CONSTEXPR|CW_INLINE)\n"
     return re.sub(word, "", code, flags=re.MULTILINE | re.DOTALL)
 
 
 #: Macros with arguments: a length at compile time, and a check that can be omitted.
 _WITH_ARGUMENTS = ("_RECEIVE", "_READ", "_READ_BYTES", "_READ_TWICE", "CW_ASSERT")
 #: Macros that are keywords of the language.
-_WORDS = ("CW_CONSTEXPR", "CW_CONST")
+_WORDS = ("CW_CONSTEXPR", "CW_CONST", "CW_INLINE")
 
 
 def declared(texts: Iterable[str]) -> Declared:

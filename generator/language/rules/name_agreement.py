@@ -19,6 +19,8 @@ _OPPOSITES = {
     "read": re.compile(r"writ(?:es?|ing|ten)", re.IGNORECASE),
     "write": re.compile(r"read(?:s|ing)?", re.IGNORECASE),
 }
+#: The number of an LED in a name or title.
+_LED_NUMBER = re.compile(r"led[ _]?(\d+)", re.IGNORECASE)
 #: Shortest word that is compared with those of other names, and most names.
 _SHORTEST, _MOST = 6, 300
 
@@ -37,9 +39,9 @@ def check_names_and_meanings(spec: WrittenSpec, raw: WrittenSpec, report: Docume
 
 
 def check_numbers_of_leds(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the numbers in the name of an LED, such as ``led_1``, are those in its title, if it has any."""
+    """Check that the number of an LED in its name, such as ``led_1``, is the one in its title, as in "LED 1"."""
     for led in spec.leds:
-        numbers_of_name, numbers_of_title = (re.findall(r"\d+", text) for text in (led.part.name, led.part.title))
+        numbers_of_name, numbers_of_title = _LED_NUMBER.findall(led.part.name), _LED_NUMBER.findall(led.part.title)
         if numbers_of_name and numbers_of_title and numbers_of_name != numbers_of_title:
             message = f"the title has {numbers_of_title[0]}, but the name is {quoted(led.part.name)}"
             report.add("words-contradict", (*led.path, "title"), f"{message}; correct one of the two")
